@@ -1,0 +1,33 @@
+"""The errors that a caller can act on; each message is one sentence that names the way out."""
+
+
+class VisuohapticError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class MeshError(VisuohapticError):
+    """A mesh file can't be read, or has nothing that can be touched."""
+
+
+class CatalogueError(VisuohapticError):
+    """The catalogue of objects, or a name in it, is not usable."""
+
+
+class DownloadError(VisuohapticError):
+    """A model can't be had, or what came is not what the catalogue pins."""
+
+
+class ParameterError(VisuohapticError):
+    """`params.yaml` holds a value that is not allowed."""
+
+
+class TableError(VisuohapticError):
+    """A table breaks its schema."""
+
+
+class RecognitionError(VisuohapticError):
+    """The features at hand don't allow the experiment that was asked for."""
+
+
+class ReportError(VisuohapticError):
+    """The report can't be made from the tables at hand."""

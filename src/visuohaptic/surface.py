@@ -1,0 +1,129 @@
+"""A triangle surface with colours, as every phase after the meshes takes it, and its file."""
+
+from __future__ import annotations
+
+import gzip
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import MeshError
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A triangle mesh with one colour a face.
+
+    Attributes
+    ----------
+    vertices : numpy.ndarray
+        Shape (v, 3), float64; right-handed, y up. In the object frame the
+        bounding sphere's centre is the origin and its radius 1.
+    faces : numpy.ndarray
+        Shape (f, 3), int64; rows of `vertices`.
+    face_colours : numpy.ndarray
+        Shape (f, 3), uint8, sRGB.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    face_colours: NDArray[np.uint8]
+
+    @property
+    def triangles(self) -> NDArray[np.float64]:
+        """Corners of each face, shape (f, 3, 3)."""
+        return self.vertices[self.faces]
+
+    @property
+    def face_crosses(self) -> NDArray[np.float64]:
+        """Cross product of two edges of each face, shape (f, 3); its length is twice the area."""
+        corners = self.triangles
+        return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+    @property
+    def face_areas(self) -> NDArray[np.float64]:
+        """Area of each face in squared units of the vertices, shape (f,)."""
+        return 0.5 * np.linalg.norm(self.face_crosses, axis=1)
+
+    @property
+    def face_normals(self) -> NDArray[np.float64]:
+        """Unit normal of each face by its winding, shape (f, 3); zero for a face without area."""
+        crosses = self.face_crosses
+        lengths = np.linalg.norm(crosses, axis=1, keepdims=True)
+        return np.divide(crosses, lengths, out=np.zeros_like(crosses), where=lengths > 0)
+
+
+def write_surface(surface: Surface, path: str | Path) -> None:
+    """Write a surface as binary PLY, gzipped where the name ends in ``.gz``.
+
+    Vertices are stored as float32 (the precision of the ray caster), colours a
+    byte a channel. The bytes depend on the surface alone.
+
+    Parameters
+    ----------
+    surface : Surface
+        What to write.
+    path : path
+        The file; its folder is made where missing.
+    """
+    from plyfile import PlyData, PlyElement
+
+    vertex = np.zeros(len(surface.vertices), dtype=[("x", "<f4"), ("y", "<f4"), ("z", "<f4")])
+    for axis, name in enumerate("xyz"):
+        vertex[name] = surface.vertices[:, axis]
+    face = np.zeros(
+        len(surface.faces),
+        dtype=[("vertex_indices", "<i4", (3,)), ("red", "u1"), ("green", "u1"), ("blue", "u1")],
+    )
+    face["vertex_indices"] = surface.faces
+    for channel, name in enumerate(("red", "green", "blue")):
+        face[name] = surface.face_colours[:, channel]
+    elements = [PlyElement.describe(vertex, "vertex"), PlyElement.describe(face, "face")]
+    buffer = io.BytesIO()
+    PlyData(elements, byte_order="<").write(buffer)
+    data = buffer.getvalue()
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(gzip.compress(data, 9, mtime=0) if path.suffix == ".gz" else data)
+
+
+def read_surface(path: str | Path) -> Surface:
+    """Read a surface that `write_surface` wrote.
+
+    Parameters
+    ----------
+    path : path
+        A ``.ply`` or ``.ply.gz`` file of triangles with face colours.
+
+    Returns
+    -------
+    Surface
+        Its vertices are float64 numbers that float32 holds exactly.
+
+    Raises
+    ------
+    MeshError
+        If the file is not such a surface.
+    """
+    from plyfile import PlyData, PlyParseError
+
+    try:
+        with _opened(Path(path)) as stream:
+            data = PlyData.read(stream, known_list_len={"face": {"vertex_indices": 3}})
+        vertex, face = data["vertex"], data["face"]
+        vertices = np.column_stack([vertex[name] for name in "xyz"]).astype(np.float64)
+        faces = np.array(face["vertex_indices"].tolist(), dtype=np.int64).reshape(-1, 3)
+        colours = np.column_stack([face[name] for name in ("red", "green", "blue")])
+    except (OSError, EOFError, PlyParseError, KeyError, ValueError) as error:
+        raise MeshError(
+            f"{path} is no coloured triangle mesh of this workflow: {error}."
+        ) from error
+    return Surface(vertices, faces, colours.astype(np.uint8))
+
+
+def _opened(path: Path) -> BinaryIO:
+    return gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb")  # type: ignore[return-value]
