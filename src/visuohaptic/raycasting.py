@@ -1,4 +1,9 @@
-"""Rays against a triangle surface, many at once, through Open3D's Embree scene."""
+"""Rays against a triangle surface, many at once, through Open3D's Embree scene.
+
+Embree finds the face in float32; the distance to that face's plane is computed
+anew in float64. What is left of float32 is the choice of the face, which can be
+wrong within about 1e-7 of an edge: `RayCaster.settled_hits` looks at such rays again.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +18,18 @@ from numpy.typing import NDArray
 from visuohaptic.surface import Surface
 
 MISS = -1
+
+# Embree's float32 may take a ray this far (in the surface's unit) to the wrong side of an edge:
+# eight roundings of coordinates of size 3.
+LATERAL_ERROR = 2e-6
+# Rays that look for candidate faces around a doubtful ray stand this far off it.
+_BUNDLE_RADIUS = 3e-6
+_BUNDLE = np.array(
+    [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
+)
+# Barycentric weights down to this much below zero still count as inside, so that two faces
+# share their edge without a gap.
+_EDGE_SLACK = 1e-12
 
 
 @dataclass(frozen=True)
@@ -45,13 +62,17 @@ class RayCaster:
     Parameters
     ----------
     surface : Surface
-        The surface; keep it near the origin and near unit size, for the caster
-        computes in float32.
+        The surface; keep it near the origin and near unit size, for faces are
+        found in float32.
     """
 
     def __init__(self, surface: Surface) -> None:
         open3d = load_open3d()
         self.surface = surface
+        self.corners = surface.triangles
+        crosses = surface.face_crosses
+        self.planes = np.column_stack([crosses, np.einsum("ij,ij->i", crosses, self.corners[:, 0])])
+        self._doubled_areas = np.linalg.norm(crosses, axis=1)
         self._tensor = open3d.core.Tensor
         self._miss = open3d.t.geometry.RaycastingScene.INVALID_ID
         self._scene = open3d.t.geometry.RaycastingScene(nthreads=1)
@@ -59,6 +80,12 @@ class RayCaster:
             self._tensor(np.ascontiguousarray(surface.vertices, dtype=np.float32)),
             self._tensor(np.ascontiguousarray(surface.faces, dtype=np.uint32)),
         )
+
+    @property
+    def reach(self) -> float:
+        """A length that no two points of the surface's bounding box are farther apart than."""
+        vertices = self.surface.vertices
+        return float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
 
     def first_hits(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> Hits:
         """Cast rays and give the first hit of each.
@@ -71,17 +98,30 @@ class RayCaster:
         Returns
         -------
         Hits
-            One entry a ray; independent of what else is in the batch.
+            One entry a ray; independent of what else is in the batch. Faces are
+            found in float32, distances are to the face's plane in float64.
         """
-        rays = np.concatenate([origins, directions], axis=1).astype(np.float32)
+        rays = np.concatenate([origins, directions], axis=1, dtype=np.float32, casting="same_kind")
         answer = self._scene.cast_rays(self._tensor(rays))
         faces = answer["primitive_ids"].numpy()
         hit = faces != self._miss
-        return Hits(
-            answer["t_hit"].numpy().astype(np.float64),
-            np.where(hit, faces, 0).astype(np.int64) + np.where(hit, 0, MISS),
-            np.where(hit[:, None], answer["primitive_uvs"].numpy(), 0.0).astype(np.float64),
-        )
+        faces = np.where(hit, faces, 0).astype(np.int64)
+        coarse = answer["t_hit"].numpy().astype(np.float64)
+        distance = np.where(hit, self._plane_distances(faces, origins, directions, coarse), np.inf)
+        barycentric = np.where(hit[:, None], answer["primitive_uvs"].numpy(), 0.0)
+        return Hits(distance, np.where(hit, faces, MISS), barycentric.astype(np.float64))
+
+    def _plane_distances(
+        self,
+        faces: NDArray[np.int64],
+        origins: NDArray[np.float64],
+        directions: NDArray[np.float64],
+        fallback: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        planes = self.planes[faces]
+        above = planes[:, 3] - np.einsum("ij,ij->i", planes[:, :3], origins)
+        along = np.einsum("ij,ij->i", planes[:, :3], directions)
+        return np.divide(above, along, out=fallback, where=along != 0)
 
 
 def load_open3d() -> ModuleType:

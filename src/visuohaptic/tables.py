@@ -19,8 +19,6 @@ import pyarrow.parquet as pq
 
 from visuohaptic.errors import TableError
 
-INDEX_NAME = "_index.json"
-
 _SEQUENCES = (np.ndarray, list, tuple)
 
 
@@ -154,7 +152,13 @@ FIXATIONS = Schema(
         *NORMAL,
         Column("face", COUNT, "triangle of the object's mesh", minimum=0),
         Column(
-            "saliency", REAL, "saliency where the eye rests", "of the view's maximum", 0, 1, True
+            "saliency",
+            REAL,
+            "saliency where the eye rests",
+            "of the view's maximum",
+            0,
+            1,
+            nullable=True,
         ),
     ),
     _names(TOUCH_KEYS),
@@ -372,6 +376,34 @@ def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.T
     return table.combine_chunks()
 
 
+def prune_parts(folder: str | Path, expected: Iterable[str | Path]) -> list[Path]:
+    """Delete Parquet files that no longer belong to a table, and folders that this empties.
+
+    Files are left over when an object goes away, or viewpoints are split into
+    jobs in another way; a reader of the folder would meet their rows twice.
+
+    Parameters
+    ----------
+    folder : path
+        A table's folder; nothing outside it is touched.
+    expected : iterable of path
+        The files that make up the table.
+
+    Returns
+    -------
+    list of pathlib.Path
+        What was deleted.
+    """
+    keep = {Path(path) for path in expected}
+    stale = [file for file in sorted(Path(folder).rglob("*.parquet")) if file not in keep]
+    for file in stale:
+        file.unlink()
+    for parent in sorted({file.parent for file in stale}, reverse=True):
+        if parent != Path(folder) and not any(parent.iterdir()):
+            parent.rmdir()
+    return stale
+
+
 def matrix(table: pa.Table, names: Sequence[str]) -> np.ndarray:
     """Give numeric columns side by side.
 
@@ -442,11 +474,7 @@ def _check_column(schema: Schema, column: Column, values: pa.ChunkedArray) -> No
         values = pc.list_flatten(values)
     if not pa.types.is_floating(values.type) and not pa.types.is_integer(values.type):
         return
-    if (
-        pa.types.is_floating(values.type)
-        and not pc.all(pc.is_finite(values)).as_py()
-        and len(values)
-    ):
+    if pa.types.is_floating(values.type) and pc.any(pc.invert(pc.is_finite(values))).as_py():
         raise TableError(f"table {schema.name}: column {column.name} has NaN or infinite values.")
     extremes = pc.min_max(values).as_py()
     if extremes["min"] is None:

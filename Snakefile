@@ -1,0 +1,33 @@
+"""Look at 3D objects, touch them where the eye would rest, name them from touch alone."""
+
+from snakemake.utils import min_version
+
+min_version("9.19")
+
+
+configfile: "params.yaml"
+
+
+include: "workflow/rules/common.smk"
+# In the order in which data flows; each file names what it takes and gives.
+include: "workflow/rules/meshes.smk"
+include: "workflow/rules/fixations.smk"
+include: "workflow/rules/touches.smk"
+include: "workflow/rules/features.smk"
+include: "workflow/rules/recognition.smk"
+include: "workflow/rules/report.smk"
+
+
+onstart:
+    prune_tables()
+
+
+onsuccess:
+    print("The report is at reports/report.html.")
+
+
+rule all:
+    default_target: True
+    input:
+        "reports/report.html",
+        "reports/metrics.json",

@@ -1,0 +1,104 @@
+"""Which files of this package a script runs, told from its imports without running it.
+
+A workflow engine that watches a script sees no edit in what the script imports.
+With these files among a rule's inputs it does.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+PACKAGE = "visuohaptic"
+
+
+def code_inputs(script: str | Path, source: str | Path) -> list[Path]:
+    """List the package's files that a script imports, directly or through others.
+
+    Imports anywhere in a file count, those inside functions too; imports that
+    only a type checker sees don't.
+
+    Parameters
+    ----------
+    script : path
+        A Python file.
+    source : path
+        The folder that holds the package.
+
+    Returns
+    -------
+    list of pathlib.Path
+        Sorted paths, below `source`.
+    """
+    source = Path(source)
+    found: set[Path] = set()
+    waiting = _imported_files(Path(script), source)
+    while waiting:
+        file = waiting.pop()
+        if file not in found:
+            found.add(file)
+            waiting |= _imported_files(file, source)
+    return sorted(found)
+
+
+@cache
+def _parse(file: Path, _modified_ns: int) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"), str(file))
+
+
+def _imported_files(file: Path, source: Path) -> set[Path]:
+    tree = _parse(file, file.stat().st_mtime_ns)
+    files: set[Path] = set()
+    for name in _imported_names(tree, _package_of(file, source)):
+        files |= _files_of(name, source)
+    stub = file.with_suffix(".pyi")
+    if file.name == "__init__.py" and stub.exists() and _loads_lazily(tree):
+        files.add(stub)
+    return files
+
+
+def _loads_lazily(tree: ast.Module) -> bool:
+    return any(
+        isinstance(node, ast.Attribute) and node.attr == "attach_stub" for node in ast.walk(tree)
+    )
+
+
+def _package_of(file: Path, source: Path) -> str:
+    if source not in file.parents:
+        return ""
+    return ".".join(file.relative_to(source).parent.parts)
+
+
+def _imported_names(tree: ast.Module, package: str) -> Iterator[str]:
+    for node in _run_time_nodes(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            parents = package.split(".")[: len(package.split(".")) - node.level + 1]
+            base = (
+                ".".join([*parents, node.module or ""]).strip(".")
+                if node.level
+                else node.module or ""
+            )
+            yield base
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def _run_time_nodes(node: ast.AST) -> Iterator[ast.AST]:
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.If) and "TYPE_CHECKING" in ast.dump(child.test):
+            continue
+        yield child
+        yield from _run_time_nodes(child)
+
+
+def _files_of(name: str, source: Path) -> set[Path]:
+    """Give the file of a module and the `__init__.py` of each package above it."""
+    parts = name.split(".")
+    if parts[0] != PACKAGE:
+        return set()
+    files = {source.joinpath(*parts[:depth], "__init__.py") for depth in range(1, len(parts) + 1)}
+    files.add(source.joinpath(*parts).with_suffix(".py"))
+    return {file for file in files if file.is_file()}

@@ -1,0 +1,87 @@
+"""What every job of a workflow needs around its work: a log, a clock, and errors in one sentence."""
+
+from __future__ import annotations
+
+import sys
+import time
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from visuohaptic.errors import VisuohapticError
+
+_SECONDS = "seconds:"
+
+
+@dataclass(frozen=True)
+class JobSeconds:
+    """What one job took: `imports` from the process's start to the work, and the `work`, in s."""
+
+    imports: float
+    work: float
+
+
+@contextmanager
+def logged_job(log: str | Path) -> Iterator[None]:
+    """Run a job's work: time it, log it, and end with one sentence where it can't be done.
+
+    Parameters
+    ----------
+    log : path
+        The log file; its folder is made where missing. It ends with a line that
+        `read_seconds` understands.
+
+    Raises
+    ------
+    SystemExit
+        With status 1, after any error. The sentence goes to standard error and
+        the log; the log alone gets a traceback where the error was not foreseen.
+    """
+    path = Path(log)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    started = time.time()
+    imports = started - _process_start()
+    try:
+        yield
+    except VisuohapticError as error:
+        _end_with(path, f"error: {error}", "")
+    except Exception as error:  # noqa: BLE001 - the job ends here, and says why
+        _end_with(
+            path, f"error: {type(error).__name__}: {error} (see {path})", traceback.format_exc()
+        )
+    work = time.time() - started
+    path.write_text(f"done\n{_SECONDS} imports {imports:.3f} work {work:.3f}\n", encoding="utf-8")
+
+
+def read_seconds(log: str | Path) -> JobSeconds | None:
+    """Read from a log what its job took.
+
+    Parameters
+    ----------
+    log : path
+        A log of `logged_job`.
+
+    Returns
+    -------
+    JobSeconds or None
+        None where the job did not finish.
+    """
+    for line in Path(log).read_text(encoding="utf-8").splitlines():
+        if line.startswith(_SECONDS):
+            _, _, imports, _, work = line.split()
+            return JobSeconds(float(imports), float(work))
+    return None
+
+
+def _end_with(log: Path, sentence: str, details: str) -> None:
+    log.write_text(f"{sentence}\n{details}", encoding="utf-8")
+    sys.stderr.write(f"{sentence}\n")
+    raise SystemExit(1)
+
+
+def _process_start() -> float:
+    import psutil
+
+    return psutil.Process().create_time()

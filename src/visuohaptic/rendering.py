@@ -1,0 +1,301 @@
+"""Views of a surface: what a camera sees of it, pixel by pixel, by ray casting."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from visuohaptic.curvature import SurfaceShape, measure_shape
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.viewpoints import Camera
+
+# How far a shadow ray starts above the surface, object radii; float32 rays need some 1e-5.
+SHADOW_OFFSET = 1e-4
+
+
+class RenderingParameters(BaseModel):
+    """How views are rendered."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    resolution: int = Field(256, ge=16, description="Rows and columns of a view, pixels.")
+    shading: bool = Field(
+        default=True, description="Whether surfaces facing the light are brighter (Lambert)."
+    )
+    cast_shadows: bool = Field(
+        default=False,
+        description="Whether the object shadows itself; without shading there is no shadow.",
+    )
+    ambient: float = Field(
+        0.4, ge=0.0, le=1.0, description="Share of light that comes evenly from everywhere."
+    )
+    light_elevation_degrees: float = Field(
+        25.0,
+        ge=-90.0,
+        le=90.0,
+        description="Height of the light above the viewing axis, degrees; it moves with the camera.",
+    )
+    light_azimuth_degrees: float = Field(
+        0.0,
+        description="Turn of the light to the camera's right, degrees; 0 lights both sides alike.",
+    )
+    crease_angle_degrees: float = Field(
+        40.0,
+        ge=0.0,
+        le=180.0,
+        description="Faces that meet at a larger angle have an edge, not a rounding, degrees.",
+    )
+    crease_width: float = Field(
+        0.03,
+        gt=0.0,
+        description="Reach of an edge's curvature to either side, object radii.",
+    )
+    background: float = Field(
+        0.85, ge=0.0, le=1.0, description="Grey level where no surface is; no channel looks at it."
+    )
+
+
+@dataclass(frozen=True)
+class Views:
+    """What n cameras see, each over h rows and w columns.
+
+    Attributes
+    ----------
+    colour : numpy.ndarray
+        Shape (n, h, w, 3), float32: sRGB, 0 to 1.
+    mask : numpy.ndarray
+        Shape (n, h, w), bool: whether a pixel sees the surface.
+    depth : numpy.ndarray
+        Shape (n, h, w), float32: along the viewing axis from the camera's
+        plane, object radii; infinite on the background.
+    point : numpy.ndarray
+        Shape (n, h, w, 3), float64: seen point, object frame; zero on the background.
+    normal : numpy.ndarray
+        Shape (n, h, w, 3), float64: interpolated unit normal on the side of
+        the camera, object frame; zero on the background.
+    face : numpy.ndarray
+        Shape (n, h, w), int64: seen face; -1 on the background.
+    curvature : numpy.ndarray
+        Shape (n, h, w), float32: curvedness of the surface, at least 0, per
+        object radius; zero on the background.
+    lit : numpy.ndarray
+        Shape (n, h, w), bool: whether no shadow falls on the pixel; true on the background.
+    """
+
+    colour: NDArray[np.float32]
+    mask: NDArray[np.bool_]
+    depth: NDArray[np.float32]
+    point: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    face: NDArray[np.int64]
+    curvature: NDArray[np.float32]
+    lit: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.mask)
+
+
+def render_views(
+    caster: RayCaster, cameras: Sequence[Camera], parameters: RenderingParameters
+) -> Views:
+    """Render a surface from several cameras.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The surface, prepared for rays.
+    cameras : sequence of Camera
+        n cameras; each view depends on its own camera alone.
+    parameters : RenderingParameters
+        How to render.
+
+    Returns
+    -------
+    Views
+        n views of ``resolution`` rows and columns.
+
+    Notes
+    -----
+    One ray goes through the centre of each pixel. The light stands fixed to
+    the camera, so turning the object and turning the camera are one and the same.
+    """
+    shape = measure_shape(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
+    views = [_render_view(caster, shape, camera, parameters) for camera in cameras]
+    if not views:
+        return _background_views((0, parameters.resolution, parameters.resolution), parameters)
+    return Views(
+        **{
+            field.name: np.concatenate([getattr(view, field.name) for view in views])
+            for field in fields(Views)
+        }
+    )
+
+
+def shadow_reason(parameters: RenderingParameters) -> str | None:
+    """Tell why no shadow ray is cast.
+
+    Parameters
+    ----------
+    parameters : RenderingParameters
+        How views are rendered.
+
+    Returns
+    -------
+    str or None
+        A sentence, or None where shadow rays are cast.
+    """
+    if not parameters.cast_shadows:
+        return "cast shadows are switched off"
+    if not parameters.shading:
+        return "without shading no light is blocked"
+    if parameters.ambient == 1.0:
+        return "all light is ambient"
+    return None
+
+
+def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[np.float64]:
+    """Give the unit vector towards the light, which is infinitely far.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera that the light is fixed to.
+    parameters : RenderingParameters
+        Where the light stands.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (3,), object frame.
+    """
+    elevation = np.radians(parameters.light_elevation_degrees)
+    azimuth = np.radians(parameters.light_azimuth_degrees)
+    right, up, back = camera.axes
+    level = np.sin(azimuth) * right + np.cos(azimuth) * back
+    return np.cos(elevation) * level + np.sin(elevation) * up
+
+
+def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Encode linear light as sRGB (IEC 61966-2-1).
+
+    Parameters
+    ----------
+    linear : numpy.ndarray
+        Any shape, 0 to 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        The same shape, 0 to 1.
+    """
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def decode_srgb(encoded: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Decode sRGB to linear light (IEC 61966-2-1).
+
+    Parameters
+    ----------
+    encoded : numpy.ndarray
+        Any shape, 0 to 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        The same shape, 0 to 1.
+    """
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def _background_views(shape: tuple[int, int, int], parameters: RenderingParameters) -> Views:
+    return Views(
+        colour=np.full((*shape, 3), parameters.background, dtype=np.float32),
+        mask=np.zeros(shape, dtype=bool),
+        depth=np.full(shape, np.inf, dtype=np.float32),
+        point=np.zeros((*shape, 3)),
+        normal=np.zeros((*shape, 3)),
+        face=np.full(shape, -1, dtype=np.int64),
+        curvature=np.zeros(shape, dtype=np.float32),
+        lit=np.ones(shape, dtype=bool),
+    )
+
+
+def _render_view(
+    caster: RayCaster, shape: SurfaceShape, camera: Camera, parameters: RenderingParameters
+) -> Views:
+    size = parameters.resolution
+    origins, directions = camera.rays(size)
+    hits = caster.first_hits(origins, directions)
+    seen = np.flatnonzero(hits.hit)
+    faces, barycentric = hits.face[seen], hits.barycentric[seen]
+    weights = np.column_stack([1.0 - barycentric.sum(axis=1), barycentric])
+    points = np.einsum("nk,nkd->nd", weights, caster.surface.triangles[faces])
+    normals = _normals_towards(shape, caster, faces, weights, directions[seen])
+
+    view = _background_views((1, size, size), parameters)
+    lit = np.ones(len(seen), dtype=bool)
+    if shadow_reason(parameters) is None:
+        lit = _lit(caster, points, normals, light_direction(camera, parameters))
+    view.colour.reshape(-1, 3)[seen] = _shade(
+        caster.surface.face_colours[faces],
+        normals,
+        lit,
+        light_direction(camera, parameters),
+        parameters,
+    )
+    view.mask.reshape(-1)[seen] = True
+    view.depth.reshape(-1)[seen] = (camera.eye - points) @ camera.axes[2]
+    view.point.reshape(-1, 3)[seen] = points
+    view.normal.reshape(-1, 3)[seen] = normals
+    view.face.reshape(-1)[seen] = faces
+    view.curvature.reshape(-1)[seen] = shape.curvature(faces, weights)
+    view.lit.reshape(-1)[seen] = lit
+    return view
+
+
+def _normals_towards(
+    shape: SurfaceShape,
+    caster: RayCaster,
+    faces: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    directions: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    flat = caster.surface.face_normals[faces]
+    away = np.where(np.einsum("nd,nd->n", flat, directions) > 0.0, -1.0, 1.0)[:, None]
+    flat, smooth = away * flat, away * shape.normals(faces, weights)
+    # Close to its outline a facet can be seen while the rounding that it stands for turns away.
+    beyond = np.einsum("nd,nd->n", smooth, directions) >= 0.0
+    return np.where(beyond[:, None], flat, smooth)
+
+
+def _lit(
+    caster: RayCaster,
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    light: NDArray[np.float64],
+) -> NDArray[np.bool_]:
+    towards = normals @ light > 0.0
+    origins = points[towards] + SHADOW_OFFSET * normals[towards]
+    blocked = caster.first_hits(origins, np.broadcast_to(light, origins.shape)).hit
+    lit = np.ones(len(points), dtype=bool)
+    lit[towards] = ~blocked
+    return lit
+
+
+def _shade(
+    colours: NDArray[np.uint8],
+    normals: NDArray[np.float64],
+    lit: NDArray[np.bool_],
+    light: NDArray[np.float64],
+    parameters: RenderingParameters,
+) -> NDArray[np.float64]:
+    encoded = colours / 255.0
+    if not parameters.shading:
+        return encoded
+    lambert = np.maximum(normals @ light, 0.0) * lit
+    irradiance = parameters.ambient + (1.0 - parameters.ambient) * lambert
+    return encode_srgb(decode_srgb(encoded) * irradiance[:, None])

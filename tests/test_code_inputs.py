@@ -1,0 +1,78 @@
+"""The modules that a script runs are found without running it."""
+
+from pathlib import Path
+
+import pytest
+
+from visuohaptic.code_inputs import code_inputs
+
+ROOT = Path(__file__).parents[1]
+SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
+
+
+@pytest.fixture
+def source(tmp_path):
+    files = {
+        "__init__.py": "",
+        "a.py": "from visuohaptic.b import x\n",
+        "b.py": "def f():\n    from visuohaptic import c\n",
+        "c.py": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import visuohaptic.d\n",
+        "d.py": "",
+        "lazy/__init__.py": "import lazy_loader\nx = lazy_loader.attach_stub(__name__, __file__)\n",
+        "lazy/__init__.pyi": "from .one import x as x\n",
+        "lazy/one.py": "from .two import y\n",
+        "lazy/two.py": "from ..d import z\n",
+    }
+    for name, text in files.items():
+        path = tmp_path / "src" / "visuohaptic" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return tmp_path / "src"
+
+
+def found(source, text):
+    script = source.parent / "script.py"
+    script.write_text(text)
+    return {str(file.relative_to(source / "visuohaptic")) for file in code_inputs(script, source)}
+
+
+def test_imports_are_followed_into_functions_but_not_for_the_type_checker(source):
+    assert found(source, "import visuohaptic.a\n") == {"__init__.py", "a.py", "b.py", "c.py"}
+
+
+def test_a_lazy_package_brings_what_its_stub_names(source):
+    assert found(source, "from visuohaptic.lazy import x\n") == {
+        "__init__.py", "d.py", "lazy/__init__.py", "lazy/__init__.pyi", "lazy/one.py", "lazy/two.py",
+    }  # fmt: skip
+
+
+def test_other_packages_do_not_count(source):
+    assert found(source, "import numpy\nfrom os import path\n") == set()
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_every_module_that_a_script_loads_is_among_its_code_inputs(script):
+    """Run the imports of a script for real, and compare with what is told from its text."""
+    import ast
+    import json
+    import subprocess
+    import sys
+
+    imports = [
+        ast.unparse(node)
+        for node in ast.parse(script.read_text()).body
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    ]
+    program = "\n".join(
+        [
+            *imports,
+            "import json, sys",
+            "print(json.dumps([m.__file__ for n, m in sys.modules.items() if n.startswith('visuohaptic')]))",
+        ]
+    )
+    output = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True, text=True, check=True, env={"PYTHONPATH": str(ROOT / "src")},
+    ).stdout  # fmt: skip
+    loaded = {Path(file) for file in json.loads(output.splitlines()[-1])}
+    assert loaded <= set(code_inputs(script, ROOT / "src"))

@@ -1,0 +1,32 @@
+"""A job leaves a log that a person and the report can read, and ends in one sentence."""
+
+import pytest
+
+from visuohaptic.errors import MeshError
+from visuohaptic.jobs import logged_job, read_seconds
+
+
+def test_a_job_that_ends_well_logs_its_seconds(tmp_path):
+    with logged_job(tmp_path / "deep" / "a.log"):
+        pass
+    seconds = read_seconds(tmp_path / "deep" / "a.log")
+    assert seconds.imports > 0
+    assert seconds.work >= 0
+
+
+def test_a_foreseen_error_is_one_sentence_without_traceback(tmp_path, capsys):
+    log = tmp_path / "a.log"
+    with pytest.raises(SystemExit) as caught, logged_job(log):
+        raise MeshError("a.obj is empty.")
+    assert caught.value.code == 1
+    assert capsys.readouterr().err == "error: a.obj is empty.\n"
+    assert log.read_text() == "error: a.obj is empty.\n"
+    assert read_seconds(log) is None
+
+
+def test_an_unforeseen_error_keeps_its_traceback_in_the_log(tmp_path, capsys):
+    log = tmp_path / "a.log"
+    with pytest.raises(SystemExit), logged_job(log):
+        raise ZeroDivisionError("oh")
+    assert capsys.readouterr().err.startswith("error: ZeroDivisionError: oh (see ")
+    assert "Traceback" in log.read_text()

@@ -1,0 +1,27 @@
+"""Features: tactile imprints and poses → 16 contourlet and 6 kinesthetic features a touch.
+
+Takes results/touches/; gives the table results/features/.
+"""
+
+
+rule features_all:
+    input:
+        parts_of("features"),
+
+
+rule features:
+    input:
+        touches="results/touches/{object}/{views}.parquet",
+        code=code_of("features.py"),
+    output:
+        "results/features/{object}/{views}.parquet",
+    log:
+        "logs/features/{object}/{views}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        features=PARAMETERS.features.model_dump(),
+    message:
+        "describing the imprints of {wildcards.object}, viewpoints {wildcards.views}"
+    script:
+        "../scripts/features.py"

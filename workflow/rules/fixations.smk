@@ -1,0 +1,34 @@
+"""Fixations: surface and viewpoints → rendered views, saliency, and ordered probing locations.
+
+Takes results/meshes/; gives the tables results/views/ and results/fixations/.
+"""
+
+
+rule fixations_all:
+    input:
+        parts_of("fixations"),
+        parts_of("views"),
+
+
+rule fixations:
+    input:
+        mesh="results/meshes/{object}.ply",
+        code=code_of("fixations.py"),
+    output:
+        fixations="results/fixations/{object}/{views}.parquet",
+        views="results/views/{object}/{views}.parquet",
+    log:
+        "logs/fixations/{object}/{views}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        block=viewpoints_of,
+        viewpoints=PARAMETERS.viewpoints.model_dump(),
+        rendering=PARAMETERS.rendering.model_dump(),
+        attention=PARAMETERS.attention.model_dump(),
+        probing=PARAMETERS.probing.model_dump(),
+        seed=PARAMETERS.seed,
+    message:
+        "looking at {wildcards.object} from viewpoints {wildcards.views}"
+    script:
+        "../scripts/fixations.py"

@@ -1,0 +1,30 @@
+"""Recognition: features of all objects → scores and predictions of every split and classifier.
+
+Takes results/features/; gives the tables results/scores/ and results/predictions/.
+"""
+
+
+rule recognition_all:
+    input:
+        scores_of("scores"),
+        scores_of("predictions"),
+
+
+rule recognition:
+    input:
+        features=parts_of("features"),
+        code=code_of("recognition.py"),
+    output:
+        scores="results/scores/{pipeline}/{strategy}.parquet",
+        predictions="results/predictions/{pipeline}/{strategy}.parquet",
+    log:
+        "logs/recognition/{pipeline}/{strategy}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        recognition=PARAMETERS.recognition.model_dump(exclude={"pipelines"}),
+        seed=PARAMETERS.seed,
+    message:
+        "training and testing on touches by {wildcards.strategy}, pipeline {wildcards.pipeline}"
+    script:
+        "../scripts/recognition.py"

@@ -1,0 +1,30 @@
+"""Touches: probing locations → tactile imprints, the sensor's pose and size, the contact's state.
+
+Takes results/meshes/ and results/fixations/; gives the table results/touches/.
+"""
+
+
+rule touches_all:
+    input:
+        parts_of("touches"),
+
+
+rule touches:
+    input:
+        mesh="results/meshes/{object}.ply",
+        fixations="results/fixations/{object}/{views}.parquet",
+        code=code_of("touches.py"),
+    output:
+        "results/touches/{object}/{views}.parquet",
+    log:
+        "logs/touches/{object}/{views}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        sensor=PARAMETERS.sensor.model_dump(),
+        scene=PARAMETERS.scene.model_dump(),
+        seed=PARAMETERS.seed,
+    message:
+        "touching {wildcards.object} from viewpoints {wildcards.views}"
+    script:
+        "../scripts/touches.py"
