@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 import traceback
@@ -21,6 +22,22 @@ class JobSeconds:
 
     imports: float
     work: float
+
+
+def set_job_environment(source: str | Path) -> None:
+    """Set what the processes that this one starts take over.
+
+    They import the package of this checkout, whatever else is installed; and they
+    compute with one thread each, for the parallelism is in the jobs.
+
+    Parameters
+    ----------
+    source : path
+        The folder that holds the package.
+    """
+    os.environ["PYTHONPATH"] = str(source)
+    for library in ("OMP", "OPENBLAS", "MKL"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 
 @contextmanager

@@ -23,7 +23,6 @@ class ProbingParameters(BaseModel):
     strategies: tuple[Strategy, ...] = Field(
         ("fixation", "random"), min_length=1, description="how probing locations are chosen"
     )
-    touches: int = Field(5, ge=1, le=16, description="touches in a sequence")
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
 
@@ -19,6 +20,8 @@ from visuohaptic.surface import Surface
 
 MISS = -1
 
+Suspects = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+
 # Embree's float32 may take a ray this far (in the surface's unit) to the wrong side of an edge:
 # eight roundings of coordinates of size 3.
 LATERAL_ERROR = 2e-6
@@ -27,9 +30,6 @@ _BUNDLE_RADIUS = 3e-6
 _BUNDLE = np.array(
     [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
 )
-# Barycentric weights down to this much below zero still count as inside, so that two faces
-# share their edge without a gap.
-_EDGE_SLACK = 1e-12
 
 
 @dataclass(frozen=True)
@@ -69,10 +69,8 @@ class RayCaster:
     def __init__(self, surface: Surface) -> None:
         open3d = load_open3d()
         self.surface = surface
-        self.corners = surface.triangles
-        crosses = surface.face_crosses
-        self.planes = np.column_stack([crosses, np.einsum("ij,ij->i", crosses, self.corners[:, 0])])
-        self._doubled_areas = np.linalg.norm(crosses, axis=1)
+        self._corners = surface.triangles
+        self._planes = _face_planes(surface)
         self._tensor = open3d.core.Tensor
         self._miss = open3d.t.geometry.RaycastingScene.INVALID_ID
         self._scene = open3d.t.geometry.RaycastingScene(nthreads=1)
@@ -101,27 +99,140 @@ class RayCaster:
             One entry a ray; independent of what else is in the batch. Faces are
             found in float32, distances are to the face's plane in float64.
         """
-        rays = np.concatenate([origins, directions], axis=1, dtype=np.float32, casting="same_kind")
+        hits, _ = self._cast(origins, directions)
+        return hits
+
+    def settled_hits(
+        self,
+        origins: NDArray[np.float64],
+        directions: NDArray[np.float64],
+        suspects: Suspects | None = None,
+    ) -> Hits:
+        """Cast rays, and cast the doubtful ones again in float64.
+
+        Doubtful is a ray that meets its face so near an edge or vertex, or so
+        grazing, that float32 may have taken the wrong face; and whatever `suspects` names,
+        such as a miss between hits.
+
+        Parameters
+        ----------
+        origins, directions : numpy.ndarray
+            Shape (n, 3) each; the frame and unit of the surface's vertices.
+        suspects : callable, optional
+            Takes the distances of the first cast, shape (n,), and gives further doubtful
+            rays, shape (n,), bool.
+
+        Returns
+        -------
+        Hits
+            One entry a ray; independent of what else is in the batch as far as `suspects` is.
+        """
+        hits, doubtful = self._cast(origins, directions)
+        if suspects is not None:
+            doubtful |= suspects(hits.distance)
+        again = np.flatnonzero(doubtful)
+        if not len(again):
+            return hits
+        first = Hits(hits.distance[again], hits.face[again], hits.barycentric[again])
+        settled = self._settle(origins[again], directions[again], first)
+        hits.distance[again] = settled.distance
+        hits.face[again] = settled.face
+        hits.barycentric[again] = settled.barycentric
+        return hits
+
+    def _cast(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> tuple[Hits, NDArray[np.bool_]]:
+        rays = np.zeros((len(origins), 6), dtype=np.float32)
+        rays[:, :3] = origins
+        rays[:, 3:] = directions
         answer = self._scene.cast_rays(self._tensor(rays))
         faces = answer["primitive_ids"].numpy()
         hit = faces != self._miss
-        faces = np.where(hit, faces, 0).astype(np.int64)
-        coarse = answer["t_hit"].numpy().astype(np.float64)
-        distance = np.where(hit, self._plane_distances(faces, origins, directions, coarse), np.inf)
-        barycentric = np.where(hit[:, None], answer["primitive_uvs"].numpy(), 0.0)
-        return Hits(distance, np.where(hit, faces, MISS), barycentric.astype(np.float64))
+        faces = faces.astype(np.int64)
+        faces[~hit] = MISS
+        weights = answer["primitive_uvs"].numpy()
+        distance = answer["t_hit"].numpy().astype(np.float64)
 
-    def _plane_distances(
-        self,
-        faces: NDArray[np.int64],
-        origins: NDArray[np.float64],
-        directions: NDArray[np.float64],
-        fallback: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
-        planes = self.planes[faces]
-        above = planes[:, 3] - np.einsum("ij,ij->i", planes[:, :3], origins)
-        along = np.einsum("ij,ij->i", planes[:, :3], directions)
-        return np.divide(above, along, out=fallback, where=along != 0)
+        planes = self._planes.take(faces, axis=0)
+        along = _dot(planes, directions)
+        exact = hit & (along != 0)
+        np.divide(planes[:, 3] - _dot(planes, origins), along, out=distance, where=exact)
+        u, v = weights[:, 0], weights[:, 1]
+        least_weight = np.minimum(np.minimum(u, v), 1 - u - v)
+        length = np.sqrt(_dot(directions, directions))
+        doubtful = hit & (least_weight * np.abs(along) < planes[:, 4] * length)
+        hits = Hits(distance, faces, weights.astype(np.float64))
+        return hits, doubtful
+
+    def _settle(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64], first: Hits
+    ) -> Hits:
+        """Choose each ray's face in float64, among those that rays close by meet."""
+        candidates = self._faces_around(origins, directions)
+        corners = self._corners[candidates] - origins[:, None, None, :]
+        # Two faces at an edge have exactly opposite numbers for it, so no ray slips between.
+        sides = np.cross(corners, np.roll(corners, -1, axis=2))
+        sides = np.einsum("mckd,md->mck", sides, directions)
+        planes = self._planes[candidates]
+        above = planes[:, :, 3] - np.einsum("mcd,md->mc", planes[:, :, :3], origins)
+        along = np.einsum("mcd,md->mc", planes[:, :, :3], directions)
+        inside = (sides >= 0).all(axis=2) | (sides <= 0).all(axis=2)
+        inside &= (candidates != MISS) & (along != 0)
+        distances = np.divide(above, along, out=np.full(above.shape, np.inf), where=inside)
+        distances[distances < 0] = np.inf
+
+        # Equal distances go to the lower face, so that the answer depends on the ray alone.
+        nearest = np.lexsort((candidates, distances), axis=1)[:, :1]
+        distance = np.take_along_axis(distances, nearest, axis=1)[:, 0]
+        face = np.take_along_axis(candidates, nearest, axis=1)[:, 0]
+        weights = np.take_along_axis(sides, nearest[:, :, None], axis=1)[:, 0]
+        found = np.isfinite(distance)
+        weights = np.divide(
+            weights, weights.sum(axis=1, keepdims=True), out=weights, where=found[:, None]
+        )
+        # Among faces smaller than the bundle none may be found, though no ray gets through.
+        kept = ~found & first.hit & (candidates != MISS).all(axis=1)
+        return Hits(
+            np.where(kept, first.distance, distance),
+            np.where(kept, first.face, np.where(found, face, MISS)),
+            np.where(
+                kept[:, None], first.barycentric, np.where(found[:, None], weights[:, [2, 0]], 0.0)
+            ),
+        )
+
+    def _faces_around(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> NDArray[np.int64]:
+        least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
+        first = np.cross(directions, least)
+        first /= np.linalg.norm(first, axis=1, keepdims=True)
+        second = np.cross(directions, first)
+        second /= np.linalg.norm(second, axis=1, keepdims=True)
+        spread = _BUNDLE_RADIUS * (
+            _BUNDLE[:, 0, None] * first[:, None, :] + _BUNDLE[:, 1, None] * second[:, None, :]
+        )
+        around = (origins[:, None, :] + spread).reshape(-1, 3)
+        hits, _ = self._cast(around, np.repeat(directions, len(_BUNDLE), axis=0))
+        return hits.face.reshape(-1, len(_BUNDLE))
+
+
+def _face_planes(surface: Surface) -> NDArray[np.float64]:
+    """Give normal (not unit), offset, and the edge band of each face, shape (f, 5).
+
+    The distance from a point to a face's nearest edge is at least its least
+    barycentric weight × twice the area / the longest edge; `RayCaster` compares that with
+    `LATERAL_ERROR` without dividing.
+    """
+    corners, crosses = surface.triangles, surface.face_crosses
+    edges = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+    offsets = _dot(crosses, corners[:, 0])
+    return np.column_stack([crosses, offsets, LATERAL_ERROR * edges.max(axis=1)])
+
+
+def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Dot products of rows of three; written out, for BLAS may order sums by the batch."""
+    return first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1] + first[:, 2] * second[:, 2]
 
 
 def load_open3d() -> ModuleType:

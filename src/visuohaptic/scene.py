@@ -24,7 +24,9 @@ class EffectModes(BaseModel):
 
     adaptive_size: Mode = Field("auto", description="the square shrinks until nothing penetrates")
     elastic_cover: Mode = Field("auto", description="an elastic layer turns gaps into pressure")
-    force_response: Mode = Field("auto", description="pressure to conductance, break and saturation")
+    force_response: Mode = Field(
+        "auto", description="pressure to conductance, break and saturation"
+    )
     gain_scatter: Mode = Field("auto", description="each cell has its own gain")
     hysteresis: Mode = Field("auto", description="more output on release than on pressing")
     drift: Mode = Field("auto", description="output creeps with the logarithm of time")
@@ -80,7 +82,9 @@ class Scene(BaseModel):
         0.0, ge=0, description="pressure below which a cell does not conduct (pascal)"
     )
     saturation_pressure_pa: float | None = Field(
-        None, gt=0, description="pressure at which conductance is half of linear (pascal); none: linear"
+        None,
+        gt=0,
+        description="pressure at which conductance is half of linear (pascal); none: linear",
     )
     gain_scatter: float = Field(
         0.0, ge=0, lt=0.3, description="standard deviation of the cells' gains (1)"
@@ -94,7 +98,9 @@ class Scene(BaseModel):
     drift_reference_s: float = Field(
         1.0, gt=0, description="time after loading at which drift counts as none (seconds)"
     )
-    dead_fraction: float = Field(0.0, ge=0, le=1, description="probability of a cell being dead (1)")
+    dead_fraction: float = Field(
+        0.0, ge=0, le=1, description="probability of a cell being dead (1)"
+    )
     readout: Readout = Field(
         "ideal",
         description="`ideal`: each cell alone; `grounded`: other lines held at zero through `line_resistance_ohm`; `floating`: other lines left open",

@@ -19,7 +19,7 @@ import pyarrow.parquet as pq
 
 from visuohaptic.errors import TableError
 
-_SEQUENCES = (np.ndarray, list, tuple)
+_SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
 
 @dataclass(frozen=True)

@@ -56,6 +56,12 @@ class ViewpointParameters(BaseModel):
         0.0, description="Turn of every camera about its own axis, degrees counter-clockwise."
     )
 
+    @property
+    def total(self) -> int:
+        """Number of viewpoints in the whole arrangement."""
+        rings = len(self.elevations_degrees) if self.arrangement == "rings" else 1
+        return self.count * rings
+
     @field_validator("elevations_degrees")
     @classmethod
     def _within_the_poles(cls, values: tuple[float, ...]) -> tuple[float, ...]:

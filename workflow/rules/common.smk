@@ -1,22 +1,20 @@
-"""What all rule files share: parameters, objects, blocks of viewpoints, and code as input."""
+"""Shared by all rules: parameters, objects, blocks of viewpoints, and code as input."""
 
 import os
 import sys
 from pathlib import Path
 
 SOURCE = Path(workflow.basedir, "src")
-# Jobs import the package of this checkout, whatever else is installed.
 sys.path.insert(0, str(SOURCE))
-os.environ["PYTHONPATH"] = str(SOURCE)
-# Parallelism is jobs; threads inside each would only compete.
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(variable, "1")
 
 from visuohaptic.catalogue import companions, find_own_models, models_of_set
 from visuohaptic.code_inputs import code_inputs
 from visuohaptic.errors import VisuohapticError
-from visuohaptic.parameters import Parameters
+from visuohaptic.jobs import set_job_environment
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.tables import prune_parts
+
+set_job_environment(SOURCE)
 
 
 def or_stop(function, *arguments):
@@ -27,7 +25,7 @@ def or_stop(function, *arguments):
         raise WorkflowError(str(error)) from None
 
 
-PARAMETERS = or_stop(Parameters.from_mapping, config)
+PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 CATALOGUED = {
     model.key: model
     for model in or_stop(models_of_set, "meshes/catalogue.csv", PARAMETERS.meshes.set)
@@ -35,6 +33,11 @@ CATALOGUED = {
 OWN = {
     model.key: path
     for model, path in or_stop(find_own_models, "meshes/own", CATALOGUED).items()
+}
+DOWNLOADED = {
+    key: model
+    for key, model in CATALOGUED.items()
+    if not Path("meshes/paper", f"{key}.ply.gz").exists()
 }
 OBJECTS = sorted({**CATALOGUED, **OWN})
 
@@ -46,9 +49,17 @@ wildcard_constraints:
     strategy="[a-z_]+",
 
 
+def source_of(wildcards):
+    """Give the file that an object's model comes from, and what lies beside it."""
+    if wildcards.object in OWN:
+        return [OWN[wildcards.object], *companions(OWN[wildcards.object])]
+    folder = "downloaded" if wildcards.object in DOWNLOADED else "paper"
+    return [f"meshes/{folder}/{wildcards.object}.ply.gz"]
+
+
 def view_blocks():
     """Name the blocks of viewpoints that a job each covers, such as 00-15."""
-    count, step = PARAMETERS.viewpoints.count, PARAMETERS.workflow.views_per_job
+    count, step = PARAMETERS.viewpoints.total, PARAMETERS.workflow.views_per_job
     starts = range(0, count, step)
     return [f"{start:02d}-{min(start + step, count) - 1:02d}" for start in starts]
 

@@ -4,20 +4,6 @@ Takes meshes/catalogue.csv, meshes/paper/, meshes/own/, and downloads what the s
 gives results/meshes/<class>/<object>.ply.
 """
 
-DOWNLOADED = {
-    key: model
-    for key, model in CATALOGUED.items()
-    if not Path("meshes/paper", f"{key}.ply.gz").exists()
-}
-
-
-def source_of(wildcards):
-    """Give the file that an object's model comes from, and what lies beside it."""
-    if wildcards.object in OWN:
-        return [OWN[wildcards.object], *companions(OWN[wildcards.object])]
-    folder = "downloaded" if wildcards.object in DOWNLOADED else "paper"
-    return [f"meshes/{folder}/{wildcards.object}.ply.gz"]
-
 
 rule meshes_all:
     input:
@@ -34,14 +20,12 @@ rule downloads:
         "logs/downloads.log",
     conda:
         "../envs/visuohaptic.yaml"
+    threads: 2
     params:
         models=[DOWNLOADED[key] for key in sorted(DOWNLOADED)],
         cache=".cache/models",
-    threads: 2
     message:
-        "bringing {params.models[0].category} and other models from where they are published"
-        if DOWNLOADED
-        else "no model to download"
+        "bringing the models that the set needs"
     script:
         "../scripts/downloads.py"
 

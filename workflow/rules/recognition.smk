@@ -22,7 +22,9 @@ rule recognition:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        recognition=PARAMETERS.recognition.model_dump(exclude={"pipelines"}),
+        recognition=PARAMETERS.recognition.model_dump(
+            exclude={"pipelines", "intervals"}
+        ),
         seed=PARAMETERS.seed,
     message:
         "training and testing on touches by {wildcards.strategy}, pipeline {wildcards.pipeline}"

@@ -26,7 +26,7 @@ rule metrics:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        recognition=PARAMETERS.recognition.model_dump(),
+        intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
         "summing up the scores"

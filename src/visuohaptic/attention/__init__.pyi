@@ -1,0 +1,29 @@
+from .channels import WorkingView as WorkingView
+from .channels import prepare_view as prepare_view
+from .channels import reasons_to_skip as reasons_to_skip
+from .errors import AttentionError as AttentionError
+from .model import Attention as Attention
+from .model import attend as attend
+from .parameters import CHANNELS as CHANNELS
+from .parameters import AttentionParameters as AttentionParameters
+from .parameters import ChannelWeights as ChannelWeights
+from .saliency import conspicuity_maps as conspicuity_maps
+from .saliency import saliency_map as saliency_map
+from .scanpath import Scanpath as Scanpath
+from .scanpath import scan as scan
+
+__all__ = [
+    "CHANNELS",
+    "Attention",
+    "AttentionError",
+    "AttentionParameters",
+    "ChannelWeights",
+    "Scanpath",
+    "WorkingView",
+    "attend",
+    "conspicuity_maps",
+    "prepare_view",
+    "reasons_to_skip",
+    "saliency_map",
+    "scan",
+]

@@ -1,0 +1,392 @@
+"""The eight channels: what each of them sees in a view, as planes on the working image.
+
+Every plane is free of the view's overall brightness: intensities are fractions
+of the brightest value that the object shows. Every plane is multiplied by the
+certainty of its pixels, so that nothing beside the object counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
+from visuohaptic.attention.pyramid import (
+    Plane,
+    filled,
+    reciprocal,
+    reductions,
+    to_working_size,
+)
+
+GABOR_SIZE = 9
+GABOR_PERIOD = 7.0
+GABOR_DEVIATION = 7.0 / 3.0
+WINDOW_DEVIATION = 3.0
+# Below this share of the brightest value, hue is noise (Itti, Koch & Niebur 1998).
+DARK = np.float32(0.1)
+# Gradients, as fractions of full scale a pixel, where votes for symmetry begin and are whole.
+FAINT_GRADIENT = 0.005
+STRONG_GRADIENT = 0.05
+RADIAL_STRICTNESS = 2.0
+# Votes at which a centre counts as fully symmetric (Loy & Zelinsky 2003).
+FULL_SYMMETRY = 9.9
+
+
+@dataclass(frozen=True)
+class WorkingView:
+    """A view on the working image, n rows and columns.
+
+    Attributes
+    ----------
+    certainty : numpy.ndarray
+        Shape (n, n), float32: share of each pixel that lies on the object.
+    colour : tuple of numpy.ndarray
+        Red, green and blue, shape (n, n), float32 each: their means over that
+        share, as fractions of the brightest value on the object.
+    intensity : numpy.ndarray
+        Shape (n, n), float32: their mean.
+    backdrop : numpy.ndarray
+        Shape (n, n), float32: intensity, carried on beyond the object.
+    curvature : numpy.ndarray
+        Shape (n, n), float32: logarithm of 1 + the surface's curvedness.
+    """
+
+    certainty: Plane
+    colour: tuple[Plane, Plane, Plane]
+    intensity: Plane
+    backdrop: Plane
+    curvature: Plane
+
+
+def prepare_view(
+    colour: NDArray[np.float32], mask: NDArray[np.bool_], curvature: NDArray[np.float32]
+) -> WorkingView:
+    """Bring a view onto the working image.
+
+    Parameters
+    ----------
+    colour : numpy.ndarray
+        Shape (h, w, 3), float32.
+    mask : numpy.ndarray
+        Shape (h, w), bool: where the object is.
+    curvature : numpy.ndarray
+        Shape (h, w), float32, per unit of length.
+
+    Returns
+    -------
+    WorkingView
+        The same view at `pyramid.WORKING_SIZE`.
+    """
+    share = mask.astype(np.float32)
+    inside = mask.view(np.uint8)
+    hues = [np.ascontiguousarray(colour[:, :, index]) for index in range(3)]
+    peak = max(cv2.minMaxLoc(hue, inside)[1] for hue in hues)
+    scale = share / np.float32(peak) if peak > 0.0 else np.zeros_like(share)
+    working = to_working_size(cv2.merge([share, *(hue * scale for hue in hues)]))
+    certainty = np.ascontiguousarray(working[:, :, 0])
+    sure = reciprocal(certainty)
+    red, green, blue = (working[:, :, index] * sure for index in (1, 2, 3))
+    bend = to_working_size(curvature * share) * sure
+    intensity = (red + green + blue) * np.float32(1.0 / 3.0)
+    return WorkingView(
+        certainty,
+        (red, green, blue),
+        intensity,
+        filled(intensity * certainty, certainty),
+        np.log1p(np.maximum(bend, 0.0)),
+    )
+
+
+def reasons_to_skip(
+    colour: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    curvature: NDArray[np.float32],
+    parameters: AttentionParameters,
+) -> dict[str, str]:
+    """Tell which channels a view does not call for, and why.
+
+    A channel is skipped only where computing it would give zeros, or where its
+    weight is zero: the saliency map is the same to the last bit.
+
+    Parameters
+    ----------
+    colour, mask, curvature : numpy.ndarray
+        The view, as `prepare_view` takes it.
+    parameters : AttentionParameters
+        The weights.
+
+    Returns
+    -------
+    dict of str to str
+        A reason by channel, in the order of `CHANNELS`; channels to be
+        computed are absent.
+    """
+    found = _dull_channels(colour, mask, curvature)
+    weights = parameters.weights.model_dump()
+    found |= {name: "its weight is 0" for name in CHANNELS if weights[name] == 0.0}
+    return {name: found[name] for name in CHANNELS if name in found}
+
+
+def colour_planes(view: WorkingView) -> list[Plane]:
+    """Red-green and blue-yellow opponency.
+
+    Walther & Koch 2006, "Modeling attention to salient proto-objects": (r - g)
+    and (b - min(r, g)) over the largest of the three. Both signs are kept, so a
+    green spot on red differs as much as a red one on green; centre minus
+    surround of the signed plane is the double opponency.
+    """
+    red, green, blue = view.colour
+    bright: Plane = np.maximum(np.maximum(red, green), np.maximum(blue, DARK))
+    return [
+        (red - green) / bright * view.certainty,
+        (blue - np.minimum(red, green)) / bright * view.certainty,
+    ]
+
+
+def intensity_planes(view: WorkingView) -> list[Plane]:
+    """Mean of red, green and blue (Itti, Koch & Niebur 1998)."""
+    return [view.intensity * view.certainty]
+
+
+def contrast_planes(view: WorkingView) -> list[Plane]:
+    """Local root mean square contrast: deviation over mean in a Gaussian window.
+
+    Moulden, Kingdom & Gatley 1990 for the measure; Reinagel & Zador 1999 for its
+    part in drawing the eye. A tenth of full scale is added to the mean, below
+    which the eye's adaptation stops.
+    """
+    weight = reciprocal(_window(view.certainty))
+    mean = _window(view.intensity * view.certainty) * weight
+    variance = _window((view.intensity - mean) ** 2 * view.certainty) * weight
+    return [np.sqrt(np.maximum(variance, 0.0)) / (mean + DARK) * view.certainty]
+
+
+def curvature_planes(view: WorkingView) -> list[Plane]:
+    """Curvedness of the surface, compressed by a logarithm.
+
+    Lee, Varshney & Jacobs 2005, "Mesh saliency", for centre-surround differences
+    of curvature; here they are taken in the view.
+    """
+    return [view.curvature * view.certainty]
+
+
+def edge_planes(view: WorkingView) -> list[Plane]:
+    """Length of the gradient of intensity by Scharr's operator, full scale a pixel."""
+    across, down = _gradient(view.backdrop)
+    length: Plane = np.sqrt(across**2 + down**2)
+    return [length * view.certainty]
+
+
+def entropy_planes(view: WorkingView, bins: int) -> list[Plane]:
+    """Entropy of the grey levels in a window, as a fraction of the largest possible.
+
+    Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is
+    shared between the two nearest grey levels, so that a change too small to be
+    seen changes the entropy as little.
+    """
+    position = np.minimum(view.intensity, 1.0) * np.float32(bins - 1)
+    weight = reciprocal(_box(view.certainty))
+    entropy = np.zeros_like(weight)
+    for level in range(bins):
+        member = np.maximum(1.0 - np.abs(position - np.float32(level)), 0.0) * view.certainty
+        if not member.any():
+            continue
+        probability = np.clip(_box(member) * weight, 1e-12, 1.0)
+        entropy -= probability * cv2.log(probability)
+    share: Plane = np.maximum(entropy / np.float32(np.log(bins)), 0.0)
+    return [share * view.certainty]
+
+
+def symmetry_planes(view: WorkingView, radii: tuple[int, ...]) -> list[Plane]:
+    """Radial symmetry by gradient votes, dark and bright centres alike.
+
+    Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest".
+    A vote is shared between the four pixels around the point that it names, and
+    faint gradients have a fraction of a vote, so that the plane depends on the
+    view continuously.
+    """
+    across, down = _gradient(view.backdrop)
+    length = np.sqrt(across**2 + down**2)
+    voters = np.flatnonzero((length > FAINT_GRADIENT) & (view.certainty > 0.0))
+    strength = length.reshape(-1)[voters]
+    unit = np.stack([down.reshape(-1)[voters], across.reshape(-1)[voters]]) / strength
+    magnitude = (strength - FAINT_GRADIENT) * view.certainty.reshape(-1)[voters]
+    ballot = np.minimum(magnitude / (STRONG_GRADIENT - FAINT_GRADIENT), 1.0)
+    places = np.stack(np.divmod(voters, length.shape[1]))
+    total = np.zeros_like(length)
+    for radius in radii:
+        ballots, magnitudes = _cast_votes(places, radius * unit, (ballot, magnitude), length.shape)
+        share = np.minimum(ballots / FULL_SYMMETRY, 1.0)
+        votes = magnitudes / FULL_SYMMETRY * share**RADIAL_STRICTNESS
+        total += np.float32(radius) * cv2.GaussianBlur(
+            votes, (0, 0), 0.25 * radius, borderType=cv2.BORDER_CONSTANT
+        )
+    return [total / np.float32(len(radii)) * view.certainty]
+
+
+def orientation_pyramids(
+    view: WorkingView, parameters: AttentionParameters
+) -> dict[int, list[Plane]]:
+    """Local energy of Gabor pairs at each angle, for each centre level.
+
+    Itti, Koch & Niebur 1998, with the filters of their authors' toolbox: 9 x 9
+    pixels, period 7, deviation 7/3, phases 0 and 90 degrees, zero mean, unit
+    norm. The surround is the mean energy of the same angle around the centre.
+
+    Returns
+    -------
+    dict of int to list of numpy.ndarray
+        By centre level, one plane an angle, multiplied by the certainty.
+    """
+    deepest = max(parameters.centre_levels)
+    images = reductions(view.backdrop, deepest)
+    certainties = reductions(view.certainty, deepest)
+    banks = _gabor_bank(parameters.orientations)
+    return {
+        level: [_energy(images[level], pair) * certainties[level] for pair in banks]
+        for level in parameters.centre_levels
+    }
+
+
+def channel_planes(
+    name: str, view: WorkingView, parameters: AttentionParameters
+) -> dict[int, list[Plane]]:
+    """Give what a channel sees, for each centre level.
+
+    Parameters
+    ----------
+    name : str
+        The channel.
+    view : WorkingView
+        The view.
+    parameters : AttentionParameters
+        Centre levels and the channel's own parameters.
+
+    Returns
+    -------
+    dict of int to list of numpy.ndarray
+        By centre level n, planes of 2^n times fewer rows and columns than the
+        view, multiplied by the certainty.
+    """
+    match name:
+        case "orientation":
+            return orientation_pyramids(view, parameters)
+        case "entropy":
+            planes = entropy_planes(view, parameters.entropy_bins)
+        case "symmetry":
+            planes = symmetry_planes(view, parameters.symmetry_radii)
+        case _:
+            planes = PLANES[name](view)
+    pyramids = [reductions(plane, max(parameters.centre_levels)) for plane in planes]
+    return {level: [planes[level] for planes in pyramids] for level in parameters.centre_levels}
+
+
+PLANES: Mapping[str, Callable[[WorkingView], list[Plane]]] = MappingProxyType(
+    {
+        "colour": colour_planes,
+        "intensity": intensity_planes,
+        "contrast": contrast_planes,
+        "curvature": curvature_planes,
+        "edge": edge_planes,
+    }
+)
+
+
+def _dull_channels(
+    colour: NDArray[np.float32], mask: NDArray[np.bool_], curvature: NDArray[np.float32]
+) -> dict[str, str]:
+    if not mask.any():
+        return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
+    inside = mask.view(np.uint8)
+    found: dict[str, str] = {}
+    red, green, blue = (np.ascontiguousarray(colour[:, :, index]) for index in range(3))
+    if not np.any(((red != green) | (green != blue)) & mask):
+        found["colour"] = "every pixel is grey"
+    if all(_is_uniform(hue, inside) for hue in (red, green, blue)):
+        names = (name for name in CHANNELS if name != "curvature")
+        found |= dict.fromkeys(names, "every pixel has one and the same colour")
+    if _is_uniform(np.ascontiguousarray(curvature), inside):
+        found["curvature"] = "the surface is curved alike everywhere"
+    return found
+
+
+def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
+    lowest, highest, _, _ = cv2.minMaxLoc(plane, inside)
+    return lowest == highest
+
+
+@cache
+def _gabor_bank(count: int) -> tuple[tuple[Plane, Plane], ...]:
+    return tuple(_gabor_pair(np.pi * index / count) for index in range(count))
+
+
+def _gabor_pair(angle: float) -> tuple[Plane, Plane]:
+    reach = np.arange(GABOR_SIZE) - GABOR_SIZE // 2
+    columns, rows = np.meshgrid(reach, reach)
+    envelope = np.exp(-(columns**2 + rows**2) / (2.0 * GABOR_DEVIATION**2))
+    phase = 2.0 * np.pi / GABOR_PERIOD * (columns * np.cos(angle) + rows * np.sin(angle))
+    pair = []
+    for wave in (np.cos(phase), np.sin(phase)):
+        kernel = envelope * wave
+        kernel -= kernel.mean()
+        pair.append((kernel / np.linalg.norm(kernel)).astype(np.float32))
+    return pair[0], pair[1]
+
+
+def _energy(image: Plane, pair: tuple[Plane, Plane]) -> Plane:
+    even, odd = (
+        cv2.filter2D(image, -1, kernel, borderType=cv2.BORDER_REPLICATE) for kernel in pair
+    )
+    return np.sqrt(even**2 + odd**2)
+
+
+def _gradient(image: Plane) -> tuple[Plane, Plane]:
+    across, down = (
+        cv2.Scharr(image, -1, *order, scale=1.0 / 32.0, borderType=cv2.BORDER_REPLICATE)
+        for order in ((1, 0), (0, 1))
+    )
+    return across, down
+
+
+def _window(plane: Plane) -> Plane:
+    return cv2.GaussianBlur(plane, (0, 0), WINDOW_DEVIATION, borderType=cv2.BORDER_CONSTANT)
+
+
+def _box(plane: Plane) -> Plane:
+    return cv2.boxFilter(plane, -1, (9, 9), borderType=cv2.BORDER_CONSTANT)
+
+
+def _cast_votes(
+    places: NDArray[np.int64],
+    steps: NDArray[np.float32],
+    votes: tuple[Plane, Plane],
+    shape: tuple[int, ...],
+) -> list[Plane]:
+    """Count votes for the points ahead of each place less those behind it, and drop the sign."""
+    # A margin holds the votes for points outside the image.
+    margin = int(np.ceil(np.abs(steps).max(initial=0.0))) + 1
+    rows, columns = shape[0] + 2 * margin, shape[1] + 2 * margin
+    indices, shares = [], []
+    for sign in (1, -1):
+        target = places + sign * steps
+        corner = np.floor(target).astype(np.int64)
+        lower, right = target - corner
+        first = (corner[0] + margin) * columns + corner[1] + margin
+        upper, left = sign * (1.0 - lower), 1.0 - right
+        lower = sign * lower
+        indices += [first, first + 1, first + columns, first + columns + 1]
+        shares += [upper * left, upper * right, lower * left, lower * right]
+    index, share = np.concatenate(indices), np.stack(shares)
+    counts = []
+    for weight in votes:
+        count = np.bincount(index, (share * weight).reshape(-1), minlength=rows * columns)
+        inner = count.reshape(rows, columns)[margin:-margin, margin:-margin]
+        counts.append(np.abs(inner).astype(np.float32))
+    return counts

@@ -1,0 +1,148 @@
+"""The whole model: from views to saliency maps and fixations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.attention.channels import prepare_view, reasons_to_skip
+from visuohaptic.attention.errors import AttentionError
+from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
+from visuohaptic.attention.saliency import conspicuity_maps, saliency_map, view_sized
+from visuohaptic.attention.scanpath import Scanpath, scan
+
+SMALLEST_VIEW = 16
+
+
+@dataclass(frozen=True)
+class Attention:
+    """What one view does to the eye.
+
+    Attributes
+    ----------
+    saliency : numpy.ndarray
+        Shape (h, w), float32: 0 to 1, the view's maximum 1; zero on the background.
+    conspicuity : dict of str to numpy.ndarray
+        Shape (h, w), float32, at least 0, for each channel that ran, before
+        its weight: larger where fewer places stand out in that channel.
+    skipped : dict of str to str
+        Why each other channel did not run.
+    scanpath : Scanpath
+        The fixations in order.
+    """
+
+    saliency: NDArray[np.float32]
+    conspicuity: dict[str, NDArray[np.float32]]
+    skipped: dict[str, str]
+    scanpath: Scanpath
+
+
+def attend(
+    colour: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    face: NDArray[np.int64],
+    curvature: NDArray[np.float32],
+    parameters: AttentionParameters,
+) -> list[Attention]:
+    """Let the eye wander over each of n views.
+
+    Parameters
+    ----------
+    colour : numpy.ndarray
+        Shape (n, h, w, 3), float32, at least 0; any scale.
+    mask : numpy.ndarray
+        Shape (n, h, w), bool: where the object is.
+    point : numpy.ndarray
+        Shape (n, h, w, 3), float64: seen points of the surface.
+    normal : numpy.ndarray
+        Shape (n, h, w, 3), float64: their unit normals.
+    face : numpy.ndarray
+        Shape (n, h, w), int64: their faces.
+    curvature : numpy.ndarray
+        Shape (n, h, w), float32, at least 0: curvedness of the surface, per unit of the points.
+    parameters : AttentionParameters
+        The model's parameters.
+
+    Returns
+    -------
+    list of Attention
+        One a view; each depends on its own view alone.
+
+    Raises
+    ------
+    AttentionError
+        If shapes differ, a view is too small, or a value is not finite or below its range.
+    """
+    _check_views(colour, mask, point, normal, face, curvature)
+    return [
+        _attend_view(
+            colour[view],
+            mask[view],
+            point[view],
+            normal[view],
+            face[view],
+            curvature[view],
+            parameters,
+        )
+        for view in range(len(mask))
+    ]
+
+
+def _attend_view(
+    colour: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    face: NDArray[np.int64],
+    curvature: NDArray[np.float32],
+    parameters: AttentionParameters,
+) -> Attention:
+    skipped = reasons_to_skip(colour, mask, curvature, parameters)
+    channels = tuple(name for name in CHANNELS if name not in skipped)
+    maps = conspicuity_maps(prepare_view(colour, mask, curvature), channels, parameters)
+    saliency = view_sized(saliency_map(maps, parameters), mask, peak=1.0)
+    return Attention(
+        saliency,
+        {name: view_sized(plane, mask) for name, plane in maps.items()},
+        skipped,
+        scan(saliency, mask, point, normal, face, parameters),
+    )
+
+
+def _check_views(
+    colour: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    face: NDArray[np.int64],
+    curvature: NDArray[np.float32],
+) -> None:
+    if mask.ndim != 3 or mask.dtype != np.bool_:
+        raise AttentionError(
+            f"mask has shape {mask.shape} and type {mask.dtype}; (n, h, w) of bool is allowed."
+        )
+    if min(mask.shape[1:]) < SMALLEST_VIEW:
+        raise AttentionError(
+            f"views are {mask.shape[1]} x {mask.shape[2]} pixels; "
+            f"{SMALLEST_VIEW} x {SMALLEST_VIEW} is the least."
+        )
+    vector = (*mask.shape, 3)
+    arrays: dict[str, tuple[NDArray[Any], tuple[int, ...]]] = {
+        "colour": (colour, vector),
+        "point": (point, vector),
+        "normal": (normal, vector),
+        "face": (face, mask.shape),
+        "curvature": (curvature, mask.shape),
+    }
+    for name, (array, shape) in arrays.items():
+        if array.shape != shape:
+            raise AttentionError(f"{name} has shape {array.shape}; {shape} goes with the mask.")
+        if not np.isfinite(array).all():
+            raise AttentionError(f"{name} has values that are not finite; none is allowed.")
+        if name in ("colour", "curvature") and array.min(initial=0) < 0:
+            raise AttentionError(f"{name} has values below 0; 0 is the least.")

@@ -1,0 +1,131 @@
+"""Parameters of the attention model."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+CHANNELS = (
+    "colour",
+    "intensity",
+    "orientation",
+    "contrast",
+    "curvature",
+    "edge",
+    "entropy",
+    "symmetry",
+)
+
+
+class ChannelWeights(BaseModel):
+    """How much each channel adds to the saliency map; a channel of weight 0 is not computed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    colour: float = Field(1.0, ge=0.0, description="Red-green and blue-yellow double opponency.")
+    intensity: float = Field(1.0, ge=0.0, description="Light against dark surroundings.")
+    orientation: float = Field(1.0, ge=0.0, description="Gabor energy at each angle.")
+    contrast: float = Field(1.0, ge=0.0, description="Local root mean square contrast.")
+    curvature: float = Field(1.0, ge=0.0, description="Curvedness of the surface.")
+    edge: float = Field(1.0, ge=0.0, description="Gradient of intensity.")
+    entropy: float = Field(1.0, ge=0.0, description="Entropy of the local grey level histogram.")
+    symmetry: float = Field(1.0, ge=0.0, description="Radial symmetry of gradients.")
+
+    @model_validator(mode="after")
+    def _one_above_zero(self) -> ChannelWeights:
+        if not any(self.model_dump().values()):
+            raise ValueError("all channel weights are 0; at least one above 0 is needed.")
+        return self
+
+    @classmethod
+    def only(cls, *channels: str) -> ChannelWeights:
+        """Give the named channels weight 1 and all others 0.
+
+        Parameters
+        ----------
+        *channels : str
+            Names out of `CHANNELS`.
+
+        Returns
+        -------
+        ChannelWeights
+            The weights.
+        """
+        unknown = sorted(set(channels) - set(CHANNELS))
+        if unknown:
+            raise ValueError(f"channels {unknown} are unknown; {', '.join(CHANNELS)} are allowed.")
+        return cls(**{name: float(name in channels) for name in CHANNELS})
+
+
+class AttentionParameters(BaseModel):
+    """Channels, their combination, and the way of the eye over the saliency map.
+
+    Scales are counted in levels of a dyadic pyramid over a working image of 128
+    pixels along the view's longer edge: level n averages over about 2^n / 128 of
+    the view, whatever the view's own resolution.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    weights: ChannelWeights = Field(
+        default=ChannelWeights(), description="Weight of each channel; equal by default."
+    )
+    normalisation: Literal["local_maxima", "iterative", "none"] = Field(
+        "local_maxima",
+        description="How a map with one strong peak is promoted over one with many: the operator N.",
+    )
+    orientations: int = Field(
+        4, ge=4, le=16, description="Number of Gabor angles, evenly spread over 180 degrees."
+    )
+    centre_levels: tuple[int, ...] = Field(
+        (0, 1, 2), min_length=1, description="Pyramid levels of the centres."
+    )
+    surround_offsets: tuple[int, ...] = Field(
+        (2, 3), min_length=1, description="Levels by which surrounds are coarser than their centre."
+    )
+    entropy_bins: int = Field(16, ge=2, le=64, description="Grey levels of the local histogram.")
+    symmetry_radii: tuple[int, ...] = Field(
+        (3, 6, 12),
+        min_length=1,
+        description="Distances at which symmetry is looked for, pixels of the working image.",
+    )
+    fixations: int = Field(5, ge=1, le=16, description="Fixations asked for in each view.")
+    inhibition: Literal["surface", "image"] = Field(
+        "surface",
+        description="Whether return is inhibited by distance on the object or in the image.",
+    )
+    focus_radius: float = Field(
+        0.2,
+        gt=0.0,
+        description="Radius of the focus on the surface, in units of the points, such as object "
+        "radii: no two fixations are closer.",
+    )
+    focus_fraction: float = Field(
+        0.1,
+        gt=0.0,
+        le=1.0,
+        description="Radius of the focus in the image, as a fraction of the view's longer edge.",
+    )
+    inhibition_falloff: float = Field(
+        1.0,
+        ge=0.0,
+        description="Width of the rim over which inhibition fades out, in focus radii; 0 is a disk.",
+    )
+
+    @model_validator(mode="after")
+    def _levels_exist(self) -> AttentionParameters:
+        if min(self.centre_levels) < 0 or min(self.surround_offsets) < 1:
+            raise ValueError(
+                f"centre_levels {self.centre_levels} and surround_offsets {self.surround_offsets} "
+                "must be at least 0 and 1."
+            )
+        coarsest = max(self.centre_levels) + max(self.surround_offsets)
+        if coarsest > 5:
+            raise ValueError(
+                f"centre_levels and surround_offsets reach level {coarsest}; 5 is the coarsest, "
+                "of 4 x 4 pixels."
+            )
+        if min(self.symmetry_radii) < 1 or max(self.symmetry_radii) > 64:
+            raise ValueError(f"symmetry_radii are {self.symmetry_radii}; 1 to 64 is allowed.")
+        return self

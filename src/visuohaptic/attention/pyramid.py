@@ -1,0 +1,168 @@
+"""Pyramids of an object in front of nothing: every average is taken over the object alone.
+
+A plane comes with its certainty, 1 on the object and 0 beside it, and is kept
+multiplied by it. Smoothing both and dividing is normalised convolution
+(Knutsson & Westin 1993): what lies beside the object has no say, so its outline
+is no step in any plane.
+
+All grids are centred on the image. The usual reduction that keeps every other
+pixel moves the image by half a pixel a level, which at the coarse levels is a
+large part of the object and makes a mirrored view look different.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+WORKING_SIZE = 128
+COARSEST_LEVEL = 5
+# Share of a pixel below which it counts as empty; rounding of float32 averages stays below.
+EMPTY = 1e-4
+
+_BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)
+
+Plane: TypeAlias = NDArray[np.float32]
+
+
+def to_working_size(plane: Plane) -> Plane:
+    """Bring planes of any size onto the square working image.
+
+    Parameters
+    ----------
+    plane : numpy.ndarray
+        Shape (h, w) or (h, w, k), float32, already multiplied by the certainty.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (WORKING_SIZE, WORKING_SIZE[, k]); a view that is not square is
+        centred and padded with zeros. Larger views are averaged by area,
+        smaller ones interpolated; a [1 2 1] kernel then limits the band.
+    """
+    square = _padded_to_square(plane)
+    size = (WORKING_SIZE, WORKING_SIZE)
+    method = cv2.INTER_AREA if square.shape[0] > WORKING_SIZE else cv2.INTER_LINEAR
+    return blur(cv2.resize(square, size, interpolation=method))
+
+
+def from_map_size(plane: Plane, shape: tuple[int, int]) -> Plane:
+    """Bring a square map back onto the pixels of the view.
+
+    Parameters
+    ----------
+    plane : numpy.ndarray
+        Shape (n, n), float32, at least 0.
+    shape : tuple of int
+        Rows and columns of the view.
+
+    Returns
+    -------
+    numpy.ndarray
+        That shape, at least 0; interpolated by cubics.
+    """
+    side = max(shape)
+    large = np.maximum(cv2.resize(plane, (side, side), interpolation=cv2.INTER_CUBIC), 0.0)
+    top, left = (side - shape[0]) // 2, (side - shape[1]) // 2
+    return np.ascontiguousarray(large[top : top + shape[0], left : left + shape[1]])
+
+
+def blur(plane: Plane) -> Plane:
+    """Smooth with the kernel [1 2 1] / 4 in rows and columns; zeros lie beyond the border."""
+    return cv2.sepFilter2D(plane, -1, _BINOMIAL, _BINOMIAL, borderType=cv2.BORDER_CONSTANT)
+
+
+def reduce(plane: Plane) -> Plane:
+    """Halve both sides with the kernel [1 3 3 1] / 8, whose centre is the new pixel's own.
+
+    Parameters
+    ----------
+    plane : numpy.ndarray
+        Shape (2n, 2n) or (2n, 2n, k), float32.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, n) or (n, n, k).
+    """
+    half = plane.shape[0] // 2
+    return cv2.resize(blur(plane), (half, half), interpolation=cv2.INTER_AREA)
+
+
+def enlarge(plane: Plane, size: int) -> Plane:
+    """Interpolate a square plane linearly at `size` rows and columns, both grids centred."""
+    if plane.shape[0] == size:
+        return plane
+    return cv2.resize(plane, (size, size), interpolation=cv2.INTER_LINEAR)
+
+
+def reductions(plane: Plane, count: int) -> list[Plane]:
+    """Give a plane and `count` further levels, each half as large as the one before."""
+    levels = [plane]
+    for _ in range(count):
+        levels.append(reduce(levels[-1]))
+    return levels
+
+
+def reciprocal(certainty: Plane) -> Plane:
+    """Give 1 over the certainty, by which a smoothed plane becomes an average.
+
+    Parameters
+    ----------
+    certainty : numpy.ndarray
+        Shape (n, n), float32, 0 to 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        The same shape; zero where nothing is certain.
+    """
+    return np.divide(1.0, certainty, out=np.zeros_like(certainty), where=certainty > EMPTY)
+
+
+def filled(plane: Plane, certainty: Plane) -> Plane:
+    """Carry a plane on beyond the object, so that filters meet no step at its outline.
+
+    Parameters
+    ----------
+    plane : numpy.ndarray
+        Shape (n, n), multiplied by the certainty; n is a multiple of 4.
+    certainty : numpy.ndarray
+        Shape (n, n), 0 to 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, n): the object's own values on it, and beside it averages of
+        its nearest parts over ever larger surroundings (pull-push, Gortler et
+        al. 1996, "The Lumigraph").
+    """
+    planes, certainties = [plane], [certainty]
+    while planes[-1].shape[0] > 4:
+        planes.append(reduce(planes[-1]))
+        certainties.append(reduce(certainties[-1]))
+    mass = float(certainties[-1].sum())
+    fill = np.full_like(planes[-1], float(planes[-1].sum()) / mass if mass > 0 else 0.0)
+    for level, share in zip(reversed(planes), reversed(certainties), strict=True):
+        fill = level + (1.0 - share) * enlarge(fill, level.shape[0])
+    return fill
+
+
+def _padded_to_square(plane: Plane) -> Plane:
+    rows, columns = plane.shape[:2]
+    if rows == columns:
+        return plane
+    side = max(rows, columns)
+    top, left = (side - rows) // 2, (side - columns) // 2
+    return cv2.copyMakeBorder(
+        plane,
+        top,
+        side - rows - top,
+        left,
+        side - columns - left,
+        cv2.BORDER_CONSTANT,
+        value=0,
+    )

@@ -1,0 +1,165 @@
+"""Where the eye rests, in order: winner-take-all with inhibition of return."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.attention.parameters import AttentionParameters
+
+# Saliencies closer than this are equal: rounding alone tells them apart.
+TIE = 1e-4
+# Pull towards the inside of the object, by which it decides only where saliency does not.
+INWARD = 1e-3
+# How far off the outline the eye rests, of the view's longer edge; thin parts are looked at
+# within this share of their half thickness from the middle.
+OUTLINE_MARGIN = 0.016
+THIN_PART = 0.7
+# Drive of a place that is not to be looked at again; others may be zero.
+CLOSED = -1.0
+
+
+@dataclass(frozen=True)
+class Scanpath:
+    """The fixations on one view, in order.
+
+    Attributes
+    ----------
+    rows, columns : numpy.ndarray
+        Shape (k,), int64: pixels of the view, from its upper left.
+    points : numpy.ndarray
+        Shape (k, 3), float64: points of the surface, in the frame of the view's points.
+    normals : numpy.ndarray
+        Shape (k, 3), float64: unit normals towards the camera.
+    faces : numpy.ndarray
+        Shape (k,), int64.
+    saliency : numpy.ndarray
+        Shape (k,), float64: of the view's maximum.
+    asked : int
+        Fixations that were asked for; k is smaller where no pixel was left
+        outside the foci, and no pixel is ever given twice.
+    """
+
+    rows: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    saliency: NDArray[np.float64]
+    asked: int
+
+    @property
+    def distinct(self) -> int:
+        """Number of fixations found, k."""
+        return len(self.rows)
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether the view has fewer distinct fixations than were asked for."""
+        return self.distinct < self.asked
+
+
+def scan(
+    saliency: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    face: NDArray[np.int64],
+    parameters: AttentionParameters,
+) -> Scanpath:
+    """Follow the eye over a saliency map.
+
+    Parameters
+    ----------
+    saliency : numpy.ndarray
+        Shape (h, w), float32, 0 to 1.
+    mask : numpy.ndarray
+        Shape (h, w), bool: pixels that may be fixated.
+    point, normal : numpy.ndarray
+        Shape (h, w, 3), float64.
+    face : numpy.ndarray
+        Shape (h, w), int64.
+    parameters : AttentionParameters
+        Number of fixations and inhibition of return.
+
+    Returns
+    -------
+    Scanpath
+        At most as many fixations as asked for. Where maxima tie, the one
+        whose neighbourhood comes first row by row wins.
+    """
+    depth = _depth_inside(mask)
+    pixels = np.flatnonzero(_off_outline(depth))
+    rows, columns = np.divmod(pixels, mask.shape[1])
+    values = saliency.reshape(-1)[pixels].astype(np.float64)
+    inward = depth.reshape(-1)[pixels] / max(float(depth.max(initial=0.0)), 1.0)
+    if parameters.inhibition == "surface":
+        places = np.ascontiguousarray(point.reshape(-1, 3)[pixels].T)
+        radius = parameters.focus_radius
+    else:
+        places = np.stack([rows, columns]).astype(np.float64)
+        radius = parameters.focus_fraction * max(mask.shape)
+    winners = _winners(values + INWARD * inward, places / radius, parameters)
+    chosen = pixels[winners]
+    return Scanpath(
+        rows[winners],
+        columns[winners],
+        point.reshape(-1, 3)[chosen],
+        normal.reshape(-1, 3)[chosen],
+        face.reshape(-1)[chosen],
+        values[winners],
+        parameters.fixations,
+    )
+
+
+def _winners(
+    drive: NDArray[np.float64], places: NDArray[np.float64], parameters: AttentionParameters
+) -> NDArray[np.int64]:
+    winners: list[int] = []
+    while len(winners) < parameters.fixations and drive.max(initial=CLOSED) > CLOSED:
+        winner = _winner(drive, places)
+        distance = np.sqrt(_squared_distances(places, places[:, winner]))
+        if parameters.inhibition_falloff > 0.0:
+            drive = drive * _release((distance - 1.0) / parameters.inhibition_falloff)
+        drive = np.where((distance > 1.0) & (drive > CLOSED), drive, CLOSED)
+        winners.append(winner)
+    return np.array(winners, dtype=np.int64)
+
+
+def _winner(drive: NDArray[np.float64], places: NDArray[np.float64]) -> int:
+    """Give the largest; where others equal it up to rounding, the largest of the first focus."""
+    tied = np.flatnonzero(drive >= drive.max() - TIE)
+    near = tied[_squared_distances(places[:, tied], places[:, tied[0]]) <= 1.0]
+    return int(near[np.argmax(drive[near])])
+
+
+def _squared_distances(
+    places: NDArray[np.float64], centre: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    total = np.zeros(places.shape[1])
+    for axis, middle in zip(places, centre, strict=True):
+        total += (axis - middle) ** 2
+    return total
+
+
+def _release(progress: NDArray[np.float64]) -> NDArray[np.float64]:
+    step = np.clip(progress, 0.0, 1.0)
+    return step * step * (3.0 - 2.0 * step)
+
+
+def _depth_inside(mask: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Give each pixel's distance to the nearest one beside the object, pixels."""
+    padded = cv2.copyMakeBorder(mask.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    return cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
+
+
+def _off_outline(depth: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Keep off the outline by a margin, and in parts thinner than two margins near their middle."""
+    margin = OUTLINE_MARGIN * max(depth.shape)
+    reach = 2 * round(margin) + 1
+    window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
+    middle = cv2.dilate(depth, window, borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    return (depth > 0.0) & (depth >= np.minimum(margin, THIN_PART * middle))

@@ -1,0 +1,5 @@
+"""Name objects from sequences of touches: pipelines, protocols, scores and their intervals."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

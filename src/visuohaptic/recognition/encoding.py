@@ -1,0 +1,201 @@
+"""The paper's way from touches to 60 features, fitted on training sequences alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.parameters import (
+    RecognitionParameters,
+    Scaling,
+    SelfOrganisingMapParameters,
+    SequenceParameters,
+)
+from visuohaptic.recognition.self_organising_map import (
+    SelfOrganisingMap,
+    fit_batch_map,
+    fit_online_map,
+    lattice,
+    line,
+)
+from visuohaptic.recognition.sequence_features import sequence_features
+
+
+@dataclass(frozen=True)
+class Standardiser:
+    """Shift and scale of k columns; a column that was constant is only shifted.
+
+    Attributes
+    ----------
+    mean, scale : numpy.ndarray
+        Shape (k,), float64.
+    """
+
+    mean: NDArray[np.float64]
+    scale: NDArray[np.float64]
+
+    def apply(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Standardise rows, shape (..., k)."""
+        return (rows - self.mean) / self.scale
+
+
+@dataclass(frozen=True)
+class FeatureGroups:
+    """Groups of features that a map over the features found.
+
+    Attributes
+    ----------
+    weights : numpy.ndarray
+        Shape (k, m), float64: columns average the features of one group; an
+        empty group's column is zero.
+    """
+
+    weights: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SequenceEncoder:
+    """What was fitted on the training sequences: touch scaling, map, feature scaling."""
+
+    touch_scaling: Standardiser
+    reduction: SelfOrganisingMap | FeatureGroups
+    map_parameters: SelfOrganisingMapParameters
+    sequence_parameters: SequenceParameters
+    feature_scaling: Standardiser
+
+    def encode(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give the features of sequences.
+
+        Parameters
+        ----------
+        sequences : numpy.ndarray
+            Shape (s, t, k), float64.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (s, m * (1 + levels) * 3), float64, scaled.
+        """
+        return self.feature_scaling.apply(self._unscaled(sequences))
+
+    def reduce(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Reduce each touch to m numbers: (s, t, k) to (s, t, m)."""
+        touches = self.touch_scaling.apply(sequences.reshape(-1, sequences.shape[-1]))
+        reduced = _reduce_touches(touches, self.reduction, self.map_parameters)
+        return reduced.reshape(*sequences.shape[:2], -1)
+
+    def _unscaled(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+        return sequence_features(self.reduce(sequences), self.sequence_parameters)
+
+
+def fit_sequence_encoder(
+    sequences: NDArray[np.float64],
+    parameters: RecognitionParameters,
+    generator: np.random.Generator,
+) -> SequenceEncoder:
+    """Fit touch scaling, map and feature scaling.
+
+    Parameters
+    ----------
+    sequences : numpy.ndarray
+        Shape (s, t, k), float64: the training sequences and no others.
+    parameters : RecognitionParameters
+        Every choice on the way.
+    generator : numpy.random.Generator
+        For the online map's order of touches; the batch map takes nothing from it.
+
+    Returns
+    -------
+    SequenceEncoder
+        The fitted encoder.
+
+    Raises
+    ------
+    RecognitionError
+        If no feature varies over the training touches, or a setting does not fit.
+    """
+    touches = sequences.reshape(-1, sequences.shape[-1])
+    if not np.ptp(touches, axis=0).any():
+        raise RecognitionError(
+            "Every feature has one and the same value at all training touches; "
+            "there is nothing to tell the classes by."
+        )
+    touch_scaling = fit_standardiser(touches, parameters.touch_scaling)
+    settings = parameters.self_organising_map
+    reduction = _fit_reduction(touch_scaling.apply(touches), settings, generator)
+    unscaled = SequenceEncoder(
+        touch_scaling,
+        reduction,
+        settings,
+        parameters.sequence,
+        _identity(settings.outputs * (1 + parameters.sequence.levels) * 3),
+    )
+    feature_scaling = fit_standardiser(unscaled.encode(sequences), parameters.sequence_scaling)
+    return SequenceEncoder(touch_scaling, reduction, settings, parameters.sequence, feature_scaling)
+
+
+def fit_standardiser(rows: NDArray[np.float64], scaling: Scaling) -> Standardiser:
+    """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
+
+    A column counts as constant when its deviation is rounding noise beside its
+    largest value; its scale is 1 then.
+    """
+    if scaling == "none":
+        return _identity(rows.shape[1])
+    deviation = rows.std(axis=0)
+    noise = 1e-12 * np.abs(rows).max(axis=0)
+    return Standardiser(rows.mean(axis=0), np.where(deviation > noise, deviation, 1.0))
+
+
+def _identity(columns: int) -> Standardiser:
+    return Standardiser(np.zeros(columns), np.ones(columns))
+
+
+def _fit_reduction(
+    touches: NDArray[np.float64],
+    settings: SelfOrganisingMapParameters,
+    generator: np.random.Generator,
+) -> SelfOrganisingMap | FeatureGroups:
+    if settings.output == "lattice":
+        places = lattice(settings.outputs, settings.lattice_levels)
+        return _fit_map(touches, places, settings, generator)
+    places = line(settings.outputs)
+    if settings.output == "feature_groups":
+        # The features are what the map orders here, each described by its value at every touch.
+        features = touches.T
+        return _group_features(_fit_map(features, places, settings, generator), features)
+    return _fit_map(touches, places, settings, generator)
+
+
+def _fit_map(
+    rows: NDArray[np.float64],
+    places: NDArray[np.float64],
+    settings: SelfOrganisingMapParameters,
+    generator: np.random.Generator,
+) -> SelfOrganisingMap:
+    if settings.training == "batch":
+        return fit_batch_map(rows, places, settings)
+    return fit_online_map(rows, places, settings, generator)
+
+
+def _group_features(fitted: SelfOrganisingMap, features: NDArray[np.float64]) -> FeatureGroups:
+    member = np.eye(len(fitted.weights))[fitted.nearest(features)]
+    return FeatureGroups(member / np.maximum(member.sum(axis=0), 1))
+
+
+def _reduce_touches(
+    touches: NDArray[np.float64],
+    reduction: SelfOrganisingMap | FeatureGroups,
+    settings: SelfOrganisingMapParameters,
+) -> NDArray[np.float64]:
+    if isinstance(reduction, FeatureGroups):
+        return touches @ reduction.weights
+    if settings.output == "unit_distances":
+        return reduction.distances(touches)
+    nearest = reduction.nearest(touches)
+    if settings.output == "one_hot":
+        return np.eye(settings.outputs)[nearest]
+    return reduction.positions[nearest]

@@ -1,0 +1,187 @@
+"""What the paper leaves open about recognition, each choice by its name."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+ClassifierName = Literal[
+    "k_nearest_neighbours",
+    "support_vector_machine",
+    "decision_tree",
+    "quadratic_discriminant",
+    "naive_bayes",
+]
+"""The paper's five classifiers, in the order of its Table 1."""
+
+ExtensionMode = Literal[
+    "symmetric",
+    "antisymmetric",
+    "reflect",
+    "antireflect",
+    "periodic",
+    "periodization",
+    "smooth",
+    "constant",
+    "zero",
+]
+"""How a sequence goes on beyond its ends, by PyWavelets' names."""
+
+Scaling = Literal["standardise", "none"]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class SelfOrganisingMapParameters(_Section):
+    """The map that reduces a touch's 22 features to five."""
+
+    output: Literal["unit_distances", "one_hot", "lattice", "feature_groups"] = Field(
+        "unit_distances",
+        description="What the five numbers of a touch are: its distance to each of five units; "
+        "1 for the nearest of five units and 0 for the others; the nearest unit's place on a "
+        "lattice of five axes; or the means of five groups of features, found by a map over the "
+        "features",
+    )
+    outputs: int = Field(5, ge=2, le=8, description="Numbers that are left of a touch")
+    lattice_levels: int = Field(
+        3, ge=2, le=4, description="Units along each axis of the lattice (output `lattice` only)"
+    )
+    training: Literal["batch", "online"] = Field(
+        "batch",
+        description="Kohonen's batch map, which is deterministic, or one touch after the other "
+        "(MiniSom, at most two axes)",
+    )
+    initial_radius: float = Field(
+        2.0, gt=0, description="Neighbourhood's standard deviation at the start, in units"
+    )
+    final_radius: float = Field(
+        0.5, gt=0, description="Neighbourhood's standard deviation at the end, in units"
+    )
+    ordering_epochs: int = Field(
+        20, ge=1, description="Passes over the touches while the neighbourhood shrinks (batch)"
+    )
+    settling_epochs: int = Field(
+        200,
+        ge=1,
+        description="Most passes at the final radius; it ends once no touch moves (batch)",
+    )
+    online_epochs: int = Field(10, ge=1, description="Passes over the touches (online)")
+    learning_rate: float = Field(0.5, gt=0, le=1, description="First learning rate (online)")
+
+
+class SequenceParameters(_Section):
+    """The statistics of a sequence and of its wavelet levels."""
+
+    wavelet: str = Field("db2", description="Wavelet, by PyWavelets' name")
+    levels: int = Field(3, ge=1, le=6, description="Levels of the decomposition")
+    extension: ExtensionMode = Field(
+        "symmetric",
+        description="How a sequence goes on beyond its ends; with five touches and db2 most "
+        "coefficients depend on it",
+    )
+    bands: Literal["details", "approximations"] = Field(
+        "details", description="Which coefficients of each level are summarised"
+    )
+    degrees_of_freedom: Literal["sample", "population"] = Field(
+        "sample", description="Standard deviation divided by N - 1 (as Matlab's std) or by N"
+    )
+
+
+class ClassifierParameters(_Section):
+    """The five classifiers; their defaults are scikit-learn's, for the paper names none."""
+
+    neighbours: int = Field(5, ge=1, description="Neighbours that vote (kNN)")
+    neighbour_weights: Literal["uniform", "distance"] = Field(
+        "uniform", description="Weight of a neighbour's vote (kNN)"
+    )
+    svm_kernel: Literal["linear", "poly", "rbf"] = Field("rbf", description="Kernel (SVM)")
+    svm_penalty: float = Field(1.0, gt=0, description="Penalty C of a margin violation (SVM)")
+    tree_criterion: Literal["gini", "entropy"] = Field(
+        "gini", description="Impurity that a split lowers (decision tree)"
+    )
+    tree_leaf_sequences: int = Field(
+        1, ge=1, description="Fewest sequences in a leaf (decision tree)"
+    )
+    discriminant_shrinkage: Literal["ledoit_wolf"] | Annotated[float, Field(gt=0, le=1)] = Field(
+        "ledoit_wolf",
+        description="Shrinkage of the classes' covariances, used only where one is singular "
+        "(quadratic discriminant)",
+    )
+    bayes_smoothing: float = Field(
+        1e-9, gt=0, description="Share of the largest variance added to each (naive Bayes)"
+    )
+
+
+class ProtocolParameters(_Section):
+    """Which objects train and which are tested."""
+
+    protocol: Literal["leave_one_object_a_class_out", "grouped_folds", "new_viewpoint"] = Field(
+        "leave_one_object_a_class_out",
+        description="One object of each class is tested, in all combinations; or folds of whole "
+        "objects, stratified by class; or known objects from viewpoints that training never saw",
+    )
+    maximum_splits: int = Field(
+        81, ge=1, description="Most combinations that are run; of more a seeded, balanced sample"
+    )
+    folds: int = Field(
+        5, ge=2, description="Folds of `grouped_folds` and of `new_viewpoint`, at most"
+    )
+    repeats: int = Field(1, ge=1, description="How often everything is repeated with another seed")
+
+
+class IntervalParameters(_Section):
+    """Resampling over objects."""
+
+    confidence: float = Field(0.95, gt=0, lt=1, description="Confidence of the intervals")
+    bootstrap_samples: int = Field(4000, ge=100, description="Bootstrap samples of the objects")
+    permutations: int = Field(
+        16384,
+        ge=100,
+        description="Most sign changes of the paired test; where all fit, all are taken",
+    )
+
+
+class RecognitionParameters(_Section):
+    """Recognition from tables of touch features."""
+
+    pipelines: tuple[Literal["paper"], ...] = Field(
+        ("paper",), min_length=1, description="Ways from features to an answer"
+    )
+    classifiers: tuple[ClassifierName, ...] = Field(
+        (
+            "k_nearest_neighbours",
+            "support_vector_machine",
+            "decision_tree",
+            "quadratic_discriminant",
+            "naive_bayes",
+        ),
+        min_length=1,
+        description="Classifiers to compare",
+    )
+    touches: int | None = Field(
+        5, ge=1, description="Touches of a sequence that are used, the first ones; null for all"
+    )
+    touch_scaling: Scaling = Field(
+        "standardise", description="Scaling of the 22 features before the map"
+    )
+    sequence_scaling: Scaling = Field(
+        "standardise", description="Scaling of the 60 features before the classifier"
+    )
+    self_organising_map: SelfOrganisingMapParameters = Field(
+        SelfOrganisingMapParameters(), description="Reduction of a touch"
+    )
+    sequence: SequenceParameters = Field(
+        SequenceParameters(), description="Statistics of a sequence"
+    )
+    classifier: ClassifierParameters = Field(
+        ClassifierParameters(), description="Settings of the classifiers"
+    )
+    protocol: ProtocolParameters = Field(
+        ProtocolParameters(), description="Training and test objects"
+    )
+    intervals: IntervalParameters = Field(
+        IntervalParameters(), description="Resampling over objects"
+    )

@@ -1,0 +1,196 @@
+"""A self-organising map that reduces a touch's features to a few numbers.
+
+Batch training after T. Kohonen, "Essentials of the self-organizing map", Neural
+Networks 37 (2013), section 3.3; online training is MiniSom's.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
+
+
+@dataclass(frozen=True)
+class SelfOrganisingMap:
+    """A fitted map of u units with k weights each on a lattice of a axes.
+
+    Attributes
+    ----------
+    weights : numpy.ndarray
+        Shape (u, k), float64.
+    positions : numpy.ndarray
+        Shape (u, a), float64: each unit's place on the lattice.
+    """
+
+    weights: NDArray[np.float64]
+    positions: NDArray[np.float64]
+
+    def distances(self, touches: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give the Euclidean distance of n touches to the u units.
+
+        Parameters
+        ----------
+        touches : numpy.ndarray
+            Shape (n, k), float64.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, u), float64.
+        """
+        squares = np.square(touches[:, None, :] - self.weights[None, :, :])
+        return np.sqrt(squares.sum(axis=-1))
+
+    def nearest(self, touches: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Give the nearest unit of n touches, shape (n,); the first one where two are as near."""
+        return _nearest(touches, self.weights)
+
+
+def fit_batch_map(
+    touches: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    parameters: SelfOrganisingMapParameters,
+) -> SelfOrganisingMap:
+    """Fit a map, all touches at once in each pass.
+
+    Each unit becomes the mean of the touches, weighted by a Gaussian of the
+    lattice distance to the touch's nearest unit. The radius shrinks
+    geometrically over the ordering passes and then stays; training ends when no
+    touch changes its nearest unit. Units start along the touches' principal
+    components, so nothing is random.
+
+    Parameters
+    ----------
+    touches : numpy.ndarray
+        Shape (n, k), float64.
+    positions : numpy.ndarray
+        Shape (u, a), float64: the lattice.
+    parameters : SelfOrganisingMapParameters
+        Radii and passes.
+
+    Returns
+    -------
+    SelfOrganisingMap
+        The map.
+    """
+    weights = _principal_weights(touches, positions)
+    squares = np.square(positions[:, None, :] - positions[None, :, :]).sum(axis=-1)
+    winners = _nearest(touches, weights)
+    for radius in _shrinking_radii(parameters):
+        neighbourhood = np.exp(-squares / (2 * radius**2))
+        weights = _weighted_means(touches, winners, neighbourhood, weights)
+        winners = _nearest(touches, weights)
+    for _ in range(parameters.settling_epochs):
+        weights = _weighted_means(touches, winners, neighbourhood, weights)
+        previous, winners = winners, _nearest(touches, weights)
+        if np.array_equal(previous, winners):
+            break
+    return SelfOrganisingMap(weights, positions)
+
+
+def fit_online_map(
+    touches: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    parameters: SelfOrganisingMapParameters,
+    generator: np.random.Generator,
+) -> SelfOrganisingMap:
+    """Fit a map touch by touch with MiniSom, in random order.
+
+    Parameters
+    ----------
+    touches : numpy.ndarray
+        Shape (n, k), float64.
+    positions : numpy.ndarray
+        Shape (u, 1) or (u, 2), float64: the lattice.
+    parameters : SelfOrganisingMapParameters
+        First radius, learning rate and passes.
+    generator : numpy.random.Generator
+        Seeds the order of the touches.
+
+    Returns
+    -------
+    SelfOrganisingMap
+        The map.
+
+    Raises
+    ------
+    RecognitionError
+        If the lattice has more than two axes.
+    """
+    from minisom import MiniSom
+
+    if positions.shape[1] > 2:
+        raise RecognitionError(
+            f"recognition.self_organising_map.training is online and the lattice has "
+            f"{positions.shape[1]} axes; MiniSom has two at most, batch has no limit."
+        )
+    shape = np.ones(2, dtype=np.int64)
+    shape[: positions.shape[1]] = positions.max(axis=0).astype(np.int64) + 1
+    som = MiniSom(
+        int(shape[0]),
+        int(shape[1]),
+        touches.shape[1],
+        sigma=parameters.initial_radius,
+        learning_rate=parameters.learning_rate,
+        random_seed=int(generator.integers(2**31)),
+    )
+    som.get_weights()[:] = _principal_weights(touches, positions).reshape(*shape, -1)
+    som.train(touches, parameters.online_epochs * len(touches), random_order=True)
+    return SelfOrganisingMap(som.get_weights().reshape(-1, touches.shape[1]).copy(), positions)
+
+
+def line(units: int) -> NDArray[np.float64]:
+    """Give the places of units in a row, shape (units, 1)."""
+    return np.arange(units, dtype=np.float64)[:, None]
+
+
+def lattice(axes: int, levels: int) -> NDArray[np.float64]:
+    """Give the places of a lattice's units, shape (levels ** axes, axes)."""
+    return np.array(list(itertools.product(range(levels), repeat=axes)), dtype=np.float64)
+
+
+def _shrinking_radii(parameters: SelfOrganisingMapParameters) -> NDArray[np.float64]:
+    return np.geomspace(
+        parameters.initial_radius, parameters.final_radius, parameters.ordering_epochs
+    )
+
+
+def _principal_weights(
+    touches: NDArray[np.float64], positions: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Lay the lattice's axes along the touches' principal components, ± 1 sd long."""
+    centre = touches.mean(axis=0)
+    _, scales, directions = np.linalg.svd(touches - centre, full_matrices=False)
+    axes = min(positions.shape[1], len(scales))
+    directions, scales = directions[:axes], scales[:axes] / np.sqrt(len(touches))
+    # A component's sign is the decomposition's whim; its largest weight counts as positive.
+    largest = np.argmax(np.abs(directions), axis=1)
+    directions = directions * np.sign(directions[np.arange(axes), largest])[:, None]
+    span = positions.max(axis=0)[:axes] / 2
+    along = (positions[:, :axes] - span) / np.where(span > 0, span, 1)
+    return centre + (along * scales) @ directions
+
+
+def _nearest(touches: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.int64]:
+    # |x - w|² without |x|², which is the same for every unit.
+    scores = np.square(weights).sum(axis=1) - 2 * (touches @ weights.T)
+    return np.argmin(scores, axis=1)
+
+
+def _weighted_means(
+    touches: NDArray[np.float64],
+    winners: NDArray[np.int64],
+    neighbourhood: NDArray[np.float64],
+    previous: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    won = np.eye(len(neighbourhood))[winners]
+    sums, counts = won.T @ touches, won.sum(axis=0)
+    share = (neighbourhood @ counts)[:, None]
+    # A unit that no touch reaches stays where it was.
+    return np.where(share > 0, (neighbourhood @ sums) / np.where(share > 0, share, 1), previous)

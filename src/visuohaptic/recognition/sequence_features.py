@@ -1,0 +1,148 @@
+"""A sequence's statistics: of itself and of its wavelet levels."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.parameters import SequenceParameters
+
+STATISTICS = ("standard_deviation", "root_mean_square", "skewness")
+
+CONSTANT_TOLERANCE = 1e-12
+"""A sequence whose standard deviation is at most this share of its rms counts as constant."""
+
+
+def sequence_features(
+    sequences: NDArray[np.float64], parameters: SequenceParameters
+) -> NDArray[np.float64]:
+    """Summarise sequences by themselves and by the levels of their wavelet transform.
+
+    With the paper's settings (five sequences, three levels) these are its
+    5 x (1 + 3) x 3 = 60 features.
+
+    Parameters
+    ----------
+    sequences : numpy.ndarray
+        Shape (s, t, m), float64: m numbers at each of t touches.
+    parameters : SequenceParameters
+        Wavelet, levels, extension and the divisor of the standard deviation.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (s, m * (1 + levels) * 3), float64, in the order of `feature_names`.
+
+    Raises
+    ------
+    RecognitionError
+        If the wavelet is not one of PyWavelets' discrete ones.
+    """
+    along_time = np.moveaxis(sequences, 1, -1)
+    signals = [along_time, *wavelet_levels(along_time, parameters)]
+    correction = 1 if parameters.degrees_of_freedom == "sample" else 0
+    statistics = [summarise_signals(signal, correction) for signal in signals]
+    return np.stack(statistics, axis=2).reshape(len(sequences), -1)
+
+
+def feature_names(outputs: int, parameters: SequenceParameters) -> tuple[str, ...]:
+    """Name the features of `sequence_features` in their order.
+
+    Parameters
+    ----------
+    outputs : int
+        Number m of sequences.
+    parameters : SequenceParameters
+        Levels and bands.
+
+    Returns
+    -------
+    tuple of str
+        Such as ``output_1_detail_2_skewness``.
+    """
+    band = parameters.bands.removesuffix("s")
+    signals = ["sequence", *(f"{band}_{level}" for level in range(1, parameters.levels + 1))]
+    return tuple(
+        f"output_{output}_{signal}_{statistic}"
+        for output in range(1, outputs + 1)
+        for signal in signals
+        for statistic in STATISTICS
+    )
+
+
+def wavelet_levels(
+    signals: NDArray[np.float64], parameters: SequenceParameters
+) -> list[NDArray[np.float64]]:
+    """Decompose signals along their last axis.
+
+    Five touches are shorter than the transform wants (db2 recommends no level at
+    all), so what lies beyond the ends is `parameters.extension`'s doing.
+
+    Parameters
+    ----------
+    signals : numpy.ndarray
+        Shape (..., t), float64.
+    parameters : SequenceParameters
+        Wavelet, levels, extension and which coefficients to keep.
+
+    Returns
+    -------
+    list of numpy.ndarray
+        One array a level, the finest first, shapes (..., t1), (..., t2), …
+
+    Raises
+    ------
+    RecognitionError
+        If the wavelet is unknown.
+    """
+    import pywt
+
+    try:
+        wavelet = pywt.Wavelet(parameters.wavelet)
+    except ValueError as error:
+        raise RecognitionError(
+            f"recognition.sequence.wavelet is {parameters.wavelet!r}; one of PyWavelets' discrete "
+            f"wavelets is allowed, such as db2."
+        ) from error
+    kept = []
+    approximation = signals
+    for _ in range(parameters.levels):
+        approximation, detail = pywt.dwt(approximation, wavelet, parameters.extension, axis=-1)
+        kept.append(detail if parameters.bands == "details" else approximation)
+    return kept
+
+
+def summarise_signals(signals: NDArray[np.float64], correction: int) -> NDArray[np.float64]:
+    """Give standard deviation, rms and skewness along the last axis.
+
+    Skewness is m3 / m2 ** 1.5 with population moments (Matlab's default); a
+    signal whose deviation is at most `CONSTANT_TOLERANCE` of its rms is constant
+    up to rounding and has skewness 0.
+
+    Parameters
+    ----------
+    signals : numpy.ndarray
+        Shape (..., t), float64.
+    correction : int
+        The standard deviation divides by t - correction (by t where t is 1).
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (..., 3), float64, finite for finite signals.
+    """
+    length = signals.shape[-1]
+    # Scaled to its largest value, no power over- or underflows.
+    largest = np.abs(signals).max(axis=-1, keepdims=True)
+    scaled = signals / np.where(largest > 0, largest, 1)
+    deviations = scaled - scaled.mean(axis=-1, keepdims=True)
+    second = np.square(deviations).mean(axis=-1)
+    third = (deviations**3).mean(axis=-1)
+    root_mean_square = np.sqrt(np.square(scaled).mean(axis=-1))
+    constant = np.sqrt(second) <= CONSTANT_TOLERANCE * root_mean_square
+    second = np.where(constant, 0, second)
+    skewness = np.where(constant, 0, third / np.where(constant, 1, second) ** 1.5)
+    deviation = np.sqrt(second * (length / max(length - correction, 1)))
+    largest = largest[..., 0]
+    return np.stack([deviation * largest, root_mean_square * largest, skewness], axis=-1)

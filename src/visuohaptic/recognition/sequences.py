@@ -1,0 +1,179 @@
+"""Sequences of touches: a table of features, gathered for training and testing."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.tables import matrix
+
+
+@dataclass(frozen=True)
+class TouchSequences:
+    """s sequences of t touches with k features each, of o objects in c classes.
+
+    Attributes
+    ----------
+    features : numpy.ndarray
+        Shape (s, t, k), float64.
+    feature_names : tuple of str
+        The k features' names.
+    objects : tuple of (str, str)
+        The o objects as (class, name), sorted.
+    classes : tuple of str
+        The c classes, sorted.
+    object_index : numpy.ndarray
+        Shape (s,), int64: each sequence's place in `objects`.
+    viewpoint : numpy.ndarray
+        Shape (s,), int64.
+    """
+
+    features: NDArray[np.float64]
+    feature_names: tuple[str, ...]
+    objects: tuple[tuple[str, str], ...]
+    classes: tuple[str, ...]
+    object_index: NDArray[np.int64]
+    viewpoint: NDArray[np.int64]
+
+    @property
+    def class_of_object(self) -> NDArray[np.int64]:
+        """Each object's place in `classes`, shape (o,)."""
+        return np.array([self.classes.index(name) for name, _ in self.objects], dtype=np.int64)
+
+    @property
+    def labels(self) -> NDArray[np.int64]:
+        """Each sequence's class as its place in `classes`, shape (s,)."""
+        return self.class_of_object[self.object_index]
+
+
+def gather_sequences(
+    features: pa.Table, feature_names: Sequence[str], touches: int | None
+) -> TouchSequences:
+    """Gather the touches of one strategy into sequences.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES` of one strategy, in any order.
+    feature_names : sequence of str
+        The k columns to take.
+    touches : int or None
+        How many touches of each sequence to take, the first ones; None for all.
+
+    Returns
+    -------
+    TouchSequences
+        Sorted by class, object and viewpoint.
+
+    Raises
+    ------
+    RecognitionError
+        If there are no rows or more than one strategy, a sequence lacks a
+        touch, or a feature is not finite.
+    """
+    strategies = features.column("strategy").unique().to_pylist()
+    if len(strategies) != 1:
+        raise RecognitionError(
+            f"The features hold the strategies {strategies}; exactly one is allowed at a time."
+        )
+    missing = [name for name in feature_names if name not in features.column_names]
+    if missing:
+        raise RecognitionError(f"The features lack the columns {', '.join(missing)}.")
+    keys = ["class", "object", "viewpoint", "touch"]
+    features = features.sort_by([(key, "ascending") for key in keys])
+    touch = features.column("touch").to_numpy()
+    if touches is not None:
+        features = features.filter(pa.array(touch < touches))
+        touch = touch[touch < touches]
+    owners = list(
+        zip(
+            features.column("class").to_pylist(),
+            features.column("object").to_pylist(),
+            strict=True,
+        )
+    )
+    viewpoint = features.column("viewpoint").to_numpy().astype(np.int64)
+    if not len(touch):
+        raise RecognitionError("The features hold no touches; at least two objects are needed.")
+    length = int(touch.max()) + 1 if touches is None else touches
+    _check_touches(owners, viewpoint, touch, length)
+    values = matrix(features, feature_names).reshape(-1, length, len(feature_names))
+    _check_finite(values, feature_names, owners[::length])
+    objects = tuple(sorted(set(owners)))
+    places = {owner: place for place, owner in enumerate(objects)}
+    return TouchSequences(
+        features=values,
+        feature_names=tuple(feature_names),
+        objects=objects,
+        classes=tuple(sorted({name for name, _ in objects})),
+        object_index=np.array([places[owner] for owner in owners[::length]], dtype=np.int64),
+        viewpoint=viewpoint[::length],
+    )
+
+
+def identical_objects(sequences: TouchSequences) -> list[tuple[str, str]]:
+    """Name the pairs of objects whose touches are the same number for number.
+
+    Such a pair is one object under two names, and tests on what it trained with.
+
+    Parameters
+    ----------
+    sequences : TouchSequences
+        The sequences.
+
+    Returns
+    -------
+    list of (str, str)
+        Pairs "class/object".
+    """
+    first: dict[bytes, str] = {}
+    pairs = []
+    for place, owner in enumerate(sequences.objects):
+        content = sequences.features[sequences.object_index == place].tobytes()
+        name = "/".join(owner)
+        if content in first:
+            pairs.append((first[content], name))
+        first.setdefault(content, name)
+    return pairs
+
+
+def _check_touches(
+    owners: list[tuple[str, str]],
+    viewpoint: NDArray[np.int64],
+    touch: NDArray[np.int64],
+    length: int,
+) -> None:
+    """Refuse a sequence that is not 0, 1 … length - 1, each once."""
+    change = np.ones(len(touch), dtype=bool)
+    change[1:] = [before != after for before, after in itertools.pairwise(owners)]
+    change[1:] |= viewpoint[1:] != viewpoint[:-1]
+    starts = np.flatnonzero(change)
+    counts = np.diff(np.append(starts, len(touch)))
+    misplaced = touch != np.arange(len(touch)) - np.repeat(starts, counts)
+    wrong = np.flatnonzero((counts != length) | np.logical_or.reduceat(misplaced, starts))
+    if not len(wrong):
+        return
+    start = starts[wrong[0]]
+    found = touch[start : start + counts[wrong[0]]].tolist()
+    raise RecognitionError(
+        f"{'/'.join(owners[start])}, viewpoint {viewpoint[start]}, has the touches {found}; "
+        f"each of 0 to {length - 1}, once, is needed."
+    )
+
+
+def _check_finite(
+    values: NDArray[np.float64], names: Sequence[str], owners: Sequence[tuple[str, str]]
+) -> None:
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        sequence, touch, feature = bad[0]
+        raise RecognitionError(
+            f"{'/'.join(owners[sequence])} has {names[feature]} = {values[tuple(bad[0])]} at touch "
+            f"{touch}; only finite numbers are allowed."
+        )

@@ -1,0 +1,174 @@
+"""Which sequences train and which are tested."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.parameters import ProtocolParameters
+from visuohaptic.recognition.sequences import TouchSequences
+
+
+@dataclass(frozen=True)
+class Split:
+    """One division of the sequences.
+
+    Attributes
+    ----------
+    number : int
+        Its number, from 0.
+    train, test : numpy.ndarray
+        Places of the training and of the test sequences, int64, ascending.
+    """
+
+    number: int
+    train: NDArray[np.int64]
+    test: NDArray[np.int64]
+
+
+def make_splits(
+    sequences: TouchSequences, parameters: ProtocolParameters, generator: np.random.Generator
+) -> list[Split]:
+    """Divide the sequences as the protocol says.
+
+    Parameters
+    ----------
+    sequences : TouchSequences
+        All sequences.
+    parameters : ProtocolParameters
+        The protocol.
+    generator : numpy.random.Generator
+        Draws folds, and combinations where there are more than are run.
+
+    Returns
+    -------
+    list of Split
+        In order.
+
+    Raises
+    ------
+    RecognitionError
+        If there are fewer than two classes, or a class has too few objects or
+        an object too few viewpoints.
+    """
+    if len(sequences.classes) < 2:
+        raise RecognitionError(
+            f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
+            f"tell them apart."
+        )
+    if parameters.protocol == "new_viewpoint":
+        return _viewpoint_splits(sequences, parameters.folds)
+    members = objects_of_classes(sequences)
+    for name, objects in zip(sequences.classes, members, strict=True):
+        if len(objects) < 2:
+            raise RecognitionError(
+                f"Class {name} has one object ({sequences.objects[objects[0]][1]}); at least two "
+                f"are needed, one to train and one to test: add another or leave the class out."
+            )
+    if parameters.protocol == "grouped_folds":
+        tested = grouped_folds(members, parameters.folds, generator)
+    else:
+        tested = leave_one_out_a_class(members, parameters.maximum_splits, generator)
+    return [
+        _split(number, np.isin(sequences.object_index, objects))
+        for number, objects in enumerate(tested)
+    ]
+
+
+def objects_of_classes(sequences: TouchSequences) -> list[list[int]]:
+    """Give the places of each class's objects, classes in their order."""
+    of_class = sequences.class_of_object
+    return [np.flatnonzero(of_class == place).tolist() for place in range(len(sequences.classes))]
+
+
+def leave_one_out_a_class(
+    members: Sequence[Sequence[int]], maximum: int, generator: np.random.Generator
+) -> list[tuple[int, ...]]:
+    """Choose one test object of each class, in all combinations.
+
+    Where there are more combinations than `maximum`, distinct ones are drawn in
+    rounds: within a class the objects take turns in a shuffled order, so that each
+    is tested as often as any other, or once more.
+
+    Parameters
+    ----------
+    members : sequence of sequence of int
+        The objects of each class.
+    maximum : int
+        Most combinations.
+    generator : numpy.random.Generator
+        Draws the combinations where there are too many.
+
+    Returns
+    -------
+    list of tuple of int
+        The test objects of each split.
+    """
+    if math.prod(len(objects) for objects in members) <= maximum:
+        return list(itertools.product(*members))
+    chosen: dict[tuple[int, ...], None] = {}
+    while len(chosen) < maximum:
+        turns = [_turns(objects, maximum, generator) for objects in members]
+        for combination in zip(*turns, strict=True):
+            if len(chosen) < maximum:
+                chosen.setdefault(combination)
+    return list(chosen)
+
+
+def grouped_folds(
+    members: Sequence[Sequence[int]], folds: int, generator: np.random.Generator
+) -> list[tuple[int, ...]]:
+    """Deal the objects of each class over folds; every object is tested once.
+
+    Parameters
+    ----------
+    members : sequence of sequence of int
+        The objects of each class, at least two each.
+    folds : int
+        Number of folds; no more are made than the largest class has objects, so
+        a class with fewer objects than folds is missing from some tests, never
+        from training.
+    generator : numpy.random.Generator
+        Shuffles the objects of each class.
+
+    Returns
+    -------
+    list of tuple of int
+        The test objects of each fold.
+    """
+    folds = min(folds, max(len(objects) for objects in members))
+    dealt: list[list[int]] = [[] for _ in range(folds)]
+    for objects in members:
+        # The fullest folds come last, so sizes differ by one object at most.
+        order = sorted(range(folds), key=lambda fold: len(dealt[fold]))
+        for turn, place in enumerate(generator.permutation(len(objects))):
+            dealt[order[turn % folds]].append(objects[place])
+    return [tuple(sorted(objects)) for objects in dealt]
+
+
+def _turns(objects: Sequence[int], count: int, generator: np.random.Generator) -> list[int]:
+    rounds = math.ceil(count / len(objects))
+    order = [generator.permutation(len(objects)) for _ in range(rounds)]
+    return [objects[place] for place in np.concatenate(order)[:count]]
+
+
+def _viewpoint_splits(sequences: TouchSequences, folds: int) -> list[Split]:
+    """Test every folds-th viewpoint of known objects."""
+    viewpoints = np.unique(sequences.viewpoint)
+    if len(viewpoints) < 2:
+        raise RecognitionError(
+            "The objects have one viewpoint; protocol new_viewpoint needs at least two."
+        )
+    folds = min(folds, len(viewpoints))
+    fold = np.searchsorted(viewpoints, sequences.viewpoint) % folds
+    return [_split(number, fold == number) for number in range(folds)]
+
+
+def _split(number: int, tested: NDArray[np.bool_]) -> Split:
+    return Split(number, np.flatnonzero(~tested), np.flatnonzero(tested))

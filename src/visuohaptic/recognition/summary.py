@@ -1,0 +1,280 @@
+"""Headline figures from scores and predictions, each with its interval."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.intervals import (
+    Interval,
+    balanced_interval,
+    compare_paired,
+    object_interval,
+)
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.recognition.voting import vote_credit
+from visuohaptic.seeds import spawn_generator
+
+REFERENCE_STRATEGY = "fixation"
+
+METHOD = {
+    "accuracy": "mean over splits of the share of test sequences named rightly",
+    "object_accuracy": "mean over splits of the share of test objects named rightly by a "
+    "majority vote of their sequences; a tie between k classes counts 1/k",
+    "balanced_accuracy": "mean over classes of the mean over a class's objects of their accuracy",
+    "class_accuracy": "mean over a class's objects of their accuracy",
+    "interval": "expanded percentile bootstrap over objects, not sequences, with the trained "
+    "classifiers as they are",
+    "comparison": "paired over objects: mean difference, bootstrap interval, and two-sided p "
+    "value of the sign-change permutation test",
+}
+
+
+@dataclass(frozen=True)
+class Confusion:
+    """How often sequences of each class were named each class.
+
+    Attributes
+    ----------
+    classes : tuple of str
+        The c classes, sorted.
+    counts : numpy.ndarray
+        Shape (c, c), int64: true class by row, named class by column.
+    """
+
+    classes: tuple[str, ...]
+    counts: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _ObjectFigures:
+    """Values an object over every split and repeat that tested it."""
+
+    objects: tuple[tuple[str, str], ...]
+    classes: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    vote_weights: NDArray[np.float64]
+    accuracy: NDArray[np.float64]
+    vote: NDArray[np.float64]
+
+
+def summarise(
+    scores: pa.Table,
+    predictions: pa.Table,
+    parameters: IntervalParameters | None = None,
+    seed: int = 0,
+) -> dict[str, Any]:
+    """Give every headline figure of recognition.
+
+    Parameters
+    ----------
+    scores : pyarrow.Table
+        `tables.SCORES` of any pipelines and strategies.
+    predictions : pyarrow.Table
+        `tables.PREDICTIONS` of the same.
+    parameters : IntervalParameters or None
+        Resampling; None takes the defaults.
+    seed : int
+        The experiment's seed, for the resampling.
+
+    Returns
+    -------
+    dict
+        ``method`` (what each figure means), ``results[pipeline][strategy][classifier]``
+        (``accuracy``, ``object_accuracy``, ``balanced_accuracy`` and each of
+        ``class_accuracy`` with ``mean``, ``low``, ``high``; ``splits``, ``repeats``,
+        ``objects``, ``sequences``, ``notes``), and
+        ``comparisons[pipeline][classifier][other strategy]`` (fixation minus the
+        other: ``difference``, ``p_value``, ``objects``, ``exact``). JSON-able; an
+        end of an interval that does not exist is None.
+
+    Raises
+    ------
+    RecognitionError
+        If scores and predictions are not of the same experiment.
+    """
+    parameters = parameters or IntervalParameters()
+    cells = _cells(predictions)
+    scored = {
+        (row["pipeline"], row["strategy"], row["classifier"])
+        for row in _distinct(scores, ["pipeline", "strategy", "classifier"])
+    }
+    if scored != set(cells):
+        raise RecognitionError(
+            f"Scores and predictions differ in {sorted(scored ^ set(cells))[0]}; both must come "
+            f"from one run."
+        )
+    figures = {key: _object_figures(rows) for key, rows in cells.items()}
+    results: dict[str, Any] = {}
+    for key in sorted(cells):
+        pipeline, strategy, classifier = key
+        cell = _summarise_cell(key, figures[key], scores, parameters, seed)
+        cell["sequences"] = len(_distinct(cells[key], ["class", "object", "viewpoint"]))
+        results.setdefault(pipeline, {}).setdefault(strategy, {})[classifier] = cell
+    return {
+        "method": METHOD,
+        "results": results,
+        "comparisons": _compare_strategies(figures, parameters, seed),
+    }
+
+
+def confusion(predictions: pa.Table) -> Confusion:
+    """Count how sequences were named.
+
+    Parameters
+    ----------
+    predictions : pyarrow.Table
+        `tables.PREDICTIONS`, already filtered to the pipeline, strategy and
+        classifier of interest (see `select`).
+
+    Returns
+    -------
+    Confusion
+        Over all splits and repeats in the table.
+    """
+    true = _texts(predictions, "class")
+    named = _texts(predictions, "predicted")
+    classes, places = np.unique(np.concatenate([true, named]), return_inverse=True)
+    counts = np.zeros((len(classes), len(classes)), dtype=np.int64)
+    np.add.at(counts, (places[: len(true)], places[len(true) :]), 1)
+    return Confusion(tuple(str(name) for name in classes), counts)
+
+
+def select(table: pa.Table, **values: object) -> pa.Table:
+    """Take the rows whose columns have the given values, such as ``strategy="random"``."""
+    import pyarrow.compute as pc
+
+    for name, value in values.items():
+        table = table.filter(pc.equal(table.column(name), pa.scalar(value)))
+    return table
+
+
+def _cells(predictions: pa.Table) -> dict[tuple[str, str, str], pa.Table]:
+    names = ["pipeline", "strategy", "classifier"]
+    return {
+        tuple(row[name] for name in names): select(predictions, **row)
+        for row in _distinct(predictions, names)
+    }
+
+
+def _distinct(table: pa.Table, names: list[str]) -> list[dict[str, Any]]:
+    return table.select(names).group_by(names).aggregate([]).to_pylist()
+
+
+def _texts(table: pa.Table, name: str) -> NDArray[np.str_]:
+    return np.array(table.column(name).to_pylist(), dtype=np.str_)
+
+
+def _object_figures(rows: pa.Table) -> _ObjectFigures:
+    """Average each object's accuracy and vote over the splits that tested it.
+
+    The weights make the weighted mean over objects the mean over splits of a
+    split's share of sequences (of objects, for the vote).
+    """
+    owners = list(
+        zip(rows.column("class").to_pylist(), rows.column("object").to_pylist(), strict=True)
+    )
+    objects = tuple(sorted(set(owners)))
+    places = {owner: place for place, owner in enumerate(objects)}
+    owner = np.array([places[name] for name in owners], dtype=np.int64)
+    _, codes = np.unique(
+        np.concatenate([_texts(rows, "predicted"), [name for name, _ in objects]]),
+        return_inverse=True,
+    )
+    predicted, true_class = codes[: len(owner)], codes[len(owner) :]
+    split = rows.column("split").to_numpy().astype(np.int64)
+    repeat = rows.column("seed").to_numpy().astype(np.int64)
+    _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
+    tests = run * len(objects) + owner
+    test, test_of_row = np.unique(tests, return_inverse=True)
+    sequences = np.bincount(test_of_row)
+    right = np.bincount(test_of_row, weights=predicted == true_class[owner])
+    _, credit = vote_credit(test_of_row, predicted, true_class[test % len(objects)])
+    run, tested = np.divmod(test, len(objects))
+    share = sequences / np.bincount(run, weights=sequences)[run]
+    object_share = 1.0 / np.bincount(run)[run]
+    weights: NDArray[np.float64] = np.bincount(tested, weights=share).astype(np.float64)
+    vote_weights: NDArray[np.float64] = np.bincount(tested, weights=object_share).astype(np.float64)
+    return _ObjectFigures(
+        objects,
+        true_class,
+        weights,
+        vote_weights,
+        np.bincount(tested, weights=share * right / sequences) / weights,
+        np.bincount(tested, weights=object_share * credit) / vote_weights,
+    )
+
+
+def _summarise_cell(
+    key: tuple[str, str, str],
+    figures: _ObjectFigures,
+    scores: pa.Table,
+    parameters: IntervalParameters,
+    seed: int,
+) -> dict[str, Any]:
+    pipeline, strategy, classifier = key
+    generator = spawn_generator(seed, "intervals", *key)
+    rows = select(scores, pipeline=pipeline, strategy=strategy, classifier=classifier)
+    return {
+        "accuracy": _plain(
+            object_interval(figures.accuracy, figures.weights, parameters, generator)
+        ),
+        "object_accuracy": _plain(
+            object_interval(figures.vote, figures.vote_weights, parameters, generator)
+        ),
+        "balanced_accuracy": _plain(
+            balanced_interval(figures.accuracy, figures.classes, parameters, generator)
+        ),
+        "class_accuracy": _class_accuracy(figures, parameters, generator),
+        "splits": len(set(rows.column("split").to_pylist())),
+        "repeats": len(set(rows.column("seed").to_pylist())),
+        "objects": len(figures.objects),
+        "notes": sorted(set(filter(None, rows.column("note").to_pylist()))),
+    }
+
+
+def _class_accuracy(
+    figures: _ObjectFigures, parameters: IntervalParameters, generator: np.random.Generator
+) -> dict[str, Any]:
+    accuracy = {}
+    for name in sorted({name for name, _ in figures.objects}):
+        of_class = np.array([owner == name for owner, _ in figures.objects])
+        values = figures.accuracy[of_class]
+        accuracy[name] = _plain(
+            object_interval(values, np.ones(len(values)), parameters, generator)
+        )
+    return accuracy
+
+
+def _compare_strategies(
+    figures: dict[tuple[str, str, str], _ObjectFigures], parameters: IntervalParameters, seed: int
+) -> dict[str, Any]:
+    comparisons: dict[str, Any] = {}
+    for pipeline, strategy, classifier in sorted(figures):
+        reference = figures.get((pipeline, REFERENCE_STRATEGY, classifier))
+        other = figures[pipeline, strategy, classifier]
+        if reference is None or strategy == REFERENCE_STRATEGY:
+            continue
+        if reference.objects != other.objects:
+            raise RecognitionError(
+                f"Strategies {REFERENCE_STRATEGY} and {strategy} were not tested on the same "
+                f"objects; run both on all of them before comparing."
+            )
+        generator = spawn_generator(seed, "comparison", pipeline, strategy, classifier)
+        comparison = compare_paired(
+            reference.accuracy, other.accuracy, reference.weights, parameters, generator
+        )
+        comparisons.setdefault(pipeline, {}).setdefault(classifier, {})[strategy] = {
+            **asdict(comparison),
+            "difference": _plain(comparison.difference),
+        }
+    return comparisons
+
+
+def _plain(interval: Interval) -> dict[str, float | None]:
+    return {name: None if np.isnan(value) else value for name, value in asdict(interval).items()}

@@ -1,0 +1,5 @@
+"""The virtual tactile sensor: exact geometry, and the effects that a scene calls for."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,27 @@
+from .contact import CONTACT_STATES as CONTACT_STATES
+from .effects import EFFECTS as EFFECTS
+from .effects import simulate as simulate
+from .frames import column_axes as column_axes
+from .frames import orient_outwards as orient_outwards
+from .frames import row_axes as row_axes
+from .parameters import SensorParameters as SensorParameters
+from .planner import EffectRecord as EffectRecord
+from .planner import Situation as Situation
+from .random_fields import RandomFields as RandomFields
+from .touching import Touches as Touches
+from .touching import touch as touch
+
+__all__ = [
+    "CONTACT_STATES",
+    "EFFECTS",
+    "EffectRecord",
+    "RandomFields",
+    "SensorParameters",
+    "Situation",
+    "Touches",
+    "column_axes",
+    "orient_outwards",
+    "row_axes",
+    "simulate",
+    "touch",
+]

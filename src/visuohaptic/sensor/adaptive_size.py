@@ -1,0 +1,131 @@
+"""The largest square that the object lets come in, in closed form from two casts."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.sensor.imprints import RAYS_IN_FLIGHT, Poses, sensing_offsets
+
+PERIMETER_RAYS = 128
+# Relative distance by which a square stays clear of what bounds it.
+_STAND_CLEAR = 1e-9
+
+
+def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> NDArray[np.float64]:
+    """Find how far a square can grow before the surface crosses its plane.
+
+    The surface that penetrates a plane is bounded by where it crosses it, so
+    rays within the plane, from the centre towards `PERIMETER_RAYS` points of the square's perimeter,
+    meet that bound exactly: also sheets along the normal, which no ray along the normal sees.
+    With directions of length one in the maximum norm, the distance along the ray is the half size itself.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    poses : Poses
+        n sensors.
+    height : float
+        Height of the plane above the tangent plane, object radii: the penetration tolerance.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), float64, object radii; infinite where no ray meets anything.
+    """
+    free = np.full(len(poses), np.inf)
+    step = RAYS_IN_FLIGHT // PERIMETER_RAYS
+    perimeter = _perimeter_directions()
+    for start in range(0, len(poses), step):
+        part = poses[start : start + step]
+        directions = (
+            perimeter[:, 0, None] * part.columns[:, None, :]
+            + perimeter[:, 1, None] * part.rows[:, None, :]
+        ).reshape(-1, 3)
+        origins = np.repeat(part.points + height * part.normals, PERIMETER_RAYS, axis=0)
+        distances = caster.first_hits(origins, directions).distance
+        free[start : start + step] = distances.reshape(-1, PERIMETER_RAYS).min(axis=1)
+    return free
+
+
+def unobstructed_half_sizes(
+    heights: NDArray[np.float64], sizes: NDArray[np.float64], tolerance: float
+) -> NDArray[np.float64]:
+    """Find the square within which no sensing point is penetrated.
+
+    Parameters
+    ----------
+    heights : numpy.ndarray
+        Shape (n, r, r), float64: `cast_heights` of squares of the edges `sizes`.
+    sizes : numpy.ndarray
+        Shape (n,), float64, object radii.
+    tolerance : float
+        Greatest height that counts as no penetration, object radii.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), float64, object radii: distance in the maximum norm from the centre to the
+        nearest penetrated sensing point; infinite where there is none.
+    """
+    offsets = np.abs(sensing_offsets(heights.shape[-1]))
+    distance = np.maximum(offsets[:, None], offsets[None, :])
+    nearest = np.where(heights > tolerance, distance, np.inf).min(axis=(1, 2))
+    return 0.5 * sizes * nearest
+
+
+def approach_distances(caster: RayCaster, poses: Poses, height: float) -> NDArray[np.float64]:
+    """Find how far each sensor's centre can be drawn back along its normal.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    poses : Poses
+        n sensors.
+    height : float
+        Height above the tangent plane at which the way starts, object radii.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), float64, object radii above the tangent plane; infinite for an open way.
+    """
+    origins = poses.points + height * poses.normals
+    return height + caster.first_hits(origins, poses.normals).distance
+
+
+def admissible_sizes(
+    half_sizes: NDArray[np.float64], smallest: float, largest: float
+) -> NDArray[np.float64]:
+    """Give the edge of the square from the half size that is free.
+
+    Parameters
+    ----------
+    half_sizes : numpy.ndarray
+        Shape (n,), float64, object radii: nothing within penetrates.
+    smallest, largest : float
+        The sensor's sizes, object radii.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), float64, object radii.
+    """
+    return np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)
+
+
+def _perimeter_directions() -> NDArray[np.float64]:
+    side = PERIMETER_RAYS // 4
+    along = -1 + 2 * np.arange(side) / side
+    edge = np.ones(side)
+    return np.concatenate(
+        [
+            np.column_stack([along, -edge]),
+            np.column_stack([edge, along]),
+            np.column_stack([-along, edge]),
+            np.column_stack([-edge, -along]),
+        ]
+    )

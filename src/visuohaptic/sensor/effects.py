@@ -1,0 +1,245 @@
+"""The sensor's effects in the order in which a touch goes through them.
+
+Each effect is a pure function of `elastic`, `cells` or `readout`; here stands what calls for
+it and what it takes from the scene.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.scene import Scene
+from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
+from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
+from visuohaptic.sensor.planner import Call, Effect, EffectRecord, Signal, Situation, apply_effect
+from visuohaptic.sensor.readout import (
+    add_noise,
+    break_cells,
+    quantise,
+    read_floating,
+    read_grounded,
+)
+
+
+def simulate(
+    situation: Situation, contact: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], tuple[EffectRecord, ...]]:
+    """Take touches through all effects that their scene calls for, in the order of `EFFECTS`.
+
+    Parameters
+    ----------
+    situation : Situation
+        n touches.
+    contact : numpy.ndarray
+        Shape (n, r, r), float64, in [0, 1]: the output of a sensor without a cover.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, r, r), float64, of full scale: the readings, clipped to [0, 1].
+    tuple of EffectRecord
+        One for each effect.
+    """
+    modes = situation.scene.effects
+    covered = situation.scene.cover != "none" and modes.elastic_cover != "never"
+    outputs = np.zeros_like(contact) if covered else contact
+    signal = Signal(outputs, outputs)
+    records = []
+    for effect in EFFECTS:
+        signal, record = apply_effect(effect, getattr(modes, effect.name), situation, signal)
+        records.append(record)
+    # Adding zero turns a negative zero into zero.
+    return np.clip(signal.now, 0.0, 1.0) + 0.0, tuple(records)
+
+
+def peak_depth_m(scene: Scene) -> float:
+    """Give the deepest press since the sensor was last free of the object, metres.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene of one or more presses.
+
+    Returns
+    -------
+    float
+        At least the last depth.
+    """
+    depths = np.array(scene.press_depths_m)
+    free = np.flatnonzero(depths[:-1] <= 0)
+    since = free[-1] + 1 if len(free) else 0
+    return float(depths[since:].max())
+
+
+def _everywhere(situation: Situation, reason: str) -> Call:
+    return Call(np.ones(len(situation), dtype=bool), reason)
+
+
+def _nowhere(situation: Situation, reason: str) -> Call:
+    return Call(np.zeros(len(situation), dtype=bool), reason)
+
+
+def _pressed(signal: Signal, reason: str) -> Call:
+    return Call(signal.peak.any(axis=(1, 2)), f"{reason}, where any cell is loaded")
+
+
+def _call_elastic_cover(situation: Situation, _: Signal) -> Call:
+    scene = situation.scene
+    if scene.cover == "none":
+        return _nowhere(situation, "the sensor has no cover")
+    reached = (situation.gaps_m < peak_depth_m(scene)).any(axis=(1, 2))
+    return Call(reached, f"a {scene.cover} cover, where the press reaches the object")
+
+
+def _run_elastic_cover(situation: Situation, signal: Signal) -> Signal:
+    scene = situation.scene
+    if scene.cover == "none":
+        return signal
+    now = _pressures(situation, scene.press_depths_m[-1])
+    peak_depth = peak_depth_m(scene)
+    released = peak_depth > scene.press_depths_m[-1]
+    return Signal(now, _pressures(situation, peak_depth) if released else now)
+
+
+def _pressures(situation: Situation, depth_m: float) -> NDArray[np.float64]:
+    scene = situation.scene
+    indentations = depth_m - situation.gaps_m
+    elastic = (scene.cover_modulus_pa, scene.cover_poisson_ratio)
+    if scene.cover == "winkler":
+        pressures = winkler_pressures(indentations, *elastic, scene.cover_thickness_m)
+    else:
+        pressures = half_space_pressures(indentations, situation.cell_edges_m, *elastic)
+    return pressures / scene.full_scale_pressure_pa
+
+
+def _call_force_response(situation: Situation, signal: Signal) -> Call:
+    scene = situation.scene
+    if scene.saturation_pressure_pa is None and scene.break_pressure_pa == 0:
+        return _nowhere(situation, "conductance is linear in pressure")
+    return _pressed(signal, "conductance has a break or saturates")
+
+
+def _run_force_response(situation: Situation, signal: Signal) -> Signal:
+    scene = situation.scene
+    break_pressure = scene.break_pressure_pa / scene.full_scale_pressure_pa
+    limit = scene.saturation_pressure_pa
+    saturation = 0.0 if limit is None else scene.full_scale_pressure_pa / limit
+    return signal.map(lambda values: respond_to_force(values, break_pressure, saturation))
+
+
+def _call_gain_scatter(situation: Situation, signal: Signal) -> Call:
+    if situation.scene.gain_scatter == 0:
+        return _nowhere(situation, "all cells have one gain")
+    return _pressed(signal, f"gains scatter by {situation.scene.gain_scatter:g}")
+
+
+def _run_gain_scatter(situation: Situation, signal: Signal) -> Signal:
+    scatter = situation.scene.gain_scatter
+    deviates = situation.random.of_sensor("gain_scatter").standard_normal(signal.now.shape[1:])
+    return signal.map(lambda values: scatter_gains(values, scatter, deviates))
+
+
+def _call_hysteresis(situation: Situation, signal: Signal) -> Call:
+    if situation.scene.hysteresis == 0:
+        return _nowhere(situation, "the cells have no hysteresis")
+    if signal.peak is signal.now:
+        return _nowhere(situation, "nothing was released before the reading")
+    released = (signal.peak > signal.now).any(axis=(1, 2))
+    return Call(released, "the reading follows a release, where a cell was loaded more before")
+
+
+def _run_hysteresis(situation: Situation, signal: Signal) -> Signal:
+    now = remember_peak(signal.now, signal.peak, situation.scene.hysteresis)
+    return Signal(now, now)
+
+
+def _call_drift(situation: Situation, signal: Signal) -> Call:
+    scene = situation.scene
+    if scene.drift_per_decade == 0:
+        return _nowhere(situation, "the cells don't drift")
+    if scene.hold_time_s <= scene.drift_reference_s:
+        return _nowhere(situation, "the reading is taken before drift counts")
+    return _pressed(signal, f"held for {scene.hold_time_s:g} s")
+
+
+def _run_drift(situation: Situation, signal: Signal) -> Signal:
+    scene = situation.scene
+    return signal.map(
+        lambda values: drift(
+            values, scene.hold_time_s, scene.drift_reference_s, scene.drift_per_decade
+        )
+    )
+
+
+def _call_dead_cells(situation: Situation, signal: Signal) -> Call:
+    if situation.scene.dead_fraction == 0:
+        return _nowhere(situation, "no cell is dead")
+    return _pressed(signal, f"cells are dead with probability {situation.scene.dead_fraction:g}")
+
+
+def _run_dead_cells(situation: Situation, signal: Signal) -> Signal:
+    chances = situation.random.of_sensor("dead_cells").random(signal.now.shape[1:])
+    dead = chances < situation.scene.dead_fraction
+    return signal.map(lambda values: break_cells(values, dead))
+
+
+def _call_crosstalk(situation: Situation, signal: Signal) -> Call:
+    scene = situation.scene
+    if scene.readout == "ideal":
+        return _nowhere(situation, "each cell is read alone")
+    if scene.readout == "floating":
+        return _everywhere(situation, "other lines are left open")
+    if scene.line_resistance_ohm == 0:
+        return _nowhere(situation, "lines have no resistance")
+    return _pressed(signal, f"lines of {scene.line_resistance_ohm:g} ohm")
+
+
+def _run_crosstalk(situation: Situation, signal: Signal) -> Signal:
+    scene = situation.scene
+    scale = scene.full_scale_conductance_s
+    if scene.readout == "floating":
+        return signal.map(
+            lambda values: read_floating(scale * values, scene.stand_off_conductance_s) / scale
+        )
+    resistance = scene.line_resistance_ohm if scene.readout == "grounded" else 0.0
+    # In units of full scale, so that nothing is rounded where nothing leaks.
+    return signal.map(lambda values: read_grounded(values, resistance * scale))
+
+
+def _call_noise(situation: Situation, _: Signal) -> Call:
+    if situation.scene.noise == 0:
+        return _nowhere(situation, "the amplifier has no noise")
+    return _everywhere(situation, f"noise of {situation.scene.noise:g} of full scale")
+
+
+def _run_noise(situation: Situation, signal: Signal) -> Signal:
+    deviates = situation.random.of_touches("noise", signal.now.shape[-1])
+    now = add_noise(signal.now, situation.scene.noise, deviates)
+    return Signal(now, now)
+
+
+def _call_quantisation(situation: Situation, _: Signal) -> Call:
+    if situation.scene.bits is None:
+        return _nowhere(situation, "outputs are not rounded")
+    return _everywhere(situation, f"a converter of {situation.scene.bits} bits")
+
+
+def _run_quantisation(situation: Situation, signal: Signal) -> Signal:
+    bits = situation.scene.bits
+    if bits is None:
+        return signal
+    return signal.map(lambda values: quantise(values, bits))
+
+
+EFFECTS = (
+    Effect("elastic_cover", _call_elastic_cover, _run_elastic_cover),
+    Effect("force_response", _call_force_response, _run_force_response),
+    Effect("gain_scatter", _call_gain_scatter, _run_gain_scatter),
+    Effect("hysteresis", _call_hysteresis, _run_hysteresis),
+    Effect("drift", _call_drift, _run_drift),
+    Effect("dead_cells", _call_dead_cells, _run_dead_cells),
+    Effect("crosstalk", _call_crosstalk, _run_crosstalk),
+    Effect("noise", _call_noise, _run_noise),
+    Effect("quantisation", _call_quantisation, _run_quantisation),
+)

@@ -1,0 +1,117 @@
+"""The sensor's frame on the surface: which way is out, and which way the columns run."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from visuohaptic.raycasting import RayCaster
+    from visuohaptic.sensor.parameters import Orientation
+
+# Moves the two directions in which `upright` must break off the exact poles, where
+# horizontal faces are, to 14.5 degrees beside them.
+_POLE_OFFSET = 0.25
+_STAND_OFF = 1e-5
+
+
+def column_axes(
+    normals: NDArray[np.float64], orientation: Orientation = "upright"
+) -> NDArray[np.float64]:
+    """Give the direction in which an imprint's columns count up, from the normal alone.
+
+    Seen from outside, columns count to the right and rows downwards
+    (`row_axes`). No such rule is continuous over all normals (the hairy ball
+    theorem), so each says where it breaks:
+
+    - ``upright``: along ``y × n + n_y² x / 4``, made tangent. Columns are
+      horizontal on every upright wall, and along +x on level faces. It breaks in the
+      two directions 14 degrees off the poles towards -z (near ``(0, ±0.97, -0.24)``), not at
+      the poles themselves, so slight tilts of a table top do not turn its imprints.
+    - ``transported``: the x axis, turned the shortest way from +y to the normal.
+      It breaks at -y alone.
+
+    Parameters
+    ----------
+    normals : numpy.ndarray
+        Shape (n, 3), float64, outward unit normals; y is up.
+    orientation : {"upright", "transported"}
+        The convention.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 3), float64, unit vectors perpendicular to the normals.
+    """
+    axes = _transported_x(normals) if orientation == "transported" else _upright_x(normals)
+    axes = axes - np.einsum("ij,ij->i", axes, normals)[:, None] * normals
+    lengths = np.linalg.norm(axes, axis=1)
+    lost = lengths < 1e-9
+    if lost.any():
+        axes[lost] = _any_perpendicular(normals[lost])
+        lengths[lost] = np.linalg.norm(axes[lost], axis=1)
+    return axes / lengths[:, None]
+
+
+def row_axes(normals: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give the direction in which an imprint's rows count up: downwards, seen from outside.
+
+    Parameters
+    ----------
+    normals, columns : numpy.ndarray
+        Shape (n, 3) each, float64: outward unit normals and `column_axes`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 3), float64, unit vectors.
+    """
+    return np.cross(columns, normals)
+
+
+def _upright_x(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    x, y, z = normals.T
+    return np.column_stack([z + _POLE_OFFSET * y**2, np.zeros_like(x), -x])
+
+
+def _transported_x(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    x, y, z = normals.T
+    shrink = np.divide(x, 1 + y, out=np.zeros_like(x), where=1 + y > 1e-12)
+    return np.column_stack([1 - x * shrink, -x, -z * shrink])
+
+
+def _any_perpendicular(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    least = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
+    return np.cross(least, normals)
+
+
+def orient_outwards(
+    caster: RayCaster, points: NDArray[np.float64], normals: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Turn normals to the side from which a sensor can come.
+
+    A ray is sent off each side. The side with the longer free way is outside; a ray that
+    leaves the object has an endless one. Where both sides are equally free (a single sheet), outside is
+    the side that faces away from the object's centre, whatever the face's winding.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    points : numpy.ndarray
+        Shape (n, 3), float64, on the surface, object frame.
+    normals : numpy.ndarray
+        Shape (n, 3), float64, unit normals of either sign.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 3), float64: each the given normal or its opposite.
+    """
+    facing_away = np.einsum("ij,ij->i", points, normals) >= 0
+    normals = np.where(facing_away[:, None], normals, -normals)
+    outside = caster.first_hits(points + _STAND_OFF * normals, normals).distance
+    inside = caster.first_hits(points - _STAND_OFF * normals, -normals).distance
+    return np.where((inside > outside)[:, None], -normals, normals)

@@ -1,0 +1,154 @@
+"""Casting the sensing points of many sensors at once, and the gaps that they feel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.sensor.frames import column_axes, row_axes
+from visuohaptic.sensor.parameters import Orientation
+
+# Rays in flight at a time: bounds the memory, and keeps the arrays of a step within the cache.
+RAYS_IN_FLIGHT = 1 << 15
+# A ray that falls deeper than both its neighbours by this many of their spacings may have
+# slipped through a crack of the mesh.
+CRACK_DEPTH = 4.0
+
+
+@dataclass(frozen=True)
+class Poses:
+    """Where n sensors stand.
+
+    Attributes
+    ----------
+    points : numpy.ndarray
+        Shape (n, 3), float64: centres of the squares, object frame.
+    normals, columns, rows : numpy.ndarray
+        Shape (n, 3) each, float64: right-angled unit axes; `normals` point
+        away from the object, `columns` and `rows` are the imprint's axes.
+    """
+
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    columns: NDArray[np.float64]
+    rows: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __getitem__(self, selection: slice | NDArray[np.generic]) -> Poses:
+        return Poses(
+            self.points[selection],
+            self.normals[selection],
+            self.columns[selection],
+            self.rows[selection],
+        )
+
+
+def stand_on(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    orientation: Orientation = "upright",
+) -> Poses:
+    """Stand sensors on points of a surface.
+
+    Parameters
+    ----------
+    points, normals : numpy.ndarray
+        Shape (n, 3) each, float64: probing locations and outward unit normals.
+    orientation : {"upright", "transported"}
+        How the square is turned about the normal, see `column_axes`.
+
+    Returns
+    -------
+    Poses
+        The sensors' frames.
+    """
+    columns = column_axes(normals, orientation)
+    return Poses(points, normals, columns, row_axes(normals, columns))
+
+
+def sensing_offsets(resolution: int) -> NDArray[np.float64]:
+    """Give the sensing points along one axis of the square: centres of equal cells.
+
+    Parameters
+    ----------
+    resolution : int
+        Number r of cells along the edge.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (r,), float64, in half edges of the square: symmetric, within (-1, 1).
+    """
+    return (2 * np.arange(resolution) + 1 - resolution) / resolution
+
+
+def cast_heights(
+    caster: RayCaster,
+    poses: Poses,
+    sizes: NDArray[np.float64],
+    lifts: NDArray[np.float64],
+    resolution: int,
+) -> NDArray[np.float64]:
+    """Cast the sensing points along the normals and give how high the surface stands.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    poses : Poses
+        n sensors.
+    sizes, lifts : numpy.ndarray
+        Shape (n,) each, float64, object radii: edge of each square, and the height above the
+        tangent plane at which its rays start.
+    resolution : int
+        Sensing points r along the edge.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, r, r), float64, object radii: height of the first surface
+        met above the tangent plane, negative below it, minus infinity where nothing is met.
+        Row and column index run along `Poses.rows` and `Poses.columns`.
+    """
+    heights = np.full((len(poses), resolution, resolution), -np.inf)
+    step = max(1, RAYS_IN_FLIGHT // resolution**2)
+    for start in range(0, len(poses), step):
+        part = slice(start, start + step)
+        heights[part] = _cast_part(caster, poses[part], sizes[part], lifts[part], resolution)
+    return heights
+
+
+def _cast_part(
+    caster: RayCaster,
+    poses: Poses,
+    sizes: NDArray[np.float64],
+    lifts: NDArray[np.float64],
+    resolution: int,
+) -> NDArray[np.float64]:
+    reach = 0.5 * sizes[:, None] * sensing_offsets(resolution)
+    centres = poses.points + lifts[:, None] * poses.normals
+    along_rows = centres[:, None, :] + reach[:, :, None] * poses.rows[:, None, :]
+    along_columns = reach[:, :, None] * poses.columns[:, None, :]
+    origins = (along_rows[:, :, None, :] + along_columns[:, None, :, :]).reshape(-1, 3)
+    directions = np.repeat(-poses.normals, resolution**2, axis=0)
+    drop = CRACK_DEPTH * sizes / resolution
+
+    def falls_between(distances: NDArray[np.float64]) -> NDArray[np.bool_]:
+        return _falls_between(distances.reshape(-1, resolution, resolution), drop).ravel()
+
+    distances = caster.settled_hits(origins, directions, falls_between).distance
+    return lifts[:, None, None] - distances.reshape(-1, resolution, resolution)
+
+
+def _falls_between(distances: NDArray[np.float64], drop: NDArray[np.float64]) -> NDArray[np.bool_]:
+    falls = np.zeros(distances.shape, dtype=bool)
+    bounds = distances - drop[:, None, None]
+    inner = slice(1, -1)
+    falls[:, :, inner] = bounds[:, :, inner] > np.maximum(distances[:, :, :-2], distances[:, :, 2:])
+    falls[:, inner] |= bounds[:, inner] > np.maximum(distances[:, :-2], distances[:, 2:])
+    return falls

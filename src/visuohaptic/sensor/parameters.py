@@ -1,0 +1,72 @@
+"""The virtual tactile sensor's own measures."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Normal = Literal["face", "smoothed"]
+Orientation = Literal["upright", "transported"]
+Normalisation = Literal["per_imprint", "absolute"]
+
+
+class SensorParameters(BaseModel):
+    """Measures of the sensor; every length is in object radii (bounding sphere = 1)."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    resolution: int = Field(
+        32, ge=2, le=256, description="sensing points (taxels) along each edge of the square"
+    )
+    largest_size: float = Field(
+        0.3, gt=0, le=2, description="edge of the largest square, the palm (object radii)"
+    )
+    smallest_size: float = Field(
+        0.02, gt=0, le=2, description="edge of the smallest square, the fingertip (object radii)"
+    )
+    penetration_tolerance: float = Field(
+        0.002,
+        ge=1e-5,
+        le=0.1,
+        description="how far the object may stand above the sensor's plane (object radii)",
+    )
+    depth_range: float = Field(
+        0.1, gt=0, le=2, description="how deep below its plane the sensor feels (object radii)"
+    )
+    clearance: float = Field(
+        0.1,
+        gt=0,
+        le=2,
+        description="height of the sensor's body: where the approach is blocked farther out, the sensor is set down from this height (object radii)",
+    )
+    normal: Normal = Field(
+        "face",
+        description="`face`: the normal as given; `smoothed`: the mean normal of the surface under the largest square",
+    )
+    orientation: Orientation = Field(
+        "upright",
+        description="how the square is turned about the normal: `upright` keeps the columns horizontal, `transported` turns the frame of an upward normal the shortest way",
+    )
+    normalisation: Normalisation = Field(
+        "per_imprint",
+        description="`per_imprint` stretches each imprint to [0, 1] as the paper does; `absolute` keeps the depth range as the scale",
+    )
+    flatness: float = Field(
+        1e-4,
+        gt=0,
+        le=0.1,
+        description="relief below which `per_imprint` stretches no further, so that a flat contact stays flat (object radii)",
+    )
+
+    @model_validator(mode="after")
+    def _sizes_agree(self) -> Self:
+        if self.smallest_size > self.largest_size:
+            raise ValueError(
+                f"smallest_size is {self.smallest_size}; at most largest_size ({self.largest_size}) is allowed."
+            )
+        if self.penetration_tolerance >= self.clearance:
+            raise ValueError(
+                f"penetration_tolerance is {self.penetration_tolerance}; less than clearance ({self.clearance}) is allowed."
+            )
+        return self

@@ -1,0 +1,193 @@
+"""Deciding which touches an effect is simulated for, and keeping the books."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.scene import Mode, Scene
+from visuohaptic.sensor.random_fields import RandomFields
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What the effects of n touches may look at; r is the sensor's resolution.
+
+    Attributes
+    ----------
+    scene : Scene
+        What is simulated.
+    gaps_m : numpy.ndarray
+        Shape (n, r, r), float64, metres: from the sensor's plane down to the object.
+    cell_edges_m : numpy.ndarray
+        Shape (n,), float64, metres: edge of a sensing cell.
+    fields : RandomFields or None
+        Where random numbers come from; none where nothing random is simulated.
+    """
+
+    scene: Scene
+    gaps_m: NDArray[np.float64]
+    cell_edges_m: NDArray[np.float64]
+    fields: RandomFields | None
+
+    def __len__(self) -> int:
+        return len(self.gaps_m)
+
+    @property
+    def random(self) -> RandomFields:
+        """The random fields; `ParameterError` where an effect needs some and none are given."""
+        if self.fields is None:
+            raise ParameterError(
+                f"scene {self.scene.preset}: an effect draws random numbers and no random fields are given; pass RandomFields."
+            )
+        return self.fields
+
+    def select(self, rows: NDArray[np.intp]) -> Situation:
+        """Give the situation of some touches alone."""
+        return replace(
+            self,
+            gaps_m=self.gaps_m[rows],
+            cell_edges_m=self.cell_edges_m[rows],
+            fields=None if self.fields is None else self.fields.select(rows),
+        )
+
+
+@dataclass(frozen=True)
+class Signal:
+    """The cells' outputs on their way through the sensor.
+
+    Attributes
+    ----------
+    now, peak : numpy.ndarray
+        Shape (n, r, r) each, float64, of full scale: at the reading, and at the highest since the
+        cells were free. One and the same array where nothing was released.
+    """
+
+    now: NDArray[np.float64]
+    peak: NDArray[np.float64]
+
+    def select(self, rows: NDArray[np.intp]) -> Signal:
+        """Give the signal of some touches alone."""
+        return self.map(lambda values: values[rows])
+
+    def map(self, change: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> Signal:
+        """Apply one function to both outputs, once where they are the same."""
+        now = change(self.now)
+        return Signal(now, now if self.peak is self.now else change(self.peak))
+
+    def put(self, rows: NDArray[np.intp], part: Signal) -> Signal:
+        """Give a signal with some touches replaced."""
+        now = _put(self.now, rows, part.now)
+        if self.peak is self.now and part.peak is part.now:
+            return Signal(now, now)
+        return Signal(now, _put(self.peak, rows, part.peak))
+
+
+@dataclass(frozen=True)
+class Call:
+    """Whether touches call for an effect, shape (n,), bool, and why or why not."""
+
+    rows: NDArray[np.bool_]
+    reason: str
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One step of the sensor's physics.
+
+    Attributes
+    ----------
+    name : str
+        Its name among the scene's effect modes.
+    call : callable
+        Cheap: which touches call for it.
+    run : callable
+        Simulates it for all touches that it is given. For touches that don't call for it
+        it gives back what it got, bit for bit.
+    """
+
+    name: str
+    call: Callable[[Situation, Signal], Call]
+    run: Callable[[Situation, Signal], Signal]
+
+
+@dataclass(frozen=True)
+class EffectRecord:
+    """What became of one effect over a batch of touches.
+
+    Attributes
+    ----------
+    effect, mode : str
+        The effect and when it may be simulated.
+    reason : str
+        Why it was called for, or why not; the same for every batch of the scene.
+    touches, called_for, runs : int
+        Touches of the batch, those that called for it, those it was simulated for.
+    seconds : float
+        Time spent on it, deciding included; no two runs have the same.
+    """
+
+    effect: str
+    mode: Mode
+    reason: str
+    touches: int
+    called_for: int
+    runs: int
+    seconds: float
+
+
+def apply_effect(
+    effect: Effect, mode: Mode, situation: Situation, signal: Signal
+) -> tuple[Signal, EffectRecord]:
+    """Simulate an effect for the touches that its mode and their call say.
+
+    Parameters
+    ----------
+    effect : Effect
+        The effect.
+    mode : {"auto", "always", "never"}
+        When it is simulated.
+    situation : Situation
+        The touches.
+    signal : Signal
+        Their outputs so far; left as it is.
+
+    Returns
+    -------
+    Signal
+        The outputs after the effect.
+    EffectRecord
+        What was done.
+    """
+    started = time.perf_counter()
+    call = effect.call(situation, signal)
+    running = np.full(len(situation), mode == "always") if mode != "auto" else call.rows
+    rows = np.flatnonzero(running)
+    if len(rows) == len(situation) > 0:
+        signal = effect.run(situation, signal)
+    elif len(rows):
+        part = effect.run(situation.select(rows), signal.select(rows))
+        signal = signal.put(rows, part)
+    record = EffectRecord(
+        effect.name,
+        mode,
+        call.reason,
+        len(situation),
+        int(call.rows.sum()),
+        len(rows),
+        time.perf_counter() - started,
+    )
+    return signal, record
+
+
+def _put(
+    values: NDArray[np.float64], rows: NDArray[np.intp], part: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    values = values.copy()
+    values[rows] = part
+    return values

@@ -1,0 +1,135 @@
+"""Touching an object at many places: geometry, then whatever effects the scene calls for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.scene import Scene
+from visuohaptic.sensor.contact import contact_states
+from visuohaptic.sensor.effects import simulate
+from visuohaptic.sensor.imprints import stand_on
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.sensor.placing import place
+from visuohaptic.sensor.planner import EffectRecord, Situation
+from visuohaptic.sensor.random_fields import RandomFields
+
+
+@dataclass(frozen=True)
+class Touches:
+    """What n touches gave; r is the sensor's resolution.
+
+    Attributes
+    ----------
+    images : numpy.ndarray
+        Shape (n, r, r), float32, in [0, 1]. 1 is contact with the sensor's plane (with
+        a cover: full scale), 0 is out of the depth range or nothing met (no pressure). With the
+        normalisation `per_imprint` the nearest point of each imprint is 1 and its farthest 0; a flat contact is 1 all over.
+    size : numpy.ndarray
+        Shape (n,), float64, object radii: edge of each square.
+    contact_state : numpy.ndarray
+        Shape (n,), str: one of `CONTACT_STATES`.
+    penetration : numpy.ndarray
+        Shape (n,), float64, object radii: deepest penetration left, at least 0.
+    normals, tangents : numpy.ndarray
+        Shape (n, 3) each, float64: the sensor's outward normal and its +column axis.
+    gaps : numpy.ndarray
+        Shape (n, r, r), float64, object radii: from the sensor's plane down to the
+        object, negative for penetration, infinite where nothing is met.
+    effects : tuple of EffectRecord
+        What became of each effect, in the order in which they act.
+    """
+
+    images: NDArray[np.float32]
+    size: NDArray[np.float64]
+    contact_state: NDArray[np.str_]
+    penetration: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    tangents: NDArray[np.float64]
+    gaps: NDArray[np.float64]
+    effects: tuple[EffectRecord, ...]
+
+
+def touch(
+    caster: RayCaster,
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    parameters: SensorParameters,
+    scene: Scene,
+    fields: RandomFields | None = None,
+) -> Touches:
+    """Touch an object at many places.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    points, normals : numpy.ndarray
+        Shape (n, 3) each, float64, object frame: probing locations and outward unit normals.
+    parameters : SensorParameters
+        The sensor's measures.
+    scene : Scene
+        What is simulated.
+    fields : RandomFields, optional
+        Where random numbers come from, one chain of names a touch; a scene with
+        scattered gains, dead cells or noise needs it.
+
+    Returns
+    -------
+    Touches
+        Each touch is independent of what else is in the batch, bit for bit.
+
+    Raises
+    ------
+    ParameterError
+        If the scene is random and no fields are given.
+    """
+    poses = stand_on(points, normals, parameters.orientation)
+    placement = place(caster, poses, parameters, scene.effects.adaptive_size)
+    heights = placement.heights
+    states = contact_states(heights, placement.sizes, placement.blocked, parameters)
+    gaps = -heights
+    contact = 1.0 - np.clip(gaps / parameters.depth_range, 0.0, 1.0)
+    situation = Situation(
+        scene,
+        scene.object_radius_m * gaps,
+        scene.object_radius_m * placement.sizes / parameters.resolution,
+        fields,
+    )
+    signal, records = simulate(situation, contact)
+    if parameters.normalisation == "per_imprint":
+        signal = stretch(signal, parameters.flatness / parameters.depth_range)
+    return Touches(
+        signal.astype(np.float32),
+        placement.sizes,
+        states,
+        np.maximum(heights.max(axis=(1, 2), initial=0.0), 0.0),
+        poses.normals,
+        poses.columns,
+        gaps,
+        (placement.record, *records),
+    )
+
+
+def stretch(signal: NDArray[np.float64], least_span: float) -> NDArray[np.float64]:
+    """Stretch each image to [0, 1], but none by more than its least span allows.
+
+    Parameters
+    ----------
+    signal : numpy.ndarray
+        Shape (n, r, r), float64.
+    least_span : float
+        Span below which an image is not stretched further.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, r, r), float64: the largest value of each image becomes 1, its least 0 or, for nearly flat images, nearer to 1;
+        an image of zeros stays.
+    """
+    peak = signal.max(axis=(1, 2), keepdims=True)
+    span = np.maximum(peak - signal.min(axis=(1, 2), keepdims=True), least_span)
+    return np.where(peak > 0, np.clip(1.0 - (peak - signal) / span, 0.0, 1.0), 0.0)

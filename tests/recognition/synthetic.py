@@ -1,0 +1,46 @@
+"""Synthetic tables of touch features: classes apart by `separation`, objects apart within each."""
+
+import numpy as np
+
+from visuohaptic import tables
+
+
+def features_table(
+    strategy="fixation",
+    objects=(3, 3, 3, 3),
+    viewpoints=4,
+    touches=5,
+    separation=1.0,
+    seed=0,
+):
+    """Give `tables.FEATURES` of len(objects) classes with so many objects each."""
+    generator = np.random.default_rng(seed)
+    centres = np.random.default_rng(100).normal(size=(len(objects), 22)) * separation
+    columns = {column.name: [] for column in tables.FEATURES.columns}
+    for category, count in enumerate(objects):
+        for number in range(count):
+            offset = 0.5 * np.random.default_rng((5, category, number)).normal(size=22)
+            values = centres[category] + offset
+            values = values + generator.normal(size=(viewpoints, touches, 22))
+            for (viewpoint, touch), row in zip(
+                np.ndindex(viewpoints, touches), values.reshape(-1, 22), strict=True
+            ):
+                add_row(columns, f"class{category}", f"object{number}", viewpoint, strategy, touch)
+                for name, value in zip(tables.CONTOURLET_FEATURES, row[:16], strict=True):
+                    columns[name].append(abs(value))
+                for name, value in zip(tables.KINESTHETIC_FEATURES, row[16:], strict=True):
+                    columns[name].append(np.tanh(value))
+    return tables.build_table(tables.FEATURES, columns)
+
+
+def add_row(columns, category, name, viewpoint, strategy, touch):
+    """Append the keys of one touch."""
+    keys = ("class", "object", "viewpoint", "strategy", "touch")
+    for key, value in zip(keys, (category, name, viewpoint, strategy, touch), strict=True):
+        columns[key].append(value)
+
+
+def with_column(table, name, values):
+    """Give the table with one column's values replaced."""
+    place = table.schema.get_field_index(name)
+    return table.set_column(place, table.schema.field(name), [values])

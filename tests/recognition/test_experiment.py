@@ -1,0 +1,173 @@
+"""The paper's pipeline from table to tables."""
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from recognition.synthetic import features_table, with_column
+
+from visuohaptic import recognition, tables
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.experiment import PAPER_FEATURES
+from visuohaptic.recognition.parameters import (
+    ClassifierParameters,
+    ProtocolParameters,
+    RecognitionParameters,
+    SelfOrganisingMapParameters,
+)
+
+SMALL = RecognitionParameters(protocol=ProtocolParameters(maximum_splits=4))
+
+
+def predictions_of(table, parameters=SMALL, seed=1):
+    return recognition.run_pipeline(table, parameters, seed)[1]
+
+
+def test_81_splits_of_five_classifiers_are_scored_and_every_answer_kept():
+    table = features_table(viewpoints=3, separation=3.0)
+    scores, predictions = recognition.run_pipeline(table, RecognitionParameters(), 1)
+    assert scores.num_rows == 81 * 5
+    assert predictions.num_rows == 81 * 5 * 4 * 3
+    accuracy = scores.column("accuracy").to_numpy()
+    right = np.array(predictions.column("class").to_pylist()) == np.array(
+        predictions.column("predicted").to_pylist()
+    )
+    np.testing.assert_allclose(right.reshape(-1, 12).mean(axis=1), accuracy)
+    # Chance is a quarter; the map and the statistics lose much of what tells the classes apart.
+    assert accuracy.mean() > 0.5
+
+
+def test_features_without_a_class_in_them_give_chance():
+    table = features_table(viewpoints=8, separation=0.0, objects=(4, 4))
+    labels = np.array(table.column("class").to_pylist())
+    scores, _ = recognition.run_pipeline(
+        with_column(table, "class", labels),
+        RecognitionParameters(classifiers=("support_vector_machine", "decision_tree")),
+        1,
+    )
+    # 8 objects of 8 sequences each, which are not independent: three standard errors are .3 at most.
+    assert abs(scores.column("accuracy").to_numpy().mean() - 0.5) < 0.3
+
+
+def test_same_seed_gives_the_same_tables_whatever_the_order_of_rows():
+    table = features_table()
+    shuffled = table.take(np.random.default_rng(0).permutation(table.num_rows))
+    first = recognition.run_pipeline(table, SMALL, 1)
+    second = recognition.run_pipeline(shuffled, SMALL, 1)
+    assert first[0].equals(second[0])
+    assert first[1].equals(second[1])
+
+
+def test_strategies_are_tested_on_the_same_splits():
+    objects = (4, 4, 4, 4)
+    keys = ["split", "class", "object"]
+    first, second = (
+        predictions_of(features_table(name, objects, seed=seed)).select(keys).to_pylist()
+        for seed, name in enumerate(["fixation", "random"])
+    )
+    assert first == second
+
+
+@pytest.mark.parametrize("output", ["unit_distances", "one_hot", "lattice", "feature_groups"])
+@pytest.mark.parametrize("training", ["batch", "online"])
+def test_every_reading_of_the_map_runs_or_says_why_not(output, training):
+    settings = SelfOrganisingMapParameters(
+        output=output, training=training, lattice_levels=2, online_epochs=1
+    )
+    parameters = SMALL.model_copy(update={"self_organising_map": settings})
+    table = features_table(separation=3.0)
+    if (output, training) == ("lattice", "online"):
+        with pytest.raises(RecognitionError, match="5 axes"):
+            recognition.run_pipeline(table, parameters, 1)
+        return
+    scores, _ = recognition.run_pipeline(table, parameters, 1)
+    assert scores.column("accuracy").to_numpy().mean() > 0.4
+
+
+def test_singular_covariance_is_regularised_and_said():
+    scores, _ = recognition.run_pipeline(features_table(), SMALL, 1)
+    notes = recognition.select(scores, classifier="quadratic_discriminant").column("note")
+    assert set(notes.to_pylist()) == {"singular covariance: Ledoit-Wolf shrinkage of every class"}
+    others = scores.filter(pa.compute.not_equal(scores["classifier"], "quadratic_discriminant"))
+    assert set(others.column("note").to_pylist()) == {None}
+
+
+def test_covariances_of_full_rank_are_left_alone():
+    from sklearn.discriminant_analysis import QuadraticDiscriminantAnalysis
+
+    from visuohaptic.recognition.classifiers import fit_classifier
+
+    generator = np.random.default_rng(0)
+    labels = np.repeat([0, 1], 100)
+    features = generator.normal(size=(200, 5)) + labels[:, None]
+    fitted, note = fit_classifier(
+        "quadratic_discriminant", ClassifierParameters(), features, labels, generator
+    )
+    plain = QuadraticDiscriminantAnalysis().fit(features, labels)
+    assert note is None
+    np.testing.assert_array_equal(fitted.predict_proba(features), plain.predict_proba(features))
+
+
+@pytest.mark.parametrize("objects", [(2, 2), (2, 5, 3)])
+def test_uneven_classes_and_the_smallest_set_run(objects):
+    scores, _ = recognition.run_pipeline(features_table(objects=objects), SMALL, 1)
+    assert scores.num_rows == 4 * 5
+
+
+def test_one_sequence_an_object_runs():
+    scores, _ = recognition.run_pipeline(
+        features_table(objects=(3, 3), viewpoints=1), SMALL.model_copy(
+            update={"classifiers": ("k_nearest_neighbours", "support_vector_machine")}
+        ), 1,
+    )  # fmt: skip
+    notes = set(recognition.select(scores, classifier="k_nearest_neighbours")["note"].to_pylist())
+    assert notes == {"4 neighbours, for there are no more training sequences"}
+
+
+def test_constant_feature_changes_no_answer():
+    table = features_table()
+    constant = with_column(table, "contourlet_05", np.zeros(table.num_rows))
+    almost = with_column(table, "contourlet_05", np.full(table.num_rows, 0.1))
+    assert predictions_of(constant).equals(predictions_of(almost))
+
+
+def test_features_that_are_all_constant_are_refused():
+    table = features_table()
+    for name in PAPER_FEATURES:
+        table = with_column(table, name, np.full(table.num_rows, 0.5))
+    with pytest.raises(RecognitionError, match="nothing to tell the classes by"):
+        recognition.run_pipeline(table, SMALL, 1)
+
+
+def test_class_that_is_one_and_the_same_touch_is_answered_by_all():
+    table = features_table(objects=(2, 2))
+    frozen = np.array(table.column("class").to_pylist()) == "class0"
+    for name in PAPER_FEATURES:
+        column = table.column(name).to_numpy().copy()
+        column[frozen] = 0.25
+        table = with_column(table, name, column)
+    predictions = predictions_of(table)
+    named = np.array(predictions.column("predicted").to_pylist())
+    of_frozen = np.array(predictions.column("class").to_pylist()) == "class0"
+    assert set(named[of_frozen]) == {"class0"}
+
+
+def test_object_under_two_names_is_noted():
+    table = features_table(objects=(2, 2))
+    twin = with_column(table.slice(0, 20), "object", ["twin"] * 20)
+    scores, _ = recognition.run_pipeline(pa.concat_tables([table, twin]), SMALL, 1)
+    assert all(
+        "touches are identical for class0/object0 and class0/twin" in note
+        for note in scores.column("note").to_pylist()
+    )
+
+
+@pytest.mark.parametrize("protocol", ["grouped_folds", "new_viewpoint"])
+def test_other_protocols_run_and_repeat(protocol):
+    parameters = RecognitionParameters(
+        protocol=ProtocolParameters(protocol=protocol, folds=2, repeats=2),
+        classifiers=("naive_bayes",),
+    )
+    scores, predictions = recognition.run_pipeline(features_table(), parameters, 1)
+    assert scores.num_rows == 4
+    assert predictions.num_rows == 2 * 12 * 4
+    tables.check_table(tables.PREDICTIONS, predictions)

@@ -1,0 +1,105 @@
+"""Intervals that hold the truth as often as they say, and exact tests."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from visuohaptic.recognition.intervals import (
+    balanced_interval,
+    compare_paired,
+    expanded_tail,
+    object_interval,
+)
+from visuohaptic.recognition.parameters import IntervalParameters
+
+PARAMETERS = IntervalParameters(bootstrap_samples=1000)
+
+
+def test_interval_holds_the_mean_of_twelve_normal_objects_as_often_as_it_says():
+    generator = np.random.default_rng(0)
+    trials = 1000
+    held = 0
+    for _ in range(trials):
+        interval = object_interval(generator.normal(size=12), np.ones(12), PARAMETERS, generator)
+        held += interval.low <= 0 <= interval.high
+    # Three standard errors of a share of .95 are .021.
+    assert abs(held / trials - 0.95) < 0.021 + 0.005
+
+
+def test_expanded_tail_tends_to_the_plain_one():
+    assert expanded_tail(10**6, 0.95) == pytest.approx(0.025, rel=1e-4)
+    assert expanded_tail(3, 0.95) < expanded_tail(12, 0.95) < 0.025
+
+
+def test_equal_objects_have_an_interval_of_no_width():
+    interval = object_interval(np.full(5, 0.5), np.ones(5), PARAMETERS, np.random.default_rng(0))
+    assert (interval.mean, interval.low, interval.high) == pytest.approx((0.5, 0.5, 0.5))
+
+
+def test_single_object_has_no_interval():
+    interval = object_interval(np.array([0.5]), np.ones(1), PARAMETERS, np.random.default_rng(0))
+    assert interval.mean == 0.5
+    assert np.isnan([interval.low, interval.high]).all()
+
+
+def test_weights_weigh():
+    interval = object_interval(
+        np.array([0.0, 1.0]), np.array([3.0, 1.0]), PARAMETERS, np.random.default_rng(0)
+    )
+    assert interval.mean == 0.25
+
+
+def test_balanced_mean_gives_every_class_the_same_say():
+    values, classes = np.array([1.0, 1.0, 1.0, 0.0]), np.array([0, 0, 0, 1])
+    interval = balanced_interval(values, classes, PARAMETERS, np.random.default_rng(0))
+    assert interval.mean == 0.5
+    assert interval.low <= 0.5 <= interval.high
+
+
+def test_p_value_counts_every_sign_change():
+    generator = np.random.default_rng(1)
+    first, second = generator.normal(0.5, 1, size=(2, 8))
+    first += 0.4
+    differences = first - second
+    means = [abs(np.dot(signs, differences)) for signs in itertools.product([-1, 1], repeat=8)]
+    expected = np.mean([mean >= abs(differences.sum()) - 1e-9 for mean in means])
+    comparison = compare_paired(first, second, np.ones(8), PARAMETERS, generator)
+    assert comparison.exact
+    assert comparison.p_value == pytest.approx(expected)
+    assert comparison.difference.mean == pytest.approx(differences.mean())
+
+
+def test_consistent_gain_on_twelve_objects_has_the_smallest_p_value():
+    comparison = compare_paired(
+        np.linspace(0.6, 0.9, 12), np.full(12, 0.5), np.ones(12), PARAMETERS,
+        np.random.default_rng(0),
+    )  # fmt: skip
+    assert comparison.p_value == 2 / 2**12
+    assert comparison.difference.low > 0
+
+
+def test_no_difference_has_p_value_one():
+    same = np.linspace(0, 1, 12)
+    comparison = compare_paired(same, same, np.ones(12), PARAMETERS, np.random.default_rng(0))
+    assert comparison.p_value == 1
+
+
+def test_many_objects_are_sampled_and_the_observed_one_counts():
+    generator = np.random.default_rng(2)
+    first = generator.normal(size=60)
+    parameters = IntervalParameters(permutations=500)
+    comparison = compare_paired(first + 5, first, np.ones(60), parameters, generator)
+    assert not comparison.exact
+    assert comparison.p_value == 1 / 501
+
+
+def test_p_values_of_the_sampled_test_are_uniform_where_nothing_differs():
+    generator = np.random.default_rng(3)
+    parameters = IntervalParameters(permutations=200, bootstrap_samples=100)
+    p_values = [
+        compare_paired(*generator.normal(size=(2, 20)), np.ones(20), parameters, generator).p_value
+        for _ in range(400)
+    ]
+    # Three standard errors of a share of .05 over 400 trials are .033.
+    assert abs(np.mean(np.array(p_values) <= 0.05) - 0.05) < 0.033

@@ -1,0 +1,124 @@
+"""The batch map against MiniSom's, and against what a map must do."""
+
+import numpy as np
+import pytest
+from minisom import MiniSom
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
+from visuohaptic.recognition.self_organising_map import (
+    _principal_weights,
+    _shrinking_radii,
+    fit_batch_map,
+    fit_online_map,
+    lattice,
+    line,
+)
+
+
+def touches(count=120, columns=22, seed=0):
+    generator = np.random.default_rng(seed)
+    return generator.normal(size=(count, columns)) @ generator.normal(size=(columns, columns))
+
+
+def minisom_batch(data, shape, initial, radii):
+    """MiniSom's own batch training, with this map's start and radii."""
+    som = MiniSom(
+        *shape, data.shape[1], learning_rate=1.0, decay_function=lambda rate, _t, _n: rate
+    )
+    som.get_weights()[:] = initial.reshape(*shape, -1)
+    som._sigma_decay_function = lambda _sigma, step, _steps: radii[step]
+    som.train_batch_offline(data, len(radii))
+    return som.get_weights().reshape(-1, data.shape[1])
+
+
+@pytest.mark.parametrize(("places", "shape"), [(line(5), (5, 1)), (lattice(2, 3), (3, 3))])
+def test_ordering_passes_equal_minisom_batch_training(places, shape):
+    data = touches()
+    parameters = SelfOrganisingMapParameters(ordering_epochs=20, settling_epochs=1)
+    fitted = fit_batch_map(data, places, parameters)
+    radii = [*_shrinking_radii(parameters), parameters.final_radius]
+    expected = minisom_batch(data, shape, _principal_weights(data, places), radii)
+    np.testing.assert_allclose(fitted.weights, expected, rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_batch_map_is_converged(seed):
+    data = touches(seed=seed)
+    settled = fit_batch_map(data, line(5), SelfOrganisingMapParameters())
+    longer = fit_batch_map(data, line(5), SelfOrganisingMapParameters(settling_epochs=1000))
+    np.testing.assert_array_equal(settled.weights, longer.weights)
+    neighbourhood = np.exp(-((line(5) - line(5).T) ** 2) / (2 * 0.5**2))
+    won = np.eye(5)[settled.nearest(data)]
+    fixed_point = (neighbourhood @ (won.T @ data)) / (neighbourhood @ won.sum(axis=0))[:, None]
+    np.testing.assert_allclose(settled.weights, fixed_point, rtol=1e-12, atol=1e-12)
+
+
+def test_units_of_a_line_keep_the_order_of_points_on_a_curve():
+    angle = np.random.default_rng(0).uniform(0, np.pi, size=300)
+    data = np.column_stack([np.cos(angle), np.sin(angle)])
+    fitted = fit_batch_map(data, line(5), SelfOrganisingMapParameters())
+    places = np.arctan2(fitted.weights[:, 1], fitted.weights[:, 0])
+    steps = np.diff(places)
+    assert np.all(steps > 0) or np.all(steps < 0)
+
+
+def test_map_quantises_better_than_its_start():
+    data = touches()
+    parameters = SelfOrganisingMapParameters()
+    start = np.linalg.norm(data[:, None] - _principal_weights(data, line(5)), axis=2).min(axis=1)
+    fitted = fit_batch_map(data, line(5), parameters)
+    assert fitted.distances(data).min(axis=1).mean() < start.mean()
+
+
+def test_order_of_the_touches_changes_the_batch_map_by_rounding_only():
+    data = touches()
+    order = np.random.default_rng(1).permutation(len(data))
+    first = fit_batch_map(data, line(5), SelfOrganisingMapParameters())
+    second = fit_batch_map(data[order], line(5), SelfOrganisingMapParameters())
+    np.testing.assert_allclose(first.weights, second.weights, rtol=1e-9, atol=1e-9)
+
+
+def test_distances_and_nearest_unit_agree():
+    data = touches()
+    fitted = fit_batch_map(data, line(5), SelfOrganisingMapParameters())
+    expected = np.linalg.norm(data[:, None, :] - fitted.weights, axis=2)
+    np.testing.assert_allclose(fitted.distances(data), expected)
+    np.testing.assert_array_equal(fitted.nearest(data), expected.argmin(axis=1))
+
+
+def test_online_map_is_reproducible_and_near_the_data():
+    data = touches()
+    parameters = SelfOrganisingMapParameters(training="online", initial_radius=1.0)
+    fits = [
+        fit_online_map(data, line(5), parameters, np.random.default_rng(3)).weights
+        for _ in range(2)
+    ]
+    np.testing.assert_array_equal(*fits)
+    other = fit_online_map(data, line(5), parameters, np.random.default_rng(4)).weights
+    assert not np.array_equal(fits[0], other)
+
+
+def test_online_map_of_five_axes_is_refused_with_the_way_out():
+    with pytest.raises(RecognitionError, match="5 axes; MiniSom has two at most, batch"):
+        fit_online_map(
+            touches(), lattice(5, 2), SelfOrganisingMapParameters(), np.random.default_rng(0)
+        )
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_fewer_touches_than_units_still_give_a_finite_map(count):
+    fitted = fit_batch_map(touches(count=count), line(5), SelfOrganisingMapParameters())
+    assert np.isfinite(fitted.weights).all()
+
+
+def test_identical_touches_give_a_map_of_that_touch():
+    data = np.ones((10, 3))
+    fitted = fit_batch_map(data, line(5), SelfOrganisingMapParameters())
+    np.testing.assert_allclose(fitted.weights, 1)
+
+
+def test_tiny_final_radius_leaves_units_without_touches_finite():
+    data = np.repeat([[0.0, 0.0], [1.0, 1.0]], 5, axis=0)
+    parameters = SelfOrganisingMapParameters(initial_radius=0.02, final_radius=0.01)
+    assert np.isfinite(fit_batch_map(data, line(5), parameters).weights).all()

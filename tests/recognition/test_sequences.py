@@ -1,0 +1,86 @@
+"""From a table to sequences."""
+
+import numpy as np
+import pytest
+from recognition.synthetic import features_table, with_column
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.experiment import PAPER_FEATURES
+from visuohaptic.recognition.sequences import gather_sequences, identical_objects
+from visuohaptic.tables import matrix
+
+
+def test_rows_come_back_as_sequences_whatever_their_order():
+    table = features_table(objects=(2, 3), viewpoints=3)
+    shuffled = table.take(np.random.default_rng(0).permutation(table.num_rows))
+    ordered = gather_sequences(table, PAPER_FEATURES, 5)
+    sequences = gather_sequences(shuffled, PAPER_FEATURES, 5)
+    np.testing.assert_array_equal(ordered.features, sequences.features)
+    np.testing.assert_array_equal(ordered.features.reshape(-1, 22), matrix(table, PAPER_FEATURES))
+    assert sequences.features.shape == (15, 5, 22)
+    assert sequences.classes == ("class0", "class1")
+    assert sequences.labels.tolist() == [0] * 6 + [1] * 9
+    assert sequences.viewpoint.tolist() == [0, 1, 2] * 5
+
+
+def test_first_touches_are_taken():
+    table = features_table(objects=(2, 2), touches=8)
+    whole = gather_sequences(table, PAPER_FEATURES, None)
+    first = gather_sequences(table, PAPER_FEATURES, 3)
+    np.testing.assert_array_equal(first.features, whole.features[:, :3])
+
+
+@pytest.mark.parametrize("dropped", [0, 2, 4, 39])
+def test_missing_touch_is_named(dropped):
+    table = features_table(objects=(1, 1))
+    kept = table.take([row for row in range(table.num_rows) if row != dropped])
+    with pytest.raises(RecognitionError, match=r"viewpoint \d, has the touches .* 0 to 4, once"):
+        gather_sequences(kept, PAPER_FEATURES, 5)
+
+
+def test_sequences_that_lack_touches_in_step_do_not_pass_for_whole_ones():
+    # Without touches 3, 4 of one sequence and 0, 1, 2 of the next the rows still count 0 … 4.
+    table = features_table(objects=(1, 1), viewpoints=2)
+    kept = table.take([0, 1, 2, 8, 9, *range(10, 20)])
+    with pytest.raises(RecognitionError, match=r"class0/object0, viewpoint 0, .* \[0, 1, 2\]"):
+        gather_sequences(kept, PAPER_FEATURES, 5)
+
+
+def test_more_touches_than_there_are_is_refused():
+    with pytest.raises(RecognitionError, match="each of 0 to 8"):
+        gather_sequences(features_table(objects=(1, 1)), PAPER_FEATURES, 9)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_value_that_is_not_finite_is_named(value):
+    table = features_table(objects=(2, 2))
+    column = table.column("contourlet_03").to_numpy().copy()
+    column[7] = value
+    with pytest.raises(RecognitionError, match=r"class0/object0 has contourlet_03 = .* at touch 2"):
+        gather_sequences(with_column(table, "contourlet_03", column), PAPER_FEATURES, 5)
+
+
+def test_two_strategies_at_once_are_refused():
+    table = features_table(objects=(1, 1))
+    mixed = ["random"] * 10 + ["fixation"] * (table.num_rows - 10)
+    with pytest.raises(RecognitionError, match="exactly one"):
+        gather_sequences(with_column(table, "strategy", mixed), PAPER_FEATURES, 5)
+
+
+def test_empty_table_and_missing_column_are_refused():
+    table = features_table(objects=(1, 1))
+    with pytest.raises(RecognitionError):
+        gather_sequences(table.slice(0, 0), PAPER_FEATURES, 5)
+    with pytest.raises(RecognitionError, match="lack the columns contourlet_02"):
+        gather_sequences(table.drop_columns(["contourlet_02"]), PAPER_FEATURES, 5)
+
+
+def test_objects_with_the_same_touches_are_found():
+    table = features_table(objects=(2, 2))
+    copied = table.slice(0, 20)
+    renamed = with_column(copied, "object", ["copy"] * 20)
+    import pyarrow as pa
+
+    sequences = gather_sequences(pa.concat_tables([table, renamed]), PAPER_FEATURES, 5)
+    assert identical_objects(sequences) == [("class0/copy", "class0/object0")]
+    assert identical_objects(gather_sequences(table, PAPER_FEATURES, 5)) == []

@@ -1,0 +1,101 @@
+"""Who trains and who is tested."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from recognition.synthetic import features_table
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.experiment import PAPER_FEATURES
+from visuohaptic.recognition.parameters import ProtocolParameters
+from visuohaptic.recognition.sequences import gather_sequences
+from visuohaptic.recognition.splits import grouped_folds, leave_one_out_a_class, make_splits
+
+
+def splits_of(objects, viewpoints=2, seed=0, **settings):
+    sequences = gather_sequences(
+        features_table(objects=objects, viewpoints=viewpoints), PAPER_FEATURES, 5
+    )
+    generator = np.random.default_rng(seed)
+    return sequences, make_splits(sequences, ProtocolParameters(**settings), generator)
+
+
+def test_three_objects_of_four_classes_give_81_splits():
+    sequences, splits = splits_of((3, 3, 3, 3))
+    assert len(splits) == 81
+    tested = {tuple(np.unique(sequences.object_index[split.test])) for split in splits}
+    assert len(tested) == 81
+    for split in splits:
+        classes = sequences.class_of_object[np.unique(sequences.object_index[split.test])]
+        assert classes.tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("protocol", ["leave_one_object_a_class_out", "grouped_folds"])
+@pytest.mark.parametrize("objects", [(2, 2), (3, 3, 3), (2, 5, 3), (4, 9)])
+def test_no_object_trains_and_is_tested(protocol, objects):
+    sequences, splits = splits_of(objects, protocol=protocol)
+    for split in splits:
+        train = set(sequences.object_index[split.train])
+        test = set(sequences.object_index[split.test])
+        assert not train & test
+        assert len(train | test) == len(sequences.objects)
+        assert set(sequences.labels[split.train]) == set(range(len(objects)))
+
+
+@pytest.mark.parametrize("objects", [(2, 2), (3, 4), (11, 7, 13)])
+def test_grouped_folds_test_every_object_once_and_are_even(objects):
+    ends = np.cumsum(objects)
+    members = [list(range(end - count, end)) for end, count in zip(ends, objects, strict=True)]
+    folds = grouped_folds(members, 5, np.random.default_rng(1))
+    assert sorted(place for fold in folds for place in fold) == list(range(sum(objects)))
+    sizes = [len(fold) for fold in folds]
+    assert max(sizes) - min(sizes) <= 1
+    for objects_of_class in members:
+        share = [len(set(fold) & set(objects_of_class)) for fold in folds]
+        assert max(share) - min(share) <= 1
+
+
+def test_more_combinations_than_allowed_are_sampled_distinct_and_balanced():
+    members = [list(range(12 * place, 12 * place + 12)) for place in range(12)]
+    chosen = leave_one_out_a_class(members, 36, np.random.default_rng(2))
+    assert len(set(chosen)) == len(chosen) == 36
+    counts = Counter(place for combination in chosen for place in combination)
+    assert set(counts.values()) == {3}
+
+
+def test_cap_just_below_all_combinations_is_reached():
+    members = [[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]
+    chosen = leave_one_out_a_class(members, 80, np.random.default_rng(3))
+    assert len(set(chosen)) == 80
+
+
+def test_same_generator_draws_the_same_splits_and_another_others():
+    first = splits_of((6, 6, 6), maximum_splits=10, seed=1)[1]
+    again = splits_of((6, 6, 6), maximum_splits=10, seed=1)[1]
+    other = splits_of((6, 6, 6), maximum_splits=10, seed=2)[1]
+    assert all(np.array_equal(a.test, b.test) for a, b in zip(first, again, strict=True))
+    assert not all(np.array_equal(a.test, b.test) for a, b in zip(first, other, strict=True))
+
+
+def test_new_viewpoint_keeps_every_object_in_training_and_no_viewpoint_in_both():
+    sequences, splits = splits_of((2, 3), viewpoints=16, protocol="new_viewpoint", folds=4)
+    assert len(splits) == 4
+    for split in splits:
+        assert not set(sequences.viewpoint[split.train]) & set(sequences.viewpoint[split.test])
+        assert set(sequences.object_index[split.train]) == set(range(5))
+
+
+def test_class_with_one_object_is_named():
+    with pytest.raises(RecognitionError, match=r"Class class1 has one object \(object0\)"):
+        splits_of((3, 1, 2))
+
+
+def test_single_class_is_refused():
+    with pytest.raises(RecognitionError, match=r"one class \(class0\); at least two"):
+        splits_of((3,))
+
+
+def test_single_viewpoint_is_refused_for_new_viewpoints():
+    with pytest.raises(RecognitionError, match="at least two"):
+        splits_of((2, 2), viewpoints=1, protocol="new_viewpoint")

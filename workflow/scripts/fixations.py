@@ -1,0 +1,22 @@
+"""Look at one object from a block of viewpoints."""
+
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.fixations import make_fixations
+from visuohaptic.jobs import logged_job
+from visuohaptic.probing import ProbingParameters
+from visuohaptic.rendering import RenderingParameters
+from visuohaptic.viewpoints import ViewpointParameters
+
+with logged_job(snakemake.log[0]):
+    make_fixations(
+        key=snakemake.wildcards.object,
+        mesh=snakemake.input.mesh,
+        fixations=snakemake.output.fixations,
+        views=snakemake.output.views,
+        block=snakemake.params.block,
+        viewpoints=ViewpointParameters(**snakemake.params.viewpoints),
+        rendering=RenderingParameters(**snakemake.params.rendering),
+        attention=AttentionParameters(**snakemake.params.attention),
+        probing=ProbingParameters(**snakemake.params.probing),
+        seed=snakemake.params.seed,
+    )

@@ -1,0 +1,15 @@
+"""Touch one object at the probing locations of a block of viewpoints."""
+
+from visuohaptic.jobs import logged_job
+from visuohaptic.scene import Scene
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.touches import make_touches
+
+with logged_job(snakemake.log[0]):
+    make_touches(
+        mesh=snakemake.input.mesh,
+        fixations=snakemake.input.fixations,
+        output=snakemake.output[0],
+        sensor=SensorParameters(**snakemake.params.sensor),
+        scene=Scene(**snakemake.params.scene),
+    )
