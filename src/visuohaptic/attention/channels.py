@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
 from visuohaptic.attention.pyramid import (
     Plane,
+    blur,
     filled,
     reciprocal,
     reductions,
@@ -249,10 +250,14 @@ def orientation_pyramids(
     images = reductions(view.backdrop, deepest)
     certainties = reductions(view.certainty, deepest)
     banks = _gabor_bank(parameters.orientations)
-    return {
-        level: [_energy(images[level], pair) * certainties[level] for pair in banks]
-        for level in parameters.centre_levels
-    }
+    planes = {}
+    for level in parameters.centre_levels:
+        energies = [blur(_energy(images[level], pair)) for pair in banks]
+        mean = sum(energies[1:], energies[0]) / np.float32(len(banks))
+        planes[level] = [
+            np.maximum(energy - mean, np.float32(0.0)) * certainties[level] for energy in energies
+        ]
+    return planes
 
 
 def channel_planes(

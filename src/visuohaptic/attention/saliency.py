@@ -158,10 +158,10 @@ def _scales(certainty: Plane, parameters: AttentionParameters) -> list[_Scale]:
 
 
 def _conspicuity(responses: list[Plane], parameters: AttentionParameters) -> Plane:
-    total = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)
-    for response in responses:
-        total += promote(_scaled(response), parameters.normalisation)
-    return promote(_scaled(total), parameters.normalisation)
+    promoted = [promote(_scaled(response), parameters.normalisation) for response in responses]
+    strongest = max(float(plane.max()) for plane in promoted)
+    total = sum(promoted[1:], promoted[0])
+    return np.float32(strongest) * promote(_scaled(total), parameters.normalisation)
 
 
 def _responses(

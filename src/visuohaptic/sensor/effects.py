@@ -80,15 +80,19 @@ def _nowhere(situation: Situation, reason: str) -> Call:
     return Call(np.zeros(len(situation), dtype=bool), reason)
 
 
+def _any_cell(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    return np.logical_or.reduce(cells.reshape(len(cells), -1), axis=1)
+
+
 def _pressed(signal: Signal, reason: str) -> Call:
-    return Call(signal.peak.any(axis=(1, 2)), f"{reason}, where any cell is loaded")
+    return Call(_any_cell(signal.peak > 0), f"{reason}, where any cell is loaded")
 
 
 def _call_elastic_cover(situation: Situation, _: Signal) -> Call:
     scene = situation.scene
     if scene.cover == "none":
         return _nowhere(situation, "the sensor has no cover")
-    reached = (situation.gaps_m < peak_depth_m(scene)).any(axis=(1, 2))
+    reached = _any_cell(situation.gaps_m < peak_depth_m(scene))
     return Call(reached, f"a {scene.cover} cover, where the press reaches the object")
 
 
@@ -145,7 +149,7 @@ def _call_hysteresis(situation: Situation, signal: Signal) -> Call:
         return _nowhere(situation, "the cells have no hysteresis")
     if signal.peak is signal.now:
         return _nowhere(situation, "nothing was released before the reading")
-    released = (signal.peak > signal.now).any(axis=(1, 2))
+    released = _any_cell(signal.peak > signal.now)
     return Call(released, "the reading follows a release, where a cell was loaded more before")
 
 

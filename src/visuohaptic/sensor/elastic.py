@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 # Half-space: relative change of the pressure's sum at which a touch counts as solved, and the
 # iterations after which it is left as it is; contacts of 32 × 32 cells need some 40.
-_CONVERGED = 1e-8
+_CONVERGED = 1e-6
 _ITERATIONS = 500
 
 
@@ -128,9 +128,7 @@ def boussinesq_kernel(resolution: int) -> NDArray[np.float64]:
     )
 
 
-def _edge_term(
-    distance: NDArray[np.float64], along: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _edge_term(distance: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
     # asinh is the logarithm of Johnson's equation without its cancellation.
     far = np.abs(distance)
     return distance * (np.arcsinh((along + 0.5) / far) - np.arcsinh((along - 0.5) / far))

@@ -16,6 +16,7 @@ RAYS_IN_FLIGHT = 1 << 15
 # A ray that falls deeper than both its neighbours by this many of their spacings may have
 # slipped through a crack of the mesh.
 CRACK_DEPTH = 4.0
+SMOOTHING_RESOLUTION = 8
 
 
 @dataclass(frozen=True)
@@ -130,12 +131,7 @@ def _cast_part(
     lifts: NDArray[np.float64],
     resolution: int,
 ) -> NDArray[np.float64]:
-    reach = 0.5 * sizes[:, None] * sensing_offsets(resolution)
-    centres = poses.points + lifts[:, None] * poses.normals
-    along_rows = centres[:, None, :] + reach[:, :, None] * poses.rows[:, None, :]
-    along_columns = reach[:, :, None] * poses.columns[:, None, :]
-    origins = (along_rows[:, :, None, :] + along_columns[:, None, :, :]).reshape(-1, 3)
-    directions = np.repeat(-poses.normals, resolution**2, axis=0)
+    origins, directions = _rays(poses, sizes, lifts, resolution)
     drop = CRACK_DEPTH * sizes / resolution
 
     def falls_between(distances: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -143,6 +139,52 @@ def _cast_part(
 
     distances = caster.settled_hits(origins, directions, falls_between).distance
     return lifts[:, None, None] - distances.reshape(-1, resolution, resolution)
+
+
+def smooth_normals(
+    caster: RayCaster, poses: Poses, size: float, clearance: float
+) -> NDArray[np.float64]:
+    """Give the mean normal of the surface under each sensor.
+
+    The surface within the clearance above and below the plane is sampled on an even grid of the
+    square; each sample's face counts alike, its normal turned to the sensor, and so does the pose's own.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    poses : Poses
+        n sensors.
+    size, clearance : float
+        Edge of the square, and height of the sensor's body, object radii.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 3), float64, unit normals within 90 degrees of the poses' own.
+    """
+    count = len(poses)
+    origins, directions = _rays(
+        poses, np.full(count, size), np.full(count, clearance), SMOOTHING_RESOLUTION
+    )
+    hits = caster.first_hits(origins, directions)
+    normals = caster.surface.face_normals[hits.face]
+    towards = np.einsum("ij,ij->i", normals, directions) < 0
+    normals = np.where(towards[:, None], normals, -normals)
+    normals[~(hits.distance <= 2 * clearance)] = 0.0
+    total = poses.normals + normals.reshape(count, -1, 3).sum(axis=1)
+    return total / np.linalg.norm(total, axis=1, keepdims=True)
+
+
+def _rays(
+    poses: Poses, sizes: NDArray[np.float64], lifts: NDArray[np.float64], resolution: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    reach = 0.5 * sizes[:, None] * sensing_offsets(resolution)
+    centres = poses.points + lifts[:, None] * poses.normals
+    along_rows = centres[:, None, :] + reach[:, :, None] * poses.rows[:, None, :]
+    along_columns = reach[:, :, None] * poses.columns[:, None, :]
+    origins = (along_rows[:, :, None, :] + along_columns[:, None, :, :]).reshape(-1, 3)
+    return origins, np.repeat(-poses.normals, resolution**2, axis=0)
 
 
 def _falls_between(distances: NDArray[np.float64], drop: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ from visuohaptic.raycasting import RayCaster
 from visuohaptic.scene import Scene
 from visuohaptic.sensor.contact import contact_states
 from visuohaptic.sensor.effects import simulate
-from visuohaptic.sensor.imprints import stand_on
+from visuohaptic.sensor.imprints import smooth_normals, stand_on
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import place
 from visuohaptic.sensor.planner import EffectRecord, Situation
@@ -88,6 +88,9 @@ def touch(
         If the scene is random and no fields are given.
     """
     poses = stand_on(points, normals, parameters.orientation)
+    if parameters.normal == "smoothed":
+        smooth = smooth_normals(caster, poses, parameters.largest_size, parameters.clearance)
+        poses = stand_on(points, smooth, parameters.orientation)
     placement = place(caster, poses, parameters, scene.effects.adaptive_size)
     heights = placement.heights
     states = contact_states(heights, placement.sizes, placement.blocked, parameters)

@@ -1,0 +1,41 @@
+"""Run the benchmarks named on the command line, or all, and keep their figures.
+
+The figures go to `benchmarks/results.json`, and as a table into the README.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+from pathlib import Path
+
+from benchmarks.machine import describe_machine
+
+FOLDER = Path(__file__).parent
+RESULTS = FOLDER / "results.json"
+NOT_BENCHMARKS = {"__init__", "__main__", "machine"}
+
+
+def main(names: list[str]) -> None:
+    """Run benchmarks and merge their figures into the results.
+
+    Parameters
+    ----------
+    names : list of str
+        Module names; all where empty.
+    """
+    names = names or sorted(
+        file.stem for file in FOLDER.glob("*.py") if file.stem not in NOT_BENCHMARKS
+    )
+    results = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
+    for name in names:
+        print(f"{name} …", flush=True)
+        results[name] = importlib.import_module(f"benchmarks.{name}").run()
+        print(json.dumps(results[name], indent=2))
+    results["machine"] = describe_machine()
+    RESULTS.write_text(json.dumps(results, indent=2, sort_keys=True) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,143 @@
+"""From a mesh file to features, file to file: what each phase writes is what its table promises."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.attention.scanpath import INWARD, TIE
+from visuohaptic.catalogue import Model
+from visuohaptic.features import FeatureParameters, make_features
+from visuohaptic.fixations import make_fixations
+from visuohaptic.meshes import MeshParameters, make_mesh
+from visuohaptic.probing import ProbingParameters
+from visuohaptic.rendering import RenderingParameters
+from visuohaptic.scene import Scene
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.surface import read_surface
+from visuohaptic.tables import FEATURES, FIXATIONS, TOUCHES, VIEWS, matrix, read_table
+from visuohaptic.touches import make_touches
+from visuohaptic.viewpoints import ViewpointParameters
+
+VIEWPOINTS = ViewpointParameters(count=3)
+
+
+def look(folder, block, seed=7, name="fixations"):
+    make_fixations(
+        key="ring/torus",
+        mesh=folder / "torus.ply",
+        fixations=folder / f"{name}.parquet",
+        views=folder / f"{name}-views.parquet",
+        block=block,
+        viewpoints=VIEWPOINTS,
+        rendering=RenderingParameters(resolution=64),
+        attention=AttentionParameters(fixations=4),
+        probing=ProbingParameters(),
+        seed=seed,
+    )
+    return read_table(FIXATIONS, folder / f"{name}.parquet")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("phases")
+    trimesh.creation.torus(1, 0.4).export(folder / "torus.obj")
+    make_mesh(
+        "ring/torus",
+        Model("ring", "torus"),
+        folder / "torus.obj",
+        folder / "torus.ply",
+        MeshParameters(),
+    )
+    look(folder, [0, 1, 2])
+    make_touches(
+        folder / "torus.ply",
+        folder / "fixations.parquet",
+        folder / "touches.parquet",
+        SensorParameters(resolution=32),
+        Scene(),
+    )
+    make_features(folder / "touches.parquet", folder / "features.parquet", FeatureParameters())
+    return folder
+
+
+def test_every_viewpoint_and_strategy_gives_its_sequence(folder):
+    table = read_table(FIXATIONS, folder / "fixations.parquet")
+    assert table.num_rows == 3 * 2 * 4
+    assert set(table.column("strategy").to_pylist()) == {"fixation", "random"}
+
+
+def test_probing_locations_lie_on_the_surface_with_normals_towards_the_free_side(folder):
+    table = read_table(FIXATIONS, folder / "fixations.parquet")
+    surface = read_surface(folder / "torus.ply")
+    points, normals = (
+        matrix(table, ("x", "y", "z")),
+        matrix(table, ("normal_x", "normal_y", "normal_z")),
+    )
+    corners = surface.triangles[table.column("face").to_numpy()]
+    plane = surface.face_normals[table.column("face").to_numpy()]
+    np.testing.assert_allclose(np.einsum("nk,nk->n", points - corners[:, 0], plane), 0, atol=1e-6)
+    tube = points / np.linalg.norm(points[:, :2], axis=1, keepdims=True)
+    ring_radius = 1 / 1.4
+    outwards = points - ring_radius * np.column_stack([tube[:, 0], tube[:, 1], np.zeros(len(tube))])
+    assert (np.einsum("nk,nk->n", normals, outwards) > 0).all()
+
+
+def test_fixations_were_looked_at_and_random_points_were_not(folder):
+    frame = read_table(FIXATIONS, folder / "fixations.parquet").to_pandas()
+    looked = frame[frame.strategy == "fixation"]
+    assert looked.saliency.notna().all()
+    # Within the tie window the first pixel wins, or the one farther from the outline.
+    first = looked.groupby("viewpoint").saliency.first()
+    np.testing.assert_allclose(first, 1, rtol=TIE + INWARD)
+    assert (
+        frame[frame.strategy == "random"][["pixel_row", "pixel_column", "saliency"]]
+        .isna()
+        .all(None)
+    )
+
+
+def test_a_block_of_viewpoints_gives_what_all_of_them_give(folder):
+    whole = read_table(FIXATIONS, folder / "fixations.parquet").to_pandas()
+    part = look(folder, [1], name="part").to_pandas()
+    expected = whole[whole.viewpoint == 1].reset_index(drop=True)
+    assert part.equals(expected)
+
+
+def test_another_seed_moves_random_points_and_no_fixation(folder):
+    whole = read_table(FIXATIONS, folder / "fixations.parquet").to_pandas()
+    other = look(folder, [0, 1, 2], seed=8, name="other").to_pandas()
+    same = (whole[["x", "y", "z"]] == other[["x", "y", "z"]]).all(axis=1)
+    assert (same == (whole.strategy == "fixation")).all()
+
+
+def test_views_are_pictures_and_say_what_ran(folder):
+    import cv2
+
+    rows = read_table(VIEWS, folder / "fixations-views.parquet").to_pylist()
+    assert len(rows) == 3
+    for row in rows:
+        view = cv2.imdecode(np.frombuffer(row["view"], np.uint8), cv2.IMREAD_UNCHANGED)
+        saliency = cv2.imdecode(np.frombuffer(row["saliency"], np.uint8), cv2.IMREAD_UNCHANGED)
+        assert view.shape == (64, 64, 3)
+        assert saliency.shape == (64, 64)
+        assert saliency.max() == 255
+        channels, skipped = dict(row["conspicuity"]), dict(row["skipped"])
+        assert len(channels) + len(skipped) == 8
+        # The torus has one colour.
+        assert "colour" in skipped
+
+
+def test_touches_and_features_keep_the_keys_of_the_fixations(folder):
+    fixations = read_table(FIXATIONS, folder / "fixations.parquet")
+    for schema, name in ((TOUCHES, "touches"), (FEATURES, "features")):
+        table = read_table(schema, folder / f"{name}.parquet")
+        for key in schema.keys:
+            assert table.column(key).equals(fixations.column(key))
+
+
+def test_features_hold_place_and_normal_as_touched(folder):
+    touches = read_table(TOUCHES, folder / "touches.parquet")
+    features = read_table(FEATURES, folder / "features.parquet")
+    for name in ("x", "y", "z", "normal_x", "normal_y", "normal_z"):
+        assert features.column(name).equals(touches.column(name))

@@ -1,0 +1,141 @@
+"""A small copy of the experiment: four objects of two classes, four small views, everything real."""
+
+import csv
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+OBJECTS = ("bs0_yogurtBottle", "sc_com_bath2_jabon_pijo", "bsby_chair3", "bs0_chair2")
+COPIED = (
+    "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
+    "workflow", "src", "meshes/paper", "meshes/own", "profiles",
+)  # fmt: skip
+SMALL = {
+    "viewpoints": {"count": 4},
+    "rendering": {"resolution": 64},
+    "workflow": {"views_per_job": 4},
+    "recognition": {"intervals": {"bootstrap_samples": 200}},
+}
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A copy of the repository in which commands can be run."""
+
+    folder: Path
+
+    def run(self, *command, check=True):
+        """Run a command of the environment there, and give what it printed."""
+        environment = {
+            key: value
+            for key, value in os.environ.items()
+            if not key.startswith(("GIT_", "PYTEST_", "DVC_"))
+        }
+        environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
+        # The copy's own package must be found by the copy's own means.
+        environment.pop("PYTHONPATH", None)
+        result = subprocess.run(
+            command, cwd=self.folder, env=environment, check=False, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600,
+        )  # fmt: skip
+        if check and result.returncode:
+            raise AssertionError(f"{' '.join(map(str, command))} failed:\n{result.stdout[-5000:]}")
+        return result
+
+    def snakemake(self, *arguments, check=True):
+        return self.run("snakemake", "-j2", *arguments, check=check)
+
+    def planned(self):
+        """Count the jobs of each rule that would run now."""
+        output = self.snakemake("-n").stdout
+        if "Nothing to be done" in output:
+            return {}
+        table = output.split("Job stats:")[1].split("\n\n")[0]
+        counts = {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
+        return {name: count for name, count in counts.items() if name not in {"total", "all"}}
+
+    def set(self, **sections):
+        """Change parameters, section by section."""
+        path = self.folder / "params.yaml"
+        path.write_text(
+            yaml.safe_dump(merged(yaml.safe_load(path.read_text()), sections), sort_keys=False)
+        )
+
+    def table(self, name):
+        """Read a whole table, sorted by all its plain columns."""
+        table = pq.read_table(self.folder / "results" / name)
+        keys = [
+            key
+            for key in (
+                "class",
+                "object",
+                "viewpoint",
+                "strategy",
+                "touch",
+                "pipeline",
+                "classifier",
+                "split",
+                "seed",
+            )
+            if key in table.column_names
+        ]
+        return table.sort_by([(key, "ascending") for key in keys]).combine_chunks()
+
+    def copy(self, folder):
+        shutil.copytree(self.folder, folder, symlinks=True)
+        return Experiment(folder)
+
+
+def merged(old, new):
+    """Lay new values over old ones, deeply."""
+    return {
+        **old,
+        **{
+            key: merged(old[key], value) if isinstance(value, dict) and key in old else value
+            for key, value in new.items()
+        },
+    }
+
+
+@pytest.fixture(scope="session")
+def fresh(tmp_path_factory):
+    """The experiment before anything has run."""
+    folder = tmp_path_factory.mktemp("fresh") / "experiment"
+    for name in COPIED:
+        source, target = ROOT / name, folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if source.is_dir():
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy2(source, target)
+    rows = list(csv.DictReader((ROOT / "meshes/catalogue.csv").open(newline="")))
+    with (folder / "meshes/catalogue.csv").open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(row for row in rows if row["object"] in OBJECTS)
+    experiment = Experiment(folder)
+    experiment.set(**SMALL)
+    return experiment
+
+
+@pytest.fixture(scope="session")
+def finished(fresh, tmp_path_factory):
+    """The experiment after one whole run with two processes."""
+    experiment = fresh.copy(tmp_path_factory.mktemp("finished") / "experiment")
+    experiment.snakemake()
+    return experiment
+
+
+@pytest.fixture
+def experiment(finished, tmp_path):
+    """A finished experiment to do with as a test likes."""
+    return finished.copy(tmp_path / "experiment")

@@ -1,0 +1,104 @@
+"""However DVC runs the experiment, the metrics are those of a clean run, bit for bit."""
+
+import json
+import shutil
+
+import pandas as pd
+import pytest
+
+pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("dvc")]
+
+METRICS = "reports/metrics.json"
+CHANGE = {"sensor": {"largest_size": 0.2}, "recognition": {"classifier": {"neighbours": 3}}}
+SET = ("-S", "sensor.largest_size=0.2", "-S", "recognition.classifier.neighbours=3")
+
+
+def commit(experiment, message):
+    experiment.run("git", "add", "--all")
+    experiment.run("git", "-c", "user.name=A", "-c", "user.email=a@b.c", "commit", "-qm", message)
+
+
+@pytest.fixture(scope="module")
+def repository(fresh, tmp_path_factory):
+    """A git repository in which `dvc repro` has run."""
+    experiment = fresh.copy(tmp_path_factory.mktemp("dvc") / "experiment")
+    for name in (".snakemake", "logs"):
+        shutil.rmtree(experiment.folder / name, ignore_errors=True)
+    experiment.run("git", "init", "-q")
+    experiment.run("git", "config", "user.name", "A")
+    experiment.run("git", "config", "user.email", "a@b.c")
+    commit(experiment, "start")
+    experiment.run("dvc", "repro")
+    commit(experiment, "run")
+    return experiment
+
+
+@pytest.fixture(scope="module")
+def changed_metrics(fresh, tmp_path_factory):
+    """Metrics of a clean run without DVC, with the parameters changed."""
+    experiment = fresh.copy(tmp_path_factory.mktemp("changed") / "experiment")
+    experiment.set(**CHANGE)
+    experiment.snakemake("--", METRICS)
+    return (experiment.folder / METRICS).read_bytes()
+
+
+def test_repro_gives_the_metrics_of_a_run_without_dvc(repository, finished):
+    assert (repository.folder / METRICS).read_bytes() == (finished.folder / METRICS).read_bytes()
+
+
+def test_nothing_is_left_to_do_for_either_tool_after_repro(repository):
+    assert repository.planned() == {}
+    assert "up to date" in repository.run("dvc", "status").stdout
+
+
+def test_without_the_metadata_of_snakemake_nothing_is_stale_and_nothing_lost(repository, tmp_path):
+    experiment = repository.copy(tmp_path / "experiment")
+    shutil.rmtree(experiment.folder / ".snakemake")
+    output = experiment.run("dvc", "repro").stdout
+    assert "Running stage" not in output
+    assert len(pd.read_parquet(experiment.folder / "results/touches")) == 160
+
+
+def test_a_changed_parameter_is_never_answered_with_old_outputs(
+    repository, changed_metrics, tmp_path
+):
+    experiment = repository.copy(tmp_path / "experiment")
+    shutil.rmtree(experiment.folder / ".snakemake")
+    experiment.set(**CHANGE)
+    experiment.run("dvc", "repro")
+    assert (experiment.folder / METRICS).read_bytes() == changed_metrics
+
+
+@pytest.mark.parametrize("how", ["workspace", "temp", "queue"])
+def test_an_experiment_gives_the_metrics_of_a_clean_run(repository, changed_metrics, tmp_path, how):
+    experiment = repository.copy(tmp_path / "experiment")
+    flags = {"workspace": (), "temp": ("--temp",), "queue": ("--queue",)}[how]
+    experiment.run("dvc", "exp", "run", "--name", "smaller", *SET, *flags)
+    if how == "queue":
+        experiment.run("dvc", "exp", "run", "--run-all")
+    if how != "workspace":
+        before = (experiment.folder / METRICS).read_bytes()
+        assert before == (repository.folder / METRICS).read_bytes()
+        experiment.run("dvc", "exp", "apply", "smaller")
+    assert (experiment.folder / METRICS).read_bytes() == changed_metrics
+    shown = json.loads(experiment.run("dvc", "exp", "show", "--json").stdout)
+    assert "smaller" in json.dumps(shown)
+    assert '"largest_size": 0.2' in json.dumps(shown)
+
+
+def test_meshes_and_tables_come_back_from_a_remote(repository, tmp_path):
+    experiment = repository.copy(tmp_path / "experiment")
+    experiment.run("dvc", "push")
+    for name in ("results", "meshes/downloaded", ".dvc/cache", "reports"):
+        shutil.rmtree(experiment.folder / name)
+    experiment.run("dvc", "pull")
+    assert (experiment.folder / METRICS).read_bytes() == (repository.folder / METRICS).read_bytes()
+    assert len(list((experiment.folder / "results/meshes").glob("*/*.ply"))) == 4
+    assert "up to date" in experiment.run("dvc", "status").stdout
+
+
+def test_declared_plots_are_drawn(repository, tmp_path):
+    repository.run("dvc", "plots", "show", "--out", str(tmp_path / "plots"))
+    page = (tmp_path / "plots" / "index.html").read_text()
+    assert "Accuracy of each classifier" in page
+    assert "What the sequences of each class were named" in page

@@ -1,0 +1,160 @@
+"""Snakemake runs what changed and what follows from it, and nothing else."""
+
+import json
+import os
+
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+import trimesh
+
+pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
+
+TABLES = ("views", "fixations", "touches", "features", "scores", "predictions")
+TOUCHES = 4 * 4 * 2 * 5  # objects, viewpoints, strategies, touches in a sequence
+
+
+def test_pandas_reads_each_table_whole(finished):
+    for name in ("fixations", "touches", "features"):
+        frame = pd.read_parquet(finished.folder / "results" / name)
+        assert len(frame) == TOUCHES
+        keys = ["class", "object", "viewpoint", "strategy", "touch"]
+        assert list(frame.columns[:5]) == keys
+        assert not frame.duplicated(keys).any()
+    scores = pd.read_parquet(finished.folder / "results" / "scores")
+    assert len(scores) == 2 * 5 * 4  # strategies, classifiers, splits of two objects in two classes
+
+
+def test_nothing_is_left_to_do_after_a_run(finished):
+    assert finished.planned() == {}
+
+
+def test_a_touched_file_reruns_nothing(experiment):
+    for name in (
+        "params.yaml",
+        "meshes/paper/chair/bsby_chair3.ply.gz",
+        "src/visuohaptic/features.py",
+    ):
+        os.utime(experiment.folder / name)
+    assert experiment.planned() == {}
+
+
+def test_a_parameter_of_recognition_reruns_no_touch(experiment):
+    experiment.set(recognition={"classifier": {"neighbours": 3}})
+    assert experiment.planned() == {"recognition": 2, "metrics": 1, "report": 1}
+
+
+def test_a_parameter_of_the_sensor_reruns_no_fixation(experiment):
+    experiment.set(sensor={"largest_size": 0.25})
+    planned = experiment.planned()
+    assert planned["touches"] == planned["features"] == 4
+    assert "fixations" not in planned
+    assert "meshes" not in planned
+
+
+def test_a_changed_mesh_reruns_its_object_and_what_follows(experiment):
+    meshes = experiment.folder / "meshes" / "paper"
+    other = (meshes / "chair" / "bs0_chair2.ply.gz").read_bytes()
+    (meshes / "chair" / "bsby_chair3.ply.gz").write_bytes(other)
+    planned = experiment.planned()
+    assert {name: planned[name] for name in ("meshes", "fixations", "touches", "features")} == {
+        "meshes": 1, "fixations": 1, "touches": 1, "features": 1,
+    }  # fmt: skip
+    assert planned["recognition"] == 2
+
+
+@pytest.mark.parametrize(
+    ("module", "first"),
+    [
+        ("meshes.py", "meshes"),
+        ("attention/saliency.py", "fixations"),
+        ("sensor/placing.py", "touches"),
+        ("contourlet/directional.py", "features"),
+        ("recognition/classifiers.py", "recognition"),
+        ("metrics.py", "metrics"),
+    ],
+)
+def test_an_edited_module_reruns_the_phases_that_use_it(experiment, module, first):
+    with (experiment.folder / "src" / "visuohaptic" / module).open("a") as stream:
+        stream.write("\n# edited\n")
+    phases = ["meshes", "fixations", "touches", "features", "recognition", "metrics", "report"]
+    planned = experiment.planned()
+    assert first in planned
+    assert not set(planned) & set(phases[: phases.index(first)]) - {"fixations"}
+    assert "report" in planned
+
+
+@pytest.mark.parametrize(
+    "arguments", [("-j1",), ("-j2", "--config", 'workflow={"views_per_job": 1}')]
+)
+def test_jobs_and_blocks_of_viewpoints_change_no_table(fresh, finished, tmp_path, arguments):
+    other = fresh.copy(tmp_path / "experiment")
+    other.run("snakemake", *arguments)
+    for name in TABLES:
+        assert other.table(name).equals(finished.table(name)), name
+    metrics = "reports/metrics.json"
+    assert (other.folder / metrics).read_bytes() == (finished.folder / metrics).read_bytes()
+
+
+def test_other_blocks_of_viewpoints_leave_no_stale_part(experiment):
+    experiment.set(workflow={"views_per_job": 2})
+    experiment.snakemake()
+    assert len(pd.read_parquet(experiment.folder / "results" / "touches")) == TOUCHES
+    assert experiment.planned() == {}
+
+
+def test_an_own_object_takes_part_and_leaves_without_trace(experiment):
+    own = experiment.folder / "meshes" / "own" / "chair"
+    own.mkdir()
+    trimesh.creation.box((1, 2, 1)).export(own / "stool.stl")
+    experiment.snakemake()
+    objects = set(pd.read_parquet(experiment.folder / "results" / "touches")["object"])
+    assert "stool" in objects
+    assert "stool" in (experiment.folder / "reports" / "report.html").read_text()
+    (own / "stool.stl").unlink()
+    experiment.snakemake()
+    objects = set(pd.read_parquet(experiment.folder / "results" / "touches")["object"])
+    assert "stool" not in objects
+
+
+def test_a_corrupt_mesh_is_named_and_spares_the_others(fresh, tmp_path):
+    experiment = fresh.copy(tmp_path / "experiment")
+    broken = experiment.folder / "meshes" / "own" / "x" / "broken.obj"
+    broken.parent.mkdir()
+    broken.write_text("v 0 0 0\nv 1 0 nonsense\nf 1 2 3\n")
+    result = experiment.snakemake("--keep-going", check=False)
+    assert result.returncode != 0
+    sentences = {line for line in result.stdout.splitlines() if line.startswith("error: ")}
+    assert len(sentences) == 1
+    assert "meshes/own/x/broken.obj can't be read as OBJ" in sentences.pop()
+    for name in ("fixations", "touches", "features"):
+        assert len(pd.read_parquet(experiment.folder / "results" / name)) == TOUCHES
+    assert experiment.snakemake(check=False).returncode != 0
+
+
+def test_a_wrong_parameter_is_one_sentence(experiment):
+    experiment.set(sensor={"largest_size": -1, "shape": "round"})
+    result = experiment.snakemake("-n", check=False)
+    assert result.returncode != 0
+    assert "sensor.largest_size is -1: input should be greater than 0" in result.stdout
+    assert "sensor.shape is no parameter" in result.stdout
+    assert "Traceback" not in result.stdout
+
+
+def test_a_job_that_was_killed_leaves_no_part_that_counts(experiment):
+    part = experiment.folder / "results/touches/chair/bsby_chair3/00-03.parquet"
+    part.unlink()
+    (part.parent / ".00-03.parquet-tmp").write_bytes(b"half")
+    experiment.snakemake()
+    assert pq.read_table(part).num_rows == 40
+    assert len(pd.read_parquet(experiment.folder / "results" / "touches")) == TOUCHES
+
+
+def test_metrics_hold_every_classifier_with_its_interval(finished):
+    metrics = json.loads((finished.folder / "reports/metrics.json").read_text())
+    for strategy in ("fixation", "random"):
+        figures = metrics["results"]["paper"][strategy]
+        assert len(figures) == 5
+        for classifier in figures.values():
+            accuracy = classifier["accuracy"]
+            assert 0 <= accuracy["low"] <= accuracy["mean"] <= accuracy["high"] <= 1

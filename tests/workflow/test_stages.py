@@ -1,0 +1,64 @@
+"""Rule files, DVC stages and parameters name the same things."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from visuohaptic.code_inputs import code_inputs
+from visuohaptic.parameters import ExperimentParameters
+
+ROOT = Path(__file__).parents[2]
+STAGES = yaml.safe_load((ROOT / "dvc.yaml").read_text())["stages"]
+SCRIPTS = {
+    stage: [
+        dependency for dependency in entry["deps"] if dependency.startswith("workflow/scripts/")
+    ]
+    for stage, entry in STAGES.items()
+}
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_stage_depends_on_every_module_that_its_scripts_run(stage):
+    files = {
+        file.relative_to(ROOT)
+        for script in SCRIPTS[stage]
+        for file in code_inputs(ROOT / script, ROOT / "src")
+    }
+    named = [Path(dependency) for dependency in STAGES[stage]["deps"]]
+    missing = [file for file in files if not {file, *file.parents} & set(named)]
+    assert not missing
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_no_output_of_a_stage_persists(stage):
+    assert "persist" not in str(STAGES[stage])
+
+
+def test_every_script_belongs_to_a_stage():
+    scripts = {str(file.relative_to(ROOT)) for file in (ROOT / "workflow/scripts").glob("*.py")}
+    assert scripts == {script for scripts in SCRIPTS.values() for script in scripts}
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_what_a_stage_depends_on_is_there_or_comes_from_a_stage(stage):
+    outputs = {output for entry in STAGES.values() for output in entry["outs"]}
+    for dependency in STAGES[stage]["deps"]:
+        assert dependency in outputs or (ROOT / dependency).exists(), dependency
+
+
+def leaves(values, path=()):
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield from leaves(value, (*path, key))
+        else:
+            yield (*path, key), value
+
+
+def test_params_yaml_holds_every_parameter_with_its_default():
+    written = dict(leaves(yaml.safe_load((ROOT / "params.yaml").read_text())))
+    defaults = dict(leaves(ExperimentParameters().model_dump(mode="json")))
+    assert written == {path: defaults[path] for path in written}
+    left_out = {path[0] for path in set(defaults) - set(written)}
+    # A scene's fields come with its preset; naming them all would hide the preset.
+    assert left_out <= {"scene"}
