@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO
 
@@ -33,23 +34,23 @@ class Surface:
     faces: NDArray[np.int64]
     face_colours: NDArray[np.uint8]
 
-    @property
+    @cached_property
     def triangles(self) -> NDArray[np.float64]:
         """Corners of each face, shape (f, 3, 3)."""
         return self.vertices[self.faces]
 
-    @property
+    @cached_property
     def face_crosses(self) -> NDArray[np.float64]:
         """Cross product of two edges of each face, shape (f, 3); its length is twice the area."""
         corners = self.triangles
         return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
-    @property
+    @cached_property
     def face_areas(self) -> NDArray[np.float64]:
         """Area of each face in squared units of the vertices, shape (f,)."""
         return 0.5 * np.linalg.norm(self.face_crosses, axis=1)
 
-    @property
+    @cached_property
     def face_normals(self) -> NDArray[np.float64]:
         """Unit normal of each face by its winding, shape (f, 3); zero for a face without area."""
         crosses = self.face_crosses

@@ -7,6 +7,7 @@ from .frames import row_axes as row_axes
 from .parameters import SensorParameters as SensorParameters
 from .planner import EffectRecord as EffectRecord
 from .planner import Situation as Situation
+from .planner import merge_records as merge_records
 from .random_fields import RandomFields as RandomFields
 from .touching import Touches as Touches
 from .touching import touch as touch
@@ -20,6 +21,7 @@ __all__ = [
     "Situation",
     "Touches",
     "column_axes",
+    "merge_records",
     "orient_outwards",
     "row_axes",
     "simulate",

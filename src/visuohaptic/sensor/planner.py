@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -183,6 +183,31 @@ def apply_effect(
         time.perf_counter() - started,
     )
     return signal, record
+
+
+def merge_records(batches: Sequence[Sequence[EffectRecord]]) -> tuple[EffectRecord, ...]:
+    """Add up the records of several batches of one scene.
+
+    Parameters
+    ----------
+    batches : sequence of sequence of EffectRecord
+        The same effects in the same order in each.
+
+    Returns
+    -------
+    tuple of EffectRecord
+        One for each effect.
+    """
+    return tuple(
+        replace(
+            records[0],
+            touches=sum(record.touches for record in records),
+            called_for=sum(record.called_for for record in records),
+            runs=sum(record.runs for record in records),
+            seconds=sum(record.seconds for record in records),
+        )
+        for records in zip(*batches, strict=True)
+    )
 
 
 def _put(

@@ -11,11 +11,24 @@ from visuohaptic.raycasting import RayCaster
 from visuohaptic.scene import Scene
 from visuohaptic.sensor.contact import contact_states
 from visuohaptic.sensor.effects import simulate
-from visuohaptic.sensor.imprints import smooth_normals, stand_on
+from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import place
-from visuohaptic.sensor.planner import EffectRecord, Situation
+from visuohaptic.sensor.planner import EffectRecord, Situation, merge_records
 from visuohaptic.sensor.random_fields import RandomFields
+
+# Bounds the memory: intermediate arrays live for so many touches at a time.
+TOUCHES_AT_A_TIME = 256
+
+_ARRAYS = (
+    "images",
+    "size",
+    "contact_state",
+    "penetration",
+    "normals",
+    "tangents",
+    "gaps",
+)
 
 
 @dataclass(frozen=True)
@@ -25,20 +38,23 @@ class Touches:
     Attributes
     ----------
     images : numpy.ndarray
-        Shape (n, r, r), float32, in [0, 1]. 1 is contact with the sensor's plane (with
-        a cover: full scale), 0 is out of the depth range or nothing met (no pressure). With the
-        normalisation `per_imprint` the nearest point of each imprint is 1 and its farthest 0; a flat contact is 1 all over.
+        Shape (n, r, r), float32, in [0, 1]. 1 is contact with the sensor's plane (with a
+        cover: full scale), 0 is out of the depth range or nothing met (no pressure). With
+        the normalisation `per_imprint` the nearest point of each imprint is 1 and its
+        farthest 0; a flat contact is 1 all over.
     size : numpy.ndarray
         Shape (n,), float64, object radii: edge of each square.
     contact_state : numpy.ndarray
         Shape (n,), str: one of `CONTACT_STATES`.
     penetration : numpy.ndarray
-        Shape (n,), float64, object radii: deepest penetration left, at least 0.
+        Shape (n,), float64, object radii: how high the object still stands above the tangent
+        plane within the square, at least 0.
     normals, tangents : numpy.ndarray
         Shape (n, 3) each, float64: the sensor's outward normal and its +column axis.
     gaps : numpy.ndarray
-        Shape (n, r, r), float64, object radii: from the sensor's plane down to the
-        object, negative for penetration, infinite where nothing is met.
+        Shape (n, r, r), float64, object radii: from the sensor's plane, resting on the highest
+        point within the square, down to the object; infinite where nothing is met, negative
+        only for what stands above the sensor's clearance.
     effects : tuple of EffectRecord
         What became of each effect, in the order in which they act.
     """
@@ -87,14 +103,43 @@ def touch(
     ParameterError
         If the scene is random and no fields are given.
     """
-    poses = stand_on(points, normals, parameters.orientation)
+    parts = [
+        _touch_part(
+            caster,
+            stand_on(points[rows], normals[rows], parameters.orientation),
+            parameters,
+            scene,
+            None if fields is None else fields.select(rows),
+        )
+        for rows in _batches(len(points))
+    ]
+    return Touches(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS),
+        effects=merge_records([part.effects for part in parts]),
+    )
+
+
+def _batches(count: int) -> list[NDArray[np.intp]]:
+    return np.split(np.arange(count), range(TOUCHES_AT_A_TIME, count, TOUCHES_AT_A_TIME))
+
+
+def _touch_part(
+    caster: RayCaster,
+    poses: Poses,
+    parameters: SensorParameters,
+    scene: Scene,
+    fields: RandomFields | None,
+) -> Touches:
     if parameters.normal == "smoothed":
         smooth = smooth_normals(caster, poses, parameters.largest_size, parameters.clearance)
-        poses = stand_on(points, smooth, parameters.orientation)
+        poses = stand_on(poses.points, smooth, parameters.orientation)
     placement = place(caster, poses, parameters, scene.effects.adaptive_size)
-    heights = placement.heights
-    states = contact_states(heights, placement.sizes, placement.blocked, parameters)
-    gaps = -heights
+    states = contact_states(placement.heights, placement.sizes, placement.blocked, parameters)
+    highest = placement.heights.max(axis=(1, 2))
+    # A rigid plane goes no deeper than the first thing it meets: the probed point itself, or
+    # what stands higher within the square.
+    resting = np.clip(highest, 0.0, parameters.clearance)
+    gaps = resting[:, None, None] - placement.heights
     contact = 1.0 - np.clip(gaps / parameters.depth_range, 0.0, 1.0)
     situation = Situation(
         scene,
@@ -109,7 +154,7 @@ def touch(
         signal.astype(np.float32),
         placement.sizes,
         states,
-        np.maximum(heights.max(axis=(1, 2), initial=0.0), 0.0),
+        np.maximum(highest, 0.0),
         poses.normals,
         poses.columns,
         gaps,
