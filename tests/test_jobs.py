@@ -1,5 +1,8 @@
 """A job leaves a log that a person and the report can read, and ends in one sentence."""
 
+import subprocess
+import sys
+
 import pytest
 
 from visuohaptic.errors import MeshError
@@ -30,3 +33,30 @@ def test_an_unforeseen_error_keeps_its_traceback_in_the_log(tmp_path, capsys):
         raise ZeroDivisionError("oh")
     assert capsys.readouterr().err.startswith("error: ZeroDivisionError: oh (see ")
     assert "Traceback" in log.read_text()
+
+
+def test_a_job_that_writes_a_table_does_not_pay_for_pandas(tmp_path):
+    program = f"""
+import sys
+import pyarrow as pa
+from visuohaptic.jobs import logged_job
+with logged_job({str(tmp_path / "a.log")!r}):
+    table = pa.table({{"a": [1, 2]}})
+    assert "pandas" not in sys.modules
+assert table.to_pandas()["a"].sum() == 3
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def test_a_job_that_casts_rays_does_not_pay_for_a_web_server(tmp_path):
+    program = f"""
+import sys
+from visuohaptic.jobs import logged_job
+from visuohaptic.raycasting import load_open3d
+with logged_job({str(tmp_path / "a.log")!r}):
+    load_open3d().t.geometry.RaycastingScene()
+    assert "flask" not in sys.modules
+import dash
+assert dash.Dash is not None
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)

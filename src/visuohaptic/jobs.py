@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 from visuohaptic.errors import VisuohapticError
 
@@ -58,10 +59,12 @@ def logged_job(log: str | Path) -> Iterator[None]:
     """
     path = Path(log)
     path.parent.mkdir(parents=True, exist_ok=True)
+    _keep_pandas_out()
     started = time.time()
     imports = started - _process_start()
     try:
-        yield
+        with _web_server_left_out():
+            yield
     except VisuohapticError as error:
         _end_with(path, f"error: {error}", "")
     except Exception as error:  # noqa: BLE001 - the job ends here, and says why
@@ -90,6 +93,45 @@ def read_seconds(log: str | Path) -> JobSeconds | None:
             _, _, imports, _, work = line.split()
             return JobSeconds(float(imports), float(work))
     return None
+
+
+def _keep_pandas_out() -> None:
+    """Keep pyarrow from importing pandas with its first array, which would cost each job 0.4 s.
+
+    Whoever asks pyarrow for a pandas object later still gets one.
+    """
+    pyarrow = sys.modules.get("pyarrow")
+    if pyarrow is None or "pandas" in sys.modules:
+        return
+    sys.meta_path.insert(0, _NoPandas)
+    try:
+        pyarrow.array([0])
+    finally:
+        sys.meta_path.remove(_NoPandas)
+
+
+class _NoPandas:
+    """A finder for `sys.meta_path` that denies pandas."""
+
+    @staticmethod
+    def find_spec(name: str, *_: object) -> None:
+        if name == "pandas":
+            raise ModuleNotFoundError(name=name)
+
+
+@contextmanager
+def _web_server_left_out() -> Iterator[None]:
+    """Spare a job the web server that Open3D imports for plots nobody asks for: some 0.7 s."""
+    if "dash" in sys.modules:
+        yield
+        return
+    placeholder = ModuleType("dash")
+    vars(placeholder).update(html=None, dcc=None, Dash=None)
+    sys.modules["dash"] = placeholder
+    try:
+        yield
+    finally:
+        del sys.modules["dash"]
 
 
 def _end_with(log: Path, sentence: str, details: str) -> None:
