@@ -19,7 +19,7 @@ test: $(READY) lint
 	pytest
 
 meshes: $(READY)
-	snakemake -j$(JOBS) --config meshes='{"set": "$(SET)"}' -- meshes_all
+	visuohaptic meshes fetch --set $(SET) --jobs $(JOBS)
 
 bench: $(READY)
 	python -m benchmarks

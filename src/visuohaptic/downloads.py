@@ -41,8 +41,8 @@ def fetch_models(
 ) -> None:
     """Download models and write each as `<folder>/<class>/<name>.ply.gz`.
 
-    What has come stays in the cache, also when the download breaks off; a second
-    call goes on from there.
+    What has come stays, in the cache and in the folder, also when the download
+    breaks off; a second call goes on from there.
 
     Parameters
     ----------
@@ -65,10 +65,11 @@ def fetch_models(
 
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    libraries = fetch_libraries(sorted({model.library for model in models}), cache)
-    tasks = (delayed(pack_model)(model, libraries[model.library], folder) for model in models)
+    missing = [model for model in models if not (folder / f"{model.key}.ply.gz").exists()]
+    libraries = fetch_libraries(sorted({model.library for model in missing}), cache)
+    tasks = (delayed(pack_model)(model, libraries[model.library], folder) for model in missing)
     packed = Parallel(n_jobs=jobs, return_as="generator")(tasks)
-    for _ in tqdm(packed, total=len(models), desc="packing models", unit="model", disable=None):
+    for _ in tqdm(packed, total=len(missing), desc="packing models", unit="model", disable=None):
         pass
     write_credits(models, folder / "credits.csv")
 

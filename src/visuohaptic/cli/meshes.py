@@ -1,0 +1,119 @@
+"""`visuohaptic meshes`: bring models, check them, and name who made them."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from visuohaptic.catalogue import Model, find_own_models, models_of_set
+from visuohaptic.errors import MeshError
+
+app = typer.Typer(help="The models that objects come from.", no_args_is_help=True)
+
+
+class SetName(StrEnum):
+    """The sets of the catalogue."""
+
+    PAPER = "paper"
+    BENCHMARK = "benchmark"
+    HARD = "hard"
+
+
+SetOption = Annotated[SetName, typer.Option("--set", help="Which objects of the catalogue.")]
+FolderOption = Annotated[
+    Path, typer.Option("--meshes", help="Folder with catalogue.csv, paper/, own/ and downloaded/.")
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
+
+
+@app.command()
+def fetch(
+    object_set: SetOption = SetName.BENCHMARK,
+    meshes: FolderOption = Path("meshes"),
+    cache: Annotated[Path, typer.Option(help="Where archives are kept.")] = Path(".cache/models"),
+    jobs: Annotated[int, typer.Option(min=1, help="Processes that pack models.")] = 2,
+) -> None:
+    """Bring the models of a set that the repository does not hold.
+
+    What has come stays; a second call goes on from there.
+
+    Example: visuohaptic meshes fetch --set benchmark
+    """
+    from visuohaptic.downloads import fetch_models
+
+    models = models_of_set(meshes / "catalogue.csv", object_set.value)
+    missing = [model for model in models if not (meshes / "paper" / _packed(model)).exists()]
+    fetch_models(missing, meshes / "downloaded", cache, jobs)
+    sys.stdout.write(f"{len(missing)} models are in {meshes / 'downloaded'}.\n")
+
+
+@app.command()
+def check(
+    object_set: SetOption = SetName.PAPER,
+    meshes: FolderOption = Path("meshes"),
+    as_json: JsonOption = False,  # noqa: FBT002
+) -> None:
+    """Prepare each model of a set and each own one, and tell which can't be touched and why.
+
+    Ends with 1 where there is such a model.
+
+    Example: visuohaptic meshes check --set paper
+    """
+    from visuohaptic.meshes import MeshParameters, prepare_object
+
+    models = models_of_set(meshes / "catalogue.csv", object_set.value)
+    files = {model: _model_file(model, meshes) for model in models}
+    files |= find_own_models(meshes / "own", {model.key for model in models})
+    findings: dict[str, dict[str, object]] = {}
+    for model, file in files.items():
+        try:
+            surface = prepare_object(model, file, MeshParameters())
+            findings[model.key] = {"triangles": len(surface.faces)}
+        except MeshError as error:
+            findings[model.key] = {"error": str(error)}
+    broken = sum("error" in finding for finding in findings.values())
+    if as_json:
+        sys.stdout.write(json.dumps(findings, indent=2) + "\n")
+    else:
+        for key, finding in findings.items():
+            sys.stdout.write(
+                f"{key}: {finding.get('error') or str(finding['triangles']) + ' triangles'}\n"
+            )
+        sys.stdout.write(f"{len(findings) - broken} of {len(findings)} models can be touched.\n")
+    if broken:
+        raise typer.Exit(1)
+
+
+@app.command(name="credits")
+def show_credits(
+    object_set: SetOption = SetName.PAPER,
+    meshes: FolderOption = Path("meshes"),
+    as_json: JsonOption = False,  # noqa: FBT002
+) -> None:
+    """Name who made each model of a set, and its licence.
+
+    Example: visuohaptic meshes credits --set benchmark
+    """
+    models = models_of_set(meshes / "catalogue.csv", object_set.value)
+    named = {model.key: asdict(model.credit) for model in models if model.credit is not None}
+    if as_json:
+        sys.stdout.write(json.dumps(named, indent=2) + "\n")
+        return
+    for key, credit in named.items():
+        address = f", {credit['source_url']}" if credit["source_url"] else ""
+        sys.stdout.write(f"{key}: {credit['author']}, {credit['licence']}{address}\n")
+
+
+def _packed(model: Model) -> Path:
+    return Path(f"{model.key}.ply.gz")
+
+
+def _model_file(model: Model, meshes: Path) -> Path:
+    shipped = meshes / "paper" / _packed(model)
+    return shipped if shipped.exists() else meshes / "downloaded" / _packed(model)
