@@ -52,8 +52,8 @@ def test_credits_name_author_and_licence():
 
 
 def test_credits_are_parsed_by_machines():
-    credits = json.loads(visuohaptic("meshes", "credits", "--set", "benchmark", "--json").stdout)
-    assert len(credits) == 142
+    named = json.loads(visuohaptic("meshes", "credits", "--set", "benchmark", "--json").stdout)
+    assert len(named) == 142
 
 
 def test_a_missing_catalogue_is_one_sentence_and_1(tmp_path):
