@@ -30,6 +30,8 @@ _BUNDLE_RADIUS = 3e-6
 _BUNDLE = np.array(
     [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
 )
+# Rounding of a triple product of float64 vectors, relative to their lengths.
+_ROUNDING = 2e-15
 
 
 @dataclass(frozen=True)
@@ -171,13 +173,16 @@ class RayCaster:
         """Choose each ray's face in float64, among those that rays close by meet."""
         candidates = self._faces_around(origins, directions)
         corners = self._corners[candidates] - origins[:, None, None, :]
-        # Two faces at an edge have exactly opposite numbers for it, so no ray slips between.
+        # Two faces at an edge have exactly opposite numbers for it, so no ray slips between;
+        # at a vertex rounding alone decides, and every face that it may have cut off counts.
         sides = np.cross(corners, np.roll(corners, -1, axis=2))
         sides = np.einsum("mckd,md->mck", sides, directions)
+        farthest = np.einsum("mckd,mckd->mck", corners, corners).max(axis=2, keepdims=True)
+        slack = _ROUNDING * farthest * np.linalg.norm(directions, axis=1)[:, None, None]
         planes = self._planes[candidates]
         above = planes[:, :, 3] - np.einsum("mcd,md->mc", planes[:, :, :3], origins)
         along = np.einsum("mcd,md->mc", planes[:, :, :3], directions)
-        inside = (sides >= 0).all(axis=2) | (sides <= 0).all(axis=2)
+        inside = (sides >= -slack).all(axis=2) | (sides <= slack).all(axis=2)
         inside &= (candidates != MISS) & (along != 0)
         distances = np.divide(above, along, out=np.full(above.shape, np.inf), where=inside)
         distances[distances < 0] = np.inf

@@ -127,6 +127,22 @@ class Scene(BaseModel):
     )
     effects: EffectModes = Field(EffectModes(), description="when each effect is simulated")
 
+    def with_effects(self, mode: Mode) -> Scene:
+        """Give the same scene with one mode for every effect.
+
+        Parameters
+        ----------
+        mode : {"auto", "always", "never"}
+            When each effect is simulated.
+
+        Returns
+        -------
+        Scene
+            Fit to measure what `auto` saves against `always`.
+        """
+        modes = EffectModes.model_validate(dict.fromkeys(EffectModes.model_fields, mode))
+        return self.model_copy(update={"effects": modes})
+
     @model_validator(mode="before")
     @classmethod
     def _fill_from_preset(cls, values: Any) -> Any:

@@ -232,7 +232,20 @@ PREDICTION_KEYS = (*SCORE_KEYS, *VIEW_KEYS)
 
 PREDICTIONS = Schema(
     "predictions",
-    (*PREDICTION_KEYS, Column("predicted", TEXT, "the class that the classifier named")),
+    (
+        *PREDICTION_KEYS,
+        Column("predicted", TEXT, "the class that the classifier named"),
+        Column(
+            "probability",
+            REAL,
+            "what the classifier gives that class",
+            "1",
+            0,
+            1.0001,
+            nullable=True,
+        ),
+        Column("voted", TEXT, "the class that all sequences of the object name", nullable=True),
+    ),
     _names(PREDICTION_KEYS),
 )
 

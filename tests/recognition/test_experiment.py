@@ -171,3 +171,45 @@ def test_other_protocols_run_and_repeat(protocol):
     assert scores.num_rows == 4
     assert predictions.num_rows == 2 * 12 * 4
     tables.check_table(tables.PREDICTIONS, predictions)
+
+
+def test_best_pipeline_votes_by_probability_and_says_how_sure_it_is():
+    table = features_table(separation=3.0)
+    scores, predictions = recognition.run_pipeline(table, SMALL, 1, "best")
+    assert set(scores.column("pipeline").to_pylist()) == {"best"}
+    assert scores.column("accuracy").to_numpy().mean() > 0.8
+    probability = predictions.column("probability").to_numpy()
+    assert probability.min() >= 0.25 - 1e-9
+    assert probability.max() <= 1
+    right = [
+        row["voted"] == row["class"] for row in predictions.select(["voted", "class"]).to_pylist()
+    ]
+    np.testing.assert_allclose(
+        np.array(right).reshape(-1, 16).mean(axis=1), scores.column("object_accuracy").to_numpy()
+    )
+
+
+def test_paper_pipeline_gives_no_probabilities():
+    predictions = predictions_of(features_table())
+    assert predictions.column("probability").null_count == predictions.num_rows
+    assert predictions.column("voted").null_count == predictions.num_rows
+
+
+def test_best_pipeline_gives_the_same_tables_again():
+    table = features_table(objects=(2, 3))
+    first = recognition.run_pipeline(table, SMALL, 1, "best")
+    second = recognition.run_pipeline(table, SMALL, 1, "best")
+    assert first[0].equals(second[0])
+    assert first[1].equals(second[1])
+
+
+def test_best_pipeline_takes_the_smallest_set_and_constant_columns():
+    table = features_table(objects=(2, 2))
+    table = with_column(table, "contourlet_05", np.zeros(table.num_rows))
+    scores, _ = recognition.run_pipeline(table, SMALL, 1, "best")
+    assert scores.num_rows == 4 * len(SMALL.best.classifiers)
+
+
+def test_unknown_pipeline_is_refused_by_name():
+    with pytest.raises(RecognitionError, match="no pipeline worst; paper and best"):
+        recognition.run_pipeline(features_table(), SMALL, 1, "worst")

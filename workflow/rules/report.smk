@@ -1,6 +1,6 @@
 """Report: every table → one HTML page, the numbers behind it, and plots for DVC.
 
-Takes results/; gives reports/report.html, reports/metrics.json and reports/plots/.
+Takes results/ and, where they are there, logs/ and credits; gives reports/report.html, reports/metrics.json and reports/plots/.
 """
 
 
@@ -41,8 +41,10 @@ rule report:
         views=parts_of("views"),
         fixations=parts_of("fixations"),
         touches=parts_of("touches"),
+        features=parts_of("features"),
+        meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
         code=code_of("report.py"),
-        templates="src/visuohaptic/report/templates",
+        templates=sorted(Path("src/visuohaptic/report/templates").glob("*.*")),
     output:
         "reports/report.html",
     log:
@@ -52,6 +54,18 @@ rule report:
     params:
         parameters=PARAMETERS.model_dump(),
         objects=OBJECTS,
+        # Read where they are there; what is not there leaves its section out.
+        optional={
+            "credits": ["meshes/catalogue.csv", "meshes/paper/credits.csv"],
+            "logs": "logs",
+            "extras": {
+                "touches_needed": "results/touches_needed",
+                "cost": "results/cost",
+                "effects": "results/effects",
+                "stability": "reports/stability.json",
+                "ablations": "results/ablations",
+            },
+        },
     message:
         "writing the report"
     script:

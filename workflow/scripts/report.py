@@ -1,0 +1,23 @@
+"""Write the report of everything that was run."""
+
+from visuohaptic.jobs import logged_job
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.report.making import make_report
+from visuohaptic.report.run import RunFiles
+
+with logged_job(snakemake.log[0]):
+    make_report(
+        files=RunFiles(
+            metrics=snakemake.input.metrics,
+            predictions=snakemake.input.predictions,
+            views=snakemake.input.views,
+            fixations=snakemake.input.fixations,
+            touches=snakemake.input.touches,
+            features=snakemake.input.features,
+            meshes=snakemake.input.meshes,
+            **snakemake.params.optional,
+        ),
+        output=snakemake.output[0],
+        parameters=ExperimentParameters.from_mapping(snakemake.params.parameters),
+        objects=snakemake.params.objects,
+    )

@@ -2,6 +2,10 @@ from .channels import WorkingView as WorkingView
 from .channels import prepare_view as prepare_view
 from .channels import reasons_to_skip as reasons_to_skip
 from .errors import AttentionError as AttentionError
+from .fitting import Example as Example
+from .fitting import fit_weights as fit_weights
+from .measures import area_under_curve as area_under_curve
+from .measures import normalised_scanpath_saliency as normalised_scanpath_saliency
 from .model import Attention as Attention
 from .model import attend as attend
 from .parameters import CHANNELS as CHANNELS
@@ -18,10 +22,14 @@ __all__ = [
     "AttentionError",
     "AttentionParameters",
     "ChannelWeights",
+    "Example",
     "Scanpath",
     "WorkingView",
+    "area_under_curve",
     "attend",
     "conspicuity_maps",
+    "fit_weights",
+    "normalised_scanpath_saliency",
     "prepare_view",
     "reasons_to_skip",
     "saliency_map",

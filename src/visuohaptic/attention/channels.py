@@ -7,7 +7,7 @@ certainty of its pixels, so that nothing beside the object counts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -20,8 +20,11 @@ from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
 from visuohaptic.attention.pyramid import (
     Plane,
     blur,
+    enlarge,
     filled,
+    quads,
     reciprocal,
+    reduce,
     reductions,
     to_working_size,
 )
@@ -33,11 +36,39 @@ WINDOW_DEVIATION = 3.0
 # Below this share of the brightest value, hue is noise (Itti, Koch & Niebur 1998).
 DARK = np.float32(0.1)
 # Gradients, as fractions of full scale a pixel, where votes for symmetry begin and are whole.
-FAINT_GRADIENT = 0.005
-STRONG_GRADIENT = 0.05
+FAINT_GRADIENT = 0.01
+STRONG_GRADIENT = 0.1
 RADIAL_STRICTNESS = 2.0
-# Votes at which a centre counts as fully symmetric (Loy & Zelinsky 2003).
-FULL_SYMMETRY = 9.9
+# Votes at which a centre counts as fully symmetric: half of the 9.9 of Loy & Zelinsky 2003, as
+# half the rows and columns have half the pixels around a circle.
+FULL_SYMMETRY = 4.95
+
+
+# What stands where in the stacks of four. Red-green and blue-yellow are colour's two planes.
+SLOTS = (
+    ("colour", "colour", "intensity", "contrast"),
+    ("curvature", "edge", "entropy", "symmetry"),
+)
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Four planes that are worked on together.
+
+    Attributes
+    ----------
+    level : int
+        The centre level that they are on.
+    pyramid : list of numpy.ndarray
+        The planes on that level and on each coarser one that is looked at,
+        shape (n, n, 4), float32, multiplied by the certainty.
+    channels : tuple of str
+        The channel of each of the first planes; planes beyond hold zeros.
+    """
+
+    level: int
+    pyramid: list[Plane]
+    channels: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -151,12 +182,12 @@ def colour_planes(view: WorkingView) -> list[Plane]:
     ]
 
 
-def intensity_planes(view: WorkingView) -> list[Plane]:
+def intensity_plane(view: WorkingView) -> Plane:
     """Mean of red, green and blue (Itti, Koch & Niebur 1998)."""
-    return [view.intensity * view.certainty]
+    return view.intensity * view.certainty
 
 
-def contrast_planes(view: WorkingView) -> list[Plane]:
+def contrast_plane(view: WorkingView) -> Plane:
     """Local root mean square contrast: deviation over mean in a Gaussian window.
 
     Moulden, Kingdom & Gatley 1990 for the measure; Reinagel & Zador 1999 for its
@@ -166,26 +197,26 @@ def contrast_planes(view: WorkingView) -> list[Plane]:
     weight = reciprocal(_window(view.certainty))
     mean = _window(view.intensity * view.certainty) * weight
     variance = _window((view.intensity - mean) ** 2 * view.certainty) * weight
-    return [np.sqrt(np.maximum(variance, 0.0)) / (mean + DARK) * view.certainty]
+    return np.sqrt(np.maximum(variance, 0.0)) / (mean + DARK) * view.certainty
 
 
-def curvature_planes(view: WorkingView) -> list[Plane]:
+def curvature_plane(view: WorkingView) -> Plane:
     """Curvedness of the surface, compressed by a logarithm.
 
     Lee, Varshney & Jacobs 2005, "Mesh saliency", for centre-surround differences
     of curvature; here they are taken in the view.
     """
-    return [view.curvature * view.certainty]
+    return view.curvature * view.certainty
 
 
-def edge_planes(view: WorkingView) -> list[Plane]:
+def edge_plane(view: WorkingView) -> Plane:
     """Length of the gradient of intensity by Scharr's operator, full scale a pixel."""
     across, down = _gradient(view.backdrop)
     length: Plane = np.sqrt(across**2 + down**2)
-    return [length * view.certainty]
+    return length * view.certainty
 
 
-def entropy_planes(view: WorkingView, bins: int) -> list[Plane]:
+def entropy_plane(view: WorkingView, bins: int) -> Plane:
     """Entropy of the grey levels in a window, as a fraction of the largest possible.
 
     Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is
@@ -193,113 +224,142 @@ def entropy_planes(view: WorkingView, bins: int) -> list[Plane]:
     seen changes the entropy as little.
     """
     position = np.minimum(view.intensity, 1.0) * np.float32(bins - 1)
+    members = [
+        np.maximum(1.0 - np.abs(position - np.float32(level)), 0.0) * view.certainty
+        for level in range(bins)
+    ]
     weight = reciprocal(_box(view.certainty))
     entropy = np.zeros_like(weight)
-    for level in range(bins):
-        member = np.maximum(1.0 - np.abs(position - np.float32(level)), 0.0) * view.certainty
-        if not member.any():
-            continue
-        probability = np.clip(_box(member) * weight, 1e-12, 1.0)
-        entropy -= probability * cv2.log(probability)
-    share: Plane = np.maximum(entropy / np.float32(np.log(bins)), 0.0)
-    return [share * view.certainty]
+    for quad, _ in quads(members):
+        share = np.maximum(_box(quad) * weight[:, :, None], np.float32(1e-12))
+        entropy -= (share * cv2.log(share)).sum(axis=2)
+    fraction = np.maximum(entropy / np.float32(np.log(bins)), np.float32(0.0))
+    return enlarge(fraction, len(view.certainty)) * view.certainty
 
 
-def symmetry_planes(view: WorkingView, radii: tuple[int, ...]) -> list[Plane]:
+def symmetry_plane(view: WorkingView, radii: tuple[int, ...]) -> Plane:
     """Radial symmetry by gradient votes, dark and bright centres alike.
 
-    Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest".
-    A vote is shared between the four pixels around the point that it names, and
-    faint gradients have a fraction of a vote, so that the plane depends on the
-    view continuously.
+    Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest",
+    on half the working image's rows and columns. A vote is shared between the
+    four pixels around the point that it names, and faint gradients have a
+    fraction of a vote, so that the plane depends on the view continuously.
     """
-    across, down = _gradient(view.backdrop)
+    across, down = _gradient(reduce(view.backdrop))
+    certainty = reduce(view.certainty).reshape(-1)
     length = np.sqrt(across**2 + down**2)
-    voters = np.flatnonzero((length > FAINT_GRADIENT) & (view.certainty > 0.0))
-    strength = length.reshape(-1)[voters]
+    strength = length.reshape(-1)
+    voters = np.flatnonzero((strength > FAINT_GRADIENT) & (certainty > 0.0))
+    strength, certainty = strength[voters], certainty[voters]
     unit = np.stack([down.reshape(-1)[voters], across.reshape(-1)[voters]]) / strength
-    magnitude = (strength - FAINT_GRADIENT) * view.certainty.reshape(-1)[voters]
+    magnitude = (strength - FAINT_GRADIENT) * certainty
     ballot = np.minimum(magnitude / (STRONG_GRADIENT - FAINT_GRADIENT), 1.0)
     places = np.stack(np.divmod(voters, length.shape[1]))
     total = np.zeros_like(length)
     for radius in radii:
-        ballots, magnitudes = _cast_votes(places, radius * unit, (ballot, magnitude), length.shape)
+        steps = np.float32(0.5 * radius) * unit
+        ballots, magnitudes = _cast_votes(places, steps, (ballot, magnitude), length.shape)
         share = np.minimum(ballots / FULL_SYMMETRY, 1.0)
         votes = magnitudes / FULL_SYMMETRY * share**RADIAL_STRICTNESS
         total += np.float32(radius) * cv2.GaussianBlur(
-            votes, (0, 0), 0.25 * radius, borderType=cv2.BORDER_CONSTANT
+            votes, (0, 0), 0.125 * radius, borderType=cv2.BORDER_CONSTANT
         )
-    return [total / np.float32(len(radii)) * view.certainty]
+    mean = total / np.float32(len(radii))
+    return enlarge(mean, len(view.certainty)) * view.certainty
 
 
-def orientation_pyramids(
-    view: WorkingView, parameters: AttentionParameters
-) -> dict[int, list[Plane]]:
-    """Local energy of Gabor pairs at each angle, for each centre level.
+def orientation_stacks(view: WorkingView, parameters: AttentionParameters) -> list[Stack]:
+    """Local energy of Gabor pairs at each angle above the mean over all angles.
 
     Itti, Koch & Niebur 1998, with the filters of their authors' toolbox: 9 x 9
     pixels, period 7, deviation 7/3, phases 0 and 90 degrees, zero mean, unit
-    norm. The surround is the mean energy of the same angle around the centre.
+    norm. Angles inhibit each other (Heeger 1992, "Normalization of cell responses
+    in cat striate cortex", in its subtractive form), as the two ends of an
+    upright bar would else count as two level bars.
+
+    Parameters
+    ----------
+    view : WorkingView
+        The view.
+    parameters : AttentionParameters
+        Centre levels and the number of angles.
 
     Returns
     -------
-    dict of int to list of numpy.ndarray
-        By centre level, one plane an angle, multiplied by the certainty.
+    list of Stack
+        For each centre level, the angles in stacks of four.
     """
     deepest = max(parameters.centre_levels)
     images = reductions(view.backdrop, deepest)
     certainties = reductions(view.certainty, deepest)
     banks = _gabor_bank(parameters.orientations)
-    planes = {}
+    stacks = []
+    steps = max(parameters.surround_offsets)
     for level in parameters.centre_levels:
         energies = [blur(_energy(images[level], pair)) for pair in banks]
         mean = sum(energies[1:], energies[0]) / np.float32(len(banks))
-        planes[level] = [
+        planes = [
             np.maximum(energy - mean, np.float32(0.0)) * certainties[level] for energy in energies
         ]
-    return planes
+        stacks += [
+            Stack(level, reductions(quad, steps), ("orientation",) * count)
+            for quad, count in quads(planes)
+        ]
+    return stacks
 
 
-def channel_planes(
-    name: str, view: WorkingView, parameters: AttentionParameters
-) -> dict[int, list[Plane]]:
-    """Give what a channel sees, for each centre level.
+def feature_stacks(
+    view: WorkingView, channels: Collection[str], parameters: AttentionParameters
+) -> list[Stack]:
+    """Compute the planes of some channels, for each centre level.
 
     Parameters
     ----------
-    name : str
-        The channel.
     view : WorkingView
         The view.
+    channels : collection of str
+        Which, out of `parameters.CHANNELS`.
     parameters : AttentionParameters
-        Centre levels and the channel's own parameters.
+        Centre levels and the channels' own parameters.
 
     Returns
     -------
-    dict of int to list of numpy.ndarray
-        By centre level n, planes of 2^n times fewer rows and columns than the
-        view, multiplied by the certainty.
+    list of Stack
+        Each plane has its own place whatever else runs, so that a channel's
+        numbers do not depend on the others; places of other channels hold zeros.
     """
-    match name:
-        case "orientation":
-            return orientation_pyramids(view, parameters)
-        case "entropy":
-            planes = entropy_planes(view, parameters.entropy_bins)
-        case "symmetry":
-            planes = symmetry_planes(view, parameters.symmetry_radii)
-        case _:
-            planes = PLANES[name](view)
-    pyramids = [reductions(plane, max(parameters.centre_levels)) for plane in planes]
-    return {level: [planes[level] for planes in pyramids] for level in parameters.centre_levels}
+    stacks = []
+    steps = max(parameters.surround_offsets)
+    for slots in SLOTS:
+        wanted = [name for name in dict.fromkeys(slots) if name in channels]
+        if not wanted:
+            continue
+        found = {name: _planes(name, view, parameters) for name in wanted}
+        empty = np.zeros_like(view.certainty)
+        planes = [found[name].pop(0) if name in found else empty for name in slots]
+        pyramid = reductions(cv2.merge(planes), max(parameters.centre_levels) + steps)
+        stacks += [Stack(level, pyramid[level:], slots) for level in parameters.centre_levels]
+    if "orientation" in channels:
+        stacks += orientation_stacks(view, parameters)
+    return stacks
 
 
-PLANES: Mapping[str, Callable[[WorkingView], list[Plane]]] = MappingProxyType(
+def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> list[Plane]:
+    if name == "colour":
+        return colour_planes(view)
+    if name == "entropy":
+        return [entropy_plane(view, parameters.entropy_bins)]
+    if name == "symmetry":
+        return [symmetry_plane(view, parameters.symmetry_radii)]
+    return [SIMPLE_PLANES[name](view)]
+
+
+SIMPLE_PLANES: Mapping[str, Callable[[WorkingView], Plane]] = MappingProxyType(
     {
-        "colour": colour_planes,
-        "intensity": intensity_planes,
-        "contrast": contrast_planes,
-        "curvature": curvature_planes,
-        "edge": edge_planes,
+        "intensity": intensity_plane,
+        "contrast": contrast_plane,
+        "curvature": curvature_plane,
+        "edge": edge_plane,
     }
 )
 
@@ -364,8 +424,11 @@ def _window(plane: Plane) -> Plane:
     return cv2.GaussianBlur(plane, (0, 0), WINDOW_DEVIATION, borderType=cv2.BORDER_CONSTANT)
 
 
-def _box(plane: Plane) -> Plane:
-    return cv2.boxFilter(plane, -1, (9, 9), borderType=cv2.BORDER_CONSTANT)
+def _box(planes: Plane) -> Plane:
+    """Average over a square window, sampled at every other pixel, as nothing finer is left."""
+    half = len(planes) // 2
+    coarse = cv2.resize(planes, (half, half), interpolation=cv2.INTER_AREA)
+    return cv2.boxFilter(coarse, -1, (5, 5), borderType=cv2.BORDER_CONSTANT)
 
 
 def _cast_votes(

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from visuohaptic.attention.channels import prepare_view, reasons_to_skip
 from visuohaptic.attention.errors import AttentionError
 from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
-from visuohaptic.attention.saliency import conspicuity_maps, saliency_map, view_sized
+from visuohaptic.attention.saliency import conspicuity_maps, on_view, saliency_map
 from visuohaptic.attention.scanpath import Scanpath, scan
 
 SMALLEST_VIEW = 16
+# A map of zeros stays one.
+SMALLEST_PEAK = 1e-30
 
 
 @dataclass(frozen=True)
@@ -105,10 +107,11 @@ def _attend_view(
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     channels = tuple(name for name in CHANNELS if name not in skipped)
     maps = conspicuity_maps(prepare_view(colour, mask, curvature), channels, parameters)
-    saliency = view_sized(saliency_map(maps, parameters), mask, peak=1.0)
+    saliency = on_view(saliency_map(maps, parameters), mask)
+    saliency /= np.float32(max(float(saliency.max()), SMALLEST_PEAK))
     return Attention(
         saliency,
-        {name: view_sized(plane, mask) for name, plane in maps.items()},
+        {name: on_view(plane, mask) for name, plane in maps.items()},
         skipped,
         scan(saliency, mask, point, normal, face, parameters),
     )
@@ -142,7 +145,8 @@ def _check_views(
     for name, (array, shape) in arrays.items():
         if array.shape != shape:
             raise AttentionError(f"{name} has shape {array.shape}; {shape} goes with the mask.")
-        if not np.isfinite(array).all():
+        # One value that is not finite makes the sum so; this is faster than asking each.
+        if not np.isfinite(np.sum(array, dtype=np.float64)):
             raise AttentionError(f"{name} has values that are not finite; none is allowed.")
         if name in ("colour", "curvature") and array.min(initial=0) < 0:
             raise AttentionError(f"{name} has values below 0; 0 is the least.")

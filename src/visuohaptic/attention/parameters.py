@@ -75,6 +75,12 @@ class AttentionParameters(BaseModel):
         "local_maxima",
         description="How a map with one strong peak is promoted over one with many: the operator N.",
     )
+    iterations: int = Field(
+        3,
+        ge=1,
+        le=20,
+        description="Rounds of the iterative operator; ten leave little but the strongest peak.",
+    )
     orientations: int = Field(
         4, ge=4, le=16, description="Number of Gabor angles, evenly spread over 180 degrees."
     )
@@ -86,7 +92,7 @@ class AttentionParameters(BaseModel):
     )
     entropy_bins: int = Field(16, ge=2, le=64, description="Grey levels of the local histogram.")
     symmetry_radii: tuple[int, ...] = Field(
-        (3, 6, 12),
+        (4, 8, 12),
         min_length=1,
         description="Distances at which symmetry is looked for, pixels of the working image.",
     )
@@ -126,6 +132,6 @@ class AttentionParameters(BaseModel):
                 f"centre_levels and surround_offsets reach level {coarsest}; 5 is the coarsest, "
                 "of 4 x 4 pixels."
             )
-        if min(self.symmetry_radii) < 1 or max(self.symmetry_radii) > 64:
-            raise ValueError(f"symmetry_radii are {self.symmetry_radii}; 1 to 64 is allowed.")
+        if min(self.symmetry_radii) < 2 or max(self.symmetry_radii) > 64:
+            raise ValueError(f"symmetry_radii are {self.symmetry_radii}; 2 to 64 is allowed.")
         return self

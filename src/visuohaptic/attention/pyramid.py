@@ -12,6 +12,7 @@ large part of the object and makes a mirrored view look different.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import cv2
@@ -105,6 +106,27 @@ def reductions(plane: Plane, count: int) -> list[Plane]:
     for _ in range(count):
         levels.append(reduce(levels[-1]))
     return levels
+
+
+def quads(planes: Sequence[Plane]) -> list[tuple[Plane, int]]:
+    """Put planes into stacks of four, for which OpenCV's loops over float32 are the fastest.
+
+    Parameters
+    ----------
+    planes : sequence of numpy.ndarray
+        Shape (n, n) each.
+
+    Returns
+    -------
+    list of tuple
+        Stacks of shape (n, n, 4), filled up with zeros, and the number of planes in each.
+    """
+    stacks = []
+    for start in range(0, len(planes), 4):
+        group = list(planes[start : start + 4])
+        filling = [np.zeros_like(group[0])] * (4 - len(group))
+        stacks.append((cv2.merge(group + filling), len(group)))
+    return stacks
 
 
 def reciprocal(certainty: Plane) -> Plane:

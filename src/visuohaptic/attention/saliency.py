@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from types import MappingProxyType
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.channels import WorkingView, channel_planes
+from visuohaptic.attention.channels import Stack, WorkingView, feature_stacks
 from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
 from visuohaptic.attention.pyramid import (
     WORKING_SIZE,
@@ -32,7 +32,6 @@ COUNTED_MAXIMA = 0.1
 EXCITATION, EXCITATION_WIDTH = 0.5, 0.02
 INHIBITION, INHIBITION_WIDTH = 1.5, 0.25
 CONSTANT_INHIBITION = 0.02
-ITERATIONS = 3
 
 _NEIGHBOURS = np.ones((3, 3), dtype=np.uint8)
 
@@ -57,11 +56,19 @@ def conspicuity_maps(
         Shape (MAP_SIZE, MAP_SIZE) each, float32, at least 0, in the order of
         the channels. A map of 1 somewhere has a single peak.
     """
+    totals = {name: np.zeros((MAP_SIZE, MAP_SIZE), np.float32) for name in channels}
+    strongest = dict.fromkeys(channels, 0.0)
     scales = _scales(view.certainty, parameters)
+    for stack in feature_stacks(view, channels, parameters):
+        total, peaks = _promoted_stack(stack, scales[stack.level], parameters)
+        for index, name in enumerate(stack.channels):
+            if name in totals:
+                totals[name] += total[:, :, index]
+                strongest[name] = max(strongest[name], float(peaks[index]))
     return {
-        name: _conspicuity(_responses(name, view, scales, parameters), parameters)
-        for name in CHANNELS
-        if name in channels
+        name: plane
+        for start in (0, 4)
+        for name, plane in _conspicuity(CHANNELS[start : start + 4], totals, strongest, parameters)
     }
 
 
@@ -88,9 +95,7 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
     return total
 
 
-def view_sized(
-    plane: Plane, mask: NDArray[np.bool_], *, peak: float | None = None
-) -> NDArray[np.float32]:
+def on_view(plane: Plane, mask: NDArray[np.bool_]) -> NDArray[np.float32]:
     """Bring a map onto the pixels of its view and clear the background.
 
     Parameters
@@ -99,75 +104,67 @@ def view_sized(
         Shape (MAP_SIZE, MAP_SIZE), float32.
     mask : numpy.ndarray
         Shape (h, w), bool: where the object is.
-    peak : float, optional
-        Value that the largest pixel shall have; as it is where left out.
 
     Returns
     -------
     numpy.ndarray
-        Shape (h, w), float32, at least 0; all zeros stay so.
+        Shape (h, w), float32, at least 0.
     """
-    large = from_map_size(plane, (mask.shape[0], mask.shape[1])) * mask
-    top = float(large.max(initial=0.0))
-    if peak is None or top <= 0.0:
-        return large
-    return large * np.float32(peak / top)
+    return from_map_size(plane, (mask.shape[0], mask.shape[1])) * mask
 
 
-def promote(plane: Plane, method: str) -> Plane:
+def promote(planes: Plane, parameters: AttentionParameters) -> Plane:
     """Apply the operator N: few strong peaks are promoted over many alike.
 
     Parameters
     ----------
-    plane : numpy.ndarray
-        Shape (n, n), float32, at least 0, scaled to a largest value of 1 or less.
-    method : str
-        ``local_maxima``, ``iterative`` or ``none``.
+    planes : numpy.ndarray
+        Shape (n, n, 4), float32, at least 0, each scaled to a largest value of 1 or less.
+    parameters : AttentionParameters
+        Which operator, and its rounds.
 
     Returns
     -------
     numpy.ndarray
-        Shape (n, n), at least 0.
+        Shape (n, n, 4), at least 0; each plane by itself.
     """
-    return OPERATORS[method](plane)
+    match parameters.normalisation:
+        case "local_maxima":
+            return _promote_by_local_maxima(planes)
+        case "iterative":
+            return _promote_iteratively(planes, parameters.iterations)
+        case "none":
+            return planes
 
 
 @dataclass(frozen=True)
 class _Scale:
-    """One pair of scales: level of the centre, steps to the surround, and what is certain there."""
+    """One pair of scales: steps from centre to surround, and what is certain of either."""
 
-    level: int
     offset: int
     centre_mean: Plane
     surround_mean: Plane
     support: Plane
 
 
-def _scales(certainty: Plane, parameters: AttentionParameters) -> list[_Scale]:
+def _scales(certainty: Plane, parameters: AttentionParameters) -> dict[int, list[_Scale]]:
     deepest = max(parameters.centre_levels) + max(parameters.surround_offsets)
     certainties = reductions(certainty, deepest)
-    scales = []
+    scales: dict[int, list[_Scale]] = {}
     for level in parameters.centre_levels:
         centre = certainties[level]
+        scales[level] = []
         for offset in parameters.surround_offsets:
             surround = enlarge(certainties[level + offset], len(centre))
-            scales.append(
-                _Scale(level, offset, reciprocal(centre), reciprocal(surround), centre * surround)
-            )
+            planes = (reciprocal(centre), reciprocal(surround), centre * surround)
+            scales[level].append(_Scale(offset, *(cv2.merge([plane] * 4) for plane in planes)))
     return scales
 
 
-def _conspicuity(responses: list[Plane], parameters: AttentionParameters) -> Plane:
-    promoted = [promote(_scaled(response), parameters.normalisation) for response in responses]
-    strongest = max(float(plane.max()) for plane in promoted)
-    total = sum(promoted[1:], promoted[0])
-    return np.float32(strongest) * promote(_scaled(total), parameters.normalisation)
-
-
-def _responses(
-    name: str, view: WorkingView, scales: list[_Scale], parameters: AttentionParameters
-) -> list[Plane]:
-    """Give centre less surround for each plane and pair of scales, at the map's size.
+def _promoted_stack(
+    stack: Stack, scales: list[_Scale], parameters: AttentionParameters
+) -> tuple[Plane, Plane]:
+    """Add up the promoted maps of each plane of a stack, and give the largest value of any map.
 
     What is there stands out, what is lacking does not (search asymmetry,
     Treisman & Gormley 1988): measures of how much goes on count where the centre
@@ -175,20 +172,19 @@ def _responses(
     and each side is a map of its own (on-centre and off-centre cells), as a red
     spot among green ones is alone on its side.
     """
-    centres = channel_planes(name, view, parameters)
-    steps = max(parameters.surround_offsets)
-    pyramids = {
-        level: [reductions(plane, steps) for plane in planes] for level, planes in centres.items()
-    }
-    differences = [
-        _difference(pyramid, scale) for scale in scales for pyramid in pyramids[scale.level]
-    ]
-    sides = (1.0, -1.0) if name in TWO_SIDED_CHANNELS else (1.0,)
-    return [
-        np.maximum(np.float32(side) * difference, np.float32(0.0))
-        for difference in differences
-        for side in sides
-    ]
+    total = np.zeros((MAP_SIZE, MAP_SIZE, 4), dtype=np.float32)
+    strongest = np.zeros(4, dtype=np.float32)
+    two_sided = np.isin(stack.channels, TWO_SIDED_CHANNELS)
+    for scale in scales:
+        difference = _difference(stack.pyramid, scale)
+        promoted = promote(_scaled(_rectified(difference)), parameters)
+        total += promoted
+        strongest = np.maximum(strongest, _peaks(promoted))
+        if two_sided.any():
+            promoted = promote(_scaled(_rectified(-difference)), parameters)
+            total += _times(promoted, two_sided.astype(np.float32))
+            strongest = np.maximum(strongest, _peaks(promoted) * two_sided)
+    return total, strongest
 
 
 def _difference(pyramid: list[Plane], scale: _Scale) -> Plane:
@@ -197,43 +193,71 @@ def _difference(pyramid: list[Plane], scale: _Scale) -> Plane:
     return _at_map_size((centre - surround) * scale.support)
 
 
+def _conspicuity(
+    names: tuple[str, ...],
+    totals: Mapping[str, Plane],
+    strongest: Mapping[str, float],
+    parameters: AttentionParameters,
+) -> list[tuple[str, Plane]]:
+    """Promote four channels' sums; a channel is as conspicuous as its most conspicuous map.
+
+    Itti, Koch & Niebur blow every channel's sum up to full range before the last
+    N, so a channel in which nothing stands out still has a say; here it keeps quiet.
+    """
+    empty = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)
+    stack = cv2.merge([totals.get(name, empty) for name in names])
+    scale = np.array([strongest.get(name, 0.0) for name in names], dtype=np.float32)
+    planes = cv2.split(_times(promote(_scaled(stack), parameters), scale))
+    return [(name, plane) for name, plane in zip(names, planes, strict=True) if name in totals]
+
+
 def _at_map_size(plane: Plane) -> Plane:
     while len(plane) > MAP_SIZE:
         plane = reduce(plane)
     return enlarge(plane, MAP_SIZE)
 
 
-def _scaled(plane: Plane) -> Plane:
-    return plane / np.float32(max(float(plane.max()), FAINT))
+def _peaks(planes: Plane) -> Plane:
+    """Give the largest value of each plane of a stack, shape (4,)."""
+    return cv2.reduce(planes, 0, cv2.REDUCE_MAX)[0].max(axis=0)
 
 
-def _promote_by_local_maxima(plane: Plane) -> Plane:
+def _times(planes: Plane, factors: NDArray[np.floating[Any]]) -> Plane:
+    """Multiply each plane of a stack by its own factor."""
+    return cv2.multiply(planes, tuple(factors.tolist()))
+
+
+def _rectified(planes: Plane) -> Plane:
+    return cv2.threshold(planes, 0.0, 0.0, cv2.THRESH_TOZERO)[1]
+
+
+def _scaled(planes: Plane) -> Plane:
+    return _times(planes, np.float32(1.0) / np.maximum(_peaks(planes), np.float32(FAINT)))
+
+
+def _promote_by_local_maxima(planes: Plane) -> Plane:
     """Itti, Koch & Niebur 1998: times (M - mean of the other local maxima) squared."""
-    peaks = plane[
-        (plane == cv2.dilate(plane, _NEIGHBOURS, borderType=cv2.BORDER_CONSTANT, borderValue=0))
-        & (plane > COUNTED_MAXIMA)
-    ]
-    largest = float(plane.max())
-    others = (float(peaks.sum()) - largest) / (len(peaks) - 1) if len(peaks) > 1 else 0.0
-    return plane * np.float32((largest - others) ** 2)
+    maxima = (planes == cv2.dilate(planes, _NEIGHBOURS)) & (planes > COUNTED_MAXIMA)
+    largest = _peaks(planes).astype(np.float64)
+    counts = np.array(cv2.sumElems(maxima.view(np.uint8)))
+    sums = np.array(cv2.sumElems(planes * maxima))
+    others = np.maximum(sums - largest, 0.0) / np.maximum(counts - 1.0, 1.0)
+    return _times(planes, (largest - others) ** 2)
 
 
-def _promote_iteratively(plane: Plane) -> Plane:
-    """Itti & Koch 2000: differences of Gaussians, rectified, three times over."""
-    excitation, inhibition = _gaussians(len(plane))
+def _promote_iteratively(planes: Plane, rounds: int) -> Plane:
+    """Itti & Koch 2000: differences of Gaussians, rectified, over and over."""
+    excitation, inhibition = _gaussians(len(planes))
     support = cv2.sepFilter2D(
-        np.ones_like(plane), -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT
+        np.ones_like(planes), -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT
     )
-    for _ in range(ITERATIONS):
-        near = cv2.sepFilter2D(plane, -1, excitation, excitation, borderType=cv2.BORDER_CONSTANT)
-        far = cv2.sepFilter2D(plane, -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT)
+    for _ in range(rounds):
+        near = cv2.sepFilter2D(planes, -1, excitation, excitation, borderType=cv2.BORDER_CONSTANT)
+        far = cv2.sepFilter2D(planes, -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT)
         change = np.float32(EXCITATION**2) * near - np.float32(INHIBITION**2) * far / support
-        plane = np.maximum(plane + change - CONSTANT_INHIBITION * float(plane.max()), 0.0)
-    return plane
-
-
-def _leave(plane: Plane) -> Plane:
-    return plane
+        floor = np.float32(CONSTANT_INHIBITION) * _peaks(planes)
+        planes = _rectified(planes + change - floor)
+    return planes
 
 
 @cache
@@ -246,12 +270,3 @@ def _gaussians(size: int) -> tuple[Plane, Plane]:
         kernel = np.exp(-(steps**2) / (2.0 * deviation**2))
         kernels.append((kernel / kernel.sum()).astype(np.float32))
     return kernels[0], kernels[1]
-
-
-OPERATORS: Mapping[str, Callable[[Plane], Plane]] = MappingProxyType(
-    {
-        "local_maxima": _promote_by_local_maxima,
-        "iterative": _promote_iteratively,
-        "none": _leave,
-    }
-)

@@ -94,15 +94,14 @@ def scan(
     depth = _depth_inside(mask)
     pixels = np.flatnonzero(_off_outline(depth))
     rows, columns = np.divmod(pixels, mask.shape[1])
-    values = saliency.reshape(-1)[pixels].astype(np.float64)
-    inward = depth.reshape(-1)[pixels] / max(float(depth.max(initial=0.0)), 1.0)
+    values = saliency.reshape(-1)[pixels]
+    inward = depth.reshape(-1)[pixels] / np.float32(max(float(depth.max(initial=0.0)), 1.0))
     if parameters.inhibition == "surface":
-        places = np.ascontiguousarray(point.reshape(-1, 3)[pixels].T)
-        radius = parameters.focus_radius
+        places = np.take(point.reshape(-1, 3), pixels, axis=0).T / parameters.focus_radius
     else:
-        places = np.stack([rows, columns]).astype(np.float64)
-        radius = parameters.focus_fraction * max(mask.shape)
-    winners = _winners(values + INWARD * inward, places / radius, parameters)
+        places = np.stack([rows, columns]) / (parameters.focus_fraction * max(mask.shape))
+    drive = values + np.float32(INWARD) * inward
+    winners = _winners(drive, np.ascontiguousarray(places, dtype=np.float32), parameters)
     chosen = pixels[winners]
     return Scanpath(
         rows[winners],
@@ -110,26 +109,28 @@ def scan(
         point.reshape(-1, 3)[chosen],
         normal.reshape(-1, 3)[chosen],
         face.reshape(-1)[chosen],
-        values[winners],
+        values[winners].astype(np.float64),
         parameters.fixations,
     )
 
 
 def _winners(
-    drive: NDArray[np.float64], places: NDArray[np.float64], parameters: AttentionParameters
+    drive: NDArray[np.float32], places: NDArray[np.float32], parameters: AttentionParameters
 ) -> NDArray[np.int64]:
     winners: list[int] = []
     while len(winners) < parameters.fixations and drive.max(initial=CLOSED) > CLOSED:
         winner = _winner(drive, places)
-        distance = np.sqrt(_squared_distances(places, places[:, winner]))
+        distance: NDArray[np.float32] = np.sqrt(_squared_distances(places, places[:, winner]))
         if parameters.inhibition_falloff > 0.0:
-            drive = drive * _release((distance - 1.0) / parameters.inhibition_falloff)
+            drive = drive * _release(
+                (distance - np.float32(1.0)) / np.float32(parameters.inhibition_falloff)
+            )
         drive = np.where((distance > 1.0) & (drive > CLOSED), drive, CLOSED)
         winners.append(winner)
     return np.array(winners, dtype=np.int64)
 
 
-def _winner(drive: NDArray[np.float64], places: NDArray[np.float64]) -> int:
+def _winner(drive: NDArray[np.float32], places: NDArray[np.float32]) -> int:
     """Give the largest; where others equal it up to rounding, the largest of the first focus."""
     tied = np.flatnonzero(drive >= drive.max() - TIE)
     near = tied[_squared_distances(places[:, tied], places[:, tied[0]]) <= 1.0]
@@ -137,15 +138,15 @@ def _winner(drive: NDArray[np.float64], places: NDArray[np.float64]) -> int:
 
 
 def _squared_distances(
-    places: NDArray[np.float64], centre: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    total = np.zeros(places.shape[1])
+    places: NDArray[np.float32], centre: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    total = np.zeros(places.shape[1], dtype=np.float32)
     for axis, middle in zip(places, centre, strict=True):
         total += (axis - middle) ** 2
     return total
 
 
-def _release(progress: NDArray[np.float64]) -> NDArray[np.float64]:
+def _release(progress: NDArray[np.float32]) -> NDArray[np.float32]:
     step = np.clip(progress, 0.0, 1.0)
     return step * step * (3.0 - 2.0 * step)
 
@@ -153,7 +154,7 @@ def _release(progress: NDArray[np.float64]) -> NDArray[np.float64]:
 def _depth_inside(mask: NDArray[np.bool_]) -> NDArray[np.float32]:
     """Give each pixel's distance to the nearest one beside the object, pixels."""
     padded = cv2.copyMakeBorder(mask.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
-    return cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
+    return cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_5)[1:-1, 1:-1]
 
 
 def _off_outline(depth: NDArray[np.float32]) -> NDArray[np.bool_]:

@@ -1,4 +1,10 @@
 from .experiment import run_pipeline as run_pipeline
+from .imprints import IMPRINT_FEATURES as IMPRINT_FEATURES
+from .imprints import describe_imprint_shape as describe_imprint_shape
+from .model import RecognitionModel as RecognitionModel
+from .model import fit_model as fit_model
+from .model import load_model as load_model
+from .model import save_model as save_model
 from .parameters import RecognitionParameters as RecognitionParameters
 from .summary import Confusion as Confusion
 from .summary import confusion as confusion
@@ -6,10 +12,16 @@ from .summary import select as select
 from .summary import summarise as summarise
 
 __all__ = [
+    "IMPRINT_FEATURES",
     "Confusion",
+    "RecognitionModel",
     "RecognitionParameters",
     "confusion",
+    "describe_imprint_shape",
+    "fit_model",
+    "load_model",
     "run_pipeline",
+    "save_model",
     "select",
     "summarise",
 ]

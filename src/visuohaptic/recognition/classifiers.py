@@ -1,57 +1,76 @@
-"""The paper's five classifiers, by scikit-learn.
+"""The paper's five classifiers and two more, by scikit-learn.
 
 This module imports scikit-learn (two seconds); import it where it is used.
 """
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator
 from sklearn.covariance import ledoit_wolf, shrunk_covariance
-from sklearn.discriminant_analysis import QuadraticDiscriminantAnalysis
+from sklearn.discriminant_analysis import (
+    LinearDiscriminantAnalysis,
+    QuadraticDiscriminantAnalysis,
+)
+from sklearn.linear_model import LogisticRegression
 from sklearn.naive_bayes import GaussianNB
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 from sklearn.tree import DecisionTreeClassifier
 
+from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import ClassifierName, ClassifierParameters
+
+NAMES: tuple[str, ...] = get_args(ClassifierName)
 
 VARIANCE_FLOOR = 1e-6
 """Least variance of a regularised covariance, as a share of the features' mean variance."""
 
 
 class ShrunkCovariance(BaseEstimator):  # type: ignore[misc]
-    """A covariance that can't be singular, for scikit-learn's quadratic discriminant.
-
-    The class's correlations are shrunk towards none at all, each feature keeping
-    its variance (the discriminant's own ``shrinkage`` does the same), and a floor
-    is added to every variance for classes that do not vary at all.
+    """A covariance that can't be singular, for scikit-learn's discriminants.
 
     Parameters
     ----------
     shrinkage : float or "ledoit_wolf"
         Amount, or how to find it.
+    target : str
+        ``own_variances`` shrinks the correlations towards none, each feature
+        keeping its variance (what scikit-learn's own ``shrinkage`` does);
+        ``mean_variance`` shrinks towards one variance in every direction.
     floor : float
-        Added to every variance.
+        Added to every variance, for rows that do not vary at all.
     """
 
-    def __init__(self, shrinkage: float | Literal["ledoit_wolf"], floor: float) -> None:
+    def __init__(
+        self,
+        shrinkage: float | Literal["ledoit_wolf"],
+        target: Literal["own_variances", "mean_variance"],
+        floor: float,
+    ) -> None:
         self.shrinkage = shrinkage
+        self.target = target
         self.floor = floor
 
     def fit(self, X: NDArray[np.float64]) -> Self:
         """Estimate the covariance of rows, shape (n, d)."""
         deviations = X - X.mean(axis=0)
-        scale = deviations.std(axis=0)
-        scaled = deviations / np.where(scale > 0, scale, 1)
+        spread = deviations.std(axis=0)
+        scale = np.where(spread > 0, spread, 1)
+        if self.target == "mean_variance":
+            scale = np.ones_like(scale)
+        scaled = deviations / scale
         if self.shrinkage == "ledoit_wolf":
-            correlation, _ = ledoit_wolf(scaled, assume_centered=True)
+            covariance, _ = ledoit_wolf(scaled, assume_centered=True)
         else:
-            correlation = shrunk_covariance(scaled.T @ scaled / len(X), self.shrinkage)
-        self.covariance_ = correlation * np.outer(scale, scale)
+            covariance = shrunk_covariance(scaled.T @ scaled / len(X), self.shrinkage)
+        self.covariance_ = covariance * np.outer(scale, scale)
+        if self.target == "own_variances":
+            self.covariance_[:, spread == 0] = 0
+            self.covariance_[spread == 0] = 0
         self.covariance_ += self.floor * np.eye(len(scale))
         return self
 
@@ -85,28 +104,45 @@ def fit_classifier(
     str or None
         What it needed to be fitted, such as regularised covariances.
     """
+    seed = int(generator.integers(2**31))
     if name == "quadratic_discriminant":
         return _fit_quadratic_discriminant(parameters, features, labels)
-    neighbours = min(parameters.neighbours, len(labels))
-    seed = int(generator.integers(2**31))
-    makers: dict[str, Any] = {
-        "k_nearest_neighbours": lambda: KNeighborsClassifier(
-            neighbours, weights=parameters.neighbour_weights, algorithm="brute"
-        ),
-        "support_vector_machine": lambda: SVC(
-            kernel=parameters.svm_kernel, C=parameters.svm_penalty
-        ),
-        "decision_tree": lambda: DecisionTreeClassifier(
-            criterion=parameters.tree_criterion,
-            min_samples_leaf=parameters.tree_leaf_sequences,
-            random_state=seed,
-        ),
-        "naive_bayes": lambda: GaussianNB(var_smoothing=parameters.bayes_smoothing),
-    }
-    fitted = makers[name]().fit(features, labels)
-    if neighbours < parameters.neighbours and name == "k_nearest_neighbours":
-        return fitted, f"{neighbours} neighbours, for there are no more training sequences"
-    return fitted, None
+    if name == "k_nearest_neighbours" and parameters.neighbours > len(labels):
+        fewer = parameters.model_copy(update={"neighbours": len(labels)})
+        note = f"{len(labels)} neighbours, for there are no more training sequences"
+        return _make_classifier(name, fewer, features, seed).fit(features, labels), note
+    return _make_classifier(name, parameters, features, seed).fit(features, labels), None
+
+
+def _make_classifier(
+    name: ClassifierName,
+    parameters: ClassifierParameters,
+    features: NDArray[np.float64],
+    seed: int,
+) -> Any:
+    match name:
+        case "k_nearest_neighbours":
+            return KNeighborsClassifier(
+                parameters.neighbours, weights=parameters.neighbour_weights, algorithm="brute"
+            )
+        case "support_vector_machine":
+            return SVC(kernel=parameters.svm_kernel, C=parameters.svm_penalty)
+        case "decision_tree":
+            return DecisionTreeClassifier(
+                criterion=parameters.tree_criterion,
+                min_samples_leaf=parameters.tree_leaf_sequences,
+                random_state=seed,
+            )
+        case "naive_bayes":
+            return GaussianNB(var_smoothing=parameters.bayes_smoothing)
+        case "linear_discriminant":
+            covariance = ShrunkCovariance(
+                parameters.linear_shrinkage, "mean_variance", _variance_floor(features)
+            )
+            return LinearDiscriminantAnalysis(solver="lsqr", covariance_estimator=covariance)
+        case "logistic_regression":
+            return LogisticRegression(C=parameters.logistic_penalty, max_iter=1000)
+    raise RecognitionError(f"There is no classifier {name}; {', '.join(NAMES)} are allowed.")
 
 
 def _fit_quadratic_discriminant(
@@ -114,16 +150,23 @@ def _fit_quadratic_discriminant(
     features: NDArray[np.float64],
     labels: NDArray[np.int64],
 ) -> tuple[Any, str | None]:
-    """Fit plain covariances; where one is singular, shrink all, so that the classes compare."""
-    if np.bincount(labels).min() > features.shape[1]:
+    """Fit plain covariances if any; where one is singular, shrink all, so that classes compare."""
+    _, counts = np.unique(labels, return_counts=True)
+    always = parameters.discriminant_regularisation == "always"
+    if counts.min() > features.shape[1] and not always:
         try:
             return QuadraticDiscriminantAnalysis().fit(features, labels), None
         except np.linalg.LinAlgError:
             pass  # a covariance is singular for another reason than few sequences
-    shrinkage = parameters.discriminant_shrinkage
-    floor = VARIANCE_FLOOR * float(features.var(axis=0).mean())
+    shrinkage, target = parameters.discriminant_shrinkage, parameters.discriminant_target
+    covariance = ShrunkCovariance(shrinkage, target, _variance_floor(features))
     regularised = QuadraticDiscriminantAnalysis(
-        solver="eigen", covariance_estimator=ShrunkCovariance(shrinkage, floor), tol=0
+        solver="eigen", covariance_estimator=covariance, tol=0
     )
     amount = "Ledoit-Wolf shrinkage" if shrinkage == "ledoit_wolf" else f"shrinkage {shrinkage:g}"
-    return regularised.fit(features, labels), f"singular covariance: {amount} of every class"
+    note = None if always else f"singular covariance: {amount} of every class"
+    return regularised.fit(features, labels), note
+
+
+def _variance_floor(features: NDArray[np.float64]) -> float:
+    return VARIANCE_FLOOR * float(features.var(axis=0).mean())

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.encoding import fit_sequence_encoder
 from visuohaptic.recognition.parameters import ClassifierName, RecognitionParameters
 from visuohaptic.recognition.sequences import (
     TouchSequences,
     gather_sequences,
     identical_objects,
+    spread_contact_states,
 )
 from visuohaptic.recognition.splits import Split, make_splits
-from visuohaptic.recognition.voting import vote_credit
+from visuohaptic.recognition.voting import soft_vote, vote_credit
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables import (
     CONTOURLET_FEATURES,
@@ -43,11 +46,14 @@ class Answer:
         Shape (n,), int64: the class named for each test sequence.
     note : str or None
         What the classifier needed to be fitted.
+    probabilities : numpy.ndarray or None
+        Shape (n, c), float64, where the pipeline gives probabilities.
     """
 
     classifier: ClassifierName
     predicted: NDArray[np.int64]
     note: str | None
+    probabilities: NDArray[np.float64] | None = None
 
 
 def run_pipeline(
@@ -85,19 +91,73 @@ def run_pipeline(
     from sklearn import config_context
     from threadpoolctl import threadpool_limits
 
-    sequences = gather_sequences(features, PAPER_FEATURES, parameters.touches)
-    strategy = features.column("strategy")[0].as_py()
+    strategy = features.column("strategy")[0].as_py() if len(features) else ""
+    sequences = gather_pipeline(features, parameters, pipeline)
+    answer_split = _split_runner(sequences, parameters, seed, pipeline)
     record = _Record(pipeline, strategy, sequences)
-    # One thread, so that sums are taken in one order on every machine; finite numbers were
-    # checked when the sequences were gathered.
-    with threadpool_limits(limits=1), config_context(assume_finite=True):
+    # One thread, so that sums are taken in one order on every machine. What scikit-learn would
+    # check for every fit was checked once: numbers when gathered, parameters by their model.
+    checks = config_context(assume_finite=True, skip_parameter_validation=True)
+    with threadpool_limits(limits=1), checks:
         for repeat in range(parameters.protocol.repeats):
             drawing = spawn_generator(seed, "recognition", "splits", repeat)
             for split in make_splits(sequences, parameters.protocol, drawing):
                 generator = spawn_generator(seed, "recognition", pipeline, repeat, split.number)
-                for answer in run_paper_split(sequences, split, parameters, generator):
+                for answer in answer_split(split, generator):
                     record.add(split, repeat, answer)
     return record.scores(), record.predictions()
+
+
+def gather_pipeline(
+    features: pa.Table, parameters: RecognitionParameters, pipeline: str
+) -> TouchSequences:
+    """Gather the columns that a pipeline uses.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of one strategy. ``paper`` takes the paper's 22 features; ``best`` also
+        columns ``imprint_…``, ``sensor_size`` and ``contact_state`` where there are any.
+    parameters : RecognitionParameters
+        Number of touches.
+    pipeline : str
+        ``paper`` or ``best``.
+
+    Returns
+    -------
+    TouchSequences
+        The sequences.
+
+    Raises
+    ------
+    RecognitionError
+        If there is no such pipeline, or the features don't allow it.
+    """
+    if pipeline == "paper":
+        return gather_sequences(features, PAPER_FEATURES, parameters.touches)
+    if pipeline != "best":
+        raise RecognitionError(f"There is no pipeline {pipeline}; paper and best are allowed.")
+    features = spread_contact_states(features)
+    extra = [
+        name
+        for name in features.column_names
+        if name.startswith(("imprint_", "contact_")) or name == "sensor_size"
+    ]
+    return gather_sequences(features, (*PAPER_FEATURES, *extra), parameters.touches)
+
+
+def _split_runner(
+    sequences: TouchSequences, parameters: RecognitionParameters, seed: int, pipeline: str
+) -> Callable[[Split, np.random.Generator], Iterator[Answer]]:
+    if pipeline == "paper":
+        return lambda split, generator: run_paper_split(sequences, split, parameters, generator)
+    waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
+    described = describe_sequences(
+        sequences.features, sequences.feature_names, waves, parameters.best
+    )
+    return lambda split, generator: run_best_split(
+        sequences, described, split, parameters, generator
+    )
 
 
 def run_paper_split(
@@ -135,6 +195,48 @@ def run_paper_split(
         yield Answer(name, fitted.predict(tested), note)
 
 
+def run_best_split(
+    sequences: TouchSequences,
+    described: NDArray[np.float64],
+    split: Split,
+    parameters: RecognitionParameters,
+    generator: np.random.Generator,
+) -> Iterator[Answer]:
+    """Choose and fit everything of pipeline `best` on a split's training sequences, then test.
+
+    Parameters
+    ----------
+    sequences : TouchSequences
+        All sequences; of the test ones only the descriptors are used.
+    described : numpy.ndarray
+        Shape (s, d), float64: every sequence's descriptors, none of them fitted.
+    split : Split
+        Which train and which are tested.
+    parameters : RecognitionParameters
+        Every choice that is not made inside.
+    generator : numpy.random.Generator
+        For the inner folds and the classifiers.
+
+    Yields
+    ------
+    Answer
+        One for each classifier, with probabilities.
+    """
+    from visuohaptic.recognition.tuning import fit_best_classifiers
+
+    training = described[split.train]
+    labels, owners = sequences.labels[split.train], sequences.object_index[split.train]
+    projection, fits = fit_best_classifiers(
+        training, labels, owners, len(sequences.classes), parameters, generator
+    )
+    tested = projection.apply(described[split.test])
+    for name, classifier, note in fits:
+        probabilities = classifier.probabilities(tested)
+        chosen = f"chosen by inner folds: {classifier.setting}"
+        notes = "; ".join(filter(None, (chosen, note)))
+        yield Answer(name, probabilities.argmax(axis=1), notes, probabilities)
+
+
 class _Record:
     """The rows of both tables as the answers come in."""
 
@@ -149,7 +251,7 @@ class _Record:
         sequences = self._sequences
         owners = sequences.object_index[split.test]
         right = answer.predicted == sequences.labels[split.test]
-        _, credit = vote_credit(owners, answer.predicted, sequences.class_of_object)
+        voted, credit = _vote(owners, answer, sequences.class_of_object)
         key: dict[str, object] = {
             **self._key,
             "classifier": answer.classifier,
@@ -165,11 +267,14 @@ class _Record:
         }
         self._scores.append({**key, **figures})
         names = np.array(sequences.objects, dtype=object)[owners]
+        classes = np.array([*sequences.classes, None], dtype=object)
         columns = {
             "class": names[:, 0],
             "object": names[:, 1],
             "viewpoint": sequences.viewpoint[split.test],
-            "predicted": np.array(sequences.classes, dtype=object)[answer.predicted],
+            "predicted": classes[answer.predicted],
+            "probability": _named_probability(answer),
+            "voted": classes[voted],
         }
         repeated = {name: np.full(len(owners), value) for name, value in key.items()}
         self._predictions.append({**repeated, **columns})
@@ -184,6 +289,25 @@ class _Record:
             name: np.concatenate([block[name] for block in self._predictions]) for name in names
         }
         return build_table(PREDICTIONS, columns)
+
+
+def _vote(
+    owners: NDArray[np.int64], answer: Answer, true_class: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Give the class voted for each sequence's object (-1 without probabilities), and credits."""
+    if answer.probabilities is None:
+        _, credit = vote_credit(owners, answer.predicted, true_class)
+        return np.full(len(owners), -1), credit
+    present, row = np.unique(owners, return_inverse=True)
+    voted = soft_vote(row, answer.probabilities)
+    return voted[row], (voted == true_class[present]).astype(np.float64)
+
+
+def _named_probability(answer: Answer) -> NDArray[np.object_]:
+    if answer.probabilities is None:
+        return np.full(len(answer.predicted), None, dtype=object)
+    named = answer.probabilities[np.arange(len(answer.predicted)), answer.predicted]
+    return named.astype(object)
 
 
 def _twins_note(sequences: TouchSequences) -> str | None:

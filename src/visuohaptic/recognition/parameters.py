@@ -12,8 +12,13 @@ ClassifierName = Literal[
     "decision_tree",
     "quadratic_discriminant",
     "naive_bayes",
+    "linear_discriminant",
+    "logistic_regression",
 ]
-"""The paper's five classifiers, in the order of its Table 1."""
+"""The paper's five classifiers in the order of its Table 1, then two more."""
+
+Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding"]
+"""Groups of descriptors: what the skin tells, what the sensor does, where it is."""
 
 ExtensionMode = Literal[
     "symmetric",
@@ -91,7 +96,11 @@ class SequenceParameters(_Section):
 
 
 class ClassifierParameters(_Section):
-    """The five classifiers; their defaults are scikit-learn's, for the paper names none."""
+    """Settings of the classifiers.
+
+    The defaults of the paper's five are scikit-learn's, for the paper names none. The
+    pipeline `best` varies some of them inside the training objects.
+    """
 
     neighbours: int = Field(5, ge=1, description="Neighbours that vote (kNN)")
     neighbour_weights: Literal["uniform", "distance"] = Field(
@@ -107,8 +116,23 @@ class ClassifierParameters(_Section):
     )
     discriminant_shrinkage: Literal["ledoit_wolf"] | Annotated[float, Field(gt=0, le=1)] = Field(
         "ledoit_wolf",
-        description="Shrinkage of the classes' covariances, used only where one is singular "
-        "(quadratic discriminant)",
+        description="Shrinkage of the classes' covariances (quadratic discriminant)",
+    )
+    discriminant_regularisation: Literal["where_singular", "always"] = Field(
+        "where_singular",
+        description="Whether covariances are shrunk only where one is singular, which the score's "
+        "note then says, or always (quadratic discriminant)",
+    )
+    discriminant_target: Literal["own_variances", "mean_variance"] = Field(
+        "own_variances",
+        description="What a covariance is shrunk towards: uncorrelated features of their "
+        "own variances, or of one variance (quadratic discriminant)",
+    )
+    linear_shrinkage: float = Field(
+        0.1, gt=0, le=1, description="Shrinkage of the common covariance (linear discriminant)"
+    )
+    logistic_penalty: float = Field(
+        0.1, gt=0, description="Inverse strength of the penalty (logistic regression)"
     )
     bayes_smoothing: float = Field(
         1e-9, gt=0, description="Share of the largest variance added to each (naive Bayes)"
@@ -144,10 +168,51 @@ class IntervalParameters(_Section):
     )
 
 
+class BestParameters(_Section):
+    """Our own pipeline: descriptors of the whole sequence, everything else chosen by nested folds."""
+
+    classifiers: tuple[ClassifierName, ...] = Field(
+        (
+            "k_nearest_neighbours",
+            "support_vector_machine",
+            "decision_tree",
+            "quadratic_discriminant",
+            "naive_bayes",
+            "linear_discriminant",
+        ),
+        min_length=1,
+        description="Classifiers to compare",
+    )
+    cues: tuple[Cue, ...] = Field(
+        ("contourlet", "imprint", "sensor", "pose", "relations", "embedding"),
+        min_length=1,
+        description="Groups of descriptors; those whose columns a table lacks are left out",
+    )
+    waves: int = Field(
+        300, ge=1, le=5000, description="Random waves of the kernel mean embedding of the poses"
+    )
+    wave_length: float = Field(
+        0.35,
+        gt=0,
+        description="Width of the embedding's Gaussian kernel over position (object radii)",
+    )
+    normal_weight: float = Field(
+        0.5, ge=0, description="Length of a unit normal beside positions in the embedding"
+    )
+    components: int = Field(
+        64,
+        ge=1,
+        description="Principal components of the descriptors that classifiers see, at most",
+    )
+    inner_folds: int = Field(
+        2, ge=2, description="Folds of training objects that choose settings and temperature"
+    )
+
+
 class RecognitionParameters(_Section):
     """Recognition from tables of touch features."""
 
-    pipelines: tuple[Literal["paper"], ...] = Field(
+    pipelines: tuple[Literal["paper", "best"], ...] = Field(
         ("paper",), min_length=1, description="Ways from features to an answer"
     )
     classifiers: tuple[ClassifierName, ...] = Field(
@@ -159,7 +224,7 @@ class RecognitionParameters(_Section):
             "naive_bayes",
         ),
         min_length=1,
-        description="Classifiers to compare",
+        description="Classifiers to compare (pipeline `paper`)",
     )
     touches: int | None = Field(
         5, ge=1, description="Touches of a sequence that are used, the first ones; null for all"
@@ -179,6 +244,7 @@ class RecognitionParameters(_Section):
     classifier: ClassifierParameters = Field(
         ClassifierParameters(), description="Settings of the classifiers"
     )
+    best: BestParameters = Field(BestParameters(), description="Pipeline `best`")
     protocol: ProtocolParameters = Field(
         ProtocolParameters(), description="Training and test objects"
     )

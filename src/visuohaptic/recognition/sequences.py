@@ -11,6 +11,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.descriptors import CONTACT_STATES
 from visuohaptic.tables import matrix
 
 
@@ -115,6 +116,28 @@ def gather_sequences(
         object_index=np.array([places[owner] for owner in owners[::length]], dtype=np.int64),
         viewpoint=viewpoint[::length],
     )
+
+
+def spread_contact_states(features: pa.Table) -> pa.Table:
+    """Turn a column ``contact_state`` into columns ``contact_full``, ``contact_shrunk``, … of 0 and 1.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Any table; without the column it comes back as it is.
+
+    Returns
+    -------
+    pyarrow.Table
+        The table with a column a state instead.
+    """
+    if "contact_state" not in features.column_names:
+        return features
+    states = np.array(features.column("contact_state").to_pylist())
+    for state in CONTACT_STATES:
+        column = pa.array((states == state).astype(np.float64))
+        features = features.append_column(f"contact_{state}", column)
+    return features.drop_columns(["contact_state"])
 
 
 def identical_objects(sequences: TouchSequences) -> list[tuple[str, str]]:

@@ -25,7 +25,8 @@ REFERENCE_STRATEGY = "fixation"
 METHOD = {
     "accuracy": "mean over splits of the share of test sequences named rightly",
     "object_accuracy": "mean over splits of the share of test objects named rightly by a "
-    "majority vote of their sequences; a tie between k classes counts 1/k",
+    "vote of their sequences: by mean probability where the pipeline gives probabilities, else by "
+    "majority, a tie between k classes counting 1/k",
     "balanced_accuracy": "mean over classes of the mean over a class's objects of their accuracy",
     "class_accuracy": "mean over a class's objects of their accuracy",
     "interval": "expanded percentile bootstrap over objects, not sequences, with the trained "
@@ -182,7 +183,7 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}
     owner = np.array([places[name] for name in owners], dtype=np.int64)
-    _, codes = np.unique(
+    names, codes = np.unique(
         np.concatenate([_texts(rows, "predicted"), [name for name, _ in objects]]),
         return_inverse=True,
     )
@@ -194,7 +195,7 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
     test, test_of_row = np.unique(tests, return_inverse=True)
     sequences = np.bincount(test_of_row)
     right = np.bincount(test_of_row, weights=predicted == true_class[owner])
-    _, credit = vote_credit(test_of_row, predicted, true_class[test % len(objects)])
+    credit = _vote_credit(rows, test_of_row, predicted, true_class[test % len(objects)], names)
     run, tested = np.divmod(test, len(objects))
     share = sequences / np.bincount(run, weights=sequences)[run]
     object_share = 1.0 / np.bincount(run)[run]
@@ -208,6 +209,21 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
         np.bincount(tested, weights=share * right / sequences) / weights,
         np.bincount(tested, weights=object_share * credit) / vote_weights,
     )
+
+
+def _vote_credit(
+    rows: pa.Table,
+    test: NDArray[np.int64],
+    predicted: NDArray[np.int64],
+    true_class: NDArray[np.int64],
+    names: NDArray[np.str_],
+) -> NDArray[np.float64]:
+    """Give each test's credit: by the soft vote where there is one, else by majority."""
+    if rows.column("voted").null_count:
+        return vote_credit(test, predicted, true_class)[1]
+    voted = np.zeros(len(true_class), dtype=names.dtype)
+    voted[test] = _texts(rows, "voted")
+    return (voted == names[true_class]).astype(np.float64)
 
 
 def _summarise_cell(

@@ -1,41 +1,61 @@
-"""Classifiers whose settings and probabilities are chosen inside the training objects.
-
-This module imports scikit-learn (two seconds); import it where it is used.
-"""
+"""Pipeline `best`: projection, settings and probabilities, all chosen inside the training objects."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import clone
-from sklearn.pipeline import Pipeline, make_pipeline
-from sklearn.preprocessing import StandardScaler
 
-from visuohaptic.recognition.classifiers import make_classifier
-from visuohaptic.recognition.parameters import ClassifierName, ClassifierParameters
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
+from visuohaptic.recognition.parameters import (
+    BestParameters,
+    ClassifierName,
+    ClassifierParameters,
+    RecognitionParameters,
+)
 from visuohaptic.recognition.splits import grouped_folds
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
 """Candidates for what scores are divided by before they become probabilities."""
 
-LEAST_PROBABILITY = 1e-9
+LEAST_SCORE = -60.0
+"""Score of a class that training lacked, and of a probability of 0."""
 
-GRIDS: dict[str, Mapping[str, Sequence[Any]]] = {
-    "k_nearest_neighbours": {"neighbours": (3, 7, 15)},
+GRIDS: dict[ClassifierName, dict[str, Sequence[Any]]] = {
+    "k_nearest_neighbours": {"neighbours": (5, 15)},
     "support_vector_machine": {"svm_penalty": (1.0, 10.0)},
-    "decision_tree": {"tree_leaf_sequences": (1, 4, 8)},
-    "quadratic_discriminant": {"discriminant_shrinkage": ("ledoit_wolf", 0.5, 0.9)},
-    "naive_bayes": {"bayes_smoothing": (1e-9, 0.01, 0.1)},
-    "linear_discriminant": {"linear_shrinkage": ("ledoit_wolf", 0.5, 0.9)},
-    "logistic_regression": {"logistic_penalty": (0.01, 0.1, 1.0)},
-    "extra_trees": {},
+    "decision_tree": {"tree_leaf_sequences": (1, 8)},
+    "quadratic_discriminant": {"discriminant_shrinkage": (0.9, 0.6, 0.3)},
+    "naive_bayes": {"bayes_smoothing": (0.1, 0.01)},
+    "linear_discriminant": {"linear_shrinkage": (0.5, 0.1)},
+    "logistic_regression": {"logistic_penalty": (0.03, 0.3)},
 }
-"""The settings that are tried for each classifier."""
+"""The settings that are tried, the simplest first."""
+
+
+@dataclass(frozen=True)
+class Projection:
+    """Standardised descriptors, projected on their principal components.
+
+    Attributes
+    ----------
+    scaling : Standardiser
+        Of the d descriptors.
+    components : numpy.ndarray
+        Shape (d, q), float64, orthonormal columns.
+    """
+
+    scaling: Standardiser
+    components: NDArray[np.float64]
+
+    def apply(self, descriptors: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Project descriptors: (n, d) to (n, q)."""
+        return self.scaling.apply(descriptors) @ self.components
 
 
 @dataclass(frozen=True)
@@ -44,41 +64,123 @@ class TunedClassifier:
 
     Attributes
     ----------
-    estimator : sklearn.pipeline.Pipeline
-        Scaling and classifier, fitted on all training sequences.
+    estimator : object
+        The scikit-learn classifier, fitted on all training sequences.
     temperature : float
         What its scores are divided by before they become probabilities.
     classes : int
-        Number c of classes; one that training lacked has probability near 0.
+        Number c of classes; one that training lacked has probability 0.
     setting : str
-        What was chosen, such as ``svm_penalty 10``; empty where there was no choice.
+        What was chosen, such as ``svm_penalty 10``.
     """
 
-    estimator: Pipeline
+    estimator: Any
     temperature: float
     classes: int
     setting: str
 
-    def probabilities(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give class probabilities: (n, d) to (n, c)."""
-        return softmax(class_scores(self.estimator, features, self.classes) / self.temperature)
+    def probabilities(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give class probabilities: (n, q) to (n, c)."""
+        return softmax(class_scores(self.estimator, projected, self.classes) / self.temperature)
+
+
+@dataclass(frozen=True)
+class InnerFold:
+    """Training sequences without some objects, and these objects' sequences, both projected."""
+
+    train: NDArray[np.float64]
+    train_labels: NDArray[np.int64]
+    held_out: NDArray[np.float64]
+    held_out_labels: NDArray[np.int64]
+
+
+def fit_projection(descriptors: NDArray[np.float64], components: int) -> Projection:
+    """Fit scaling and principal components.
+
+    Parameters
+    ----------
+    descriptors : numpy.ndarray
+        Shape (n, d), float64: the training sequences' descriptors.
+    components : int
+        Most components; directions without variance are left out.
+
+    Returns
+    -------
+    Projection
+        The projection.
+    """
+    scaling = fit_standardiser(descriptors, "standardise")
+    _, spread, directions = np.linalg.svd(scaling.apply(descriptors), full_matrices=False)
+    rank = max(int(np.sum(spread > 1e-9 * max(spread[0], 1e-300))), 1)
+    kept = directions[: min(components, rank)]
+    # A component's sign is the decomposition's whim; its largest weight counts as positive.
+    largest = np.argmax(np.abs(kept), axis=1)
+    signs = np.sign(kept[np.arange(len(kept)), largest])
+    return Projection(scaling, np.ascontiguousarray((kept * signs[:, None]).T))
+
+
+def make_inner_folds(
+    descriptors: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    parameters: BestParameters,
+    generator: np.random.Generator,
+) -> list[InnerFold]:
+    """Hold out folds of whole training objects, each with a projection of the others.
+
+    Parameters
+    ----------
+    descriptors : numpy.ndarray
+        Shape (n, d), float64: the training descriptors.
+    labels, owners : numpy.ndarray
+        Shape (n,), int64: class and object of each training sequence.
+    parameters : BestParameters
+        Folds and components.
+    generator : numpy.random.Generator
+        Deals the objects.
+
+    Returns
+    -------
+    list of InnerFold
+        None where every class has a single training object. A held-out sequence whose
+        class the fold's training lacks is left out.
+    """
+    classes = np.unique(labels)
+    members = [np.unique(owners[labels == place]).tolist() for place in classes]
+    if max(len(objects) for objects in members) < 2:
+        return []
+    folds = []
+    for objects in grouped_folds(members, parameters.inner_folds, generator):
+        held_out = np.isin(owners, objects)
+        known = np.isin(labels, labels[~held_out])
+        if len(np.unique(labels[~held_out])) < 2 or not np.any(held_out & known):
+            continue
+        projection = fit_projection(descriptors[~held_out], parameters.components)
+        folds.append(
+            InnerFold(
+                projection.apply(descriptors[~held_out]),
+                labels[~held_out],
+                projection.apply(descriptors[held_out & known]),
+                labels[held_out & known],
+            )
+        )
+    return folds
 
 
 def fit_tuned_classifier(
     name: ClassifierName,
     parameters: ClassifierParameters,
-    features: NDArray[np.float64],
+    projected: NDArray[np.float64],
     labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
+    folds: Sequence[InnerFold],
     classes: int,
-    folds: int,
     generator: np.random.Generator,
-) -> TunedClassifier:
-    """Choose a classifier's setting and temperature by folds of whole objects, then fit it.
+) -> tuple[TunedClassifier, str | None]:
+    """Choose a classifier's setting and temperature by the inner folds, then fit it.
 
-    The setting with the least log loss over the held-out sequences wins, each
-    setting at its own best temperature (C. Guo et al., "On calibration of modern
-    neural networks", ICML 2017), the simpler one where two are equal.
+    The setting with the least log loss over the held-out sequences wins, each at its
+    own best temperature (C. Guo et al., "On calibration of modern neural networks",
+    ICML 2017); the simpler one where two are equal, or where there is no inner fold.
 
     Parameters
     ----------
@@ -86,31 +188,174 @@ def fit_tuned_classifier(
         Which classifier.
     parameters : ClassifierParameters
         Settings that the grid does not vary.
-    features : numpy.ndarray
-        Shape (n, d), float64: the training features.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: class and object of each training sequence.
+    projected : numpy.ndarray
+        Shape (n, q), float64: all training sequences, projected.
+    labels : numpy.ndarray
+        Shape (n,), int64: their classes.
+    folds : sequence of InnerFold
+        Held-out training objects.
     classes : int
         Number of classes, also those that training lacks.
-    folds : int
-        Inner folds.
     generator : numpy.random.Generator
-        Deals the objects over the folds; seeds trees.
+        Breaks ties between splits of the decision tree.
 
     Returns
     -------
     TunedClassifier
         The classifier.
+    str or None
+        What it needed to be fitted.
     """
-    tested = _inner_folds(labels, owners, folds, generator)
-    seed = int(generator.integers(2**31))
-    best: tuple[float, float, str, Pipeline] | None = None
+    from visuohaptic.recognition.classifiers import fit_classifier
+
+    parameters = parameters.model_copy(
+        update={"discriminant_target": "mean_variance", "discriminant_regularisation": "always"}
+    )
+    trials = []
     for setting in _settings(name):
-        settings = parameters.model_copy(update=setting)
-        estimator = make_pipeline(StandardScaler(), make_classifier(name, settings, seed))
-        loss, temperature = _held_out_loss(estimator, features, labels, tested, classes)
-        if best is None or loss < best[0]:
-            best = (loss, temperature, _in_words(setting), estimator)
-    assert best is not None  # noqa: S101 - every classifier has at least one setting
-    _, temperature, words, estimator = best
-    return TunedClassifier(clone(estimator).fit(features, labels), temperature, classes, words)
+        tried = parameters.model_copy(update=setting)
+        loss, temperature = _held_out_loss(name, tried, folds, classes, generator)
+        trials.append((loss, temperature, setting))
+    _, temperature, setting = min(trials, key=lambda trial: trial[0])
+    chosen = parameters.model_copy(update=setting)
+    fitted, note = fit_classifier(name, chosen, projected, labels, generator)
+    words = ", ".join(f"{key} {value}" for key, value in setting.items())
+    return TunedClassifier(fitted, temperature, classes, words), note
+
+
+def fit_best_classifiers(
+    descriptors: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    classes: int,
+    parameters: RecognitionParameters,
+    generator: np.random.Generator,
+) -> tuple[Projection, list[tuple[ClassifierName, TunedClassifier, str | None]]]:
+    """Fit the projection and every classifier of pipeline `best` on training objects.
+
+    Parameters
+    ----------
+    descriptors : numpy.ndarray
+        Shape (n, d), float64: the training sequences' descriptors, and no others.
+    labels, owners : numpy.ndarray
+        Shape (n,), int64: their classes and objects.
+    classes : int
+        Number of classes, also those that training lacks.
+    parameters : RecognitionParameters
+        Classifiers and what is not chosen inside.
+    generator : numpy.random.Generator
+        For the inner folds and the classifiers.
+
+    Returns
+    -------
+    Projection
+        Fitted on all of them.
+    list of (str, TunedClassifier, str or None)
+        Each classifier's name, its fit, and what it needed to be fitted.
+
+    Raises
+    ------
+    RecognitionError
+        If no descriptor varies over the training sequences.
+    """
+    if not np.ptp(descriptors, axis=0).any():
+        raise RecognitionError(
+            "Every descriptor has one and the same value for all training sequences; "
+            "there is nothing to tell the classes by."
+        )
+    folds = make_inner_folds(descriptors, labels, owners, parameters.best, generator)
+    projection = fit_projection(descriptors, parameters.best.components)
+    projected = projection.apply(descriptors)
+    fits = []
+    for name in parameters.best.classifiers:
+        fitted, note = fit_tuned_classifier(
+            name, parameters.classifier, projected, labels, folds, classes, generator
+        )
+        fits.append((name, fitted, note))
+    return projection, fits
+
+
+def class_scores(
+    estimator: Any, projected: NDArray[np.float64], classes: int
+) -> NDArray[np.float64]:
+    """Give a score a class: log probabilities, or what a support vector machine decides by.
+
+    Parameters
+    ----------
+    estimator : object
+        A fitted scikit-learn classifier of int labels below `classes`.
+    projected : numpy.ndarray
+        Shape (n, q), float64.
+    classes : int
+        Number c of classes.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, c), float64, finite; `LEAST_SCORE` for a class it was not trained with.
+    """
+    if hasattr(estimator, "predict_log_proba"):
+        with np.errstate(divide="ignore"):  # a tree's leaf may hold a single class
+            found = np.maximum(estimator.predict_log_proba(projected), LEAST_SCORE)
+    elif hasattr(estimator, "predict_proba"):
+        found = np.log(np.maximum(estimator.predict_proba(projected), np.exp(LEAST_SCORE)))
+    else:
+        found = estimator.decision_function(projected)
+    if found.ndim == 1:
+        found = np.column_stack([-found, found])
+    scores = np.full((len(projected), classes), LEAST_SCORE)
+    scores[:, estimator.classes_] = found
+    return scores
+
+
+def softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Turn scores into probabilities along the last axis."""
+    weights = np.exp(scores - scores.max(axis=-1, keepdims=True))
+    return weights / weights.sum(axis=-1, keepdims=True)
+
+
+def best_temperature(scores: NDArray[np.float64], labels: NDArray[np.int64]) -> tuple[float, float]:
+    """Find the temperature with the least mean log loss.
+
+    Parameters
+    ----------
+    scores : numpy.ndarray
+        Shape (n, c), float64.
+    labels : numpy.ndarray
+        Shape (n,), int64: the true classes.
+
+    Returns
+    -------
+    loss, temperature : float
+        The least loss in nats, and the temperature of `TEMPERATURES` that gives it.
+    """
+    cold = (scores - scores.max(axis=1, keepdims=True)) / TEMPERATURES[:, None, None]
+    true = cold[:, np.arange(len(labels)), labels]
+    losses = (np.log(np.exp(cold).sum(axis=-1)) - true).mean(axis=-1)
+    best = int(np.argmin(losses))
+    return float(losses[best]), float(TEMPERATURES[best])
+
+
+def _held_out_loss(
+    name: ClassifierName,
+    parameters: ClassifierParameters,
+    folds: Sequence[InnerFold],
+    classes: int,
+    generator: np.random.Generator,
+) -> tuple[float, float]:
+    from visuohaptic.recognition.classifiers import fit_classifier
+
+    if not folds:
+        return 0.0, 1.0
+    scores = []
+    for fold in folds:
+        fitted, _ = fit_classifier(name, parameters, fold.train, fold.train_labels, generator)
+        scores.append(class_scores(fitted, fold.held_out, classes))
+    labels = np.concatenate([fold.held_out_labels for fold in folds])
+    return best_temperature(np.concatenate(scores), labels)
+
+
+def _settings(name: ClassifierName) -> Iterator[dict[str, Any]]:
+    grid = GRIDS[name]
+    for values in itertools.product(*grid.values()):
+        yield dict(zip(grid, values, strict=True))

@@ -4,6 +4,9 @@ from .effects import simulate as simulate
 from .frames import column_axes as column_axes
 from .frames import orient_outwards as orient_outwards
 from .frames import row_axes as row_axes
+from .gallery import hard_probes as hard_probes
+from .gallery import touch_gallery as touch_gallery
+from .influence import image_shifts as image_shifts
 from .parameters import SensorParameters as SensorParameters
 from .planner import EffectRecord as EffectRecord
 from .planner import Situation as Situation
@@ -21,9 +24,12 @@ __all__ = [
     "Situation",
     "Touches",
     "column_axes",
+    "hard_probes",
+    "image_shifts",
     "merge_records",
     "orient_outwards",
     "row_axes",
     "simulate",
     "touch",
+    "touch_gallery",
 ]

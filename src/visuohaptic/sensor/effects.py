@@ -84,8 +84,8 @@ def _any_cell(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.logical_or.reduce(cells.reshape(len(cells), -1), axis=1)
 
 
-def _pressed(signal: Signal, reason: str) -> Call:
-    return Call(_any_cell(signal.peak > 0), f"{reason}, where any cell is loaded")
+def _loaded(outputs: NDArray[np.float64], reason: str) -> Call:
+    return Call(_any_cell(outputs > 0), f"{reason}, where any cell is loaded")
 
 
 def _call_elastic_cover(situation: Situation, _: Signal) -> Call:
@@ -121,7 +121,7 @@ def _call_force_response(situation: Situation, signal: Signal) -> Call:
     scene = situation.scene
     if scene.saturation_pressure_pa is None and scene.break_pressure_pa == 0:
         return _nowhere(situation, "conductance is linear in pressure")
-    return _pressed(signal, "conductance has a break or saturates")
+    return _loaded(signal.peak, "conductance has a break or saturates")
 
 
 def _run_force_response(situation: Situation, signal: Signal) -> Signal:
@@ -135,7 +135,7 @@ def _run_force_response(situation: Situation, signal: Signal) -> Signal:
 def _call_gain_scatter(situation: Situation, signal: Signal) -> Call:
     if situation.scene.gain_scatter == 0:
         return _nowhere(situation, "all cells have one gain")
-    return _pressed(signal, f"gains scatter by {situation.scene.gain_scatter:g}")
+    return _loaded(signal.peak, f"gains scatter by {situation.scene.gain_scatter:g}")
 
 
 def _run_gain_scatter(situation: Situation, signal: Signal) -> Signal:
@@ -164,7 +164,7 @@ def _call_drift(situation: Situation, signal: Signal) -> Call:
         return _nowhere(situation, "the cells don't drift")
     if scene.hold_time_s <= scene.drift_reference_s:
         return _nowhere(situation, "the reading is taken before drift counts")
-    return _pressed(signal, f"held for {scene.hold_time_s:g} s")
+    return _loaded(signal.now, f"held for {scene.hold_time_s:g} s")
 
 
 def _run_drift(situation: Situation, signal: Signal) -> Signal:
@@ -179,7 +179,7 @@ def _run_drift(situation: Situation, signal: Signal) -> Signal:
 def _call_dead_cells(situation: Situation, signal: Signal) -> Call:
     if situation.scene.dead_fraction == 0:
         return _nowhere(situation, "no cell is dead")
-    return _pressed(signal, f"cells are dead with probability {situation.scene.dead_fraction:g}")
+    return _loaded(signal.now, f"cells are dead with probability {situation.scene.dead_fraction:g}")
 
 
 def _run_dead_cells(situation: Situation, signal: Signal) -> Signal:
@@ -196,7 +196,7 @@ def _call_crosstalk(situation: Situation, signal: Signal) -> Call:
         return _everywhere(situation, "other lines are left open")
     if scene.line_resistance_ohm == 0:
         return _nowhere(situation, "lines have no resistance")
-    return _pressed(signal, f"lines of {scene.line_resistance_ohm:g} ohm")
+    return _loaded(signal.now, f"lines of {scene.line_resistance_ohm:g} ohm")
 
 
 def _run_crosstalk(situation: Situation, signal: Signal) -> Signal:

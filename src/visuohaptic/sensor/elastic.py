@@ -92,7 +92,7 @@ def half_space_pressures(
         length = np.divide(along, across, out=np.zeros_like(along), where=across > 0)
         fresh = np.maximum(load - length[:, None] * step, 0.0)
         overlapping = (fresh == 0) & (gap < 0)
-        fresh = np.where(overlapping, -length[:, None] * gap, fresh)
+        fresh -= length[:, None] * np.where(overlapping, gap, 0.0)
         loads[pending], search[pending], previous[pending] = fresh, step, strength
         conjugate[pending] = np.where(overlapping.any(axis=1), 0.0, 1.0)
         change = np.abs(fresh - load).sum(axis=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,16 +20,6 @@ from visuohaptic.sensor.random_fields import RandomFields
 
 # Bounds the memory: intermediate arrays live for so many touches at a time.
 TOUCHES_AT_A_TIME = 256
-
-_ARRAYS = (
-    "images",
-    "size",
-    "contact_state",
-    "penetration",
-    "normals",
-    "tangents",
-    "gaps",
-)
 
 
 @dataclass(frozen=True)
@@ -113,8 +104,18 @@ def touch(
         )
         for rows in _batches(len(points))
     ]
+    return _join(parts)
+
+
+def _join(parts: Sequence[Touches]) -> Touches:
     return Touches(
-        *(np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS),
+        images=np.concatenate([part.images for part in parts]),
+        size=np.concatenate([part.size for part in parts]),
+        contact_state=np.concatenate([part.contact_state for part in parts]),
+        penetration=np.concatenate([part.penetration for part in parts]),
+        normals=np.concatenate([part.normals for part in parts]),
+        tangents=np.concatenate([part.tangents for part in parts]),
+        gaps=np.concatenate([part.gaps for part in parts]),
         effects=merge_records([part.effects for part in parts]),
     )
 

@@ -1,0 +1,297 @@
+"""Imprints a second: geometry, effects, and a plain cast by trimesh and embreex beside them.
+
+Run as ``python benchmarks/sensor.py``. All peers touch the same probes and take turns in every
+round; figures are medians over the rounds, ratios are medians of ratios within a round.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable
+from statistics import median
+
+import numpy as np
+
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.scene import EffectModes, Scene
+from visuohaptic.sensor import RandomFields, SensorParameters, orient_outwards, touch
+from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, stand_on
+from visuohaptic.surface import Surface
+
+PROBES = 256
+ROUNDS = 7
+ABSOLUTE = SensorParameters(normalisation="absolute")
+TACTILE = tuple(
+    name
+    for name in EffectModes.model_fields
+    if name not in {"colour", "texture", "shading", "cast_shadows"}
+)
+
+
+def run() -> dict[str, object]:
+    """Measure the sensor.
+
+    Returns
+    -------
+    dict
+        ``milliseconds`` an imprint by peer and object, ``ratio_to_…`` each peer, ``states`` of the touches, and ``exactness``: worst errors over the sensor's size.
+    """
+    objects = {"convex": _ellipsoid(), "bumpy": _bumpy_ball(), "rooms": _shelves()}
+    return {
+        "probes": PROBES,
+        "rounds": ROUNDS,
+        "objects": {name: _measure(surface) for name, surface in objects.items()},
+        "exactness": _exactness(),
+    }
+
+
+def _measure(surface: Surface) -> dict[str, object]:
+    caster = RayCaster(surface)
+    points, normals, fields = _probes(surface, caster)
+    always = EffectModes(**dict.fromkeys(TACTILE, "always"))
+    fixed = EffectModes(adaptive_size="never")
+
+    def imprint(scene: Scene) -> Callable[[], object]:
+        return lambda: touch(caster, points, normals, SensorParameters(), scene, fields)
+
+    peers: dict[str, Callable[[], object]] = {
+        **_peers(surface, caster, points, normals),
+        "plain cast": _plain_cast(caster, points, normals),
+        "ideal, fixed size": imprint(Scene(effects=fixed)),
+        "ideal, auto": imprint(Scene()),
+        "ideal, always": imprint(Scene(effects=always)),
+        "fsr400, auto": imprint(Scene(preset="fsr400")),
+        "fsr400, always": imprint(Scene(preset="fsr400", effects=always)),
+        "worn_fsr, auto": imprint(Scene(preset="worn_fsr")),
+    }
+    seconds: dict[str, list[float]] = {name: [] for name in peers}
+    for peer in peers.values():
+        peer()
+    for _ in range(ROUNDS):
+        for name, peer in peers.items():
+            started = time.perf_counter()
+            peer()
+            seconds[name].append(time.perf_counter() - started)
+    touches = touch(caster, points, normals, SensorParameters(), Scene())
+    states, counts = np.unique(touches.contact_state, return_counts=True)
+    return {
+        "faces": len(surface.faces),
+        "states": dict(zip(states.tolist(), counts.tolist(), strict=True)),
+        "milliseconds": {name: 1e3 * median(times) / PROBES for name, times in seconds.items()},
+        "ratio_to_trimesh": _ratios(seconds, "trimesh + embreex, plain cast"),
+        "ratio_to_bare_embreex": _ratios(seconds, "embreex, bare plain cast"),
+        "ratio_to_bare_open3d": _ratios(seconds, "Open3D, bare plain cast"),
+    }
+
+
+def _ratios(seconds: dict[str, list[float]], base: str) -> dict[str, float]:
+    return {
+        name: median(a / b for a, b in zip(times, seconds[base], strict=True))
+        for name, times in seconds.items()
+    }
+
+
+def _plain_cast(caster: RayCaster, points: np.ndarray, normals: np.ndarray) -> Callable[[], object]:
+    poses = stand_on(points, normals)
+    sizes, lifts = np.full(len(points), 0.3), np.full(len(points), caster.reach)
+    return lambda: cast_heights(caster, poses, sizes, lifts, 32)
+
+
+def _peers(
+    surface: Surface, caster: RayCaster, points: np.ndarray, normals: np.ndarray
+) -> dict[str, Callable[[], object]]:
+    """One plain cast of each probe's largest square by others; bare ones give distances only."""
+    import trimesh
+    from trimesh.ray.ray_pyembree import RayMeshIntersector
+
+    mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
+    intersector = RayMeshIntersector(mesh)
+    poses = stand_on(points, normals)
+    offsets = 0.15 * sensing_offsets(32)
+
+    def rays() -> tuple[np.ndarray, np.ndarray]:
+        origins = (
+            (points + 2.0 * normals)[:, None, None]
+            + offsets[:, None, None] * poses.rows[:, None, None]
+            + offsets[:, None] * poses.columns[:, None, None]
+        ).reshape(-1, 3)
+        return origins, np.repeat(-normals, 32 * 32, axis=0)
+
+    def located() -> np.ndarray:
+        origins, directions = rays()
+        _, hits, locations = intersector.intersects_id(
+            origins, directions, multiple_hits=False, return_locations=True
+        )
+        depths = np.full(len(origins), np.inf)
+        depths[hits] = np.einsum("ij,ij->i", locations - origins[hits], directions[hits])
+        return depths
+
+    def bare_embreex() -> np.ndarray:
+        origins, directions = rays()
+        scene = intersector._scene
+        return scene.run(
+            origins.astype(np.float32), directions.astype(np.float32), query="DISTANCE"
+        )
+
+    def bare_open3d() -> np.ndarray:
+        joined = np.concatenate(rays(), axis=1, dtype=np.float32, casting="same_kind")
+        return caster._scene.cast_rays(caster._tensor(joined))["t_hit"].numpy()
+
+    return {
+        "trimesh + embreex, plain cast": located,
+        "embreex, bare plain cast": bare_embreex,
+        "Open3D, bare plain cast": bare_open3d,
+    }
+
+
+def _probes(surface: Surface, caster: RayCaster) -> tuple[np.ndarray, np.ndarray, RandomFields]:
+    generator = np.random.default_rng(0)
+    share = surface.face_areas / surface.face_areas.sum()
+    rows = generator.choice(len(share), PROBES, p=share)
+    weights = generator.dirichlet([1, 1, 1], PROBES)
+    points = np.einsum("ij,ijk->ik", weights, surface.triangles[rows])
+    normals = orient_outwards(caster, points, surface.face_normals[rows])
+    return points, normals, RandomFields(0, [("probe", row) for row in range(PROBES)])
+
+
+def _exactness() -> dict[str, dict[str, float]]:
+    """Worst errors over the sensor's size: of the mesh, of the caster in float32 and as it is."""
+    shapes: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
+        "sphere": lambda x, z: np.sqrt(1 - x**2 - z**2) - 1,
+        "cylinder": lambda x, z: np.sqrt(0.16 - x**2) - 0.4 + 0 * z,
+        "cone": lambda x, z: -0.7 * np.hypot(x, z),
+        "torus": lambda x, z: np.sqrt(0.09 - (np.hypot(x - 0.45, z) - 0.45) ** 2) - 0.3,
+        "saddle": lambda x, z: 0.8 * (x**2 - z**2),
+        "step": lambda x, z: np.where(x < 0.012, 0.0, -0.05) + 0 * z,
+        "groove": lambda x, z: np.where(np.abs(x - 0.05) < 0.031, -0.07, 0.0) + 0 * z,
+        "sine": lambda x, z: 0.02 * np.cos(40 * x) - 0.02 + 0 * z,
+    }
+    return {
+        name: _errors(height, exact=name in {"step", "groove"}) for name, height in shapes.items()
+    }
+
+
+def _errors(
+    height: Callable[[np.ndarray, np.ndarray], np.ndarray], *, exact: bool
+) -> dict[str, float]:
+    half, cells, size = 0.25, 150, 0.3
+    surface = _blocks(height, half) if exact else _sheet(height, half, cells)
+    caster = RayCaster(surface)
+    poses = stand_on(np.zeros((1, 3)), np.array([[0, 1.0, 0]]))
+    heights = cast_heights(caster, poses, np.array([size]), np.array([1.5]), 32)[0]
+    x, z = np.meshgrid(*(2 * [0.5 * size * sensing_offsets(32)]))
+    truth = height(x, z)
+    mesh = truth if exact else _sheet_height(height, x, z, half, cells)
+    single = _single_precision(caster, x, z)
+    return {
+        "mesh": float(np.abs(mesh - truth).max() / size),
+        "caster, float32": float(np.abs(single - mesh).max() / size),
+        "caster": float(np.abs(heights - mesh).max() / size),
+    }
+
+
+def _single_precision(caster: RayCaster, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    origins = np.stack([x, np.full_like(x, 1.5), z], axis=-1).reshape(-1, 3)
+    rays = np.concatenate([origins, np.tile([0, -1.0, 0], (len(origins), 1))], axis=1)
+    answer = caster._scene.cast_rays(caster._tensor(rays.astype(np.float32)))
+    return 1.5 - answer["t_hit"].numpy().astype(np.float64).reshape(x.shape)
+
+
+def _sheet_height(
+    height: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    x: np.ndarray,
+    z: np.ndarray,
+    half: float,
+    cells: int,
+) -> np.ndarray:
+    along = np.linspace(-half, half, cells + 1)
+    u, v = (x + half) * cells / (2 * half), (z + half) * cells / (2 * half)
+    i, k = np.floor(u).astype(int), np.floor(v).astype(int)
+    u, v = u - i, v - k
+    low, high = height(along[i], along[k]), height(along[i + 1], along[k + 1])
+    corner = (i + (u >= v), k + (u < v))
+    beside = height(along[corner[0]], along[corner[1]])
+    return low + (beside - low) * np.maximum(u, v) + (high - beside) * np.minimum(u, v)
+
+
+def _sheet(
+    height: Callable[[np.ndarray, np.ndarray], np.ndarray], half: float, cells: int
+) -> Surface:
+    along = np.linspace(-half, half, cells + 1)
+    x, z = np.meshgrid(along, along, indexing="ij")
+    index = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
+    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
+    faces = np.concatenate([np.stack([a, d, c], -1), np.stack([a, c, b], -1)]).reshape(-1, 3)
+    return _surface(np.stack([x, height(x, z), z], axis=-1).reshape(-1, 3), faces)
+
+
+def _blocks(height: Callable[[np.ndarray, np.ndarray], np.ndarray], half: float) -> Surface:
+    import trimesh
+
+    edges = np.array([-half, 0.012, 0.019, 0.081, half])
+    parts = []
+    for left, right in itertools.pairwise(edges):
+        top = float(height(np.array(0.5 * (left + right)), np.array(0.0)))
+        part = trimesh.creation.box(bounds=[[left, -0.2, -half], [right, top, half]])
+        parts.append(part)
+    mesh = trimesh.util.concatenate(parts)
+    return _surface(mesh.vertices, mesh.faces)
+
+
+def _ellipsoid() -> Surface:
+    import trimesh
+
+    mesh = trimesh.creation.icosphere(5)
+    return _surface(mesh.vertices * [1.0, 0.6, 0.8], mesh.faces)
+
+
+def _bumpy_ball() -> Surface:
+    import trimesh
+
+    mesh = trimesh.creation.icosphere(5)
+    bumps = 0.9 + 0.03 * np.sin(12 * mesh.vertices).sum(axis=1, keepdims=True)
+    return _surface(mesh.vertices * bumps, mesh.faces)
+
+
+def _shelves() -> Surface:
+    import trimesh
+
+    boards = [
+        trimesh.creation.box(extents=[1.0, 0.03, 0.4]).apply_translation([0, y, 0])
+        for y in (-0.6, -0.3, 0.0, 0.3, 0.6)
+    ]
+    sides = [
+        trimesh.creation.box(extents=[0.03, 1.23, 0.4]).apply_translation([x, 0, 0])
+        for x in (-0.5, 0.5)
+    ]
+    mesh = trimesh.util.concatenate([*boards, *sides])
+    return _surface(mesh.vertices, mesh.faces)
+
+
+def _surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
+    return Surface(
+        np.array(vertices, dtype=np.float64),
+        np.array(faces, dtype=np.int64),
+        np.full((len(faces), 3), 128, dtype=np.uint8),
+    )
+
+
+def _print(figures: dict[str, object]) -> None:
+    for name, measured in figures["objects"].items():  # type: ignore[attr-defined]
+        print(f"\n{name}: {measured['faces']} faces, {measured['states']}")
+        print(f"{'':32}{'ms':>8}{'per s':>8}{'× trimesh':>11}{'× embreex':>11}{'× Open3D':>10}")
+        for peer, milliseconds in measured["milliseconds"].items():
+            ratios = [
+                measured[f"ratio_to_{base}"][peer]
+                for base in ("trimesh", "bare_embreex", "bare_open3d")
+            ]
+            figures_of_peer = f"{milliseconds:8.3f}{1e3 / milliseconds:8.0f}"
+            print(f"{peer:32}{figures_of_peer}{ratios[0]:11.2f}{ratios[1]:11.2f}{ratios[2]:10.2f}")
+    print(f"\n{'worst error / sensor size':32}{'mesh':>10}{'float32':>10}{'caster':>10}")
+    for shape, errors in figures["exactness"].items():  # type: ignore[attr-defined]
+        print(f"{shape:32}" + "".join(f"{error:10.1e}" for error in errors.values()))
+
+
+if __name__ == "__main__":
+    _print(run())

@@ -1,0 +1,115 @@
+"""Channel weights from examples: which channels tell where people look."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.attention.errors import AttentionError
+from visuohaptic.attention.parameters import CHANNELS, ChannelWeights
+
+
+@dataclass(frozen=True)
+class Example:
+    """One view with the places that draw the eye.
+
+    Attributes
+    ----------
+    object_name : str
+        The object in the view.
+    conspicuity : dict of str to numpy.ndarray
+        Shape (h, w), float32, by channel, as `Attention.conspicuity` has it for
+        equal weights; a channel that did not run counts as zero.
+    mask : numpy.ndarray
+        Shape (h, w), bool: where the object is.
+    places : numpy.ndarray
+        Shape (k, 2), int64: row and column of each place looked at.
+    """
+
+    object_name: str
+    conspicuity: dict[str, NDArray[np.float32]]
+    mask: NDArray[np.bool_]
+    places: NDArray[np.int64]
+
+
+def fit_weights(
+    examples: Sequence[Example], tested: Collection[str], spread: float = 0.03
+) -> ChannelWeights:
+    """Fit non-negative channel weights to the places that people look at.
+
+    Each example's places become a density on the object, a Gaussian around each,
+    and the weighted sum of conspicuity maps is fitted to it by non-negative
+    least squares (Zhao & Koch 2011, "Learning a saliency map using fixated
+    locations in natural scenes").
+
+    Parameters
+    ----------
+    examples : sequence of Example
+        Views of training objects.
+    tested : collection of str
+        Names of the objects on which anything will be tested.
+    spread : float
+        Standard deviation of the Gaussians, as a fraction of the view's longer edge.
+
+    Returns
+    -------
+    ChannelWeights
+        Their mean is 1, that of equal weights.
+
+    Raises
+    ------
+    AttentionError
+        If an example shows a tested object, there is none, or no channel tells
+        anything of the places.
+    """
+    leaked = sorted({example.object_name for example in examples} & set(tested))
+    if leaked:
+        raise AttentionError(
+            f"examples show the tested objects {', '.join(leaked)}; weights may be fitted on "
+            "training objects only."
+        )
+    if not examples:
+        raise AttentionError("there are 0 examples to fit weights to; at least 1 is needed.")
+    from scipy.optimize import nnls
+
+    # The normal equations of all examples together: their solution is the same, and the size
+    # of the problem does not grow with the number of pixels.
+    gram = np.zeros((len(CHANNELS), len(CHANNELS)))
+    moment = np.zeros(len(CHANNELS))
+    for example in examples:
+        maps = _stacked_maps(example)
+        gram += maps @ maps.T
+        moment += maps @ _density(example, spread)
+    values, vectors = np.linalg.eigh(gram)
+    kept = values > 1e-9 * max(float(values.max()), 1e-300)
+    root = np.sqrt(values[kept])[:, None] * vectors[:, kept].T
+    target = (vectors[:, kept].T @ moment) / np.sqrt(values[kept])
+    weights, _ = nnls(root, target)
+    if not weights.any():
+        raise AttentionError(
+            "all fitted weights are 0, as no channel is larger at the places looked at; "
+            "more or other examples are needed."
+        )
+    weights *= len(CHANNELS) / weights.sum()
+    return ChannelWeights(**dict(zip(CHANNELS, weights.tolist(), strict=True)))
+
+
+def _stacked_maps(example: Example) -> NDArray[np.float64]:
+    nothing = np.zeros(example.mask.shape, dtype=np.float32)
+    return np.stack(
+        [example.conspicuity.get(name, nothing)[example.mask] for name in CHANNELS]
+    ).astype(np.float64)
+
+
+def _density(example: Example, spread: float) -> NDArray[np.float64]:
+    points = np.zeros(example.mask.shape)
+    np.add.at(points, (example.places[:, 0], example.places[:, 1]), 1.0)
+    smooth = cv2.GaussianBlur(
+        points, (0, 0), spread * max(points.shape), borderType=cv2.BORDER_CONSTANT
+    )
+    density = smooth[example.mask]
+    return density / max(float(density.max(initial=0.0)), 1e-300)

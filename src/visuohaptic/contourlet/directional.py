@@ -1,0 +1,119 @@
+"""The directional filter bank: ladders over the tables of `visuohaptic.contourlet.lattice`.
+
+Arrays here are `(pixels, images)`: the image's pixels flattened in raster order, images last, so that
+one operation serves a batch. Only additions and multiplications of whole arrays are used, hence an
+image's result is the same, bit for bit, whatever else is in the batch.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .filters import LadderStep
+from .lattice import DirectionalTables, Stage
+
+Floats = NDArray[np.floating[Any]]
+
+
+def _convolve(x: Floats, taps: tuple[float, ...], axis: int) -> Floats:
+    """Convolve along an axis where the filter fits; taps that are equal but for sign are joined."""
+    length = len(taps)
+    if length == 1:
+        return x if taps[0] == 1 else x * x.dtype.type(taps[0])
+    span = x.shape[axis] - length + 1
+    head: tuple[slice, ...] = (slice(None),) * axis
+
+    def window(k: int) -> Floats:
+        return x[(*head, slice(length - 1 - k, length - 1 - k + span))]
+
+    total = np.zeros_like(window(0))
+    term = np.zeros_like(total)
+    for k in range(length // 2):
+        joined = np.add if taps[k] == taps[-1 - k] else np.subtract
+        joined(window(k), window(length - 1 - k), out=term)
+        term *= x.dtype.type(taps[k])
+        total += term
+    if length % 2:
+        np.multiply(window(length // 2), x.dtype.type(taps[length // 2]), out=term)
+        total += term
+    return total
+
+
+def _spread(y: Floats, taps: tuple[float, ...], axis: int) -> Floats:
+    """Adjoint of `_convolve`."""
+    reach = [(0, 0)] * y.ndim
+    reach[axis] = (len(taps) - 1,) * 2
+    return _convolve(np.pad(y, reach), taps[::-1], axis)
+
+
+def _filter(pixels: Floats, stage: Stage) -> Floats:
+    """Run a stage's separable filter over its rectangle; keep the outputs that have a pixel."""
+    rectangle = pixels.take(stage.source, axis=0)
+    filtered = _convolve(_convolve(rectangle, stage.step.taps, 1), stage.step.taps, 2)
+    flat = filtered.reshape(-1, pixels.shape[1])
+    return flat if stage.keep is None else flat.take(stage.keep, axis=0)
+
+
+def _filter_adjoint(values: Floats, stage: Stage, pixels: Floats) -> None:
+    """Add the adjoint of `_filter` to `pixels`."""
+    reach = stage.step.before + stage.step.after
+    channels, rows, columns = stage.source.shape
+    filtered = np.zeros((channels, rows - reach, columns - reach, values.shape[1]), values.dtype)
+    flat = filtered.reshape(-1, values.shape[1])
+    flat[slice(None) if stage.keep is None else stage.keep] = values
+    rectangle = _spread(_spread(filtered, stage.step.taps, 2), stage.step.taps, 1)
+    np.add.at(pixels, stage.source.ravel(), rectangle.reshape(-1, values.shape[1]))
+
+
+def _gains(step: LadderStep, dtype: np.dtype[Any]) -> tuple[Any, Any]:
+    return dtype.type(step.gain), dtype.type(step.weight)
+
+
+def analyse_directions(pixels: Floats, tables: DirectionalTables) -> list[Floats]:
+    """Divide images into directional bands.
+
+    Parameters
+    ----------
+    pixels : (rows × columns, images) float32 or float64
+        Overwritten.
+    tables : DirectionalTables
+
+    Returns
+    -------
+    list of (band rows, band columns, images)
+    """
+    for stage in tables.stages:
+        gain, weight = _gains(stage.step, pixels.dtype)
+        pixels[stage.target] = gain * pixels[stage.target] + weight * _filter(pixels, stage)
+    return [pixels[band] for band in tables.bands]
+
+
+def synthesise_directions(bands: list[Floats], tables: DirectionalTables) -> Floats:
+    """Undo `analyse_directions`, each step of the ladder in reverse."""
+    pixels = _gather(bands, tables)
+    for stage in reversed(tables.stages):
+        gain, weight = _gains(stage.step, pixels.dtype)
+        pixels[stage.target] = (pixels[stage.target] - weight * _filter(pixels, stage)) / gain
+    return pixels
+
+
+def adjoin_directions(bands: list[Floats], tables: DirectionalTables) -> Floats:
+    """Apply the adjoint (the matrix transpose) of `analyse_directions`."""
+    pixels = _gather(bands, tables)
+    for stage in reversed(tables.stages):
+        gain, weight = _gains(stage.step, pixels.dtype)
+        values = pixels[stage.target]
+        pixels[stage.target] = gain * values
+        _filter_adjoint(weight * values, stage, pixels)
+    return pixels
+
+
+def _gather(bands: list[Floats], tables: DirectionalTables) -> Floats:
+    count = sum(band.size for band in tables.bands)
+    pixels = np.zeros((count, bands[0].shape[-1]), bands[0].dtype)
+    for band, values in zip(tables.bands, bands, strict=True):
+        pixels[band] = values
+    return pixels

@@ -1,0 +1,81 @@
+"""What images may look like, and how they are brought into the form that the transforms work on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import ImageError
+
+Floats = NDArray[np.floating[Any]]
+_Real = TypeVar("_Real", bound=np.floating[Any])
+
+BLOCK_ELEMENTS = 1 << 18
+"""Pixels that are worked on at once, unless one image has more: a few MB of working memory."""
+
+
+def check_images(images: ArrayLike) -> Floats:
+    """Turn images into an array of finite floating-point numbers.
+
+    Parameters
+    ----------
+    images : (..., rows, columns) float32 or float64
+        At least 2 × 2 pixels.
+
+    Raises
+    ------
+    ImageError
+        On any other type or shape, and on values that are not finite.
+    """
+    array = np.asarray(images)
+    if array.dtype not in (np.float32, np.float64):
+        raise ImageError(f"Images must be real float32 or float64 arrays, not {array.dtype}.")
+    if array.ndim < 2 or min(array.shape[-2:]) < 2:
+        raise ImageError(
+            f"Images must have the shape (..., rows, columns) with at least 2 rows and 2 columns, not "
+            f"{array.shape}."
+        )
+    if not np.isfinite(array).all():
+        raise ImageError("Images must be finite, but there are NaN or infinite pixels.")
+    return array
+
+
+def blocks(count: int, pixels: int) -> Iterator[slice]:
+    """Cut a batch of images into runs of bounded size."""
+    run = max(1, BLOCK_ELEMENTS // max(pixels, 1))
+    for start in range(0, count, run):
+        yield slice(start, min(start + run, count))
+
+
+def exponents(images: Floats, axes: tuple[int, ...]) -> NDArray[np.intc]:
+    """Powers of two by which each image is divided before any arithmetic.
+
+    Zero where the largest magnitude is in the middle of the type's range, since scaling by a power of
+    two would then change no digit of any result; towards the ends of the range the largest magnitude is
+    brought to between ½ and 1, so that sums do not overflow and denormal numbers keep their digits.
+
+    Parameters
+    ----------
+    images : (images, ...)
+    axes : tuple of int
+        The axes that make up one image.
+
+    Returns
+    -------
+    (images,) intc
+    """
+    limits = np.finfo(images.dtype)
+    high, low = images.max(axis=axes, initial=0.0), images.min(axis=axes, initial=0.0)
+    exponent = np.frexp(np.maximum(high, -low))[1]
+    comfortable = (exponent > limits.minexp // 2) & (exponent < limits.maxexp // 2)
+    return np.where(comfortable, 0, exponent).astype(np.intc)
+
+
+def scale(images: NDArray[_Real], powers: NDArray[np.intc]) -> NDArray[_Real]:
+    """Multiply each image by its power of two."""
+    if not powers.any():
+        return images
+    return np.ldexp(images, powers.reshape(-1, *(1,) * (images.ndim - 1)))

@@ -1,0 +1,233 @@
+"""The nonsubsampled contourlet transform: shift-invariant, every band at full size.
+
+A. L. da Cunha, J. Zhou, M. N. Do, "The nonsubsampled contourlet transform: theory, design, and
+applications", IEEE Trans. Image Processing 15(10), 2006. Here it has the decimated transform's own
+filters: every ladder step of `visuohaptic.contourlet.directional` is made on all pixels instead of one
+coset, and the pyramid's filters are dilated from level to level instead of the image being halved.
+
+With the zero-phase filter B of a ladder, its channels are y0 = (1 + B) x / 2 and y1 = −(1 − B (1 + B) / 2)
+x, and x = (1 + B/2 − B²/2) y0 − (1 − B) y1 / 2. All of these are polynomials of one linear map, so that
+the identity holds with any rule for the borders.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .filters import ladder_steps, pyramid_filters
+from .lattice import Extension, Indices, in_order, ladder_geometry
+from .pyramid import analysis_offsets, fold_indices, synthesis_offsets
+from .transform import Parts, PyramidalTransform, Shapes
+
+Floats = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True)
+class NonsubsampledContourlet(PyramidalTransform):
+    """A nonsubsampled contourlet transform.
+
+    Parameters
+    ----------
+    levels : tuple of int
+        l of every pyramid level, the coarsest first; a level has 2^l bands, l from 0 to 5.
+    pyramid_filter, directional_filter : str
+        See `Contourlet`.
+    extension : {"periodic", "symmetric", "circular"}
+        `periodic` and `circular` are one and the same here, and commute with circular shifts;
+        `symmetric` reflects.
+
+    Notes
+    -----
+    Images of any size are taken as they are. Bands are in the order of `Contourlet`'s; times √2^l, and
+    sampled where those sit, they are the bands that `Contourlet`'s directional bank with circular
+    extension gives of the same detail image.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> transform = NonsubsampledContourlet(levels=(3,))
+    >>> coefficients = transform.forward(np.random.default_rng(0).random((24, 31)))
+    >>> len(coefficients.levels[0]), coefficients.levels[0][5].shape
+    (8, (24, 31))
+    """
+
+    def padded_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
+        """Rows and columns, as they are."""
+        return shape
+
+    def band_shapes(self, shape: tuple[int, int]) -> Shapes:
+        """Shapes of the coarse image and the bands of every level: all those of the image."""
+        return ((shape,), *((shape,) * 2**level for level in self.levels))
+
+    def _analyse(self, block: Floats) -> list[Floats]:
+        found: list[Floats] = []
+        for scale, level in enumerate(reversed(self.levels)):
+            coarse = self._lower(block, scale)
+            detail = block - self._raise(coarse, scale)
+            found = self._analyse_directions(detail, level) + found
+            block = coarse
+        return [block, *found]
+
+    def _synthesise(self, parts: Parts) -> Floats:
+        block = parts[0][0]
+        depth = len(self.levels)
+        for index, (level, bands) in enumerate(zip(self.levels, parts[1:], strict=True)):
+            detail = self._synthesise_directions(bands, level)
+            block = detail + self._raise(block, depth - 1 - index)
+        return block
+
+    def _lower(self, x: Floats, scale: int) -> Floats:
+        taps = pyramid_filters(self.pyramid_filter).analysis
+        return self._separable(x, taps, analysis_offsets(len(taps)) << scale)
+
+    def _raise(self, x: Floats, scale: int) -> Floats:
+        taps = pyramid_filters(self.pyramid_filter).synthesis
+        return self._separable(x, taps, synthesis_offsets(len(taps)) << scale)
+
+    def _separable(self, x: Floats, taps: NDArray[np.float64], offsets: Indices) -> Floats:
+        """Filter along both axes, with gain 1 at frequency zero."""
+        odd = len(taps) % 2 == 1
+        for axis in (0, 1):
+            size = x.shape[axis]
+            low, high = int(offsets.min()), int(offsets.max())
+            wide = np.arange(low, size + high)
+            padded = x.take(fold_indices(wide, size, self.extension, odd=odd), axis=axis)
+            total = np.zeros_like(x)
+            for tap, offset in zip(taps / np.sqrt(2), offsets, strict=True):
+                start = int(offset) - low
+                head: tuple[Any, ...] = (slice(None),) * axis
+                total += x.dtype.type(tap) * padded[(*head, slice(start, start + size))]
+            x = total
+        return x
+
+    def _analyse_directions(self, detail: Floats, level: int) -> list[Floats]:
+        bands = [detail]
+        for depth, ladders in enumerate(self._ladders(level), start=1):
+            children: list[Floats] = []
+            for number, (ladder, band) in enumerate(zip(ladders, bands, strict=True)):
+                children += in_order(ladder.split(band), depth, number % 2, self.directional_filter)
+            bands = children
+        return _second_half_reversed(bands)
+
+    def _synthesise_directions(self, bands: list[Floats], level: int) -> Floats:
+        bands = _second_half_reversed(bands)
+        for depth, ladders in reversed(list(enumerate(self._ladders(level), start=1))):
+            pairs = zip(bands[::2], bands[1::2], strict=True)
+            bands = [
+                ladder.join(*in_order(pair, depth, number % 2, self.directional_filter))
+                for number, (ladder, pair) in enumerate(zip(ladders, pairs, strict=True))
+            ]
+        return bands[0]
+
+    def _ladders(self, level: int) -> list[list[_Ladder]]:
+        """Ladders of every depth of the tree."""
+        haar = self.directional_filter == "haar"
+        matrices = [np.eye(2, dtype=np.intp)]
+        tree = []
+        for depth in range(1, level + 1):
+            ladders = []
+            for number, parent in enumerate(matrices):
+                matrix, neighbour = ladder_geometry(parent, depth, number % 2, haar=haar)
+                turned = depth > 2 and number >= len(matrices) // 2
+                ladders.append(
+                    _Ladder(self.directional_filter, matrix, neighbour, turned, self.extension)
+                )
+            tree.append(ladders)
+            matrices = [ladder.matrix for ladder in ladders for _ in range(2)]
+        return tree
+
+
+def _second_half_reversed(bands: list[Floats]) -> list[Floats]:
+    half = (len(bands) + 1) // 2
+    return bands[:half] + bands[half:][::-1]
+
+
+@dataclass(frozen=True, eq=False)
+class _Ladder:
+    """A two-channel ladder on all pixels.
+
+    `turned` ladders see the image with rows and columns exchanged.
+    """
+
+    filter_name: str
+    matrix: Indices
+    neighbour: Indices
+    turned: bool
+    extension: Extension
+
+    def split(self, x: Floats) -> tuple[Floats, Floats]:
+        """Give the first and the second channel."""
+        half = x.dtype.type(0.5)
+        if self.filter_name == "haar":
+            difference = half * (self._filter(x, 1) - x)
+            return x - self._filter(difference, 0), difference
+        first = half * (x - self._filter(x, 0))
+        return first, -x - self._filter(first, 1)
+
+    def join(self, first: Floats, second: Floats) -> Floats:
+        """Undo `split`."""
+        if self.filter_name == "haar":
+            return first + self._filter(second, 0)
+        residue = -self._filter(first, 0) - second
+        return first + residue.dtype.type(0.5) * (residue + self._filter(residue, 0))
+
+    def _filter(self, x: Floats, target: int) -> Floats:
+        """Apply the ladder's filter F, from the second channel's places to the first's or back."""
+        if self.turned:
+            turned = self._run(x.swapaxes(0, 1), target)
+            return turned.swapaxes(0, 1)
+        return self._run(x, target)
+
+    def _run(self, x: Floats, target: int) -> Floats:
+        step = next(s for s in ladder_steps(self.filter_name) if s.target == target)
+        reach = step.after - np.arange(len(step.taps))
+        shift = self.neighbour if target == 0 else -self.neighbour
+        along_rows = shift[:, None] + self.matrix[:, :1] * reach
+        along_columns = self.matrix[:, 1:] * reach
+        size = (x.shape[0], x.shape[1])
+        inner = [(int(along_rows[k].min()), size[k] + int(along_rows[k].max())) for k in (0, 1)]
+        outer = [
+            (a + int(along_columns[k].min()), b + int(along_columns[k].max()))
+            for k, (a, b) in enumerate(inner)
+        ]
+        rows_first = bool(self.matrix[0, 1])
+        x = self._extend(x, 1, outer[1])
+        if rows_first:
+            x = self._extend(x, 0, outer[0])
+        else:
+            inner_rows, outer[0], inner[0] = inner[0], (0, size[0]), (0, size[0])
+        y = _displaced_sum(x, step.taps, along_columns, outer, inner)
+        if not rows_first:
+            y = self._extend(y, 0, inner_rows)
+            inner[0] = inner_rows
+        return _displaced_sum(y, step.taps, along_rows, inner, [(0, size[0]), (0, size[1])])
+
+    def _extend(self, x: Floats, axis: int, span: tuple[int, int]) -> Floats:
+        indices = fold_indices(np.arange(*span), x.shape[axis], self.extension, odd=True)
+        return x.take(indices, axis=axis)
+
+
+def _displaced_sum(
+    x: Floats,
+    taps: tuple[float, ...],
+    displacements: Indices,
+    given: list[tuple[int, int]],
+    wanted: list[tuple[int, int]],
+) -> Floats:
+    """Sum displaced copies of `x`, which covers the span `given`, over the span `wanted`."""
+
+    def copy(k: int) -> Floats:
+        spans = (
+            slice(w[0] - g[0] + int(d), w[1] - g[0] + int(d))
+            for w, g, d in zip(wanted, given, displacements[:, k], strict=True)
+        )
+        return x[tuple(spans)]
+
+    total = x.dtype.type(taps[0]) * copy(0)
+    for k in range(1, len(taps)):
+        total += x.dtype.type(taps[k]) * copy(k)
+    return total

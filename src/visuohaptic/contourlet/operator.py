@@ -1,0 +1,159 @@
+"""The transform as one matrix, for many small images of one size.
+
+A product with a fixed matrix is several times as fast as the ladder on a small image. Which kernel a
+BLAS picks, and hence the last bits of a row of a product, can depend on how many rows there are; so
+products are always taken of blocks of `BLOCK_IMAGES` rows, the last one filled up with zeros. An image
+then meets the same instructions in any batch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from .errors import LevelsError
+from .images import check_images, exponents, scale
+from .transform import Coefficients, Contourlet
+
+Floats = NDArray[np.floating[Any]]
+
+BLOCK_IMAGES = 32
+"""Rows of every matrix product."""
+
+MAX_MATRIX_BYTES = 1 << 25
+"""Largest matrix that is built: 32 MiB, enough for 32 × 32 images at any levels."""
+
+_ALIGNMENT = 64
+
+
+@dataclass(frozen=True, eq=False)
+class ContourletOperator:
+    """A contourlet transform of one image size and type, written as a matrix.
+
+    Attributes
+    ----------
+    transform : Contourlet
+    image_shape : (int, int)
+    matrix : (pixels, coefficients) float32 or float64
+        Row vectors of pixels times this give `Coefficients.ravel()`; read-only.
+    """
+
+    transform: Contourlet
+    image_shape: tuple[int, int]
+    matrix: Floats
+
+    def forward(self, images: ArrayLike) -> Coefficients:
+        """Transform images; equal to `Contourlet.forward` but for rounding.
+
+        Parameters
+        ----------
+        images : (..., rows, columns)
+            Of the operator's size; they are converted to its type.
+
+        Raises
+        ------
+        ImageError, LevelsError
+        """
+        array = check_images(images).astype(self.matrix.dtype, copy=False)
+        if array.shape[-2:] != self.image_shape:
+            raise LevelsError(
+                f"This operator transforms images of {self.image_shape[0]} × {self.image_shape[1]} "
+                f"pixels, not {array.shape[-2]} × {array.shape[-1]}."
+            )
+        lead = array.shape[:-2]
+        flat = array.reshape(-1, self.matrix.shape[0])
+        power = exponents(flat, (1,))
+        values = scale(blockwise_product(scale(flat, -power), self.matrix), power)
+        return self._package(values.reshape(*lead, -1))
+
+    def adjoint(self, coefficients: Coefficients) -> Floats:
+        """Apply the transposed matrix: `(..., rows, columns)`."""
+        values = coefficients.ravel()
+        flat = values.reshape(-1, self.matrix.shape[1])
+        back = blockwise_product(flat, np.ascontiguousarray(self.matrix.T))
+        return back.reshape(*values.shape[:-1], *self.image_shape)
+
+    def _package(self, values: Floats) -> Coefficients:
+        sizes = self.transform.band_shapes(self.image_shape)
+        ends = np.cumsum([rows * columns for level in sizes for rows, columns in level])
+        parts = iter(np.split(values, ends[:-1], axis=-1))
+        levels = [
+            tuple(next(parts).reshape(*values.shape[:-1], *size) for size in level)
+            for level in sizes
+        ]
+        return Coefficients(levels[0][0], tuple(levels[1:]), self.image_shape)
+
+
+def blockwise_product(rows: Floats, matrix: Floats) -> Floats:
+    """Multiply row vectors with a matrix; a row's result depends on that row alone, bit for bit.
+
+    Parameters
+    ----------
+    rows : (n, inner)
+    matrix : (inner, outer)
+
+    Returns
+    -------
+    (n, outer)
+    """
+    outer = matrix.shape[1]
+    width = -(-outer // _ALIGNMENT) * _ALIGNMENT
+    if width != outer:
+        matrix = np.pad(matrix, ((0, 0), (0, width - outer)))
+    result = np.zeros((len(rows), width), matrix.dtype)
+    whole = len(rows) // BLOCK_IMAGES * BLOCK_IMAGES
+    for start in range(0, whole, BLOCK_IMAGES):
+        run = slice(start, start + BLOCK_IMAGES)
+        np.matmul(rows[run], matrix, out=result[run])
+    if whole < len(rows):
+        filled = np.zeros((BLOCK_IMAGES, matrix.shape[0]), matrix.dtype)
+        filled[: len(rows) - whole] = rows[whole:]
+        result[whole:] = (filled @ matrix)[: len(rows) - whole]
+    return result[:, :outer]
+
+
+def fits_operator(transform: Contourlet, image_shape: tuple[int, int], dtype: DTypeLike) -> bool:
+    """Tell whether the matrix of this transform is small enough to be built."""
+    sizes = transform.band_shapes(image_shape)
+    coefficients = sum(rows * columns for level in sizes for rows, columns in level)
+    pixels = image_shape[0] * image_shape[1]
+    return pixels * coefficients * np.dtype(dtype).itemsize <= MAX_MATRIX_BYTES
+
+
+@lru_cache(maxsize=8)
+def _build(
+    transform: Contourlet, image_shape: tuple[int, int], dtype: np.dtype[Any]
+) -> ContourletOperator:
+    pixels = image_shape[0] * image_shape[1]
+    impulses = np.eye(pixels).reshape(pixels, *image_shape)
+    matrix = transform.forward(impulses).ravel().astype(dtype)
+    matrix.setflags(write=False)
+    return ContourletOperator(transform, image_shape, matrix)
+
+
+def contourlet_operator(
+    transform: Contourlet, image_shape: tuple[int, int], dtype: DTypeLike = np.float64
+) -> ContourletOperator:
+    """Build the matrix of a transform, or take it from the last eight that were built.
+
+    Parameters
+    ----------
+    transform : Contourlet
+    image_shape : (int, int)
+    dtype : float32 or float64
+
+    Raises
+    ------
+    LevelsError
+        When the levels do not allow the size, or the matrix would exceed `MAX_MATRIX_BYTES`.
+    """
+    if not fits_operator(transform, image_shape, dtype):
+        raise LevelsError(
+            f"The matrix for {image_shape[0]} × {image_shape[1]} images would exceed "
+            f"{MAX_MATRIX_BYTES >> 20} MiB; use Contourlet.forward for images of this size."
+        )
+    return _build(transform, image_shape, np.dtype(dtype))

@@ -1,0 +1,177 @@
+"""The Laplacian pyramid of Burt and Adelson, as a frame with biorthogonal filters.
+
+M. N. Do, M. Vetterli, "Framing pyramids", IEEE Trans. Signal Processing 51(9), 2003. One level is
+c = ↓(h ∗ x), d = x − g ∗ ↑c; its inverse is the dual frame's, x = d + g ∗ ↑(c − ↓(h ∗ d)).
+
+Arrays here are `(rows, columns, images)`.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .filters import PyramidFilters
+from .lattice import Extension, Indices
+
+Floats = NDArray[np.floating[Any]]
+
+
+def fold_indices(index: Indices, size: int, extension: Extension, *, odd: bool) -> Indices:
+    """Bring indices outside `0 … size − 1` back into an axis.
+
+    Parameters
+    ----------
+    index : intp
+    size : int
+    extension : {"periodic", "circular", "symmetric"}
+        The first two wrap; the last reflects.
+    odd : bool
+        Reflect about the first and the last sample, as filters of odd length need, rather than half a
+        sample outside of them.
+    """
+    if extension != "symmetric":
+        return index % size
+    if not odd:
+        folded = index % (2 * size)
+        return np.minimum(folded, 2 * size - 1 - folded)
+    if size == 1:
+        return np.zeros_like(index)
+    folded = index % (2 * size - 2)
+    return np.minimum(folded, 2 * size - 2 - folded)
+
+
+def analysis_offsets(length: int) -> Indices:
+    """Offsets of the samples that taps 0, 1, … of a lowpass filter meet."""
+    return length // 2 - np.arange(length)
+
+
+def synthesis_offsets(length: int) -> Indices:
+    """Offsets of the upsampled samples that taps meet: an even filter is delayed by one sample."""
+    return length // 2 - np.arange(length) - (length + 1) % 2
+
+
+@lru_cache(maxsize=256)
+def _analysis_table(size: int, length: int, extension: Extension) -> Indices:
+    offsets = analysis_offsets(length)
+    return fold_indices(
+        2 * np.arange(size // 2) + offsets[:, None], size, extension, odd=length % 2 == 1
+    )
+
+
+@lru_cache(maxsize=256)
+def _synthesis_table(
+    size: int, length: int, extension: Extension, parity: int
+) -> tuple[Indices, tuple[int, ...]]:
+    """Coarse samples, `(taps, size / 2)`, that the fine samples of one parity are made of."""
+    offsets = synthesis_offsets(length)
+    taps = np.flatnonzero((parity + offsets) % 2 == 0)
+    fine = 2 * np.arange(size // 2) + parity + offsets[taps, None]
+    if length % 2 == 1:
+        return fold_indices(fine, size, extension, odd=True) // 2, tuple(taps.tolist())
+    return fold_indices(fine // 2, size // 2, extension, odd=False), tuple(taps.tolist())
+
+
+def _weigh(x: Floats, table: Indices, taps: list[float], axis: int) -> Floats:
+    """Sum slices of `x` along an axis, one row of the table a tap."""
+    total = x.take(table[0], axis=axis)
+    total *= x.dtype.type(taps[0])
+    for row, tap in zip(table[1:], taps[1:], strict=True):
+        term = x.take(row, axis=axis)
+        term *= x.dtype.type(tap)
+        total += term
+    return total
+
+
+def _weigh_adjoint(y: Floats, table: Indices, taps: list[float], axis: int, size: int) -> Floats:
+    """Adjoint of `_weigh`."""
+    shape = list(y.shape)
+    shape[axis] = size
+    total = np.zeros(shape, y.dtype)
+    head: tuple[Any, ...] = (slice(None),) * axis
+    for row, tap in zip(table, taps, strict=True):
+        np.add.at(total, (*head, row), y.dtype.type(tap) * y)
+    return total
+
+
+def _down(x: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+    for axis in (0, 1):
+        table = _analysis_table(x.shape[axis], len(taps), extension)
+        x = _weigh(x, table, taps.tolist(), axis)
+    return x
+
+
+def _up(c: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+    for axis in (0, 1):
+        shape = list(c.shape)
+        shape[axis] *= 2
+        fine = np.zeros(shape, c.dtype)
+        head: tuple[Any, ...] = (slice(None),) * axis
+        for parity in (0, 1):
+            table, chosen = _synthesis_table(shape[axis], len(taps), extension, parity)
+            fine[(*head, slice(parity, None, 2))] = _weigh(
+                c, table, taps[list(chosen)].tolist(), axis
+            )
+        c = fine
+    return c
+
+
+def _down_adjoint(c: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+    for axis in (1, 0):
+        size = 2 * c.shape[axis]
+        table = _analysis_table(size, len(taps), extension)
+        c = _weigh_adjoint(c, table, taps.tolist(), axis, size)
+    return c
+
+
+def _up_adjoint(x: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+    for axis in (1, 0):
+        head: tuple[Any, ...] = (slice(None),) * axis
+        size = x.shape[axis]
+        halves = []
+        for parity in (0, 1):
+            table, chosen = _synthesis_table(size, len(taps), extension, parity)
+            part = x[(*head, slice(parity, None, 2))]
+            halves.append(_weigh_adjoint(part, table, taps[list(chosen)].tolist(), axis, size // 2))
+        x = halves[0] + halves[1]
+    return x
+
+
+def analyse_pyramid(
+    x: Floats, filters: PyramidFilters, extension: Extension
+) -> tuple[Floats, Floats]:
+    """Divide images into a coarse image of half the size and a detail image of full size.
+
+    Parameters
+    ----------
+    x : (rows, columns, images) float32 or float64
+        Even rows and columns.
+    filters : PyramidFilters
+    extension : {"periodic", "circular", "symmetric"}
+
+    Returns
+    -------
+    coarse : (rows / 2, columns / 2, images)
+    detail : (rows, columns, images)
+    """
+    coarse = _down(x, filters.analysis, extension)
+    return coarse, x - _up(coarse, filters.synthesis, extension)
+
+
+def synthesise_pyramid(
+    coarse: Floats, detail: Floats, filters: PyramidFilters, extension: Extension
+) -> Floats:
+    """Undo `analyse_pyramid` by the dual frame, which projects coefficients that fit no image."""
+    remainder = coarse - _down(detail, filters.analysis, extension)
+    return detail + _up(remainder, filters.synthesis, extension)
+
+
+def adjoin_pyramid(
+    coarse: Floats, detail: Floats, filters: PyramidFilters, extension: Extension
+) -> Floats:
+    """Apply the adjoint (the matrix transpose) of `analyse_pyramid`."""
+    remainder = coarse - _up_adjoint(detail, filters.synthesis, extension)
+    return detail + _down_adjoint(remainder, filters.analysis, extension)

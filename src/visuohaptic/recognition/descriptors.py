@@ -1,0 +1,225 @@
+"""What a sequence of touches says as a whole, whatever the order: the input of pipeline `best`.
+
+Nothing here is fitted. Objects stand upright, y up, with their front along z, and
+most are about left-right symmetric; the mirrored and view-invariant descriptors
+build on that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.parameters import BestParameters
+
+POSE = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
+CONTACT_STATES = ("full", "shrunk", "at_minimum", "blocked", "partial")
+LEAST_SIZE = 1e-6
+
+
+@dataclass(frozen=True)
+class WaveBasis:
+    """Plane waves over the six numbers of a pose.
+
+    Their means over a sequence are the kernel mean embedding of its poses in a
+    Gaussian kernel (A. Rahimi and B. Recht, "Random features for large-scale kernel
+    machines", NIPS 2007): two sequences of touches that lie alike have like means.
+
+    Attributes
+    ----------
+    directions : numpy.ndarray
+        Shape (6, w), float64.
+    phases : numpy.ndarray
+        Shape (w,), float64, radians.
+    """
+
+    directions: NDArray[np.float64]
+    phases: NDArray[np.float64]
+
+
+def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> WaveBasis:
+    """Draw waves for a Gaussian kernel of `wave_length` over positions.
+
+    Parameters
+    ----------
+    parameters : BestParameters
+        Number and length of the waves, weight of the normals.
+    generator : numpy.random.Generator
+        Where chance comes from.
+
+    Returns
+    -------
+    WaveBasis
+        The waves.
+    """
+    weights = np.array([1, 1, 1, *[parameters.normal_weight] * 3]) / parameters.wave_length
+    directions = generator.normal(size=(6, parameters.waves)) * weights[:, None]
+    return WaveBasis(directions, generator.uniform(0, 2 * np.pi, size=parameters.waves))
+
+
+def describe_sequences(
+    features: NDArray[np.float64],
+    names: Sequence[str],
+    waves: WaveBasis,
+    parameters: BestParameters,
+) -> NDArray[np.float64]:
+    """Describe sequences by statistics over their touches and relations between these.
+
+    Parameters
+    ----------
+    features : numpy.ndarray
+        Shape (s, t, k), float64.
+    names : sequence of str
+        The k columns: the pose, and of ``contourlet_…``, ``imprint_…``,
+        ``sensor_size`` and ``contact_…`` what there is.
+    waves : WaveBasis
+        Waves of the embedding.
+    parameters : BestParameters
+        Which cues.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (s, d), float64, each row from its own sequence alone.
+
+    Raises
+    ------
+    RecognitionError
+        If a column of the pose is missing or no cue has a column.
+    """
+    missing = [name for name in POSE if name not in names]
+    if missing:
+        raise RecognitionError(f"The features lack the columns {', '.join(missing)} of the pose.")
+    pose = features[:, :, [list(names).index(name) for name in POSE]]
+    points, normals = pose[:, :, :3], pose[:, :, 3:]
+    makers = {
+        "contourlet": lambda: statistics(_columns(features, names, "contourlet_")),
+        "imprint": lambda: statistics(_columns(features, names, "imprint_")),
+        "sensor": lambda: _describe_sensor(features, names),
+        "pose": lambda: statistics(pose_coordinates(points, normals)),
+        "relations": lambda: describe_relations(points, normals),
+        "embedding": lambda: embed_poses(points, normals, waves),
+    }
+    described = np.concatenate([makers[cue]() for cue in parameters.cues], axis=1)
+    if not described.shape[1]:
+        raise RecognitionError(
+            f"The features have no column for the cues {', '.join(parameters.cues)}; "
+            f"pose, relations and embedding need none but the pose."
+        )
+    return described
+
+
+def statistics(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give mean, standard deviation, minimum and maximum over touches: (s, t, k) to (s, 4 k)."""
+    parts = (values.mean(axis=1), values.std(axis=1), values.min(axis=1), values.max(axis=1))
+    return np.concatenate(parts, axis=1)
+
+
+def pose_coordinates(
+    points: NDArray[np.float64], normals: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Give each touch's pose in the object's frame, mirrored, and free of azimuth.
+
+    Parameters
+    ----------
+    points, normals : numpy.ndarray
+        Shape (s, t, 3) each, float64.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (s, t, 16), float64: the pose; the magnitudes of x, z and the normal's three
+        components; distance from the upright axis and from the centre, and how far the
+        normal points away from the centre, away from the axis, and around it.
+    """
+    axial = np.hypot(points[..., 0], points[..., 2])
+    radius = np.linalg.norm(points, axis=-1)
+    outward = (points * normals).sum(axis=-1) / np.maximum(radius, LEAST_SIZE)
+    level = points[..., 0] * normals[..., 0] + points[..., 2] * normals[..., 2]
+    around = points[..., 0] * normals[..., 2] - points[..., 2] * normals[..., 0]
+    free = [axial, radius, outward]
+    free += [turn / np.maximum(axial, LEAST_SIZE) for turn in (level, np.abs(around))]
+    return np.concatenate(
+        [points, normals, np.abs(points[..., ::2]), np.abs(normals), np.stack(free, axis=-1)],
+        axis=-1,
+    )
+
+
+def describe_relations(
+    points: NDArray[np.float64], normals: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Describe how the touches of a sequence lie to one another.
+
+    Parameters
+    ----------
+    points, normals : numpy.ndarray
+        Shape (s, t, 3) each, float64.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (s, 27), float64: statistics over all pairs of distance, height and level
+        distance, the normals' cosine, and the sum and difference of the angles between
+        normals and the line that joins the two; then the three principal extents of the
+        points. A single touch has no pair, and zeros.
+    """
+    touches = points.shape[1]
+    centred = points - points.mean(axis=1, keepdims=True)
+    scatter = np.einsum("sti,stj->sij", centred, centred) / touches
+    extents = np.sqrt(np.maximum(np.linalg.eigvalsh(scatter), 0))
+    if touches == 1:
+        return np.zeros((len(points), 27))
+    first, second = np.triu_indices(touches, 1)
+    step = points[:, second] - points[:, first]
+    distance = np.linalg.norm(step, axis=-1)
+    along = step / np.maximum(distance, LEAST_SIZE)[..., None]
+    leaving = (normals[:, first] * along).sum(axis=-1)
+    arriving = (normals[:, second] * along).sum(axis=-1)
+    pairs = [
+        distance,
+        np.abs(step[..., 1]),
+        np.hypot(step[..., 0], step[..., 2]),
+        (normals[:, first] * normals[:, second]).sum(axis=-1),
+        arriving - leaving,
+        np.abs(arriving + leaving),
+    ]
+    return np.concatenate([statistics(np.stack(pairs, axis=-1)), extents], axis=1)
+
+
+def embed_poses(
+    points: NDArray[np.float64], normals: NDArray[np.float64], waves: WaveBasis
+) -> NDArray[np.float64]:
+    """Give the mean of each wave over a sequence's poses, left and right being alike.
+
+    Parameters
+    ----------
+    points, normals : numpy.ndarray
+        Shape (s, t, 3) each, float64.
+    waves : WaveBasis
+        The w waves.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (s, w), float64, within ± sqrt(2).
+    """
+    pose = np.concatenate([points, normals], axis=-1)
+    pose[..., [0, 3]] = np.abs(pose[..., [0, 3]])
+    return np.sqrt(2) * np.cos(pose @ waves.directions + waves.phases).mean(axis=1)
+
+
+def _columns(
+    features: NDArray[np.float64], names: Sequence[str], prefix: str
+) -> NDArray[np.float64]:
+    places = [place for place, name in enumerate(names) if name.startswith(prefix)]
+    return features[:, :, places]
+
+
+def _describe_sensor(features: NDArray[np.float64], names: Sequence[str]) -> NDArray[np.float64]:
+    size = np.log(np.maximum(_columns(features, names, "sensor_size"), LEAST_SIZE))
+    states = _columns(features, names, "contact_").mean(axis=1)
+    return np.concatenate([statistics(size), states], axis=1)

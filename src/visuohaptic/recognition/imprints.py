@@ -1,0 +1,82 @@
+"""Statistics of an imprint beside its contourlet bands: how much is touched, how it bends."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+IMPRINT_FEATURES = (
+    "imprint_mean",
+    "imprint_deviation",
+    "imprint_skewness",
+    "imprint_empty",
+    "imprint_contact",
+    "imprint_bending",
+    "imprint_saddle",
+    "imprint_upright_bending",
+    "imprint_tilt_columns",
+    "imprint_tilt_rows",
+    "imprint_roughness",
+    "imprint_step_columns",
+    "imprint_step_rows",
+)
+"""Names of what `describe_imprint_shape` gives, in its order."""
+
+CONTACT_LEVEL = 0.98
+"""From this value on a sensing point counts as being in contact."""
+
+
+def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Describe imprints by moments, contact, and the quadric that fits each best.
+
+    Parameters
+    ----------
+    imprints : numpy.ndarray
+        Shape (n, r, r), in [0, 1], r at least 3.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 13), float64: mean, deviation and skewness; the shares of empty
+        and of touching points; of the best quadric over the square [-1, 1]² the sum of
+        its second derivatives, the size of their difference over all directions, and the
+        difference between columns and rows; its slopes' sizes along columns and rows; the
+        deviation that it leaves; mean steps between neighbours along columns and rows.
+        Each row depends on its own imprint alone.
+    """
+    values = imprints.astype(np.float64)
+    count, side, _ = values.shape
+    flat = values.reshape(count, -1)
+    mean, deviation = flat.mean(axis=1), flat.std(axis=1)
+    third = ((flat - mean[:, None]) ** 3).mean(axis=1)
+    varies = deviation > 1e-9
+    skewness = np.where(varies, third / np.where(varies, deviation, 1) ** 3, 0)
+    terms = _quadric_terms(side)
+    # einsum without BLAS: a row's sums must not depend on how many rows there are.
+    quadric = np.einsum("np,tp->nt", flat, np.linalg.pinv(terms))
+    rest = flat - np.einsum("nt,pt->np", quadric, terms)
+    along, across, mixed = quadric[:, 3], quadric[:, 5], quadric[:, 4]
+    return np.column_stack(
+        [
+            mean,
+            deviation,
+            skewness,
+            (flat <= 0).mean(axis=1),
+            (flat >= CONTACT_LEVEL).mean(axis=1),
+            2 * (along + across),
+            2 * np.hypot(along - across, mixed),
+            2 * (along - across),
+            np.abs(quadric[:, 1]),
+            np.abs(quadric[:, 2]),
+            rest.std(axis=1),
+            np.abs(np.diff(values, axis=2)).mean(axis=(1, 2)),
+            np.abs(np.diff(values, axis=1)).mean(axis=(1, 2)),
+        ]
+    )
+
+
+def _quadric_terms(side: int) -> NDArray[np.float64]:
+    """Give 1, u, v, u², uv, v² at every sensing point, u along columns, shape (side², 6)."""
+    v, u = np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side), indexing="ij")
+    terms = [np.ones_like(u), u, v, u * u, u * v, v * v]
+    return np.stack(terms, axis=-1).reshape(-1, 6)

@@ -1,0 +1,411 @@
+"""A trained recogniser: fitted on the objects at hand, saved so that loading runs no code."""
+
+from __future__ import annotations
+
+import copy
+import os
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic import __version__
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.descriptors import (
+    WaveBasis,
+    describe_sequences,
+    draw_waves,
+)
+from visuohaptic.recognition.encoding import (
+    FeatureGroups,
+    SequenceEncoder,
+    Standardiser,
+    fit_sequence_encoder,
+)
+from visuohaptic.recognition.experiment import gather_pipeline
+from visuohaptic.recognition.parameters import (
+    BestParameters,
+    ClassifierName,
+    RecognitionParameters,
+)
+from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
+from visuohaptic.recognition.sequences import (
+    TouchSequences,
+    gather_sequences,
+    spread_contact_states,
+)
+from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
+from visuohaptic.seeds import spawn_generator
+
+FORMAT = "visuohaptic recognition model 1"
+
+
+@dataclass(frozen=True)
+class SequenceDescriber:
+    """Pipeline `best` up to the classifier: descriptors of fixed waves, then a fitted projection."""
+
+    waves: WaveBasis
+    names: tuple[str, ...]
+    parameters: BestParameters
+    projection: Projection
+
+    def encode(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give what the classifier sees: (s, t, k) to (s, q)."""
+        described = describe_sequences(sequences, self.names, self.waves, self.parameters)
+        return self.projection.apply(described)
+
+
+@dataclass(frozen=True)
+class RecognitionModel:
+    """Everything needed to name an object from its touches.
+
+    Attributes
+    ----------
+    pipeline, strategy, classifier : str
+        How it works, and whose touches it learnt from.
+    classes : tuple of str
+        The c classes.
+    feature_names : tuple of str
+        The k numbers of a touch, in order.
+    touches : int
+        Touches a sequence.
+    objects : tuple of (str, str)
+        The objects it learnt, as (class, name).
+    parameters : RecognitionParameters
+        What it was trained with.
+    versions : mapping of str to str
+        Versions of the packages that trained it.
+    encoder : SequenceEncoder or SequenceDescriber
+        From touches to what the classifier sees.
+    tuned : TunedClassifier
+        The classifier.
+    """
+
+    pipeline: str
+    strategy: str
+    classifier: ClassifierName
+    classes: tuple[str, ...]
+    feature_names: tuple[str, ...]
+    touches: int
+    objects: tuple[tuple[str, str], ...]
+    parameters: RecognitionParameters
+    versions: Mapping[str, str]
+    encoder: SequenceEncoder | SequenceDescriber
+    tuned: TunedClassifier
+
+    def probabilities(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give class probabilities of sequences.
+
+        Parameters
+        ----------
+        features : numpy.ndarray
+            Shape (s, t, k), float64, in the order of `feature_names`.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (s, c), float64. Those of pipeline `paper` are not calibrated.
+        """
+        return self.tuned.probabilities(self.encoder.encode(features))
+
+    def recognise(self, features: pa.Table) -> dict[str, float]:
+        """Name one object from all its sequences together.
+
+        Parameters
+        ----------
+        features : pyarrow.Table
+            Rows of `tables.FEATURES` of one object and strategy.
+
+        Returns
+        -------
+        dict of str to float
+            Mean probability of each class over the sequences, the likeliest first.
+
+        Raises
+        ------
+        RecognitionError
+            If the table lacks a feature, or a sequence a touch.
+        """
+        spread = spread_contact_states(features)
+        sequences = gather_sequences(spread, self.feature_names, self.touches)
+        mean = self.probabilities(sequences.features).mean(axis=0)
+        order = np.argsort(-mean, kind="stable")
+        return {self.classes[place]: float(mean[place]) for place in order}
+
+
+def fit_model(
+    features: pa.Table,
+    pipeline: str,
+    classifier: ClassifierName,
+    parameters: RecognitionParameters,
+    seed: int,
+) -> RecognitionModel:
+    """Train on every object of a table.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES` of one strategy.
+    pipeline : str
+        ``paper`` or ``best``.
+    classifier : str
+        One classifier.
+    parameters : RecognitionParameters
+        Every choice that is not made inside.
+    seed : int
+        The experiment's seed.
+
+    Returns
+    -------
+    RecognitionModel
+        The model.
+
+    Raises
+    ------
+    RecognitionError
+        If the features don't allow it.
+    """
+    from threadpoolctl import threadpool_limits
+
+    sequences = gather_pipeline(features, parameters, pipeline)
+    if len(sequences.classes) < 2:
+        raise RecognitionError(
+            f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
+            f"tell them apart."
+        )
+    fitters: dict[str, Callable[..., tuple[Any, TunedClassifier]]] = {
+        "paper": _fit_paper,
+        "best": _fit_best,
+    }
+    with threadpool_limits(limits=1):
+        encoder, tuned = fitters[pipeline](sequences, classifier, parameters, seed)
+    return RecognitionModel(
+        pipeline=pipeline,
+        strategy=features.column("strategy")[0].as_py(),
+        classifier=classifier,
+        classes=sequences.classes,
+        feature_names=sequences.feature_names,
+        touches=sequences.features.shape[1],
+        objects=sequences.objects,
+        parameters=parameters,
+        versions=_versions(),
+        encoder=encoder,
+        tuned=tuned,
+    )
+
+
+def save_model(model: RecognitionModel, path: str | Path) -> None:
+    """Write a model with skops, whole or not at all.
+
+    Parameters
+    ----------
+    model : RecognitionModel
+        The model.
+    path : path
+        The file, such as ``recogniser.skops``; its folder is made where missing.
+
+    Raises
+    ------
+    RecognitionError
+        If the classifier can't be saved so that loading is safe: scikit-learn follows
+        a decision tree's stored indices unchecked.
+    """
+    import skops.io
+
+    estimator = copy.copy(model.tuned.estimator)
+    if getattr(estimator, "covariance_estimator", None) is not None:
+        # Only training needs it, and without it the file holds scikit-learn's own types alone.
+        estimator.covariance_estimator = None
+    state = {
+        "format": FORMAT,
+        "pipeline": model.pipeline,
+        "strategy": model.strategy,
+        "classifier": model.classifier,
+        "classes": list(model.classes),
+        "feature_names": list(model.feature_names),
+        "touches": model.touches,
+        "objects": [list(owner) for owner in model.objects],
+        "parameters": model.parameters.model_dump_json(),
+        "versions": dict(model.versions),
+        "encoder": _encoder_state(model.encoder),
+        "estimator": estimator,
+        "temperature": model.tuned.temperature,
+        "setting": model.tuned.setting,
+    }
+    content = skops.io.dumps(state)
+    unsafe = skops.io.get_untrusted_types(data=content)
+    if unsafe:
+        raise RecognitionError(
+            f"A {model.classifier} can't be saved so that it is safe to load (it needs "
+            f"{', '.join(unsafe)}); choose another classifier."
+        )
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
+    os.close(handle)
+    try:
+        Path(temporary).write_bytes(content)
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def load_model(path: str | Path) -> RecognitionModel:
+    """Read a model; a file that would bring code of its own is refused.
+
+    Parameters
+    ----------
+    path : path
+        What `save_model` wrote.
+
+    Returns
+    -------
+    RecognitionModel
+        The model.
+
+    Raises
+    ------
+    RecognitionError
+        If the file can't be read, holds other types than NumPy's and scikit-learn's, or is
+        no model of this package.
+    """
+    import skops.io
+    from skops.io.exceptions import UntrustedTypesFoundException
+
+    try:
+        state = skops.io.loads(Path(path).read_bytes(), trusted=None)
+    except UntrustedTypesFoundException as error:
+        raise RecognitionError(
+            f"{path} holds types that a model has no need of, and is not loaded."
+        ) from error
+    except Exception as error:
+        raise RecognitionError(
+            f"{path} can't be read as a recognition model ({error}); train it again."
+        ) from error
+    if not isinstance(state, dict) or state.get("format") != FORMAT:
+        raise RecognitionError(f"{path} is no {FORMAT!r}; train it again with this version.")
+    return _model_of(state)
+
+
+def _model_of(state: dict[str, Any]) -> RecognitionModel:
+    parameters = RecognitionParameters.model_validate_json(state["parameters"])
+    classes = tuple(state["classes"])
+    names = tuple(state["feature_names"])
+    return RecognitionModel(
+        pipeline=state["pipeline"],
+        strategy=state["strategy"],
+        classifier=state["classifier"],
+        classes=classes,
+        feature_names=names,
+        touches=state["touches"],
+        objects=tuple((category, name) for category, name in state["objects"]),
+        parameters=parameters,
+        versions=state["versions"],
+        encoder=_encoder_of(state["encoder"], names, parameters),
+        tuned=TunedClassifier(
+            state["estimator"], state["temperature"], len(classes), state["setting"]
+        ),
+    )
+
+
+def _fit_paper(
+    sequences: TouchSequences,
+    classifier: ClassifierName,
+    parameters: RecognitionParameters,
+    seed: int,
+) -> tuple[SequenceEncoder, TunedClassifier]:
+    from visuohaptic.recognition.classifiers import fit_classifier
+
+    generator = spawn_generator(seed, "recognition", "model", "paper")
+    encoder = fit_sequence_encoder(sequences.features, parameters, generator)
+    fitted, _ = fit_classifier(
+        classifier,
+        parameters.classifier,
+        encoder.encode(sequences.features),
+        sequences.labels,
+        generator,
+    )
+    return encoder, TunedClassifier(fitted, 1.0, len(sequences.classes), "")
+
+
+def _fit_best(
+    sequences: TouchSequences,
+    classifier: ClassifierName,
+    parameters: RecognitionParameters,
+    seed: int,
+) -> tuple[SequenceDescriber, TunedClassifier]:
+    generator = spawn_generator(seed, "recognition", "model", "best")
+    waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
+    names = sequences.feature_names
+    described = describe_sequences(sequences.features, names, waves, parameters.best)
+    one = parameters.best.model_copy(update={"classifiers": (classifier,)})
+    projection, [(_, tuned, _)] = fit_best_classifiers(
+        described,
+        sequences.labels,
+        sequences.object_index,
+        len(sequences.classes),
+        parameters.model_copy(update={"best": one}),
+        generator,
+    )
+    return SequenceDescriber(waves, names, parameters.best, projection), tuned
+
+
+def _encoder_state(encoder: SequenceEncoder | SequenceDescriber) -> dict[str, Any]:
+    if isinstance(encoder, SequenceDescriber):
+        return {
+            "directions": encoder.waves.directions,
+            "phases": encoder.waves.phases,
+            "mean": encoder.projection.scaling.mean,
+            "scale": encoder.projection.scaling.scale,
+            "components": encoder.projection.components,
+        }
+    reduction = encoder.reduction
+    positions = reduction.positions if isinstance(reduction, SelfOrganisingMap) else None
+    return {
+        "touch_mean": encoder.touch_scaling.mean,
+        "touch_scale": encoder.touch_scaling.scale,
+        "weights": reduction.weights,
+        "positions": positions,
+        "mean": encoder.feature_scaling.mean,
+        "scale": encoder.feature_scaling.scale,
+    }
+
+
+def _encoder_of(
+    state: dict[str, Any], names: tuple[str, ...], parameters: RecognitionParameters
+) -> SequenceEncoder | SequenceDescriber:
+    scaling = Standardiser(state["mean"], state["scale"])
+    if "directions" in state:
+        waves = WaveBasis(state["directions"], state["phases"])
+        projection = Projection(scaling, state["components"])
+        return SequenceDescriber(waves, names, parameters.best, projection)
+    weights, positions = state["weights"], state["positions"]
+    reduction: SelfOrganisingMap | FeatureGroups = (
+        FeatureGroups(weights) if positions is None else SelfOrganisingMap(weights, positions)
+    )
+    return SequenceEncoder(
+        Standardiser(state["touch_mean"], state["touch_scale"]),
+        reduction,
+        parameters.self_organising_map,
+        parameters.sequence,
+        scaling,
+    )
+
+
+def _versions() -> dict[str, str]:
+    import platform
+    from importlib.metadata import version
+
+    packages = ("numpy", "scikit-learn", "pywavelets", "skops")
+    return {
+        "visuohaptic": __version__,
+        "python": platform.python_version(),
+        **{name: version(name) for name in packages},
+    }

@@ -1,0 +1,369 @@
+"""The comparison that the experiment is about: fixations against random probing, here and published."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from visuohaptic.report.published import TABLE_1
+from visuohaptic.report.wording import (
+    classifier_name,
+    counted,
+    listed,
+    percent,
+    points,
+    probability,
+    strategy_name,
+)
+
+PAPER_PIPELINE = "paper"
+REFERENCE = "fixation"
+SIGNIFICANCE = 0.05
+_ORDER = ("fixation", "random")
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A mean and its interval; None where the interval has no end."""
+
+    mean: float
+    low: float | None
+    high: float | None
+
+    def holds(self, value: float) -> bool:
+        """Tell whether a value lies within the interval, ends included."""
+        return self.low is not None and self.high is not None and self.low <= value <= self.high
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Fixations against another strategy, over the same objects.
+
+    `adjusted_p` is Holm's over the classifiers of the table.
+    """
+
+    difference: Figure
+    p_value: float
+    adjusted_p: float
+    objects: int
+    exact: bool
+
+
+@dataclass(frozen=True)
+class ClassifierRow:
+    """All figures of one classifier; the mappings go by strategy."""
+
+    key: str
+    name: str
+    accuracy: Mapping[str, Figure]
+    object_accuracy: Mapping[str, Figure]
+    class_accuracy: Mapping[str, Mapping[str, Figure]]
+    published: Mapping[str, float]
+    comparisons: Mapping[str, Comparison]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PipelineTable:
+    """One pipeline's classifiers, in the order of the paper's table.
+
+    Attributes
+    ----------
+    name : str
+        The pipeline.
+    strategies : tuple of str
+        Fixations first.
+    rows : tuple of ClassifierRow
+        One a classifier.
+    splits, repeats, objects, sequences : int
+        How much was tested.
+    """
+
+    name: str
+    strategies: tuple[str, ...]
+    rows: tuple[ClassifierRow, ...]
+    splits: int
+    repeats: int
+    objects: int
+    sequences: int
+
+    @property
+    def leading(self) -> str:
+        """The strategy that the page speaks of: fixations where they were run."""
+        return self.strategies[0]
+
+    @property
+    def best(self) -> ClassifierRow:
+        """The classifier with the highest accuracy under the leading strategy."""
+        return max(self.rows, key=lambda row: row.accuracy[self.leading].mean)
+
+
+def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
+    """Arrange the metrics for the page.
+
+    Parameters
+    ----------
+    metrics : mapping
+        What `recognition.summary.summarise` gives.
+
+    Returns
+    -------
+    list of PipelineTable
+        The paper's pipeline first.
+    """
+    names = sorted(metrics["results"], key=lambda name: (name != PAPER_PIPELINE, name))
+    return [_pipeline_table(metrics, name) for name in names]
+
+
+def holm(p_values: Sequence[float]) -> list[float]:
+    """Adjust p values for their number (S. Holm, Scand. J. Statist. 6:65-70, 1979).
+
+    Parameters
+    ----------
+    p_values : sequence of float
+        One a hypothesis.
+
+    Returns
+    -------
+    list of float
+        Adjusted p values in the same order, at most 1.
+    """
+    adjusted = [0.0] * len(p_values)
+    largest = 0.0
+    for rank, place in enumerate(sorted(range(len(p_values)), key=lambda k: p_values[k])):
+        largest = max(largest, min(1.0, (len(p_values) - rank) * p_values[place]))
+        adjusted[place] = largest
+    return adjusted
+
+
+def answer(table: PipelineTable, classes: int, touches: int, confidence: float) -> list[str]:
+    """Answer the experiment's question in three sentences, from the figures alone.
+
+    Parameters
+    ----------
+    table : PipelineTable
+        The pipeline to speak of.
+    classes : int
+        Number of classes, for chance.
+    touches : int
+        Touches a sequence.
+    confidence : float
+        Confidence of the intervals.
+
+    Returns
+    -------
+    list of str
+        How well it goes, whether fixations help, and how it stands beside the paper.
+    """
+    best = table.best
+    figure = best.accuracy[table.leading]
+    where = (
+        "where the eye would rest"
+        if table.leading == REFERENCE
+        else f"by {strategy_name(table.leading)}"
+    )
+    first = (
+        f"After {counted(touches, 'touch')} {where}, "
+        f"the best of {counted(len(table.rows), 'classifier')}, the {best.name}, names the class of an "
+        f"object that it never felt before in {percent(figure.mean)} of the sequences"
+        f"{_interval_clause(figure, confidence)}; guessing among {counted(classes, 'class')} "
+        f"gives {percent(1 / classes)}."
+    )
+    sentences = (first, _gain_sentence(table), _published_sentence(table))
+    return [sentence for sentence in sentences if sentence]
+
+
+def agreement(table: PipelineTable) -> tuple[list[str], list[str]]:
+    """Say where the figures agree with the paper's Table 1, and where they do not.
+
+    Parameters
+    ----------
+    table : PipelineTable
+        The paper's pipeline.
+
+    Returns
+    -------
+    agrees, differs : list of str
+        Sentences.
+    """
+    agrees: list[str] = []
+    differs: list[str] = []
+    known = [row for row in table.rows if row.published]
+    for strategy in table.strategies:
+        covered = [row for row in known if strategy in row.published]
+        inside = [row for row in covered if row.accuracy[strategy].holds(row.published[strategy])]
+        outside = [row for row in covered if row not in inside]
+        if inside:
+            agrees.append(
+                f"With {strategy_name(strategy)}, the published accuracy lies within the interval "
+                f"found here for {_names(inside)}."
+            )
+        if outside:
+            gaps = [row.accuracy[strategy].mean - row.published[strategy] for row in outside]
+            differs.append(
+                f"With {strategy_name(strategy)}, the published accuracy lies outside the interval "
+                f"found here for {_names(outside)}: here minus published is {_span(gaps)} percentage "
+                f"points."
+            )
+    _compare_signs(known, agrees, differs)
+    _compare_ranks(table, known, agrees, differs)
+    return agrees, differs
+
+
+def _pipeline_table(metrics: Mapping[str, Any], name: str) -> PipelineTable:
+    results = metrics["results"][name]
+    strategies = sorted(results, key=lambda key: (_ORDER.index(key) if key in _ORDER else 9, key))
+    keys = {key for cells in results.values() for key in cells}
+    order = list(TABLE_1)
+    keys_in_order = sorted(keys, key=lambda key: (order.index(key) if key in order else 9, key))
+    compared = metrics.get("comparisons", {}).get(name, {})
+    adjusted = _adjusted(compared)
+    rows = tuple(_row(results, key, name, compared.get(key, {}), adjusted) for key in keys_in_order)
+    cell = next(iter(results[strategies[0]].values()))
+    return PipelineTable(
+        name,
+        tuple(strategies),
+        rows,
+        cell["splits"],
+        cell["repeats"],
+        cell["objects"],
+        cell["sequences"],
+    )
+
+
+def _row(
+    results: Mapping[str, Any],
+    key: str,
+    pipeline: str,
+    compared: Mapping[str, Any],
+    adjusted: Mapping[tuple[str, str], float],
+) -> ClassifierRow:
+    cells = {strategy: results[strategy][key] for strategy in results if key in results[strategy]}
+    return ClassifierRow(
+        key=key,
+        name=classifier_name(key),
+        accuracy={strategy: Figure(**cell["accuracy"]) for strategy, cell in cells.items()},
+        object_accuracy={
+            strategy: Figure(**cell["object_accuracy"]) for strategy, cell in cells.items()
+        },
+        class_accuracy={
+            strategy: {name: Figure(**figure) for name, figure in cell["class_accuracy"].items()}
+            for strategy, cell in cells.items()
+        },
+        published=TABLE_1.get(key, {}) if pipeline == PAPER_PIPELINE else {},
+        comparisons={
+            strategy: Comparison(
+                Figure(**found["difference"]),
+                found["p_value"],
+                adjusted[key, strategy],
+                found["objects"],
+                found["exact"],
+            )
+            for strategy, found in compared.items()
+        },
+        notes=tuple(sorted({note for cell in cells.values() for note in cell["notes"]})),
+    )
+
+
+def _adjusted(compared: Mapping[str, Any]) -> dict[tuple[str, str], float]:
+    keys = [(key, strategy) for key in sorted(compared) for strategy in sorted(compared[key])]
+    found = holm([compared[key][strategy]["p_value"] for key, strategy in keys])
+    return dict(zip(keys, found, strict=True))
+
+
+def _interval_clause(figure: Figure, confidence: float) -> str:
+    if figure.low is None or figure.high is None:
+        return ""
+    return f" ({100 * confidence:g}\N{NO-BREAK SPACE}% interval {percent(figure.low)} to {percent(figure.high)})"
+
+
+def _gain_sentence(table: PipelineTable) -> str:
+    compared = [
+        (row, row.comparisons["random"]) for row in table.rows if "random" in row.comparisons
+    ]
+    if not compared:
+        return ""
+    ahead = [row for row, found in compared if found.difference.mean > 0]
+    gains = [found.difference.mean for _, found in compared]
+    settled = [row for row, found in compared if found.adjusted_p < SIGNIFICANCE]
+    objects = compared[0][1].objects
+    verdict = (
+        f"and the difference is beyond chance for {_names(settled)} (Holm-adjusted p below "
+        f"{SIGNIFICANCE:g})"
+        if settled
+        else f"but with {counted(objects, 'object')} no difference is beyond chance (smallest "
+        f"Holm-adjusted p {probability(min(found.adjusted_p for _, found in compared))})"
+    )
+    return (
+        f"Touching there instead of at random places is ahead for {len(ahead)} of "
+        f"{counted(len(compared), 'classifier')}, by {points(min(gains))} to {points(max(gains))} "
+        f"percentage points over all of them, {verdict}."
+    )
+
+
+def _published_sentence(table: PipelineTable) -> str:
+    covered = [row for row in table.rows if table.leading in row.published]
+    if not covered:
+        return ""
+    inside = [
+        row for row in covered if row.accuracy[table.leading].holds(row.published[table.leading])
+    ]
+    best = max(covered, key=lambda row: row.published[table.leading])
+    return (
+        f"The paper, with other objects, reports up to {percent(best.published[table.leading])} "
+        f"({best.name}); {len(inside)} of its {counted(len(covered), 'figure')} for "
+        f"{strategy_name(table.leading)} lie within the intervals found here."
+    )
+
+
+def _compare_signs(known: Sequence[ClassifierRow], agrees: list[str], differs: list[str]) -> None:
+    both = [row for row in known if "random" in row.comparisons]
+    same = [
+        row
+        for row in both
+        if (row.comparisons["random"].difference.mean > 0)
+        == (row.published["fixation"] > row.published["random"])
+    ]
+    other = [row for row in both if row not in same]
+    if same:
+        agrees.append(
+            f"Fixations against random probing: the sign of the difference is the published one for "
+            f"{_names(same)}."
+        )
+    if other:
+        differs.append(
+            f"Fixations against random probing: the sign of the difference is not the published one "
+            f"for {_names(other)}."
+        )
+
+
+def _compare_ranks(
+    table: PipelineTable, known: Sequence[ClassifierRow], agrees: list[str], differs: list[str]
+) -> None:
+    strategy = table.leading
+    covered = [row for row in known if strategy in row.published]
+    if len(covered) < 2:
+        return
+    for word, choose in (("best", max), ("weakest", min)):
+        here = choose(covered, key=lambda row: row.accuracy[strategy].mean)
+        there = choose(covered, key=lambda row: row.published[strategy])
+        if here is there:
+            agrees.append(
+                f"The {word} classifier with {strategy_name(strategy)} is the {here.name} in both."
+            )
+        else:
+            differs.append(
+                f"The {word} classifier with {strategy_name(strategy)} is the {here.name} here and the "
+                f"{there.name} in the paper."
+            )
+
+
+def _span(gaps: Sequence[float]) -> str:
+    if len(gaps) == 1:
+        return points(gaps[0])
+    return f"{points(min(gaps))} to {points(max(gaps))}"
+
+
+def _names(rows: Sequence[ClassifierRow]) -> str:
+    return listed([row.name for row in rows])

@@ -1,0 +1,118 @@
+"""Models thin enough to be turned within a page."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+from dataclasses import dataclass
+from importlib.resources import files
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.raycasting import load_open3d
+from visuohaptic.surface import Surface
+
+# Coordinates lie within the unit sphere; a step is 1/16384 of the object's radius.
+COORDINATE_STEPS = 16384
+
+
+@dataclass(frozen=True)
+class PackedModel:
+    """A thinned model and its touches as one block of bytes, compressed and in base64.
+
+    The bytes are, little-endian and in this order: `vertices` × 3 int16
+    coordinates in steps of 1 / `COORDINATE_STEPS`, `touches` × 10 int16 (point, normal,
+    column axis, size; same steps), `faces` × 3 uint32 corners, `faces` × 3 uint8 sRGB.
+    """
+
+    data: str
+    vertices: int
+    faces: int
+    touches: int
+    original_faces: int
+
+
+def thin(surface: Surface, faces: int) -> Surface:
+    """Simplify a surface for the eye; each face takes the colour of the original's nearest face.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface.
+    faces : int
+        Faces to keep, about; a surface that has no more stays as it is.
+
+    Returns
+    -------
+    Surface
+        By quadric error decimation (Garland & Heckbert 1997), as Open3D has it.
+    """
+    if len(surface.faces) <= faces:
+        return surface
+    open3d = load_open3d()
+    mesh = open3d.geometry.TriangleMesh(
+        open3d.utility.Vector3dVector(surface.vertices),
+        open3d.utility.Vector3iVector(surface.faces.astype(np.int32)),
+    )
+    simple = mesh.simplify_quadric_decimation(faces)
+    vertices, corners = np.asarray(simple.vertices), np.asarray(simple.triangles).astype(np.int64)
+    return Surface(vertices, corners, _nearest_colours(surface, vertices[corners].mean(axis=1)))
+
+
+def pack_model(surface: Surface, touches: NDArray[np.float64], faces: int) -> PackedModel:
+    """Thin a model and pack it with its touches.
+
+    Parameters
+    ----------
+    surface : Surface
+        The object, within the unit sphere.
+    touches : numpy.ndarray
+        Shape (n, 10), float64: point, normal, column axis and size.
+    faces : int
+        Faces to keep, about.
+
+    Returns
+    -------
+    PackedModel
+        What the page needs.
+    """
+    thinned = thin(surface, faces)
+    used, corners = np.unique(thinned.faces, return_inverse=True)
+    vertices = thinned.vertices[used]
+    parts = (
+        _steps(vertices),
+        _steps(touches),
+        corners.astype("<u4"),
+        thinned.face_colours.astype(np.uint8),
+    )
+    data = gzip.compress(b"".join(part.tobytes() for part in parts), 9, mtime=0)
+    return PackedModel(
+        base64.b64encode(data).decode("ascii"),
+        len(vertices),
+        len(thinned.faces),
+        len(touches),
+        len(surface.faces),
+    )
+
+
+def plotly_library() -> str:
+    """Give plotly.js as gzip in base64: a third of its size, and unpacked only when asked for."""
+    source = files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
+    return base64.b64encode(gzip.compress(source, 6, mtime=0)).decode("ascii")
+
+
+def _steps(values: NDArray[np.float64]) -> NDArray[np.int16]:
+    return np.rint(np.clip(values, -1.99, 1.99) * COORDINATE_STEPS).astype("<i2")
+
+
+def _nearest_colours(surface: Surface, points: NDArray[np.float64]) -> NDArray[np.uint8]:
+    open3d = load_open3d()
+    scene = open3d.t.geometry.RaycastingScene(nthreads=1)
+    tensor = open3d.core.Tensor
+    scene.add_triangles(
+        tensor(np.ascontiguousarray(surface.vertices, dtype=np.float32)),
+        tensor(np.ascontiguousarray(surface.faces, dtype=np.uint32)),
+    )
+    nearest = scene.compute_closest_points(tensor(np.ascontiguousarray(points, dtype=np.float32)))
+    return surface.face_colours[nearest["primitive_ids"].numpy()]

@@ -1,0 +1,125 @@
+"""Pictures small enough to lie within a page."""
+
+from __future__ import annotations
+
+import base64
+import io
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from visuohaptic.viewpoints import Camera
+
+WEBP_QUALITY = 75
+# Pillow's encoder effort; 4, its default, takes twice the time for 7 % fewer bytes.
+_WEBP_EFFORT = 2
+
+
+def data_uri(data: bytes, kind: str) -> str:
+    """Give bytes as an address that holds them, for example of the kind ``image/png``."""
+    return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
+
+
+def shrink_picture(png: bytes) -> tuple[str, tuple[int, int]]:
+    """Store a picture again as lossy WebP.
+
+    Parameters
+    ----------
+    png : bytes
+        The picture.
+
+    Returns
+    -------
+    uri : str
+        Its data address.
+    size : tuple of int
+        Rows and columns.
+    """
+    with Image.open(io.BytesIO(png)) as picture:
+        stored = io.BytesIO()
+        picture.save(stored, "webp", quality=WEBP_QUALITY, method=_WEBP_EFFORT)
+        columns, rows = picture.size
+    return data_uri(stored.getvalue(), "image/webp"), (rows, columns)
+
+
+def imprint_strip(imprints: NDArray[np.float32]) -> str:
+    """Store imprints side by side, without loss beyond 8 bits.
+
+    Parameters
+    ----------
+    imprints : numpy.ndarray
+        Shape (n, r, r), float32, in [0, 1]; 1 becomes white.
+
+    Returns
+    -------
+    str
+        Data address of a grey picture of r rows and n · r columns.
+    """
+    grey = np.rint(255.0 * imprints).astype(np.uint8)
+    count, rows, columns = grey.shape
+    strip = np.ascontiguousarray(grey.transpose(1, 0, 2)).reshape(rows, count * columns)
+    stored = io.BytesIO()
+    Image.fromarray(strip).save(stored, "webp", lossless=True, method=_WEBP_EFFORT)
+    return data_uri(stored.getvalue(), "image/webp")
+
+
+def project(camera: Camera, points: NDArray[np.float64], resolution: int) -> NDArray[np.float64]:
+    """Find where points of the object frame appear in a camera's view.
+
+    Parameters
+    ----------
+    camera : Camera
+        The viewpoint.
+    points : numpy.ndarray
+        Shape (n, 3), float64, in front of the camera.
+    resolution : int
+        Pixels along each edge of the view.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 2), float64: column and row in pixels from the view's upper left
+        corner; the first pixel's centre is at 0.5. The inverse of `Camera.rays`.
+    """
+    right, up, back = camera.axes
+    if camera.projection == "orthographic":
+        depth = np.full(len(points), camera.distance)
+    else:
+        depth = camera.distance - points @ back
+    pixels = resolution / (2.0 * np.tan(np.radians(camera.field_of_view_degrees) / 2.0))
+    across, down = points @ right / depth, -(points @ up) / depth
+    return 0.5 * resolution + pixels * np.column_stack([across, down])
+
+
+def square_corners(
+    points: NDArray[np.float64],
+    columns: NDArray[np.float64],
+    rows: NDArray[np.float64],
+    sizes: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Give the corners of the sensor's squares, at their true size.
+
+    Parameters
+    ----------
+    points, columns, rows : numpy.ndarray
+        Shape (n, 3) each, float64: centres, and unit vectors along columns and rows.
+    sizes : numpy.ndarray
+        Shape (n,), float64: edge of each square, object radii.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 4, 3), float64, going around.
+    """
+    half = 0.5 * sizes[:, None]
+    across, down = half * columns, half * rows
+    return np.stack(
+        [
+            points - across - down,
+            points + across - down,
+            points + across + down,
+            points - across + down,
+        ],
+        axis=1,
+    )

@@ -1,0 +1,171 @@
+"""What ran: versions, the commit, the machine, and the seconds of each phase."""
+
+from __future__ import annotations
+
+import os
+import platform
+import shutil
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import visuohaptic
+from visuohaptic.jobs import read_seconds
+
+PHASES = ("downloads", "meshes", "fixations", "touches", "features", "recognition", "metrics")
+_DISTRIBUTIONS = (
+    "numpy",
+    "scipy",
+    "opencv-contrib-python-headless",
+    "open3d-cpu",
+    "open3d",
+    "trimesh",
+    "PyWavelets",
+    "minisom",
+    "scikit-learn",
+    "pyarrow",
+    "pydantic",
+    "snakemake",
+    "dvc",
+    "Jinja2",
+    "plotly",
+)
+
+
+@dataclass(frozen=True)
+class PhaseSeconds:
+    """What the jobs of a phase took, when each last ran.
+
+    Attributes
+    ----------
+    phase : str
+        The phase: the folder or the stem of its logs.
+    jobs : int
+        Jobs that finished.
+    imports, work : float
+        Summed over these jobs, in s; jobs that ran side by side count each.
+    unfinished : tuple of str
+        Logs of jobs that did not finish.
+    """
+
+    phase: str
+    jobs: int
+    imports: float
+    work: float
+    unfinished: tuple[str, ...]
+
+
+def find_versions() -> list[tuple[str, str]]:
+    """List this package, Python and the libraries that matter, each with its version."""
+    found = [("visuohaptic", visuohaptic.__version__), ("Python", platform.python_version())]
+    for name in _DISTRIBUTIONS:
+        try:
+            found.append((name, version(name)))
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def find_commit(folder: str | Path) -> str:
+    """Name the commit of a checkout, and whether it was edited since.
+
+    Parameters
+    ----------
+    folder : path
+        A folder within the checkout.
+
+    Returns
+    -------
+    str
+        The full hash with a word about edits, or why there is none.
+    """
+    head = _git(folder, "rev-parse", "HEAD")
+    if head is None:
+        return "unknown: this is no git checkout"
+    edited = _git(folder, "status", "--porcelain", "--untracked-files=no")
+    return f"{head}, with edits that are not committed" if edited else head
+
+
+def describe_machine() -> list[tuple[str, str]]:
+    """Describe the machine in a few words, without naming it."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return [
+        ("System", f"{platform.system()} {platform.release()}"),
+        ("Processor", _processor()),
+        ("Cores", str(cores)),
+        ("Memory", _memory()),
+    ]
+
+
+def phase_seconds(folder: str | Path) -> list[PhaseSeconds]:
+    """Sum up the seconds that jobs left in their logs.
+
+    Parameters
+    ----------
+    folder : path
+        Holds ``<phase>.log`` and ``<phase>/…/*.log``.
+
+    Returns
+    -------
+    list of PhaseSeconds
+        In the order of the work; phases without a log are left out.
+    """
+    logs: dict[str, list[Path]] = {}
+    for log in sorted(Path(folder).rglob("*.log")):
+        place = log.relative_to(folder)
+        logs.setdefault(place.parts[0].removesuffix(".log"), []).append(log)
+    logs.pop("report", None)
+    order = {phase: number for number, phase in enumerate(PHASES)}
+    return [
+        _summed(phase, logs[phase])
+        for phase in sorted(logs, key=lambda name: (order.get(name, len(PHASES)), name))
+    ]
+
+
+def _summed(phase: str, logs: Sequence[Path]) -> PhaseSeconds:
+    seconds = {log: read_seconds(log) for log in logs}
+    finished = [found for found in seconds.values() if found is not None]
+    return PhaseSeconds(
+        phase,
+        len(finished),
+        sum(found.imports for found in finished),
+        sum(found.work for found in finished),
+        tuple(str(log) for log, found in seconds.items() if found is None),
+    )
+
+
+def _git(folder: str | Path, *arguments: str) -> str | None:
+    program = shutil.which("git")
+    if program is None:
+        return None
+    try:
+        done = subprocess.run(  # noqa: S603 - a fixed program and fixed arguments
+            [program, *arguments],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip()
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def _memory() -> str:
+    try:
+        total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return "unknown"
+    return f"{total / 2**30:.1f} GiB"

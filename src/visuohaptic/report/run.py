@@ -1,0 +1,175 @@
+"""What a run left behind, read once and handed to every section of the page."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from visuohaptic.errors import ReportError
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.report.comparison import PipelineTable, read_tables
+from visuohaptic.tables import FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS, read_table
+
+
+@dataclass(frozen=True)
+class ObjectCredit:
+    """Who made an object's model, and under which licence."""
+
+    author: str
+    licence: str
+    source_url: str
+
+
+@dataclass(frozen=True)
+class RunFiles:
+    """Where a run's tables lie; what may be missing has a default.
+
+    Attributes
+    ----------
+    metrics : path
+        The metrics file.
+    predictions, views, fixations, touches, features : sequence of path
+        Parts of each table.
+    meshes : sequence of path
+        ``<class>/<object>.ply`` files; an object without one gets no model to turn.
+    credits : sequence of path
+        CSV files with the columns class, object, author, licence and source_url; later ones
+        add to earlier ones.
+    logs : path or None
+        Folder of the jobs' logs.
+    checkout : path
+        A folder within the source's checkout.
+    extras : mapping of str to path
+        Tables of phases that not every run has, by section (see `extras.EXTRAS`).
+    """
+
+    metrics: str | Path
+    predictions: Sequence[str | Path]
+    views: Sequence[str | Path]
+    fixations: Sequence[str | Path]
+    touches: Sequence[str | Path]
+    features: Sequence[str | Path]
+    meshes: Sequence[str | Path] = ()
+    credits: Sequence[str | Path] = ()
+    logs: str | Path | None = None
+    checkout: str | Path = "."
+    extras: Mapping[str, str | Path] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run's tables in memory."""
+
+    files: RunFiles
+    parameters: ExperimentParameters
+    named_objects: tuple[str, ...]
+    metrics: Mapping[str, Any]
+    predictions: pa.Table
+    views: pa.Table
+    fixations: pa.Table
+    touches: pa.Table
+    features: pa.Table
+
+    @cached_property
+    def pipelines(self) -> list[PipelineTable]:
+        """The recognition figures, the paper's pipeline first."""
+        return read_tables(self.metrics)
+
+    @cached_property
+    def objects(self) -> list[str]:
+        """Objects that were looked at, `class/name`, sorted."""
+        return sorted({f"{row['class']}/{row['object']}" for row in _owners(self.views)})
+
+    @cached_property
+    def tested_objects(self) -> list[str]:
+        """Objects that recognition tested, `class/name`, sorted."""
+        return sorted({f"{row['class']}/{row['object']}" for row in _owners(self.predictions)})
+
+    @cached_property
+    def classes(self) -> list[str]:
+        """Classes that recognition tells apart, sorted."""
+        return sorted({row["class"] for row in _owners(self.predictions)})
+
+    @cached_property
+    def meshes(self) -> dict[str, Path]:
+        """Mesh file of each object that has one."""
+        paths = [Path(path) for path in self.files.meshes]
+        return {f"{path.parent.name}/{path.stem}": path for path in paths if path.is_file()}
+
+    @cached_property
+    def credits(self) -> dict[str, ObjectCredit]:
+        """Credit of each object that has one."""
+        found: dict[str, ObjectCredit] = {}
+        for path in self.files.credits:
+            if Path(path).is_file():
+                found |= _read_credits(Path(path))
+        return found
+
+
+def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequence[str]) -> Run:
+    """Read a run.
+
+    Parameters
+    ----------
+    files : RunFiles
+        Where it lies.
+    parameters : ExperimentParameters
+        What it was run with.
+    objects : sequence of str
+        Objects that were to take part, `class/name`.
+
+    Returns
+    -------
+    Run
+        The run.
+
+    Raises
+    ------
+    ReportError
+        If the metrics can't be read.
+    TableError
+        If a table is missing or breaks its schema.
+    """
+    return Run(
+        files=files,
+        parameters=parameters,
+        named_objects=tuple(objects),
+        metrics=_read_metrics(Path(files.metrics)),
+        predictions=read_table(PREDICTIONS, files.predictions),
+        views=read_table(VIEWS, files.views),
+        fixations=read_table(FIXATIONS, files.fixations),
+        touches=read_table(TOUCHES, files.touches),
+        features=read_table(FEATURES, files.features),
+    )
+
+
+def _read_metrics(path: Path) -> Mapping[str, Any]:
+    try:
+        metrics = json.loads(path.read_text(encoding="utf-8"))
+        return {"method": metrics["method"], "comparisons": {}, "results": {}} | metrics
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ReportError(
+            f"{path} holds no metrics of this workflow ({error}); run rule metrics again."
+        ) from error
+
+
+def _owners(table: pa.Table) -> list[dict[str, str]]:
+    keys = ["class", "object"]
+    return table.select(keys).group_by(keys).aggregate([]).to_pylist()
+
+
+def _read_credits(path: Path) -> dict[str, ObjectCredit]:
+    with path.open(newline="", encoding="utf-8") as stream:
+        return {
+            f"{row['class']}/{row['object']}": ObjectCredit(
+                row["author"], row["licence"], row["source_url"]
+            )
+            for row in csv.DictReader(stream)
+        }

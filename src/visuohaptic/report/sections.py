@@ -1,0 +1,224 @@
+"""The page's sections in the order of its story.
+
+A section is a name (its anchor and its template), a title, and a function that gives the
+template's values, or None where the run has nothing for it: it is left out then. A new
+section is one such function, one template, and one line in `SECTIONS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from visuohaptic.recognition.summary import Confusion, confusion, select
+from visuohaptic.report.charts import interval_chart
+from visuohaptic.report.comparison import (
+    PAPER_PIPELINE,
+    PipelineTable,
+    agreement,
+    answer,
+)
+from visuohaptic.report.objects import ObjectPage, most_varied
+from visuohaptic.report.provenance import (
+    PhaseSeconds,
+    describe_machine,
+    find_commit,
+    find_versions,
+)
+from visuohaptic.report.published import PAPER
+from visuohaptic.report.run import Run
+from visuohaptic.report.wording import CONTACT_STATES
+from visuohaptic.tables import CONTOURLET_FEATURES, KINESTHETIC_FEATURES, matrix
+
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Story:
+    """All that a section may tell of."""
+
+    run: Run
+    pages: Sequence[ObjectPage]
+    seconds: Sequence[PhaseSeconds]
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section; `name` is its anchor and the stem of its template."""
+
+    name: str
+    title: str
+    values: Callable[[Story], Values | None]
+
+
+def answer_values(story: Story) -> Values:
+    """Give the question's answer."""
+    run = story.run
+    parameters = run.parameters
+    sentences = answer(
+        run.pipelines[0],
+        len(run.classes),
+        parameters.recognition.touches or parameters.attention.fixations,
+        parameters.recognition.intervals.confidence,
+    )
+    return {"sentences": sentences}
+
+
+def method_values(story: Story) -> Values:
+    """Give one real sequence, from the view to the answer."""
+    page = most_varied(story.pages)
+    features = story.run.features
+    of_touch = select(
+        features,
+        **{"class": page.category},
+        object=page.name,
+        viewpoint=page.shown.viewpoint,
+        strategy="fixation",
+        touch=0,
+    )
+    bands, pose = [], []
+    if of_touch.num_rows:
+        bands = matrix(of_touch, CONTOURLET_FEATURES)[0].tolist()
+        pose = matrix(of_touch, KINESTHETIC_FEATURES)[0].tolist()
+    return {"page": page, "bands": bands, "pose": pose}
+
+
+def comparison_values(story: Story) -> Values:
+    """Give the table of classifiers, beside the published one where it is comparable."""
+    tables = story.run.pipelines
+    agrees, differs = agreement(tables[0]) if tables[0].name == PAPER_PIPELINE else ([], [])
+    return {
+        "tables": [(table, _chart(story.run, table)) for table in tables],
+        "agrees": agrees,
+        "differs": differs,
+        "paper": PAPER,
+        "method": story.run.metrics["method"],
+    }
+
+
+def confusion_values(story: Story) -> Values:
+    """Give what was taken for what, for the best classifier first."""
+    run, table = story.run, story.run.pipelines[0]
+    found: list[tuple[str, str, Confusion]] = []
+    rows = sorted(table.rows, key=lambda row: row is not table.best)
+    for row in rows:
+        for strategy in table.strategies:
+            if strategy in row.accuracy:
+                chosen = select(
+                    run.predictions, pipeline=table.name, strategy=strategy, classifier=row.key
+                )
+                found.append((row.name, strategy, confusion(chosen)))
+    best = [entry for entry in found if entry[0] == table.best.name]
+    return {
+        "best": best,
+        "others": [entry for entry in found if entry not in best],
+        "best_row": table.best,
+        "strategies": table.strategies,
+        "classes": run.classes,
+    }
+
+
+def objects_values(story: Story) -> Values:
+    """Give every object, and how often each kind of contact was met."""
+    strategies = sorted({name for page in story.pages for name in page.states})
+    states = {
+        strategy: {
+            state: sum(page.states.get(strategy, {}).get(state, 0) for page in story.pages)
+            for state in CONTACT_STATES
+        }
+        for strategy in strategies
+    }
+    return {
+        "pages": story.pages,
+        "credits": story.run.credits,
+        "best": story.run.pipelines[0].best,
+        "classes": story.run.classes,
+        "strategies": strategies,
+        "states": states,
+        "meanings": CONTACT_STATES,
+    }
+
+
+def methods_values(story: Story) -> Values:
+    """Give the parameters that the methods text is made of."""
+    weights = story.run.parameters.attention.weights.model_dump()
+    return {
+        "table": story.run.pipelines[0],
+        "objects": len(story.pages),
+        "classes": story.run.classes,
+        "weighted": [
+            name if weight == 1.0 else f"{name} (weight {weight:g})"
+            for name, weight in weights.items()
+            if weight > 0
+        ],
+    }
+
+
+def parameters_values(story: Story) -> Values:
+    """Give every parameter, section by section, with what it means."""
+    model = story.run.parameters
+    return {
+        "groups": [
+            (name, list(_flattened(getattr(model, name), name)))
+            for name in type(model).model_fields
+            if name != "seed"
+        ],
+        "seed": model.seed,
+    }
+
+
+def provenance_values(story: Story) -> Values:
+    """Give versions, commit, machine, and seconds a phase."""
+    return {
+        "versions": find_versions(),
+        "commit": find_commit(story.run.files.checkout),
+        "machine": describe_machine(),
+        "seconds": story.seconds,
+    }
+
+
+def credits_values(story: Story) -> Values:
+    """Give the credit of every object's model."""
+    return {
+        "rows": [(key, story.run.credits.get(key)) for key in story.run.objects],
+    }
+
+
+SECTIONS = (
+    Section("answer", "Question and answer", answer_values),
+    Section("method", "The method on one object of this run", method_values),
+    Section("comparison", "Eye fixations against random probing", comparison_values),
+    Section("confusion", "What was taken for what", confusion_values),
+    Section("objects", "The objects", objects_values),
+    Section("methods", "Methods text", methods_values),
+    Section("parameters", "Parameters", parameters_values),
+    Section("provenance", "What ran, where and how long", provenance_values),
+    Section("credits", "Credits", credits_values),
+)
+
+
+def _chart(run: Run, table: PipelineTable) -> object:
+    rows = [(row.name, row.accuracy, row.published) for row in table.rows]
+    return interval_chart(rows, table.strategies, 1 / len(run.classes))
+
+
+def _flattened(model: Any, path: str) -> list[tuple[str, str, str]]:
+    rows: list[tuple[str, str, str]] = []
+    for name, field in type(model).model_fields.items():
+        value = getattr(model, name)
+        if hasattr(type(value), "model_fields"):
+            rows += _flattened(value, f"{path}.{name}")
+        else:
+            rows.append((f"{path}.{name}", _written(value), field.description or ""))
+    return rows
+
+
+def _written(value: object) -> str:
+    if isinstance(value, tuple | list):
+        return ", ".join(_written(item) for item in value)
+    if value is None:
+        return "none"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:g}" if isinstance(value, float) else str(value)

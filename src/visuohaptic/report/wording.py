@@ -1,0 +1,107 @@
+"""How numbers and names are put into words, the same all over the page."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Sequence
+
+CLASSIFIERS = {
+    "k_nearest_neighbours": "k nearest neighbours",
+    "support_vector_machine": "support vector machine",
+    "decision_tree": "decision tree",
+    "quadratic_discriminant": "quadratic discriminant",
+    "naive_bayes": "naïve Bayes",
+}
+STRATEGIES = {"fixation": "eye fixations", "random": "random probing"}
+CONTACT_STATES = {
+    "full": "the largest square fits, and the object lies under all of it",
+    "shrunk": "the square shrank until nothing penetrates it",
+    "partial": "the object lies under a part of the square only",
+    "at_minimum": "the object penetrates even the smallest square",
+    "blocked": "another part of the object is in the way of the approaching sensor",
+}
+
+_NO_BREAK = "\N{NO-BREAK SPACE}"
+_MINUS = "\N{MINUS SIGN}"
+
+
+def classifier_name(key: str) -> str:
+    """Give a classifier's name in words."""
+    return CLASSIFIERS.get(key, spaced(key))
+
+
+def strategy_name(key: str) -> str:
+    """Give a probing strategy's name in words."""
+    return STRATEGIES.get(key, spaced(key))
+
+
+def titled(name: str) -> str:
+    """Give a name as a sentence begins; the letter k of the nearest neighbours stays small."""
+    return name if name.startswith("k ") else name[:1].upper() + name[1:]
+
+
+def spaced(key: str) -> str:
+    """Give a name with blanks instead of underscores."""
+    return key.replace("_", " ")
+
+
+def percent(share: float) -> str:
+    """Write a share as a percentage with one decimal."""
+    return f"{_with_minus(f'{100 * share:.1f}')}{_NO_BREAK}%"
+
+
+def points(difference: float) -> str:
+    """Write a difference of shares in percentage points, with its sign."""
+    return _with_minus(f"{100 * difference:+.1f}")
+
+
+def probability(value: float) -> str:
+    """Write a p value with two significant digits, tiny ones as a bound."""
+    return "< 0.0001" if value < 0.0001 else f"{value:.2g}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """Join names as a sentence does: a, b and c."""
+    if len(names) < 2:
+        return "".join(names)
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def counted(count: int, noun: str) -> str:
+    """Give a count with its noun, in the plural where it needs one."""
+    if count == 1:
+        return f"1 {noun}"
+    ending = "es" if noun.endswith(("s", "ch", "x")) else "s"
+    return f"{count:,} {noun}{ending}"
+
+
+def anchor_of(key: str) -> str:
+    """Give an object's anchor: safe in an address, and the same in every run.
+
+    Parameters
+    ----------
+    key : str
+        `class/name`; any characters.
+
+    Returns
+    -------
+    str
+        ASCII letters, digits and hyphens; different for different keys.
+    """
+    slug = re.sub(r"[^a-z0-9]+", "-", key.lower()).strip("-")[:40]
+    digest = hashlib.sha256(key.encode("utf-8")).hexdigest()[:8]
+    return f"object-{slug}-{digest}" if slug else f"object-{digest}"
+
+
+def place_in_view(row: float, column: float, height: int, width: int) -> str:
+    """Say where in a picture a point lies, on a grid of three by three."""
+    vertical = ("upper", "middle", "lower")[min(int(3 * row / height), 2)]
+    horizontal = ("left", "centre", "right")[min(int(3 * column / width), 2)]
+    if (vertical, horizontal) == ("middle", "centre"):
+        return "centre"
+    return f"{vertical} {horizontal}"
+
+
+def _with_minus(number: str) -> str:
+    return number.replace("-", _MINUS)

@@ -1,0 +1,98 @@
+"""Small surfaces whose fixations are known."""
+
+import numpy as np
+import trimesh
+
+from visuohaptic.attention.model import attend
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.rendering import RenderingParameters, render_views
+from visuohaptic.surface import Surface
+
+GREY = (160, 160, 160)
+
+
+def surface_of(mesh, colours=GREY):
+    faces = np.asarray(mesh.faces, dtype=np.int64)
+    face_colours = np.broadcast_to(np.array(colours, dtype=np.uint8), (len(faces), 3)).copy()
+    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, face_colours)
+
+
+def sphere():
+    return surface_of(trimesh.creation.icosphere(subdivisions=5, radius=0.9))
+
+
+def sphere_with_bump(direction, height=0.08, width=0.1):
+    """A sphere that bulges around a direction."""
+    plain = sphere()
+    direction = np.asarray(direction) / np.linalg.norm(direction)
+    cosine = plain.vertices @ direction / 0.9
+    angle = np.arccos(np.clip(cosine, -1, 1))
+    growth = 1 + height * np.exp(-0.5 * (angle / width) ** 2)
+    return Surface(plain.vertices * growth[:, None], plain.faces, plain.face_colours)
+
+
+def sphere_with_patch(direction, colour=(40, 40, 40), radius=0.15):
+    """A sphere with a spot of another colour."""
+    plain = sphere()
+    direction = np.asarray(direction) / np.linalg.norm(direction)
+    centres = plain.triangles.mean(axis=1)
+    angle = np.arccos(np.clip(centres @ direction / np.linalg.norm(centres, axis=1), -1, 1))
+    colours = plain.face_colours.copy()
+    colours[angle < radius] = colour
+    return Surface(plain.vertices, plain.faces, colours)
+
+
+def lopsided():
+    """A coloured object without any symmetry, of several parts."""
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=0.55)
+    box = trimesh.creation.box(extents=(0.5, 0.9, 0.3))
+    box.apply_transform(trimesh.transformations.rotation_matrix(0.5, (0.3, 1.0, 0.2)))
+    box.apply_translation((0.45, 0.25, 0.1))
+    cone = trimesh.creation.cone(radius=0.25, height=0.6, sections=40)
+    cone.apply_transform(trimesh.transformations.rotation_matrix(-1.2, (1.0, 0.2, 0.4)))
+    cone.apply_translation((-0.45, 0.35, -0.2))
+    foot = trimesh.creation.cylinder(radius=0.12, height=0.5, sections=40)
+    foot.apply_translation((-0.2, -0.6, 0.3))
+    parts = [ball, box, cone, foot]
+    colours = [(200, 170, 60), (60, 110, 180), (190, 60, 60), (70, 150, 80)]
+    faces = np.repeat(np.arange(4), [len(part.faces) for part in parts])
+    return surface_of(trimesh.util.concatenate(parts), np.array(colours)[faces])
+
+
+def turned(surface, degrees):
+    """Turn about the vertical axis, from +z towards +x."""
+    angle = np.radians(degrees)
+    rotation = np.array(
+        [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
+    )
+    return Surface(surface.vertices @ rotation.T, surface.faces, surface.face_colours)
+
+
+def mirrored(surface):
+    """Mirror left and right, and keep the faces' outer sides outside."""
+    return Surface(
+        surface.vertices * np.array([-1.0, 1.0, 1.0]),
+        surface.faces[:, ::-1],
+        surface.face_colours,
+    )
+
+
+def look(surface, cameras, attention=None, rendering=None):
+    """Render a surface and attend to it."""
+    attention = AttentionParameters() if attention is None else attention
+    rendering = RenderingParameters() if rendering is None else rendering
+    views = render_views(RayCaster(surface), cameras, rendering)
+    return views, attend_to(views, attention)
+
+
+def attend_to(views, attention, brightness=1.0):
+    return attend(
+        colour=views.colour * np.float32(brightness),
+        mask=views.mask,
+        point=views.point,
+        normal=views.normal,
+        face=views.face,
+        curvature=views.curvature,
+        parameters=attention,
+    )

@@ -1,0 +1,133 @@
+"""What the descriptors of a sequence depend on, and what not."""
+
+import numpy as np
+import pytest
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.descriptors import (
+    POSE,
+    describe_relations,
+    describe_sequences,
+    draw_waves,
+    embed_poses,
+    pose_coordinates,
+)
+from visuohaptic.recognition.parameters import BestParameters
+
+PARAMETERS = BestParameters()
+NAMES = ("contourlet_01", "imprint_mean", "sensor_size", "contact_full", *POSE)
+
+
+def sequences(count=6, touches=5, seed=0):
+    generator = np.random.default_rng(seed)
+    values = generator.uniform(0, 1, size=(count, touches, len(NAMES)))
+    values[..., 4:7] = generator.uniform(-0.7, 0.7, size=(count, touches, 3))
+    normals = generator.normal(size=(count, touches, 3))
+    values[..., 7:] = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+    return values
+
+
+def waves():
+    return draw_waves(PARAMETERS, np.random.default_rng(1))
+
+
+def describe(values, names=NAMES, parameters=PARAMETERS):
+    return describe_sequences(values, names, waves(), parameters)
+
+
+def turned(values, angle):
+    """The same touches on the object turned about its upright axis."""
+    turn = np.array(
+        [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
+    )
+    result = values.copy()
+    result[..., 4:7] = values[..., 4:7] @ turn.T
+    result[..., 7:] = values[..., 7:] @ turn.T
+    return result
+
+
+def test_order_of_touches_does_not_count():
+    values = sequences()
+    np.testing.assert_allclose(describe(values), describe(values[:, ::-1]), atol=1e-12)
+
+
+def test_a_row_depends_on_its_own_sequence_alone():
+    values = sequences()
+    other = values.copy()
+    other[1:] = sequences(seed=9)[1:]
+    np.testing.assert_array_equal(describe(values)[0], describe(other)[0])
+
+
+@pytest.mark.parametrize("angle", [0.3, 2.0])
+def test_relations_and_the_last_pose_coordinates_do_not_change_with_azimuth(angle):
+    values, other = sequences(), turned(sequences(), angle)
+    np.testing.assert_allclose(
+        describe_relations(values[..., 4:7], values[..., 7:]),
+        describe_relations(other[..., 4:7], other[..., 7:]),
+        atol=1e-12,
+    )
+    free = [pose_coordinates(part[..., 4:7], part[..., 7:])[..., 11:] for part in (values, other)]
+    np.testing.assert_allclose(*free, atol=1e-12)
+    with_azimuth = [pose_coordinates(part[..., 4:7], part[..., 7:]) for part in (values, other)]
+    assert not np.allclose(*with_azimuth)
+
+
+def test_left_and_right_are_alike_to_the_embedding():
+    values = sequences()
+    mirrored = values.copy()
+    mirrored[..., [4, 7]] *= -1
+    first, second = (
+        embed_poses(part[..., 4:7], part[..., 7:], waves()) for part in (values, mirrored)
+    )
+    np.testing.assert_array_equal(first, second)
+
+
+def test_products_of_embeddings_tend_to_the_gaussian_kernel():
+    parameters = BestParameters(waves=5000, wave_length=0.5, normal_weight=0.25)
+    many = draw_waves(parameters, np.random.default_rng(2))
+    values = np.abs(sequences(count=8, touches=1))
+    embedded = embed_poses(values[..., 4:7], values[..., 7:], many)
+    pose = values[:, 0, 4:] * np.array([1, 1, 1, 0.25, 0.25, 0.25])
+    squares = np.square(pose[:, None] - pose).sum(axis=-1)
+    expected = np.exp(-squares / (2 * 0.5**2))
+    # A mean of 5000 terms of variance at most 1.5 is within .1 at more than five sigma.
+    np.testing.assert_allclose(embedded @ embedded.T / 5000, expected, atol=0.1)
+
+
+def test_relations_of_an_equilateral_triangle():
+    angle = 2 * np.pi * np.arange(3) / 3
+    points = np.stack([np.cos(angle), np.zeros(3), np.sin(angle)], axis=-1)[None]
+    relations = describe_relations(points, np.broadcast_to([0.0, 1.0, 0.0], points.shape))[0]
+    side = np.sqrt(3)
+    assert relations[:6] == pytest.approx([side, 0, side, 1, 0, 0], abs=1e-12)
+    assert relations[6:12] == pytest.approx(np.zeros(6), abs=1e-12)
+    assert relations[-3:] == pytest.approx([0, np.sqrt(0.5), np.sqrt(0.5)], abs=1e-12)
+
+
+def test_single_touch_and_coincident_touches_are_finite():
+    values = sequences(touches=1)
+    assert np.isfinite(describe(values)).all()
+    assert np.isfinite(describe(np.repeat(values, 5, axis=1))).all()
+    assert np.isfinite(describe(np.zeros((2, 5, len(NAMES))))).all()
+
+
+def test_cues_choose_their_columns():
+    values = sequences()
+    full = describe(values)
+    parts = [describe(values, parameters=BestParameters(cues=(cue,))) for cue in PARAMETERS.cues]
+    np.testing.assert_array_equal(np.concatenate(parts, axis=1), full)
+    changed = values.copy()
+    changed[..., 0] += 1
+    kinesthetic = BestParameters(cues=("pose", "relations", "embedding"))
+    np.testing.assert_array_equal(
+        describe(values, parameters=kinesthetic), describe(changed, parameters=kinesthetic)
+    )
+
+
+def test_columns_that_a_table_lacks_are_left_out_or_named():
+    values = sequences()[..., 4:]
+    assert np.isfinite(describe(values, POSE)).all()
+    with pytest.raises(RecognitionError, match="no column for the cues imprint"):
+        describe(values, POSE, BestParameters(cues=("imprint",)))
+    with pytest.raises(RecognitionError, match="normal_z of the pose"):
+        describe(values[..., :-1], POSE[:-1])

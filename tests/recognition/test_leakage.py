@@ -1,0 +1,130 @@
+"""Nothing that is fitted or chosen has seen a test object."""
+
+import numpy as np
+import pytest
+from recognition.synthetic import features_table
+from sklearn import config_context
+
+from visuohaptic.recognition import experiment
+from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.encoding import fit_sequence_encoder
+from visuohaptic.recognition.parameters import RecognitionParameters, SelfOrganisingMapParameters
+from visuohaptic.recognition.sequences import TouchSequences, gather_sequences
+from visuohaptic.recognition.splits import make_splits
+
+PARAMETERS = RecognitionParameters()
+SEQUENCES = gather_sequences(features_table(separation=2.0), experiment.PAPER_FEATURES, 5)
+SPLITS = make_splits(SEQUENCES, PARAMETERS.protocol, np.random.default_rng(0))[::27]
+
+
+def changed(split, features=None, labels=None):
+    """The sequences with other test features, or with the test objects in other classes."""
+    values = SEQUENCES.features.copy()
+    objects = list(SEQUENCES.objects)
+    if features is not None:
+        values[split.test] = features(values[split.test])
+    if labels is not None:
+        tested = np.unique(SEQUENCES.object_index[split.test])
+        names = [objects[place][0] for place in tested]
+        for place, name in zip(tested, labels(names), strict=True):
+            objects[place] = (name, objects[place][1])
+    return TouchSequences(
+        values,
+        SEQUENCES.feature_names,
+        tuple(objects),
+        SEQUENCES.classes,
+        SEQUENCES.object_index,
+        SEQUENCES.viewpoint,
+    )
+
+
+def everything_fitted(pipeline, sequences, split, monkeypatch):
+    """Run one split and catch every fitted thing's arrays as they come."""
+    caught = []
+    from visuohaptic.recognition import classifiers, tuning
+
+    def catching(function):
+        def wrapper(*values):
+            result = function(*values)
+            caught.extend(arrays_of(result))
+            return result
+
+        return wrapper
+
+    with monkeypatch.context() as patch, config_context(assume_finite=True):
+        patch.setattr(classifiers, "fit_classifier", catching(classifiers.fit_classifier))
+        patch.setattr(tuning, "fit_projection", catching(tuning.fit_projection))
+        patch.setattr(tuning, "fit_tuned_classifier", catching(tuning.fit_tuned_classifier))
+        patch.setattr(experiment, "fit_sequence_encoder", catching(fit_sequence_encoder))
+        generator = np.random.default_rng(5)
+        if pipeline == "paper":
+            list(experiment.run_paper_split(sequences, split, PARAMETERS, generator))
+        else:
+            waves = draw_waves(PARAMETERS.best, np.random.default_rng(6))
+            described = describe_sequences(
+                sequences.features, sequences.feature_names, waves, PARAMETERS.best
+            )
+            list(experiment.run_best_split(sequences, described, split, PARAMETERS, generator))
+    return caught
+
+
+def arrays_of(thing, depth=0):
+    """Every array and number that hangs on a fitted thing."""
+    if isinstance(thing, np.ndarray | int | float | str):
+        return [np.asarray(thing)]
+    if isinstance(thing, list | tuple):
+        return [array for part in thing for array in arrays_of(part, depth)]
+    if type(thing).__name__ == "Tree":
+        return [np.asarray(thing.threshold), np.asarray(thing.feature), np.asarray(thing.value)]
+    if depth < 3 and hasattr(thing, "__dict__"):
+        return [array for part in vars(thing).values() for array in arrays_of(part, depth + 1)]
+    return []
+
+
+def same(first, second):
+    return len(first) == len(second) and all(
+        a.dtype == b.dtype and np.array_equal(a, b) for a, b in zip(first, second, strict=True)
+    )
+
+
+CHANGES = {
+    "test labels shuffled": {"labels": lambda names: names[1:] + names[:1]},
+    "test data shuffled": {"features": lambda values: values[::-1]},
+    "test data replaced": {"features": np.ones_like},
+    "test data huge": {"features": lambda values: 1e6 * values},
+}
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "best"])
+@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("split", SPLITS, ids=lambda split: f"split{split.number}")
+def test_other_test_objects_change_nothing_that_is_fitted(pipeline, change, split, monkeypatch):
+    before = everything_fitted(pipeline, SEQUENCES, split, monkeypatch)
+    after = everything_fitted(pipeline, changed(split, **CHANGES[change]), split, monkeypatch)
+    assert len(before) > 20
+    assert same(before, after)
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "best"])
+def test_one_other_training_touch_changes_what_is_fitted(pipeline, monkeypatch):
+    split = SPLITS[0]
+    touched = changed(split)
+    touched.features[split.train[0], 0, 0] += 0.5
+    before = everything_fitted(pipeline, SEQUENCES, split, monkeypatch)
+    assert not same(before, everything_fitted(pipeline, touched, split, monkeypatch))
+
+
+@pytest.mark.parametrize("output", ["lattice", "feature_groups", "one_hot"])
+def test_other_readings_of_the_map_see_training_alone(output, monkeypatch):
+    settings = SelfOrganisingMapParameters(output=output, lattice_levels=2)
+    parameters = PARAMETERS.model_copy(update={"self_organising_map": settings})
+    split = SPLITS[0]
+    fits = [
+        arrays_of(
+            fit_sequence_encoder(
+                sequences.features[split.train], parameters, np.random.default_rng(0)
+            )
+        )
+        for sequences in (SEQUENCES, changed(split, features=np.ones_like))
+    ]
+    assert same(*fits)

@@ -1,0 +1,121 @@
+"""Models that are saved, read, and refused."""
+
+import pickle
+import zipfile
+
+import numpy as np
+import pytest
+import skops.io
+from recognition.synthetic import features_table
+
+from visuohaptic import recognition
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.parameters import RecognitionParameters
+
+TABLE = features_table(objects=(3, 3), separation=3.0)
+PARAMETERS = RecognitionParameters()
+
+
+def rows_of(table, category, name):
+    return recognition.select(table, **{"class": category, "object": name})
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "best"])
+@pytest.mark.parametrize(
+    "classifier",
+    [
+        "k_nearest_neighbours",
+        "support_vector_machine",
+        "quadratic_discriminant",
+        "naive_bayes",
+        "linear_discriminant",
+    ],
+)
+def test_saved_model_answers_the_same_bit_for_bit(pipeline, classifier, tmp_path):
+    model = recognition.fit_model(TABLE, pipeline, classifier, PARAMETERS, 1)
+    recognition.save_model(model, tmp_path / "models" / "a.skops")
+    loaded = recognition.load_model(tmp_path / "models" / "a.skops")
+    other = features_table(objects=(4, 4), separation=3.0, seed=7)
+    unseen = rows_of(other, "class1", "object3")
+    assert loaded.recognise(unseen) == model.recognise(unseen)
+    assert loaded.objects == model.objects
+    assert loaded.feature_names == model.feature_names
+    assert set(loaded.versions) >= {"visuohaptic", "numpy", "scikit-learn", "python"}
+    assert loaded.parameters == PARAMETERS
+
+
+def test_object_that_was_in_no_training_set_is_named_with_probabilities():
+    other = features_table(objects=(4, 4), separation=3.0, seed=7)
+    model = recognition.fit_model(TABLE, "best", "linear_discriminant", PARAMETERS, 1)
+    assert ("class1", "object3") not in model.objects
+    answer = model.recognise(rows_of(other, "class1", "object3"))
+    assert next(iter(answer)) == "class1"
+    assert sum(answer.values()) == pytest.approx(1)
+    assert list(answer.values()) == sorted(answer.values(), reverse=True)
+
+
+def test_decision_tree_is_not_saved_for_it_would_not_be_safe_to_load(tmp_path):
+    model = recognition.fit_model(TABLE, "best", "decision_tree", PARAMETERS, 1)
+    with pytest.raises(RecognitionError, match="decision_tree can't be saved"):
+        recognition.save_model(model, tmp_path / "tree.skops")
+    assert list(tmp_path.iterdir()) == []
+
+
+class Mischief:
+    def __reduce__(self):
+        return (print, ("this must not run",))
+
+
+def test_file_with_foreign_types_is_refused_and_runs_nothing(tmp_path, capsys):
+    path = tmp_path / "m.skops"
+    path.write_bytes(skops.io.dumps({"format": Mischief()}))
+    with pytest.raises(RecognitionError, match="types that a model has no need of"):
+        recognition.load_model(path)
+    path.write_bytes(pickle.dumps(Mischief()))
+    with pytest.raises(RecognitionError, match="can't be read"):
+        recognition.load_model(path)
+    assert capsys.readouterr().out == ""
+
+
+def test_other_skops_files_broken_and_missing_ones_are_refused(tmp_path):
+    path = tmp_path / "m.skops"
+    path.write_bytes(skops.io.dumps({"format": "something else"}))
+    with pytest.raises(RecognitionError, match="train it again"):
+        recognition.load_model(path)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("a", "b")
+    with pytest.raises(RecognitionError, match="can't be read"):
+        recognition.load_model(path)
+    with pytest.raises(RecognitionError, match="can't be read"):
+        recognition.load_model(tmp_path / "absent.skops")
+
+
+def test_features_that_lack_a_column_are_refused():
+    model = recognition.fit_model(TABLE, "best", "naive_bayes", PARAMETERS, 1)
+    with pytest.raises(RecognitionError, match="lack the columns contourlet_04"):
+        model.recognise(TABLE.drop_columns(["contourlet_04"]))
+
+
+def test_same_table_gives_the_same_model():
+    fits = [
+        recognition.fit_model(TABLE, "best", "support_vector_machine", PARAMETERS, 1)
+        for _ in range(2)
+    ]
+    answers = [fit.recognise(rows_of(TABLE, "class0", "object1")) for fit in fits]
+    assert answers[0] == answers[1]
+
+
+def test_single_class_can_not_be_learnt():
+    with pytest.raises(RecognitionError, match="one class"):
+        recognition.fit_model(features_table(objects=(3,)), "best", "naive_bayes", PARAMETERS, 1)
+
+
+def test_contact_states_and_sensor_sizes_are_used_where_a_table_has_them():
+    generator = np.random.default_rng(0)
+    states = generator.choice(["full", "shrunk", "blocked"], size=TABLE.num_rows)
+    table = TABLE.append_column("contact_state", [states])
+    table = table.append_column("sensor_size", [generator.uniform(0.02, 0.3, TABLE.num_rows)])
+    model = recognition.fit_model(table, "best", "naive_bayes", PARAMETERS, 1)
+    assert {"sensor_size", "contact_full", "contact_blocked"} <= set(model.feature_names)
+    assert recognition.run_pipeline(table, PARAMETERS, 1, "paper")[0].num_rows == 9 * 5
+    model.recognise(rows_of(table, "class0", "object0"))

@@ -1,0 +1,143 @@
+"""Headline figures from answers that are counted by hand."""
+
+import json
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from recognition.synthetic import features_table
+
+from visuohaptic import recognition, tables
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.parameters import (
+    IntervalParameters,
+    ProtocolParameters,
+    RecognitionParameters,
+)
+
+PARAMETERS = RecognitionParameters(
+    protocol=ProtocolParameters(maximum_splits=6),
+    classifiers=("k_nearest_neighbours", "naive_bayes"),
+)
+
+
+def run(strategies=("fixation", "random"), objects=(3, 3, 3), pipeline="paper"):
+    runs = [
+        recognition.run_pipeline(
+            features_table(name, objects, separation=1 + seed, seed=seed), PARAMETERS, 1, pipeline
+        )
+        for seed, name in enumerate(strategies)
+    ]
+    return tuple(pa.concat_tables(parts) for parts in zip(*runs, strict=True))
+
+
+def answers(named, split=0, strategy="fixation"):
+    """Tables of one classifier from {(class, object): the classes named}."""
+    rows = [
+        (category, name, viewpoint, predicted)
+        for (category, name), predictions in named.items()
+        for viewpoint, predicted in enumerate(predictions)
+    ]
+    keys = {"pipeline": "paper", "strategy": strategy, "classifier": "naive_bayes"}
+    keys |= {"split": split, "seed": 0}
+    categories, names, viewpoints, predicted = zip(*rows, strict=True)
+    predictions = tables.build_table(
+        tables.PREDICTIONS,
+        {name: [value] * len(rows) for name, value in keys.items()}
+        | {"class": categories, "object": names, "viewpoint": viewpoints, "predicted": predicted}
+        | {"probability": [None] * len(rows), "voted": [None] * len(rows)},
+    )
+    right = [category == answer for category, _, _, answer in rows]
+    scores = tables.build_table(
+        tables.SCORES,
+        {name: [value] for name, value in keys.items()}
+        | {"accuracy": [np.mean(right)], "object_accuracy": [0.0], "sequences": [len(rows)]}
+        | {"note": [None]},
+    )
+    return scores, predictions
+
+
+def test_means_are_the_means_over_splits():
+    scores, predictions = run()
+    summary = recognition.summarise(scores, predictions)
+    for strategy in ("fixation", "random"):
+        for classifier in PARAMETERS.classifiers:
+            cell = summary["results"]["paper"][strategy][classifier]
+            rows = recognition.select(scores, strategy=strategy, classifier=classifier)
+            for figure in ("accuracy", "object_accuracy"):
+                mean = rows.column(figure).to_numpy().mean()
+                assert cell[figure]["mean"] == pytest.approx(mean)
+                assert cell[figure]["low"] <= mean <= cell[figure]["high"]
+            assert (cell["splits"], cell["objects"], cell["sequences"]) == (6, 9, 36)
+
+
+def test_means_are_the_means_over_splits_with_uneven_classes_and_soft_votes():
+    scores, predictions = run(("fixation",), objects=(2, 4), pipeline="best")
+    cells = recognition.summarise(scores, predictions)["results"]["best"]["fixation"]
+    for classifier, cell in cells.items():
+        rows = recognition.select(scores, classifier=classifier)
+        for figure in ("accuracy", "object_accuracy"):
+            assert cell[figure]["mean"] == pytest.approx(rows.column(figure).to_numpy().mean())
+
+
+def test_figures_counted_by_hand():
+    scores, predictions = answers(
+        {
+            ("cup", "a"): ["cup", "cup", "cup", "car"],
+            ("cup", "b"): ["car", "car", "car", "cup"],
+            ("car", "c"): ["car", "car", "cup", "cup"],
+        }
+    )
+    cell = recognition.summarise(scores, predictions)["results"]["paper"]["fixation"]["naive_bayes"]
+    assert cell["accuracy"]["mean"] == pytest.approx(6 / 12)
+    assert cell["object_accuracy"]["mean"] == pytest.approx((1 + 0 + 0.5) / 3)
+    assert cell["class_accuracy"]["cup"]["mean"] == pytest.approx(4 / 8)
+    assert cell["class_accuracy"]["car"]["mean"] == pytest.approx(2 / 4)
+    assert cell["balanced_accuracy"]["mean"] == pytest.approx((4 / 8 + 2 / 4) / 2)
+    assert cell["class_accuracy"]["car"]["low"] is None
+    counted = recognition.confusion(predictions)
+    assert counted.classes == ("car", "cup")
+    assert counted.counts.tolist() == [[2, 2], [4, 4]]
+
+
+def test_comparison_is_fixation_minus_the_other_strategy():
+    good = answers({("cup", "a"): ["cup"] * 4, ("car", "c"): ["car"] * 4})
+    bad = answers(
+        {("cup", "a"): ["cup", "cup", "car", "car"], ("car", "c"): ["car"] * 3 + ["cup"]},
+        strategy="random",
+    )
+    scores, predictions = (pa.concat_tables(parts) for parts in zip(good, bad, strict=True))
+    compared = recognition.summarise(scores, predictions)["comparisons"]["paper"]["naive_bayes"]
+    assert compared["random"]["difference"]["mean"] == pytest.approx(3 / 8)
+    assert compared["random"]["p_value"] == 0.5
+    assert compared["random"]["objects"] == 2
+
+
+def test_order_of_rows_changes_nothing_and_all_of_it_is_json():
+    scores, predictions = run()
+    shuffled = predictions.take(np.random.default_rng(0).permutation(predictions.num_rows))
+    first = recognition.summarise(scores, predictions, IntervalParameters(), 3)
+    second = recognition.summarise(
+        scores.take(np.arange(scores.num_rows)[::-1]), shuffled, IntervalParameters(), 3
+    )
+    assert json.dumps(first, sort_keys=True, allow_nan=False) == json.dumps(
+        second, sort_keys=True, allow_nan=False
+    )
+
+
+def test_without_fixations_nothing_is_compared():
+    assert recognition.summarise(*run(("random",)))["comparisons"] == {}
+
+
+def test_scores_and_predictions_of_different_runs_are_refused():
+    scores, predictions = run()
+    with pytest.raises(RecognitionError, match="must come from one run"):
+        recognition.summarise(recognition.select(scores, strategy="random"), predictions)
+
+
+def test_strategies_tested_on_other_objects_are_not_compared():
+    first = answers({("cup", "a"): ["cup"], ("car", "c"): ["car"]})
+    second = answers({("cup", "b"): ["cup"], ("car", "c"): ["car"]}, strategy="random")
+    scores, predictions = (pa.concat_tables(parts) for parts in zip(first, second, strict=True))
+    with pytest.raises(RecognitionError, match="same objects"):
+        recognition.summarise(scores, predictions)

@@ -1,0 +1,132 @@
+"""Choices inside the training objects."""
+
+import numpy as np
+import pytest
+from sklearn.linear_model import LogisticRegression
+from sklearn.svm import SVC
+
+from visuohaptic.recognition.parameters import BestParameters, ClassifierParameters
+from visuohaptic.recognition.tuning import (
+    GRIDS,
+    LEAST_SCORE,
+    TEMPERATURES,
+    best_temperature,
+    class_scores,
+    fit_projection,
+    fit_tuned_classifier,
+    make_inner_folds,
+    softmax,
+)
+
+
+def clusters(objects=(3, 3, 3), sequences=8, columns=20, separation=2.0, seed=0):
+    generator = np.random.default_rng(seed)
+    labels = np.repeat(np.repeat(np.arange(len(objects)), objects), sequences)
+    owners = np.repeat(np.arange(sum(objects)), sequences)
+    centres = separation * generator.normal(size=(len(objects), columns))
+    return centres[labels] + generator.normal(size=(len(labels), columns)), labels, owners
+
+
+def test_projection_keeps_distances_when_it_keeps_every_component():
+    descriptors, _, _ = clusters()
+    projection = fit_projection(descriptors, 1000)
+    projected = projection.apply(descriptors)
+    standard = (descriptors - descriptors.mean(axis=0)) / descriptors.std(axis=0)
+    np.testing.assert_allclose(
+        np.linalg.norm(projected[:, None] - projected, axis=2),
+        np.linalg.norm(standard[:, None] - standard, axis=2),
+        atol=1e-9,
+    )
+
+
+def test_projection_orders_components_by_variance_and_drops_empty_ones():
+    descriptors, _, _ = clusters(columns=6)
+    doubled = np.concatenate([descriptors, descriptors, np.ones((len(descriptors), 2))], axis=1)
+    projected = fit_projection(doubled, 64).apply(doubled)
+    variances = projected.var(axis=0)
+    assert projected.shape[1] == 6
+    assert np.all(np.diff(variances) <= 0)
+
+
+def test_inner_folds_hold_out_whole_objects_and_project_without_them():
+    descriptors, labels, owners = clusters()
+    folds = make_inner_folds(
+        descriptors, labels, owners, BestParameters(inner_folds=3), np.random.default_rng(0)
+    )
+    assert len(folds) == 3
+    assert sum(len(fold.held_out) for fold in folds) == len(labels)
+    for fold in folds:
+        assert len(fold.train) + len(fold.held_out) == len(labels)
+        np.testing.assert_allclose(fold.train.mean(axis=0), 0, atol=1e-12)
+
+
+def test_class_with_one_training_object_is_never_held_out_from_a_fold_that_lacks_it():
+    descriptors, labels, owners = clusters(objects=(1, 3, 3))
+    folds = make_inner_folds(
+        descriptors, labels, owners, BestParameters(), np.random.default_rng(0)
+    )
+    for fold in folds:
+        assert set(fold.held_out_labels) <= set(fold.train_labels)
+
+
+def test_without_a_second_object_a_class_the_simplest_setting_is_taken():
+    descriptors, labels, owners = clusters(objects=(1, 1))
+    folds = make_inner_folds(
+        descriptors, labels, owners, BestParameters(), np.random.default_rng(0)
+    )
+    assert folds == []
+    tuned, _ = fit_tuned_classifier(
+        "support_vector_machine", ClassifierParameters(), descriptors, labels, folds, 2,
+        np.random.default_rng(0),
+    )  # fmt: skip
+    assert tuned.setting == "svm_penalty 1.0"
+    assert tuned.temperature == 1
+
+
+def test_temperature_of_calibrated_scores_is_one_and_of_doubled_ones_two():
+    generator = np.random.default_rng(1)
+    scores = 2 * generator.normal(size=(20000, 3))
+    probabilities = softmax(scores)
+    labels = (generator.random((20000, 1)) > probabilities.cumsum(axis=1)).sum(axis=1)
+    step = TEMPERATURES[1] / TEMPERATURES[0]
+    for factor in (0.5, 1.0, 2.0):
+        _, temperature = best_temperature(factor * scores, labels)
+        assert factor / step <= temperature <= factor * step
+
+
+def test_loss_at_the_best_temperature_is_the_log_loss():
+    generator = np.random.default_rng(2)
+    scores, labels = generator.normal(size=(50, 4)), generator.integers(4, size=50)
+    loss, temperature = best_temperature(scores, labels)
+    named = softmax(scores / temperature)[np.arange(50), labels]
+    assert loss == pytest.approx(-np.log(named).mean())
+
+
+@pytest.mark.parametrize("name", GRIDS)
+def test_every_classifier_gives_probabilities_also_of_a_class_it_never_saw(name):
+    descriptors, labels, owners = clusters(objects=(2, 2))
+    generator = np.random.default_rng(0)
+    folds = make_inner_folds(descriptors, labels, owners, BestParameters(), generator)
+    tuned, _ = fit_tuned_classifier(
+        name, ClassifierParameters(), descriptors, labels * 2, [], 3, generator
+    )
+    probabilities = tuned.probabilities(descriptors)
+    np.testing.assert_allclose(probabilities.sum(axis=1), 1)
+    assert probabilities[:, 1].max() < 1e-9
+    assert len(folds) == 2
+    tuned, _ = fit_tuned_classifier(
+        name, ClassifierParameters(), descriptors, labels, folds, 2, generator
+    )
+    assert (tuned.probabilities(descriptors).argmax(axis=1) == labels).mean() > 0.9
+
+
+def test_scores_of_two_classes_favour_the_one_that_the_machine_names():
+    descriptors, labels, _ = clusters(objects=(2, 2))
+    machine = SVC().fit(descriptors, labels)
+    scores = class_scores(machine, descriptors, 2)
+    np.testing.assert_array_equal(scores.argmax(axis=1), machine.predict(descriptors))
+    regression = LogisticRegression().fit(descriptors, labels)
+    np.testing.assert_allclose(
+        softmax(class_scores(regression, descriptors, 2)), regression.predict_proba(descriptors)
+    )
+    assert scores.min() > LEAST_SCORE

@@ -1,0 +1,107 @@
+"""Random scenes, surfaces and probes for the sensor's property tests."""
+
+import numpy as np
+import trimesh
+from hypothesis import strategies as st
+from sensor.shapes import joined, sheet, surface_of
+
+from visuohaptic.scene import PRESETS, EffectModes, Scene
+from visuohaptic.sensor import RandomFields, SensorParameters
+
+TACTILE = (
+    "adaptive_size",
+    "elastic_cover",
+    "force_response",
+    "gain_scatter",
+    "hysteresis",
+    "drift",
+    "dead_cells",
+    "crosstalk",
+    "noise",
+    "quantisation",
+)
+
+
+def with_modes(scene: Scene, **modes) -> Scene:
+    return scene.model_copy(update={"effects": EffectModes(**modes)})
+
+
+def always(scene: Scene) -> Scene:
+    return with_modes(scene, **dict.fromkeys(TACTILE, "always"))
+
+
+@st.composite
+def scenes(draw):
+    """Any mix of effects, each off in about half of the scenes."""
+    off_or = lambda neutral, values: draw(st.one_of(st.just(neutral), values))  # noqa: E731
+    return Scene(
+        preset=draw(st.sampled_from(sorted(PRESETS))),
+        press_depths_m=draw(
+            st.lists(st.sampled_from([0.0, 1e-4, 5e-4, 1e-3, 3e-3]), min_size=1, max_size=3)
+        ),
+        hold_time_s=draw(st.sampled_from([0.5, 1.0, 30.0])),
+        cover=draw(st.sampled_from(["none", "winkler", "half_space"])),
+        break_pressure_pa=off_or(0.0, st.floats(1e2, 5e4)),
+        saturation_pressure_pa=off_or(None, st.floats(1e4, 1e7)),
+        gain_scatter=off_or(0.0, st.floats(0.01, 0.25)),
+        hysteresis=off_or(0.0, st.floats(0.01, 0.5)),
+        drift_per_decade=off_or(0.0, st.floats(-0.2, 0.2)),
+        dead_fraction=off_or(0.0, st.floats(0.01, 1)),
+        readout=draw(st.sampled_from(["ideal", "grounded", "floating"])),
+        line_resistance_ohm=off_or(0.0, st.floats(0.1, 1000)),
+        noise=off_or(0.0, st.floats(1e-4, 0.5)),
+        bits=off_or(None, st.integers(1, 16)),
+    )
+
+
+@st.composite
+def parameter_sets(draw):
+    largest = draw(st.floats(0.05, 0.6))
+    return SensorParameters(
+        resolution=draw(st.sampled_from([2, 5, 8])),
+        largest_size=largest,
+        smallest_size=draw(st.floats(0.005, 1)) * largest,
+        penetration_tolerance=draw(st.sampled_from([1e-5, 1e-3, 0.01])),
+        depth_range=draw(st.sampled_from([0.02, 0.3])),
+        clearance=draw(st.sampled_from([0.02, 0.3])),
+        normal=draw(st.sampled_from(["face", "smoothed"])),
+        orientation=draw(st.sampled_from(["upright", "transported"])),
+        normalisation=draw(st.sampled_from(["per_imprint", "absolute"])),
+    )
+
+
+@st.composite
+def surfaces(draw):
+    """Closed and open shells, smooth and jagged, one part or several."""
+    generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    kind = draw(st.sampled_from(["soup", "ball", "sheet", "boxes"]))
+    if kind == "soup":
+        return surface_of(generator.uniform(-0.6, 0.6, (60, 3)), np.arange(60))
+    if kind == "ball":
+        mesh = trimesh.creation.icosphere(2)
+        bumps = 1 + 0.3 * generator.uniform(-1, 1, (len(mesh.vertices), 1))
+        return surface_of(0.7 * bumps * mesh.vertices, mesh.faces)
+    if kind == "sheet":
+        a, b, c = generator.uniform(-12, 12, 3)
+        return sheet(lambda x, z: 0.1 * np.sin(a * x + b * z) + 0.05 * np.cos(c * z), cells=20)
+    parts = [
+        trimesh.creation.box(extents=generator.uniform(0.05, 0.8, 3)).apply_translation(
+            generator.uniform(-0.3, 0.3, 3)
+        )
+        for _ in range(4)
+    ]
+    return joined(*(surface_of(part.vertices, part.faces) for part in parts))
+
+
+def probes_on(surface, count: int, seed: int):
+    """Points drawn by area with their faces' normals, and each one's random fields."""
+    generator = np.random.default_rng(seed)
+    share = surface.face_areas / surface.face_areas.sum()
+    rows = generator.choice(len(share), count, p=share)
+    weights = generator.dirichlet([1, 1, 1], count)
+    points = np.einsum("ij,ijk->ik", weights, surface.triangles[rows])
+    return (
+        points,
+        surface.face_normals[rows],
+        RandomFields(seed, [("probe", k) for k in range(count)]),
+    )

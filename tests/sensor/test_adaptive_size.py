@@ -1,0 +1,151 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sensor.shapes import box, hard_probes, joined, sheet, surface_of
+
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.sensor import SensorParameters
+from visuohaptic.sensor.imprints import cast_heights, stand_on
+from visuohaptic.sensor.placing import place
+
+PARAMETERS = SensorParameters()
+TOLERANCE = PARAMETERS.penetration_tolerance
+
+
+def placed(surface, point, normal, parameters=PARAMETERS, mode="auto"):
+    poses = stand_on(np.array([point], float), np.array([normal], float))
+    return place(RayCaster(surface), poses, parameters, mode)
+
+
+def test_a_valley_admits_a_square_that_its_walls_just_touch():
+    valley = sheet(lambda x, z: 0.8 * np.abs(x) + 0 * z, half=0.4, cells=80)
+    placement = placed(valley, (0, 0, 0), (0, 1, 0))
+    assert placement.sizes[0] == PARAMETERS.smallest_size
+    wide = SensorParameters(smallest_size=1e-3)
+    placement = placed(valley, (0, 0, 0), (0, 1, 0), wide)
+    assert placement.sizes[0] == pytest.approx(2 * TOLERANCE / 0.8, rel=1e-6)
+
+
+def test_a_bowl_admits_the_square_whose_corners_reach_the_tolerance():
+    radius = 0.6
+    bowl = sheet(lambda x, z: radius - np.sqrt(radius**2 - x**2 - z**2), half=0.4, cells=400)
+    reach = np.sqrt(radius**2 - (radius - TOLERANCE) ** 2)
+    placement = placed(bowl, (0, 0, 0), (0, 1, 0))
+    assert placement.sizes[0] == pytest.approx(np.sqrt(2) * reach, rel=2e-3)
+
+
+@pytest.mark.parametrize("height", [0.05, 0.5])
+def test_a_wall_without_thickness_bounds_the_square(height):
+    floor = sheet(lambda x, z: 0 * x, half=0.5, cells=1)
+    wall = surface_of(
+        [[0.07, 0, -0.5], [0.07, 0, 0.5], [0.07, height, 0.5], [0.07, height, -0.5]],
+        [[0, 1, 2], [0, 2, 3]],
+    )
+    placement = placed(joined(floor, wall), (0, 0, 0), (0, 1, 0))
+    assert placement.sizes[0] == pytest.approx(0.14, rel=1e-6)
+    assert not placement.blocked[0]
+
+
+@pytest.mark.parametrize("height", [0.05, 0.5])
+def test_a_thick_wall_bounds_the_square_however_tall(height):
+    room = joined(
+        box((-0.5, -0.1, -0.5), (0.5, 0, 0.5)), box((-0.3, -0.05, -0.5), (-0.11, height, 0.5))
+    )
+    placement = placed(room, (0, 0, 0), (0, 1, 0))
+    assert placement.sizes[0] == pytest.approx(0.22, rel=1e-6)
+    assert not placement.blocked[0]
+
+
+def test_an_overhang_beside_the_way_in_bounds_the_square():
+    shelf = joined(box((-0.5, -0.1, -0.5), (0.5, 0, 0.5)), box((0.06, 0.3, -0.5), (0.5, 0.32, 0.5)))
+    placement = placed(shelf, (0, 0, 0), (0, 1, 0))
+    assert 0.12 * 31 / 32 <= placement.sizes[0] <= 0.12 * 32 / 31 + 1e-9
+    assert (placement.heights <= TOLERANCE).all()
+    assert not placement.blocked[0]
+
+
+def test_a_shelf_over_the_probed_point_blocks_and_the_surface_below_is_still_felt():
+    shelf = joined(
+        sheet(lambda x, z: -0.5 * x**2, half=0.5, cells=50),
+        box((-0.5, 0.3, -0.5), (0.5, 0.32, 0.5)),
+    )
+    placement = placed(shelf, (0, 0, 0), (0, 1, 0))
+    assert placement.blocked[0]
+    assert placement.sizes[0] == PARAMETERS.largest_size
+    assert -0.02 < placement.heights.min() < placement.heights.max() <= 0
+
+
+def test_a_crack_narrower_than_the_smallest_square_stays_penetrated():
+    slit = joined(
+        box((-0.5, -0.3, -0.5), (-0.004, 0.05, 0.5)),
+        box((-0.01, -0.3, -0.5), (0.01, 0, 0.5)),
+        box((0.004, -0.3, -0.5), (0.5, 0.05, 0.5)),
+    )
+    placement = placed(slit, (0, 0, 0.0), (0, 1, 0))
+    assert placement.sizes[0] == PARAMETERS.smallest_size
+    assert placement.heights.max() == pytest.approx(0.05)
+
+
+def test_never_keeps_the_largest_square():
+    bowl = hard_probes()["bowl, inside"]
+    placement = placed(bowl.surface, bowl.point, bowl.normal, mode="never")
+    assert placement.sizes[0] == PARAMETERS.largest_size
+    assert placement.heights.max() > TOLERANCE
+    assert placement.record.runs == 0
+
+
+def test_a_convex_footprint_calls_for_no_second_cast():
+    dome = sheet(lambda x, z: -(x**2) - z**2, half=0.4, cells=60)
+    placement = placed(dome, (0, 0, 0), (0, 1, 0))
+    assert (placement.record.called_for, placement.record.runs) == (0, 0)
+    always = placed(dome, (0, 0, 0), (0, 1, 0), mode="always")
+    assert (always.record.called_for, always.record.runs) == (0, 1)
+    np.testing.assert_array_equal(always.heights, placement.heights)
+
+
+@st.composite
+def bumpy_sheets(draw):
+    """A sheet of random waves with a random step in it: smooth, rough and broken ground."""
+    generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    waves = generator.normal(size=(6, 4)) * [0.05, 15, 15, 3]
+    step = draw(st.sampled_from([0.0, 0.03, -0.2, 0.4]))
+    edge = generator.uniform(-0.2, 0.2)
+
+    def height(x, z):
+        ground = sum(a * np.sin(b * x + c * z + d) for a, b, c, d in waves)
+        return ground + step * (x > edge)
+
+    return sheet(height, half=0.5, cells=draw(st.sampled_from([12, 60])))
+
+
+def points_on(surface, count, seed):
+    generator = np.random.default_rng(seed)
+    rows = generator.integers(0, len(surface.faces), count)
+    weights = generator.dirichlet([1, 1, 1], count)
+    return np.einsum("ij,ijk->ik", weights, surface.triangles[rows]), surface.face_normals[rows]
+
+
+@settings(max_examples=25, deadline=None)
+@given(bumpy_sheets(), st.integers(0, 1000))
+def test_whatever_the_ground_the_square_is_admissible_and_the_largest(surface, seed):
+    points, normals = points_on(surface, 12, seed)
+    caster, poses = RayCaster(surface), stand_on(points, normals)
+    placement = place(caster, poses, PARAMETERS, "auto")
+    sizes, penetration = placement.sizes, placement.heights.max(axis=(1, 2))
+    smallest, largest = PARAMETERS.smallest_size, PARAMETERS.largest_size
+
+    assert ((sizes >= smallest) & (sizes <= largest)).all()
+    assert not np.isnan(placement.heights).any()
+    assert (penetration[(sizes > smallest) & ~placement.blocked] <= TOLERANCE).all()
+
+    # A square larger by two sensing points is penetrated at its rim; a fine cast finds it there.
+    shrunk = np.flatnonzero((sizes > smallest) & (sizes < largest / 1.07) & ~placement.blocked)
+    grown = cast_heights(
+        caster,
+        poses[shrunk],
+        1.07 * sizes[shrunk],
+        np.full(len(shrunk), caster.reach),
+        192,
+    )
+    assert (grown.max(axis=(1, 2)) > TOLERANCE).all()

@@ -1,0 +1,77 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
+
+PRESSURES = np.linspace(0, 1, 1001)
+
+
+def test_conductance_is_linear_half_of_linear_at_saturation_and_one_at_full_scale():
+    saturation = 0.25
+    response = respond_to_force(PRESSURES, 0.0, saturation)
+    assert response[-1] == 1.0
+    small = respond_to_force(np.array([1e-9]), 0.0, saturation)[0]
+    linear = small / 1e-9
+    at_saturation = respond_to_force(np.array([1 / saturation]), 0.0, saturation)[0]
+    assert at_saturation == pytest.approx(0.5 * linear / saturation)
+
+
+def test_below_the_break_force_a_cell_does_not_conduct():
+    response = respond_to_force(PRESSURES, 0.1, 0.0)
+    np.testing.assert_array_equal(response, np.where(PRESSURES >= 0.1, PRESSURES, 0.0))
+
+
+def test_resistance_falls_as_one_over_force_between_break_and_saturation():
+    forces = np.array([0.02, 0.04, 0.08])
+    resistance = 1 / respond_to_force(forces, 0.01, 0.01)
+    np.testing.assert_allclose(resistance[0] / resistance, forces / forces[0], rtol=1e-3)
+
+
+@given(st.floats(0, 2), st.floats(0, 1), st.floats(0, 10))
+def test_response_never_falls_with_pressure(pressure, more, saturation):
+    low, high = respond_to_force(np.array([pressure, pressure + more]), 0.05, saturation)
+    assert low <= high * (1 + 1e-15)
+
+
+def test_hysteresis_loop_area_is_a_third_of_excess_times_peak_squared():
+    excess, peak = 0.1, 0.8
+    outputs = np.linspace(0, peak, 20_001)
+    release = remember_peak(outputs, np.full_like(outputs, peak), excess)
+    press = remember_peak(outputs, outputs, excess)
+    area = np.trapezoid(release - press, outputs)
+    assert area == pytest.approx(excess * peak**2 / 3, rel=1e-6)
+
+
+def test_on_release_the_output_stands_ten_per_cent_above_at_half_the_peak():
+    np.testing.assert_allclose(remember_peak(np.array([0.3]), np.array([0.6]), 0.1), 0.33)
+
+
+@given(st.floats(0, 1), st.floats(0, 0.5))
+def test_a_single_press_has_no_hysteresis(output, excess):
+    outputs = np.array([output])
+    np.testing.assert_array_equal(remember_peak(outputs, outputs, excess), outputs)
+
+
+@given(st.floats(0, 1), st.floats(0, 1), st.floats(0, 0.5))
+def test_release_never_exceeds_the_peak(output, more, excess):
+    peak = output + more
+    assert remember_peak(np.array([output]), np.array([peak]), excess)[0] <= peak * (1 + 1e-15)
+
+
+def test_drift_has_its_slope_in_decades():
+    times = np.array([1.0, 10.0, 100.0, 1000.0])
+    outputs = np.array([drift(np.array([0.4]), t, 1.0, 0.05)[0] for t in times])
+    np.testing.assert_allclose(np.diff(outputs), 0.05 * 0.4, rtol=1e-12)
+    np.testing.assert_array_equal(drift(PRESSURES, 0.1, 1.0, 0.05), PRESSURES)
+
+
+def test_gains_scatter_by_their_deviation_and_are_never_negative():
+    deviates = np.random.default_rng(0).standard_normal((64, 64))
+    ones = np.ones((2, 64, 64))
+    gained = scatter_gains(ones, 0.06, deviates)
+    assert gained[0].std() == pytest.approx(0.06, rel=0.05)
+    np.testing.assert_array_equal(gained[0], gained[1])
+    np.testing.assert_array_equal(scatter_gains(ones, 0.0, deviates), ones)
+    assert scatter_gains(ones, 0.29, np.full((64, 64), -5.0)).min() == 0

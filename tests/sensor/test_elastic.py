@@ -1,0 +1,104 @@
+import numpy as np
+import pytest
+
+from visuohaptic.sensor.elastic import (
+    boussinesq_kernel,
+    half_space_pressures,
+    winkler_pressures,
+)
+from visuohaptic.sensor.imprints import sensing_offsets
+
+MODULUS, POISSON, RADIUS, DEPTH = 2e5, 0.45, 0.02, 1e-4
+REDUCED = MODULUS / (1 - POISSON**2)
+CONTACT_RADIUS = np.sqrt(RADIUS * DEPTH)
+
+
+def pressed_sphere(resolution=32, depth=DEPTH, width=3.0):
+    """Indentation by a paraboloid, distance from the axis and cell edge, metres."""
+    size = width * np.sqrt(RADIUS * depth)
+    x, y = np.meshgrid(*(2 * [0.5 * size * sensing_offsets(resolution)]))
+    distance = np.hypot(x, y)
+    return depth - distance**2 / (2 * RADIUS), distance, size / resolution
+
+
+@pytest.mark.parametrize("depth", [1e-5, 1e-4, 5e-4])
+def test_hertz_force_within_two_per_cent(depth):
+    indentation, _, cell = pressed_sphere(depth=depth)
+    pressure = half_space_pressures(indentation[None], np.array([cell]), MODULUS, POISSON)[0]
+    expected = 4 / 3 * REDUCED * np.sqrt(RADIUS) * depth**1.5
+    assert pressure.sum() * cell**2 == pytest.approx(expected, rel=0.02)
+
+
+def test_hertz_pressure_profile_within_two_per_cent():
+    indentation, distance, cell = pressed_sphere()
+    pressure = half_space_pressures(indentation[None], np.array([cell]), MODULUS, POISSON)[0]
+    peak = 2 * REDUCED / np.pi * np.sqrt(DEPTH / RADIUS)
+    expected = peak * np.sqrt(np.maximum(1 - (distance / CONTACT_RADIUS) ** 2, 0))
+    within = distance < 0.9 * CONTACT_RADIUS
+    assert np.abs(pressure - expected)[within].max() < 0.02 * peak
+    assert np.sqrt(np.mean((pressure - expected) ** 2)) < 0.02 * np.sqrt(np.mean(expected**2))
+    assert (pressure[distance > CONTACT_RADIUS + cell] == 0).all()
+
+
+def test_far_from_a_loaded_cell_the_half_space_sinks_as_under_boussinesqs_point_load():
+    kernel = boussinesq_kernel(32)
+    lag = np.hypot(*np.meshgrid(np.arange(32), np.arange(32)))
+    far = lag > 4
+    np.testing.assert_allclose(kernel[:32, :32][far], 1 / lag[far], rtol=5e-3)
+
+
+def test_a_loaded_cell_sinks_as_under_loves_uniform_square():
+    # At the centre of a square of edge a: 4 a asinh(1) (Love 1929); nine cells make one of edge 3.
+    kernel = boussinesq_kernel(4)
+    assert kernel[0, 0] == pytest.approx(4 * np.arcsinh(1))
+    around = [-1, 0, 1]
+    assert kernel[np.ix_(around, around)].sum() == pytest.approx(3 * 4 * np.arcsinh(1))
+
+
+def test_pressures_solve_the_contact_conditions():
+    generator = np.random.default_rng(3)
+    indentation = generator.normal(size=(4, 16, 16)) * 1e-4
+    indentation[0, :3] = -np.inf
+    cells = np.array([1e-4, 2e-4, 1e-3, 5e-4])
+    pressure = half_space_pressures(indentation, cells, MODULUS, POISSON)
+    kernel = boussinesq_kernel(16)
+    lags = np.arange(16)[:, None] - np.arange(16)
+    for row in range(4):
+        sinking = np.einsum(
+            "abcd,bd->ac", kernel[lags[:, :, None, None], lags[None, None]], pressure[row]
+        )
+        sinking *= cells[row] / (np.pi * REDUCED)
+        loaded = pressure[row] > 0
+        tolerance = 1e-4 * np.abs(sinking).max()
+        np.testing.assert_allclose(sinking[loaded], indentation[row][loaded], atol=tolerance)
+        assert (sinking[~loaded] >= indentation[row][~loaded] - tolerance).all()
+    assert (pressure >= 0).all()
+
+
+def test_half_space_pressures_do_not_depend_on_the_batch():
+    generator = np.random.default_rng(4)
+    indentation = generator.normal(size=(9, 32, 32)) * 1e-4
+    cells = generator.uniform(1e-5, 1e-3, 9)
+    together = half_space_pressures(indentation, cells, MODULUS, POISSON)
+    for row in range(9):
+        alone = half_space_pressures(
+            indentation[row : row + 1], cells[row : row + 1], MODULUS, POISSON
+        )
+        np.testing.assert_array_equal(alone[0], together[row])
+
+
+def test_without_contact_there_is_no_pressure():
+    gaps = np.full((2, 8, 8), -np.inf)
+    gaps[1] = -1e-6
+    assert (half_space_pressures(gaps, np.array([1e-3, 1e-3]), MODULUS, POISSON) == 0).all()
+    assert (winkler_pressures(gaps, MODULUS, POISSON, 0.003) == 0).all()
+
+
+def test_winkler_force_of_a_sphere_grows_with_the_square_of_its_depth():
+    thickness = 0.003
+    confined = MODULUS * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))
+    for depth in (5e-5, 1e-4):
+        indentation, _, cell = pressed_sphere(depth=depth)
+        force = winkler_pressures(indentation[None], MODULUS, POISSON, thickness).sum() * cell**2
+        # Johnson (1985), equation 4.54 with the confined modulus: F = π K R δ² / h.
+        assert force == pytest.approx(np.pi * confined * RADIUS * depth**2 / thickness, rel=2e-3)

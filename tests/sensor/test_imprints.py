@@ -1,0 +1,209 @@
+"""Heights against closed forms; the worst error is split into the mesh's and the caster's."""
+
+import numpy as np
+import pytest
+from sensor.shapes import box, hard_probes, joined, sheet, surface_of
+
+from visuohaptic.raycasting import MISS, RayCaster
+from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, smooth_normals, stand_on
+
+HALF, CELLS, SIZE = 0.25, 150, 0.3
+
+
+def torus(x, z, ring=0.45, tube=0.3):
+    return np.sqrt(np.maximum(tube**2 - (np.hypot(x - ring, z) - ring) ** 2, 0.0)) - tube
+
+
+SMOOTH_SHAPES = {
+    "sphere": lambda x, z: np.sqrt(1 - x**2 - z**2) - 1,
+    "cylinder": lambda x, z: np.sqrt(0.16 - x**2) - 0.4 + 0 * z,
+    "torus": torus,
+    "saddle": lambda x, z: 0.8 * (x**2 - z**2),
+    "sine": lambda x, z: 0.02 * np.cos(40 * x) - 0.02 + 0 * z,
+}
+# Piecewise linear along mesh lines: the mesh is the shape itself.
+LINEAR_SHAPES = {
+    "groove": lambda x, z: 3 * np.abs(np.abs(x) - 0.1) - 0.3 + 0 * z,
+    "roof": lambda x, z: -0.7 * np.abs(x) + 0 * z,
+}
+SHAPES = {**SMOOTH_SHAPES, **LINEAR_SHAPES, "cone": lambda x, z: -0.7 * np.hypot(x, z)}
+
+
+def mesh_height(height, x, z, half=HALF, cells=CELLS):
+    """The sheet's own height in float64: linear over the triangle that (x, z) lies in."""
+    pitch = 2 * half / cells
+    column, row = (x + half) / pitch, (z + half) / pitch
+    i, k = np.floor(column).astype(int), np.floor(row).astype(int)
+    u, v = column - i, row - k
+
+    def corner(di, dk):
+        along = np.linspace(-half, half, cells + 1)
+        return height(along[i + di], along[k + dk])
+
+    low, high = corner(0, 0), corner(1, 1)
+    beside = np.where(u >= v, corner(1, 0), corner(0, 1))
+    steep, flat = np.maximum(u, v), np.minimum(u, v)
+    return low + (beside - low) * steep + (high - beside) * flat
+
+
+def random_rotation(generator):
+    matrix, _ = np.linalg.qr(generator.normal(size=(3, 3)))
+    return matrix * np.sign(np.linalg.det(matrix))
+
+
+def sensing_grid(size, resolution):
+    x, z = np.meshgrid(*(2 * [0.5 * size * sensing_offsets(resolution)]))
+    return x, z
+
+
+def heights_over(surface, point, normal, column, size=SIZE, resolution=32, lift=2.0):
+    poses = stand_on(np.array([point]), np.array([normal]))
+    heights = cast_heights(
+        RayCaster(surface), poses, np.array([size]), np.array([lift]), resolution
+    )[0]
+    np.testing.assert_allclose(poses.columns[0], column, atol=1e-12)
+    return heights
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_caster_adds_less_than_a_hundred_thousandth_of_the_sensor(name):
+    height = SHAPES[name]
+    heights = heights_over(sheet(height, HALF, CELLS), (0.0, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
+    x, z = sensing_grid(SIZE, 32)
+    caster_error = np.abs(heights - mesh_height(height, x, z)).max()
+    assert caster_error < 1e-12 < 1e-5 * SIZE
+
+
+@pytest.mark.parametrize("name", SMOOTH_SHAPES)
+def test_the_meshs_own_error_falls_with_the_square_of_its_cells(name):
+    height = SMOOTH_SHAPES[name]
+    x, z = sensing_grid(SIZE, 32)
+    errors = [
+        np.abs(
+            heights_over(sheet(height, HALF, cells), (0.0, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
+            - height(x, z)
+        ).max()
+        for cells in (37, 148)
+    ]
+    assert 8 < errors[0] / errors[1] < 32
+
+
+@pytest.mark.parametrize("name", LINEAR_SHAPES)
+def test_a_mesh_that_is_the_shape_has_no_error(name):
+    height = LINEAR_SHAPES[name]
+    heights = heights_over(sheet(height, HALF, CELLS), (0.0, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
+    np.testing.assert_allclose(heights, height(*sensing_grid(SIZE, 32)), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_pose_and_place_add_no_error(name):
+    generator = np.random.default_rng(7)
+    surface = sheet(SHAPES[name], HALF, CELLS)
+    turn = random_rotation(generator)
+    shift = generator.uniform(-0.4, 0.4, 3)
+    moved = surface_of(surface.vertices @ turn.T + shift, surface.faces)
+    poses = stand_on(shift[None], turn[:, 1][None])
+    heights = cast_heights(RayCaster(moved), poses, np.array([0.2]), np.array([2.5]), 32)[0]
+    x, z = sensing_grid(0.2, 32)
+    offsets = x[..., None] * poses.columns[0] + z[..., None] * poses.rows[0]
+    own = offsets @ turn
+    expected = mesh_height(SHAPES[name], own[..., 0], own[..., 2])
+    assert np.abs(heights - expected).max() < 1e-12
+
+
+def test_a_step_is_met_exactly_on_both_sides():
+    step = joined(
+        box((-0.5, -0.5, -0.5), (0.0123, 0.0, 0.5)), box((0.0123, -0.5, -0.5), (0.5, -0.05, 0.5))
+    )
+    heights = heights_over(step, (0.0, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
+    x, _ = sensing_grid(SIZE, 32)
+    np.testing.assert_allclose(heights, np.where(x < 0.0123, 0.0, -0.05), rtol=0, atol=1e-15)
+
+
+def test_a_rectangular_groove_is_met_exactly():
+    groove = joined(
+        box((-0.5, -0.5, -0.5), (-0.031, 0.0, 0.5)),
+        box((-0.031, -0.5, -0.5), (0.031, -0.07, 0.5)),
+        box((0.031, -0.5, -0.5), (0.5, 0.0, 0.5)),
+    )
+    heights = heights_over(groove, (0.05, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
+    x, _ = sensing_grid(SIZE, 32)
+    np.testing.assert_allclose(
+        heights, np.where(np.abs(x + 0.05) < 0.031, -0.07, 0.0), rtol=0, atol=1e-15
+    )
+
+
+def test_sensing_points_on_edges_and_vertices_of_the_mesh_meet_it():
+    # Cells of the mesh as large as the sensor's: every ray runs into a vertex or along an edge.
+    surface = sheet(lambda x, z: 0 * x, half=0.15 * 31 / 32, cells=31)
+    heights = heights_over(surface, (0.0, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
+    np.testing.assert_allclose(heights[1:-1, 1:-1], 0.0, rtol=0, atol=1e-15)
+
+
+def test_sensing_points_are_the_centres_of_equal_cells():
+    np.testing.assert_allclose(sensing_offsets(4), [-0.75, -0.25, 0.25, 0.75])
+    for resolution in (2, 3, 32, 33):
+        offsets = sensing_offsets(resolution)
+        np.testing.assert_array_equal(offsets, -offsets[::-1])
+
+
+class LeakyCaster(RayCaster):
+    """Loses a few rays of its first cast in float32, as through cracks between faces."""
+
+    lost = (100, 333, 700)
+
+    def _cast(self, origins, directions):
+        hits, doubtful = super()._cast(origins, directions)
+        if len(origins) == 32 * 32:
+            hits.distance[list(self.lost)] = np.inf
+            hits.face[list(self.lost)] = MISS
+        return hits, doubtful
+
+
+def test_a_miss_between_hits_is_cast_again():
+    surface = sheet(lambda x, z: -(x**2), half=0.4, cells=60)
+    poses = stand_on(np.zeros((1, 3)), np.array([[0, 1.0, 0]]))
+    pose = (poses, np.array([SIZE]), np.array([2.0]), 32)
+    leaky, tight = LeakyCaster(surface), RayCaster(surface)
+    np.testing.assert_array_equal(cast_heights(leaky, *pose), cast_heights(tight, *pose))
+
+
+def test_a_true_gap_between_hits_stays_a_gap():
+    slats = joined(box((-0.3, -0.1, -0.3), (0.001, 0, 0.3)), box((0.01, -0.1, -0.3), (0.3, 0, 0.3)))
+    heights = heights_over(slats, (-0.1, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
+    x, _ = sensing_grid(SIZE, 32)
+    between = (x - 0.1 > 0.001) & (x - 0.1 < 0.01)
+    assert between.any()
+    np.testing.assert_array_equal(np.isneginf(heights), between)
+
+
+def test_heights_do_not_depend_on_the_batch():
+    probes = [probe for name, probe in hard_probes().items() if name.startswith("cup")]
+    caster = RayCaster(probes[0].surface)
+    poses = stand_on(
+        np.array([probe.point for probe in probes], float),
+        np.array([probe.normal for probe in probes], float),
+    )
+    sizes, lifts = np.linspace(0.05, 0.3, len(probes)), np.full(len(probes), 2.0)
+    together = cast_heights(caster, poses, sizes, lifts, 16)
+    for row in range(len(probes)):
+        alone = cast_heights(
+            caster, poses[row : row + 1], sizes[row : row + 1], lifts[row : row + 1], 16
+        )
+        np.testing.assert_array_equal(alone[0], together[row])
+
+
+def test_smoothed_normals_average_a_ridged_surface():
+    ridged = sheet(lambda x, z: 0.02 * np.abs((x * 25) % 2 - 1) + 0.2 * x, HALF, 200)
+    slope = np.array([[-0.2, 1.0, 0.0]]) / np.hypot(0.2, 1)
+    point = np.array([[0.01, float(0.02 * 0.75 + 0.002), 0.0]])
+    poses = stand_on(point, np.array([[-0.7, 1.0, 0]]) / np.hypot(0.7, 1))
+    normals = smooth_normals(RayCaster(ridged), poses, 0.3, 0.3)
+    assert normals[0] @ slope[0] > np.cos(np.radians(8))
+    assert poses.normals[0] @ slope[0] < np.cos(np.radians(20))
+
+
+def test_smoothed_normals_of_a_plane_are_its_own():
+    poses = stand_on(np.array([[0.1, 0.0, 0.05]]), np.array([[0, 1.0, 0]]))
+    normals = smooth_normals(RayCaster(sheet(lambda x, z: 0 * x, cells=7)), poses, 0.3, 0.1)
+    np.testing.assert_allclose(normals, [[0, 1, 0]], atol=1e-15)

@@ -1,0 +1,127 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from visuohaptic.sensor.readout import (
+    add_noise,
+    break_cells,
+    quantise,
+    read_floating,
+    read_grounded,
+)
+
+
+def nodal_reading(conductances, row, column, line_resistance):
+    """Kirchhoff's current law written out node by node: 1 V on one row, current of one column."""
+    size = len(conductances)
+    line = 1 / line_resistance
+    system, currents = np.zeros((2 * size, 2 * size)), np.zeros(2 * size)
+    for i in range(size):
+        for j in range(size):
+            for a, b in ((i, size + j), (size + j, i)):
+                system[a, a] += conductances[i, j]
+                system[a, b] -= conductances[i, j]
+    for node in range(2 * size):
+        system[node, node] += line
+    currents[row] = line
+    voltages = np.linalg.solve(system, currents)
+    return line * voltages[size + column]
+
+
+def floating_reading(conductances, row, column):
+    """Effective conductance between two lines: 1 A in at the row, out at the column."""
+    size = len(conductances)
+    system = np.zeros((2 * size, 2 * size))
+    for i in range(size):
+        for j in range(size):
+            for a, b in ((i, size + j), (size + j, i)):
+                system[a, a] += conductances[i, j]
+                system[a, b] -= conductances[i, j]
+    currents = np.zeros(2 * size)
+    currents[row], currents[size + column] = 1.0, -1.0
+    voltages = np.linalg.lstsq(system, currents, rcond=None)[0]
+    return 1 / (voltages[row] - voltages[size + column])
+
+
+def random_cells(seed, size=4):
+    return np.random.default_rng(seed).uniform(0, 1e-3, (size, size))
+
+
+@pytest.mark.parametrize("line_resistance", [1.0, 100.0, 5000.0])
+def test_grounded_reading_obeys_kirchhoff_on_a_four_by_four_network(line_resistance):
+    cells = random_cells(1)
+    expected = [
+        [nodal_reading(cells, row, column, line_resistance) for column in range(4)]
+        for row in range(4)
+    ]
+    np.testing.assert_allclose(read_grounded(cells[None], line_resistance)[0], expected, rtol=1e-12)
+
+
+def test_floating_reading_obeys_kirchhoff_on_a_four_by_four_network():
+    cells = random_cells(2)
+    expected = [
+        [floating_reading(cells + 1e-6, row, column) for column in range(4)] for row in range(4)
+    ]
+    np.testing.assert_allclose(read_floating(cells[None], 1e-6)[0], expected, rtol=1e-10)
+
+
+def test_a_uniform_floating_network_has_its_closed_form():
+    # n² equal cells between n rows and n columns: 2n - 1 of n² resistances in effect.
+    size, conductance = 6, 2e-4
+    read = read_floating(np.full((1, size, size), conductance), 1e-12)[0]
+    np.testing.assert_allclose(read, conductance * size**2 / (2 * size - 1), rtol=1e-6)
+
+
+def test_without_line_resistance_each_cell_reads_as_it_is():
+    cells = np.random.default_rng(3).uniform(0, 2, (5, 32, 32))
+    np.testing.assert_array_equal(read_grounded(cells, 0.0), cells)
+
+
+def test_an_untouched_array_reads_nothing():
+    np.testing.assert_array_equal(read_grounded(np.zeros((2, 8, 8)), 0.3), np.zeros((2, 8, 8)))
+
+
+def test_sneak_paths_make_an_untouched_cell_read():
+    cells = np.full((1, 4, 4), 1e-3)
+    cells[0, 1, 2] = 0.0
+    read = read_floating(cells, 1e-9)[0]
+    assert read[1, 2] > 0.3e-3
+    assert read_grounded(cells, 1.0)[0, 1, 2] < 0.01e-3
+
+
+@pytest.mark.parametrize(
+    "read", [lambda g: read_grounded(g, 0.2), lambda g: read_floating(g, 0.01)]
+)
+def test_reading_does_not_depend_on_the_batch(read):
+    cells = np.random.default_rng(4).uniform(0, 1, (7, 32, 32))
+    together = read(cells)
+    for row in range(7):
+        np.testing.assert_array_equal(read(cells[row : row + 1])[0], together[row])
+
+
+@given(st.lists(st.floats(-0.5, 1.5), min_size=1, max_size=20), st.integers(1, 16))
+def test_quantisation_stays_within_half_a_step(outputs, bits):
+    outputs = np.array(outputs)
+    levels = quantise(outputs, bits)
+    clipped = np.clip(outputs, 0, 1)
+    assert np.abs(levels - clipped).max() <= 0.5 / (2**bits - 1) * (1 + 1e-9)
+    np.testing.assert_array_equal(quantise(levels, bits), levels)
+    assert set(quantise(np.array([-1.0, 2.0]), bits)) == {0.0, 1.0}
+
+
+def test_quantisation_error_of_even_outputs_has_a_variance_of_a_step_squared_over_twelve():
+    outputs = np.random.default_rng(5).random(200_000)
+    error = quantise(outputs, 8) - outputs
+    assert error.var() == pytest.approx((1 / 255) ** 2 / 12, rel=0.02)
+
+
+def test_noise_has_its_deviation_and_dead_cells_read_nothing():
+    generator = np.random.default_rng(6)
+    outputs = np.full((3, 64, 64), 0.5)
+    noisy = add_noise(outputs, 0.02, generator.standard_normal((3, 64, 64)))
+    assert (noisy - outputs).std() == pytest.approx(0.02, rel=0.03)
+    dead = generator.random((64, 64)) < 0.1
+    np.testing.assert_array_equal(
+        break_cells(outputs, dead) == 0, np.broadcast_to(dead, outputs.shape)
+    )

@@ -1,0 +1,291 @@
+import tracemalloc
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sensor.scenes import (
+    TACTILE,
+    always,
+    parameter_sets,
+    probes_on,
+    scenes,
+    surfaces,
+    with_modes,
+)
+from sensor.shapes import box, hard_probes, joined, sheet, surface_of
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.scene import PRESETS, Scene
+from visuohaptic.sensor import (
+    CONTACT_STATES,
+    EFFECTS,
+    RandomFields,
+    SensorParameters,
+    image_shifts,
+    orient_outwards,
+    touch,
+)
+
+ARRAYS = ("images", "size", "contact_state", "penetration", "normals", "tangents", "gaps")
+
+
+def assert_same_touches(one, other):
+    for name in ARRAYS:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+    np.testing.assert_array_equal(np.signbit(one.images), np.signbit(other.images))
+
+
+def touch_one(surface, point, normal, scene=None, **parameters):
+    return touch(
+        RayCaster(surface),
+        np.array([point], float),
+        np.array([normal], float),
+        SensorParameters(**parameters),
+        Scene() if scene is None else scene,
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(surfaces(), scenes(), parameter_sets(), st.integers(0, 1000))
+def test_auto_gives_bit_for_bit_what_always_gives(surface, scene, parameters, seed):
+    caster = RayCaster(surface)
+    points, normals, fields = probes_on(surface, 6, seed)
+    normals = orient_outwards(caster, points, normals)
+    lazy = touch(caster, points, normals, parameters, scene, fields)
+    eager = touch(caster, points, normals, parameters, always(scene), fields)
+    assert_same_touches(lazy, eager)
+    for skipped, ran in zip(lazy.effects, eager.effects, strict=True):
+        assert skipped.runs == skipped.called_for == ran.called_for
+        assert ran.runs == ran.touches == 6
+        assert skipped.reason == ran.reason
+
+
+@settings(max_examples=25, deadline=None)
+@given(surfaces(), scenes(), parameter_sets(), st.integers(0, 1000), st.integers(1, 5))
+def test_touches_do_not_depend_on_the_batch(surface, scene, parameters, seed, cut):
+    caster = RayCaster(surface)
+    points, normals, fields = probes_on(surface, 6, seed)
+    together = touch(caster, points, normals, parameters, scene, fields)
+    for rows in (np.arange(cut), np.arange(cut, 6)[::-1]):
+        alone = touch(caster, points[rows], normals[rows], parameters, scene, fields.select(rows))
+        for name in ARRAYS:
+            np.testing.assert_array_equal(getattr(alone, name), getattr(together, name)[rows])
+
+
+@settings(max_examples=25, deadline=None)
+@given(surfaces(), scenes(), parameter_sets(), st.integers(0, 1000))
+def test_every_touch_is_finite_within_its_range_and_has_a_known_state(
+    surface, scene, parameters, seed
+):
+    points, normals, fields = probes_on(surface, 6, seed)
+    touches = touch(RayCaster(surface), points, normals, parameters, scene, fields)
+    assert touches.images.dtype == np.float32
+    assert np.isfinite(touches.images).all()
+    assert touches.images.min() >= 0
+    assert touches.images.max() <= 1
+    assert not np.isnan(touches.gaps).any()
+    assert set(touches.contact_state) <= set(CONTACT_STATES)
+    assert np.isfinite(touches.penetration).all()
+    assert (touches.penetration >= 0).all()
+
+
+@pytest.mark.parametrize("name", hard_probes())
+def test_hard_shapes_end_with_a_size_and_an_image(name):
+    probe = hard_probes()[name]
+    touches = touch_one(probe.surface, probe.point, probe.normal)
+    assert 0.02 <= touches.size[0] <= 0.3
+    assert np.isfinite(touches.images).all()
+    assert touches.images.max() == 1
+    assert touches.contact_state[0] in CONTACT_STATES
+
+
+@pytest.mark.parametrize(
+    ("name", "state"),
+    [
+        ("bowl, inside", "shrunk"),
+        ("screw thread, crest", "full"),
+        ("screw thread, groove", "shrunk"),
+        ("cup, inner wall", "blocked"),
+        ("cup, floor", "shrunk"),
+        ("cup, handle", "partial"),
+        ("cup, under the handle", "blocked"),
+        ("leaf, rim", "partial"),
+        ("cone, tip", "partial"),
+    ],
+)
+def test_hard_shapes_have_the_state_that_they_should(name, state):
+    probe = hard_probes()[name]
+    assert touch_one(probe.surface, probe.point, probe.normal).contact_state[0] == state
+
+
+def test_a_crack_too_narrow_for_the_fingertip_is_at_minimum():
+    slit = joined(
+        box((-0.5, -0.3, -0.5), (-0.004, 0.05, 0.5)),
+        box((-0.01, -0.3, -0.5), (0.01, 0, 0.5)),
+        box((0.004, -0.3, -0.5), (0.5, 0.05, 0.5)),
+    )
+    touches = touch_one(slit, (0, 0, 0), (0, 1, 0))
+    assert touches.contact_state[0] == "at_minimum"
+    assert touches.penetration[0] == pytest.approx(0.05)
+    # The rigid sensor rests on both banks and hangs over the crack.
+    assert (touches.images[0][:, 0] == 1).all()
+    assert (touches.images[0][:, 16] == 0).all()
+
+
+@pytest.mark.parametrize("normalisation", ["per_imprint", "absolute"])
+def test_a_flat_contact_is_contact_all_over(normalisation):
+    plate = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))
+    touches = touch_one(plate, (0.01, 0, 0), (0, 1, 0), normalisation=normalisation)
+    np.testing.assert_array_equal(touches.images, 1)
+    assert touches.contact_state[0] == "full"
+
+
+def test_relief_below_the_flatness_is_not_blown_up():
+    ripple = sheet(lambda x, z: 1e-6 * np.sin(60 * x) + 0 * z, half=0.4, cells=200)
+    touches = touch_one(ripple, (0, 0, 0), (0, 1, 0))
+    assert touches.images.min() > 0.97
+
+
+def test_absolute_images_measure_depth_in_depth_ranges():
+    roof = sheet(lambda x, z: -0.4 * np.abs(x) + 0 * z, half=0.4, cells=80)
+    touches = touch_one(roof, (0, 0, 0), (0, 1, 0), normalisation="absolute", depth_range=0.05)
+    x = 0.15 * (2 * np.arange(32) - 31) / 32
+    expected = np.clip(1 - 0.4 * np.abs(x) / 0.05, 0, 1)
+    np.testing.assert_allclose(touches.images[0], np.tile(expected, (32, 1)), atol=1e-7)
+    assert touches.contact_state[0] == "partial"
+
+
+def test_per_imprint_images_reach_from_nought_to_one():
+    roof = sheet(lambda x, z: -0.4 * np.abs(x) + 0 * z, half=0.4, cells=80)
+    touches = touch_one(roof, (0, 0, 0), (0, 1, 0))
+    assert (touches.images.min(), touches.images.max()) == (0, 1)
+
+
+def test_columns_run_along_the_tangent_and_rows_down():
+    """A bump to the right of and above the probed point on a wall that faces +z."""
+    wall = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.0))
+    ledge = box((0.05, 0.06, -0.1), (0.1, 0.1, 0.03))
+    touches = touch_one(
+        joined(wall, ledge), (0, 0, 0), (0, 0, 1), with_modes(Scene(), adaptive_size="never")
+    )
+    np.testing.assert_allclose(touches.tangents, [[1, 0, 0]], atol=1e-12)
+    rows, columns = np.nonzero(touches.images[0] == 1)
+    assert columns.min() > 16
+    assert rows.max() < 16
+
+
+def test_noise_stays_the_same_whatever_else_is_switched_on():
+    surface = sheet(lambda x, z: -0.3 * x**2 + 0 * z, half=0.4, cells=40)
+    caster = RayCaster(surface)
+    points, normals, fields = probes_on(surface, 4, 0)
+    parameters = SensorParameters(normalisation="absolute", depth_range=2.0)
+    noisy = Scene(noise=0.01)
+    quiet = touch(caster, points, normals, parameters, Scene())
+    plain = touch(caster, points, normals, parameters, noisy, fields)
+    richer = {"gain_scatter": 0.02, "dead_fraction": 0.05, "drift_per_decade": 0.05}
+    others = Scene(noise=0.0, **richer)
+    rich = touch(caster, points, normals, parameters, Scene(noise=0.01, **richer), fields)
+    bare = touch(caster, points, normals, parameters, others, fields)
+    within = [(image > 0) & (image < 1) for image in (plain.images, rich.images)]
+    both = within[0] & within[1] & (bare.images > 0) & (bare.images < 1) & (quiet.images < 1)
+    assert both.mean() > 0.05
+    np.testing.assert_allclose(
+        (rich.images - bare.images)[both], (plain.images - quiet.images)[both], atol=3e-7
+    )
+
+
+def test_a_random_scene_without_random_fields_is_refused():
+    plate = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))
+    with pytest.raises(ParameterError, match="pass RandomFields"):
+        touch_one(plate, (0, 0, 0), (0, 1, 0), Scene(noise=0.1))
+
+
+def test_no_touches_give_empty_arrays_and_records():
+    plate = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))
+    none = np.zeros((0, 3))
+    touches = touch(RayCaster(plate), none, none, SensorParameters(), Scene())
+    assert touches.images.shape == (0, 32, 32)
+    assert [record.effect for record in touches.effects] == list(TACTILE)
+
+
+@pytest.mark.parametrize("preset", sorted(PRESETS))
+def test_presets_call_for_the_effects_that_they_are_about(preset):
+    surface = sheet(lambda x, z: -0.3 * x**2 - 0.2 * z**2, half=0.4, cells=40)
+    points, normals, fields = probes_on(surface, 5, 0)
+    touches = touch(
+        RayCaster(surface), points, normals, SensorParameters(), Scene(preset=preset), fields
+    )
+    ran = {record.effect for record in touches.effects if record.runs}
+    expected = {
+        "ideal": set(),
+        "fsr400": {
+            "elastic_cover",
+            "force_response",
+            "gain_scatter",
+            "crosstalk",
+            "noise",
+            "quantisation",
+        },
+        "worn_fsr": {effect.name for effect in EFFECTS},
+    }
+    assert ran - {"adaptive_size"} == expected[preset]
+
+
+def test_never_switches_an_effect_off():
+    surface = sheet(lambda x, z: -0.3 * x**2 - 0.2 * z**2, half=0.4, cells=40)
+    points, normals, fields = probes_on(surface, 5, 0)
+    scene = Scene(preset="worn_fsr")
+    modes = dict.fromkeys(TACTILE, "never")
+    off = touch(
+        RayCaster(surface), points, normals, SensorParameters(), with_modes(scene, **modes), fields
+    )
+    assert all(record.runs == 0 for record in off.effects)
+    plain = touch(
+        RayCaster(surface),
+        points,
+        normals,
+        SensorParameters(),
+        with_modes(Scene(), adaptive_size="never"),
+    )
+    np.testing.assert_array_equal(off.images, plain.images)
+
+
+def test_ten_thousand_touches_of_a_large_mesh_fit_into_memory_and_split_into_batches():
+    mesh = trimesh.creation.icosphere(6)
+    bumps = 1 + 0.01 * np.sin(40 * mesh.vertices).sum(axis=1, keepdims=True)
+    surface = surface_of(0.95 * bumps * mesh.vertices, mesh.faces)
+    surface = joined(surface, sheet(lambda x, z: 0.2 * x * z, half=0.5, cells=100))
+    assert len(surface.faces) > 100_000
+    caster = RayCaster(surface)
+    points, normals, _ = probes_on(surface, 10_000, 0)
+    tracemalloc.start()
+    together = touch(caster, points, normals, SensorParameters(), Scene())
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 2**29
+    for start in range(0, 10_000, 1000):
+        rows = slice(start + 900, start + 1000)
+        alone = touch(caster, points[rows], normals[rows], SensorParameters(), Scene())
+        np.testing.assert_array_equal(alone.images, together.images[rows])
+        np.testing.assert_array_equal(alone.contact_state, together.contact_state[rows])
+
+
+def test_leaving_out_an_effect_moves_the_images_by_its_own_size():
+    plate = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))
+    points = np.array([[0.01, 0, 0.02], [0.03, 0, -0.04]])
+    normals = np.tile([0, 1.0, 0], (2, 1))
+    half_loaded = Scene(cover="winkler", full_scale_pressure_pa=4e5, noise=0.01, bits=4)
+    shifts = image_shifts(
+        RayCaster(plate),
+        points,
+        normals,
+        SensorParameters(normalisation="absolute"),
+        half_loaded,
+        RandomFields(0, [("a",), ("b",)]),
+    )
+    assert set(shifts) == {"elastic_cover", "noise", "quantisation"}
+    assert 0.5 < shifts["elastic_cover"] < 1
+    assert shifts["quantisation"] < 0.5 / 15
