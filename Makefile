@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report test meshes bench lint format lock clean
+.PHONY: report test meshes bench readme lint format lock clean
 
 PYTHON ?= python3
 JOBS ?= 2
@@ -23,6 +23,9 @@ meshes: $(READY)
 
 bench: $(READY)
 	python -m benchmarks
+
+readme: $(READY)
+	python docs/make_readme.py
 
 lint: $(READY)
 	ruff format --check .

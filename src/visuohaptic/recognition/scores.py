@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import pyarrow as pa
 import pyarrow.compute as pc
 
 from visuohaptic.errors import RecognitionError
@@ -47,6 +48,25 @@ def make_scores(
     if not chosen.num_rows:
         found = sorted(pc.unique(table.column("strategy")).to_pylist())
         raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
-    scored, predicted = run_pipeline(chosen, parameters, seed, pipeline)
+    scored, predicted = run_pipeline(classes_of_two(chosen), parameters, seed, pipeline)
     write_table(SCORES, scored, scores)
     write_table(PREDICTIONS, predicted, predictions)
+
+
+def classes_of_two(features: pa.Table) -> pa.Table:
+    """Leave out the classes that have a single object: nothing could train while it is tested.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES`.
+
+    Returns
+    -------
+    pyarrow.Table
+        The rows of classes with two objects or more.
+    """
+    objects = features.group_by(["class", "object"]).aggregate([])
+    counts = objects.group_by("class").aggregate([("object", "count")])
+    enough = counts.filter(pc.greater_equal(counts.column("object_count"), 2)).column("class")
+    return features.filter(pc.is_in(features.column("class"), enough.combine_chunks()))

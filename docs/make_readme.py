@@ -1,0 +1,130 @@
+"""Fill the README's tables from the last run and the last benchmarks: `make readme`."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+PUBLISHED = {
+    "k_nearest_neighbours": ("kNN", 85.58, 84.94),
+    "support_vector_machine": ("SVM", 93.45, 86.14),
+    "decision_tree": ("decision tree", 73.56, 71.63),
+    "quadratic_discriminant": ("quadratic discriminant", 91.89, 84.28),
+    "naive_bayes": ("naïve Bayes", 56.68, 57.16),
+}
+RUNS = {
+    "cold_run_s": "cold `snakemake -j2`, meshes to report",
+    "no_op_s": "nothing to do",
+    "recognition_change_s": "after a change of recognition",
+    "sensor_change_s": "after a change of the sensor",
+}
+
+
+def results_table(metrics: dict[str, Any]) -> str:
+    """Set our accuracies beside the published ones.
+
+    Parameters
+    ----------
+    metrics : dict
+        `reports/metrics.json`.
+
+    Returns
+    -------
+    str
+        A Markdown table.
+    """
+    lines = [
+        "| classifier | eye fixations | published | random probing | published |",
+        "|---|---|---|---|---|",
+    ]
+    strategies = metrics["results"]["paper"]
+    for classifier, (label, fixation, random) in PUBLISHED.items():
+        here = [
+            percent(strategies[name][classifier]["accuracy"]) for name in ("fixation", "random")
+        ]
+        lines.append(f"| {label} | {here[0]} | {fixation} % | {here[1]} | {random} % |")
+    return "\n".join(lines)
+
+
+def percent(interval: dict[str, float]) -> str:
+    """Write a mean and its interval in per cent.
+
+    Parameters
+    ----------
+    interval : dict
+        `mean`, `low` and `high`, 0 to 1.
+
+    Returns
+    -------
+    str
+        Such as ``64.0 % (50.9–77.7)``.
+    """
+    return f"{interval['mean']:.1%} ({100 * interval['low']:.1f}–{100 * interval['high']:.1f})".replace(
+        "%", " %"
+    )
+
+
+def speed_table(results: dict[str, Any]) -> str:
+    """Set the workflow's seconds in a table, the machine named.
+
+    Parameters
+    ----------
+    results : dict
+        `benchmarks/results.json`.
+
+    Returns
+    -------
+    str
+        A Markdown table and a sentence.
+    """
+    workflow, machine = results["workflow"], results["machine"]
+    lines = ["| run | seconds |", "|---|---|"]
+    lines += [f"| {label} | {workflow[name]:.1f} |" for name, label in RUNS.items()]
+    share = f"{workflow['neither_imports_nor_work']:.0%}".replace("%", " %")
+    return "\n".join(
+        [
+            *lines,
+            "",
+            (
+                f"On {machine['processor']}, {machine['cores']} cores; {share} of the cold run's core seconds "
+                f"go into neither imports nor computation ({workflow['jobs']} jobs). `make bench` measures anew."
+            ),
+        ]
+    )
+
+
+def fill(text: str, name: str, content: str) -> str:
+    """Replace what stands between a block's two markers.
+
+    Parameters
+    ----------
+    text : str
+        The page.
+    name : str
+        The block, marked by ``<!-- name -->`` and ``<!-- /name -->``.
+    content : str
+        What to put there.
+
+    Returns
+    -------
+    str
+        The page with the block filled.
+    """
+    pattern = rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)"
+    return re.sub(pattern, lambda match: f"{match[1]}{content}\n{match[2]}", text, flags=re.DOTALL)
+
+
+def main() -> None:
+    """Fill both blocks of the README."""
+    readme = ROOT / "README.md"
+    metrics = json.loads((ROOT / "reports" / "metrics.json").read_text(encoding="utf-8"))
+    results = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))
+    text = fill(readme.read_text(encoding="utf-8"), "results", results_table(metrics))
+    readme.write_text(fill(text, "speed", speed_table(results)), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
