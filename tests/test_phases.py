@@ -15,7 +15,7 @@ from visuohaptic.rendering import RenderingParameters
 from visuohaptic.scene import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.surface import read_surface
-from visuohaptic.tables import FEATURES, FIXATIONS, TOUCHES, VIEWS, matrix, read_table
+from visuohaptic.tables import EFFECTS, FEATURES, FIXATIONS, TOUCHES, VIEWS, matrix, read_table
 from visuohaptic.touches import make_touches
 from visuohaptic.viewpoints import ViewpointParameters
 
@@ -54,8 +54,10 @@ def folder(tmp_path_factory):
         folder / "torus.ply",
         folder / "fixations.parquet",
         folder / "touches.parquet",
+        folder / "effects.parquet",
         SensorParameters(resolution=32),
         Scene(),
+        seed=7,
     )
     make_features(folder / "touches.parquet", folder / "features.parquet", FeatureParameters())
     return folder
@@ -141,3 +143,30 @@ def test_features_hold_place_and_normal_as_touched(folder):
     features = read_table(FEATURES, folder / "features.parquet")
     for name in ("x", "y", "z", "normal_x", "normal_y", "normal_z"):
         assert features.column(name).equals(touches.column(name))
+
+
+def test_the_books_of_the_effects_count_every_touch(folder):
+    rows = read_table(EFFECTS, folder / "effects.parquet").to_pylist()
+    assert all(row["touches"] == 24 >= row["called_for"] for row in rows)
+    ran = {row["effect"] for row in rows if row["runs"]}
+    # The plain scene calls for geometry alone.
+    assert ran == {"adaptive_size"}
+    assert all(row["reason"] for row in rows)
+
+
+def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder):
+    for name, seed in (("one", 7), ("two", 7), ("three", 8)):
+        make_touches(
+            folder / "torus.ply",
+            folder / "fixations.parquet",
+            folder / f"{name}.parquet",
+            folder / f"{name}-effects.parquet",
+            SensorParameters(),
+            Scene(preset="worn_fsr"),
+            seed,
+        )
+    one, two, three = (
+        read_table(TOUCHES, folder / f"{name}.parquet") for name in ("one", "two", "three")
+    )
+    assert one.equals(two)
+    assert not one.equals(three)

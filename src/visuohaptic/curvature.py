@@ -398,7 +398,7 @@ def smooth_curvature(
         ),
     )
     steps[~solid] = np.eye(2)
-    operator = np.where(solid[:, None, None], np.linalg.inv(steps) @ turns, 0.0)
+    operator = np.where(solid[:, None, None], turns @ np.linalg.inv(steps), 0.0)
     symmetric = 0.5 * (operator + operator.transpose(0, 2, 1))
     curvedness = np.minimum(np.sqrt(0.5 * np.sum(symmetric**2, axis=(1, 2))), largest)
     weights = np.repeat(np.where(solid, double_area, 0.0), 3)

@@ -66,11 +66,19 @@ class RayCaster:
     surface : Surface
         The surface; keep it near the origin and near unit size, for faces are
         found in float32.
+
+    Attributes
+    ----------
+    surface : Surface
+        The same surface.
+    bounds : numpy.ndarray
+        Shape (2, 3), float64: lower and upper corner of its bounding box.
     """
 
     def __init__(self, surface: Surface) -> None:
         open3d = load_open3d()
         self.surface = surface
+        self.bounds = np.stack([surface.vertices.min(axis=0), surface.vertices.max(axis=0)])
         self._corners = surface.triangles
         self._planes = _face_planes(surface)
         self._tensor = open3d.core.Tensor
@@ -83,9 +91,8 @@ class RayCaster:
 
     @property
     def reach(self) -> float:
-        """A length that no two points of the surface's bounding box are farther apart than."""
-        vertices = self.surface.vertices
-        return float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
+        """A length that no two points of the surface are farther apart than."""
+        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
 
     def first_hits(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> Hits:
         """Cast rays and give the first hit of each.

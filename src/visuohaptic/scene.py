@@ -8,11 +8,13 @@ effect stands beside the effect in `visuohaptic.sensor`; what calls for a visual
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Mode = Literal["auto", "always", "never"]
 Cover = Literal["none", "winkler", "half_space"]
@@ -235,6 +237,8 @@ def seen_colours(
     numpy.ndarray
         Shape (f, 3), uint8.
     """
+    import numpy as np
+
     colours = face_colours.astype(np.float64)
     if modes.texture == "never":
         mean = (colours * face_areas[:, None]).sum(axis=0) / face_areas.sum()

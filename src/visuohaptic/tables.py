@@ -186,6 +186,27 @@ TOUCHES = Schema(
     _names(TOUCH_KEYS),
 )
 
+EFFECT_KEYS = (
+    *OBJECT_KEYS,
+    Column("first_viewpoint", COUNT, "first viewpoint of the job that touched", minimum=0),
+    Column("effect", TEXT, "what may be simulated"),
+)
+
+EFFECTS = Schema(
+    "effects",
+    (
+        *EFFECT_KEYS,
+        Column("scene", TEXT, "preset of the scene"),
+        Column("mode", TEXT, "auto, always or never"),
+        Column("reason", TEXT, "why it was called for, or why not"),
+        Column("touches", COUNT, "touches of the job", minimum=0),
+        Column("called_for", COUNT, "touches that called for it", minimum=0),
+        Column("runs", COUNT, "touches that it was simulated for", minimum=0),
+        Column("seconds", REAL, "time spent, deciding included; differs from run to run", "s", 0),
+    ),
+    _names(EFFECT_KEYS),
+)
+
 CONTOURLET_FEATURES = tuple(f"contourlet_{band:02d}" for band in range(1, 17))
 KINESTHETIC_FEATURES = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
 
@@ -250,7 +271,8 @@ PREDICTIONS = Schema(
 )
 
 SCHEMAS = {
-    schema.name: schema for schema in (VIEWS, FIXATIONS, TOUCHES, FEATURES, SCORES, PREDICTIONS)
+    schema.name: schema
+    for schema in (VIEWS, FIXATIONS, TOUCHES, EFFECTS, FEATURES, SCORES, PREDICTIONS)
 }
 
 

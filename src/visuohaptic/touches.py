@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+
+import pyarrow as pa
 
 from visuohaptic.raycasting import RayCaster
 from visuohaptic.scene import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import touch
+from visuohaptic.sensor.planner import EffectRecord
+from visuohaptic.sensor.random_fields import RandomFields
+from visuohaptic.sensor.touching import Touches, touch
 from visuohaptic.surface import read_surface
-from visuohaptic.tables import FIXATIONS, TOUCHES, build_table, matrix, read_table, write_table
+from visuohaptic.tables import (
+    EFFECTS,
+    FIXATIONS,
+    TOUCHES,
+    build_table,
+    matrix,
+    read_table,
+    write_table,
+)
 
 _POINT = ("x", "y", "z")
 _NORMAL = ("normal_x", "normal_y", "normal_z")
@@ -19,11 +32,13 @@ _TANGENT = ("tangent_x", "tangent_y", "tangent_z")
 def make_touches(
     mesh: str | Path,
     fixations: str | Path,
-    output: str | Path,
+    touches: str | Path,
+    effects: str | Path,
     sensor: SensorParameters,
     scene: Scene,
+    seed: int,
 ) -> None:
-    """Make the touch table of an object's probing locations.
+    """Make the touch table of an object's probing locations, and the books of the effects.
 
     Parameters
     ----------
@@ -31,24 +46,53 @@ def make_touches(
         The object's surface.
     fixations : path
         Its probing locations.
-    output : path
-        The Parquet file to write.
+    touches, effects : path
+        The Parquet files to write.
     sensor : SensorParameters
         Section `sensor`.
     scene : Scene
         Section `scene`.
+    seed : int
+        The experiment's seed.
     """
     table = read_table(FIXATIONS, fixations)
-    touches = touch(
-        RayCaster(read_surface(mesh)), matrix(table, _POINT), matrix(table, _NORMAL), sensor, scene
+    keys = [table.column(name).to_pylist() for name in FIXATIONS.keys]
+    felt = touch(
+        RayCaster(read_surface(mesh)),
+        matrix(table, _POINT),
+        matrix(table, _NORMAL),
+        sensor,
+        scene,
+        RandomFields(seed, list(zip(*keys, strict=True))),
+        table.column("face").to_numpy(),
     )
-    columns: dict[str, object] = {name: table.column(name) for name in (*TOUCHES.keys, *_POINT)}
-    columns |= dict(zip(_NORMAL, touches.normals.T, strict=True))
-    columns |= dict(zip(_TANGENT, touches.tangents.T, strict=True))
+    write_table(TOUCHES, _touch_table(table, felt), touches)
+    write_table(EFFECTS, _effect_table(table, scene, felt.effects), effects)
+
+
+def _touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
+    columns: dict[str, object] = {name: fixations.column(name) for name in (*TOUCHES.keys, *_POINT)}
+    columns |= dict(zip(_NORMAL, felt.normals.T, strict=True))
+    columns |= dict(zip(_TANGENT, felt.tangents.T, strict=True))
     columns |= {
-        "image": touches.images,
-        "sensor_size": touches.size,
-        "contact_state": touches.contact_state.tolist(),
-        "penetration": touches.penetration,
+        "image": felt.images,
+        "sensor_size": felt.size,
+        "contact_state": felt.contact_state.tolist(),
+        "penetration": felt.penetration,
     }
-    write_table(TOUCHES, build_table(TOUCHES, columns), output)
+    return build_table(TOUCHES, columns)
+
+
+def _effect_table(fixations: pa.Table, scene: Scene, records: Sequence[EffectRecord]) -> pa.Table:
+    first = fixations.slice(0, 1).to_pylist()[0]
+    names = ("effect", "mode", "reason", "touches", "called_for", "runs", "seconds")
+    columns: dict[str, object] = {
+        name: [getattr(record, name) for record in records] for name in names
+    }
+    columns |= {
+        "class": first["class"],
+        "object": first["object"],
+        "first_viewpoint": first["viewpoint"],
+        "scene": scene.preset,
+    }
+    return build_table(EFFECTS, columns)

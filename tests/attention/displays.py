@@ -1,6 +1,7 @@
 """Search displays with one known target: a panel of 5 x 5 items, drawn with soft edges."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -21,19 +22,29 @@ def draw(items, size=256, rows=None):
     """Give a display as (h, w, 3) float32; items is 25 long, row by row."""
     rows = size if rows is None else rows
     image = np.broadcast_to(np.array(PANEL, dtype=np.float32), (rows, size, 3)).copy()
-    y, x = np.mgrid[:rows, :size] + 0.5
     for place, item in enumerate(items):
-        centre_y, centre_x = cell_centre(place, rows, size)
-        pitch = min(rows, size) / GRID
-        angle = np.radians(item.angle_degrees)
-        along = (x - centre_x) * np.cos(angle) - (y - centre_y) * np.sin(angle)
-        across = (x - centre_x) * np.sin(angle) + (y - centre_y) * np.cos(angle)
-        outside = np.maximum(
-            np.abs(along) - 0.5 * item.length * pitch, np.abs(across) - 0.5 * item.width * pitch
-        )
-        cover = np.clip(0.5 - outside, 0.0, 1.0)[..., None].astype(np.float32)
-        image = image * (1 - cover) + np.array(item.colour, dtype=np.float32) * cover
+        row, column = divmod(place, GRID)
+        top, bottom = (round(edge * rows / GRID) for edge in (row, row + 1))
+        left, right = (round(edge * size / GRID) for edge in (column, column + 1))
+        cell = image[top:bottom, left:right]
+        cover = item_cover(place, item, rows, size)[top:bottom, left:right, None]
+        cell += cover * (np.array(item.colour, dtype=np.float32) - cell)
     return image
+
+
+@cache
+def item_cover(place, item, rows, columns):
+    """Give the share of each pixel that an item covers, (h, w) float32."""
+    centre_y, centre_x = cell_centre(place, rows, columns)
+    y, x = np.mgrid[:rows, :columns] + 0.5
+    pitch = min(rows, columns) / GRID
+    angle = np.radians(item.angle_degrees)
+    along = (x - centre_x) * np.cos(angle) - (y - centre_y) * np.sin(angle)
+    across = (x - centre_x) * np.sin(angle) + (y - centre_y) * np.cos(angle)
+    outside = np.maximum(
+        np.abs(along) - 0.5 * item.length * pitch, np.abs(across) - 0.5 * item.width * pitch
+    )
+    return np.clip(0.5 - outside, 0.0, 1.0).astype(np.float32)
 
 
 def cell_centre(place, rows, columns):

@@ -64,7 +64,7 @@ def parameter_sets(draw):
         penetration_tolerance=draw(st.sampled_from([1e-5, 1e-3, 0.01])),
         depth_range=draw(st.sampled_from([0.02, 0.3])),
         clearance=draw(st.sampled_from([0.02, 0.3])),
-        normal=draw(st.sampled_from(["face", "smoothed"])),
+        normal=draw(st.sampled_from(["face", "given", "smoothed"])),
         orientation=draw(st.sampled_from(["upright", "transported"])),
         normalisation=draw(st.sampled_from(["per_imprint", "absolute"])),
     )

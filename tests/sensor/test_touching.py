@@ -177,6 +177,26 @@ def test_columns_run_along_the_tangent_and_rows_down():
     assert rows.max() < 16
 
 
+def test_the_face_under_the_probe_gives_the_normal_where_it_is_named():
+    roof = sheet(lambda x, z: -0.4 * np.abs(x) + 0 * z, half=0.4, cells=2)
+    caster, face = RayCaster(roof), np.array([0])
+    point = roof.triangles[face].mean(axis=1)
+    own = roof.face_normals[face]
+    tilted = own + np.array([[0.1, 0.0, 0.2]])
+    tilted /= np.linalg.norm(tilted)
+
+    def normal_of(given, **parameters):
+        return touch(
+            caster, point, given, SensorParameters(**parameters), Scene(), faces=face
+        ).normals
+
+    np.testing.assert_array_equal(normal_of(tilted), own)
+    np.testing.assert_array_equal(normal_of(-tilted), -own)
+    np.testing.assert_array_equal(normal_of(tilted, normal="given"), tilted)
+    unnamed = touch(caster, point, tilted, SensorParameters(), Scene())
+    np.testing.assert_array_equal(unnamed.normals, tilted)
+
+
 def test_noise_stays_the_same_whatever_else_is_switched_on():
     surface = sheet(lambda x, z: -0.3 * x**2 + 0 * z, half=0.4, cells=40)
     caster = RayCaster(surface)

@@ -98,7 +98,7 @@ def code_of(script):
 
 def prune_tables():
     """Delete parts of tables that the parameters and objects of today no longer name."""
-    for table in ("views", "fixations", "touches", "features"):
+    for table in ("views", "fixations", "touches", "effects", "features"):
         prune_parts(f"results/{table}", parts_of(table))
     for table in ("scores", "predictions"):
         prune_parts(f"results/{table}", scores_of(table))

@@ -51,6 +51,7 @@ rule report:
         "logs/report.log",
     conda:
         "../envs/visuohaptic.yaml"
+    threads: 2
     params:
         parameters=PARAMETERS.model_dump(),
         objects=OBJECTS,

@@ -1,12 +1,14 @@
 """Touches: probing locations → tactile imprints, the sensor's pose and size, the contact's state.
 
-Takes results/meshes/ and results/fixations/; gives the table results/touches/.
+Takes results/meshes/ and results/fixations/; gives the tables results/touches/ and
+results/effects/ (what each effect was called for, and what it took).
 """
 
 
 rule touches_all:
     input:
         parts_of("touches"),
+        parts_of("effects"),
 
 
 rule touches:
@@ -15,7 +17,8 @@ rule touches:
         fixations="results/fixations/{object}/{views}.parquet",
         code=code_of("touches.py"),
     output:
-        "results/touches/{object}/{views}.parquet",
+        touches="results/touches/{object}/{views}.parquet",
+        effects="results/effects/{object}/{views}.parquet",
     log:
         "logs/touches/{object}/{views}.log",
     conda:

@@ -20,4 +20,5 @@ with logged_job(snakemake.log[0]):
         output=snakemake.output[0],
         parameters=ExperimentParameters.from_mapping(snakemake.params.parameters),
         objects=snakemake.params.objects,
+        threads=snakemake.threads,
     )

@@ -9,7 +9,9 @@ with logged_job(snakemake.log[0]):
     make_touches(
         mesh=snakemake.input.mesh,
         fixations=snakemake.input.fixations,
-        output=snakemake.output[0],
+        touches=snakemake.output.touches,
+        effects=snakemake.output.effects,
         sensor=SensorParameters(**snakemake.params.sensor),
         scene=Scene(**snakemake.params.scene),
+        seed=snakemake.params.seed,
     )

@@ -27,8 +27,14 @@ MAP_SIZE = WORKING_SIZE // 2
 TWO_SIDED_CHANNELS = ("colour", "intensity")
 # Largest response, in a channel's own unit of full scale, below which a map is not blown up.
 FAINT = 0.01
-# Maxima below this share of the range are not counted, as in the toolbox of Walther & Koch.
-COUNTED_MAXIMA = 0.1
+# Differences that rounding may cause; one of 256 grey levels is forty times as much.
+NOISE = np.float32(1e-4)
+# Maxima around a tenth of the range begin to count, as in the toolbox of Walther & Koch.
+LOWEST_MAXIMUM, COUNTED_RANGE = np.float32(0.05), 0.1
+# What is left at least of a map in which nothing is special, such as one long even edge.
+REMNANT = 1e-3
+# How far below its highest neighbour a pixel is part of the same peak.
+PLATEAU = 1e-3
 EXCITATION, EXCITATION_WIDTH = 0.5, 0.02
 INHIBITION, INHIBITION_WIDTH = 1.5, 0.25
 CONSTANT_INHIBITION = 0.02
@@ -177,11 +183,11 @@ def _promoted_stack(
     two_sided = np.isin(stack.channels, TWO_SIDED_CHANNELS)
     for scale in scales:
         difference = _difference(stack.pyramid, scale)
-        promoted = promote(_scaled(_rectified(difference)), parameters)
+        promoted = promote(_scaled(_rectified(difference - NOISE)), parameters)
         total += promoted
         strongest = np.maximum(strongest, _peaks(promoted))
         if two_sided.any():
-            promoted = promote(_scaled(_rectified(-difference)), parameters)
+            promoted = promote(_scaled(_rectified(-difference - NOISE)), parameters)
             total += _times(promoted, two_sided.astype(np.float32))
             strongest = np.maximum(strongest, _peaks(promoted) * two_sided)
     return total, strongest
@@ -236,13 +242,22 @@ def _scaled(planes: Plane) -> Plane:
 
 
 def _promote_by_local_maxima(planes: Plane) -> Plane:
-    """Itti, Koch & Niebur 1998: times (M - mean of the other local maxima) squared."""
-    maxima = (planes == cv2.dilate(planes, _NEIGHBOURS)) & (planes > COUNTED_MAXIMA)
+    """Apply Itti, Koch & Niebur 1998: times (M - mean of the other local maxima) squared.
+
+    Which pixel is a maximum, and whether it is high enough to count, fade over a
+    little range, and a peak between pixels counts once. Otherwise rounding would
+    decide, on an object that is alike on both sides, between one peak and two.
+    """
+    below = cv2.dilate(planes, _NEIGHBOURS) - planes
+    topmost = _rectified(1.0 - below * np.float32(1.0 / PLATEAU))
+    crowd = cv2.boxFilter(topmost, -1, (3, 3), normalize=False, borderType=cv2.BORDER_CONSTANT)
+    level = np.clip((planes - LOWEST_MAXIMUM) * np.float32(1.0 / COUNTED_RANGE), 0.0, 1.0)
+    votes = topmost / np.maximum(crowd, np.float32(1.0)) * level
+    counts = np.array(cv2.sumElems(votes))
+    sums = np.array(cv2.sumElems(votes * planes))
     largest = _peaks(planes).astype(np.float64)
-    counts = np.array(cv2.sumElems(maxima.view(np.uint8)))
-    sums = np.array(cv2.sumElems(planes * maxima))
     others = np.maximum(sums - largest, 0.0) / np.maximum(counts - 1.0, 1.0)
-    return _times(planes, (largest - others) ** 2)
+    return _times(planes, np.maximum((largest - others) ** 2, REMNANT))
 
 
 def _promote_iteratively(planes: Plane, rounds: int) -> Plane:

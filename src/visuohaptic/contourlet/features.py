@@ -145,17 +145,26 @@ def _sum_of_squares(values: Floats, *, centred: bool) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class _Kernel:
-    """What gives the sums of squares of small images of one size, group of bands by group."""
+    """What gives the sums of squares of small images of one size, group of bands by group.
+
+    Attributes
+    ----------
+    groups : tuple
+    run : int
+        Images in every product: few, so that short batches waste little, but more for a large matrix,
+        which is read anew in every product.
+    """
 
     groups: tuple[_Dense | _Circulant, ...]
+    run: int
 
     def squares(self, stack: Array, *, centred: bool) -> Array:
         found = np.zeros((len(stack), sum(group.bands for group in self.groups)))
-        for start in range(0, len(stack), BLOCK_IMAGES):
-            block = stack[start : start + BLOCK_IMAGES]
+        for start in range(0, len(stack), self.run):
+            block = stack[start : start + self.run]
             present = len(block)
-            if present < BLOCK_IMAGES:
-                empty = np.zeros((BLOCK_IMAGES - present, *stack.shape[1:]))
+            if present < self.run:
+                empty = np.zeros((self.run - present, *stack.shape[1:]))
                 block = np.concatenate([block, empty])
             parts = [group.squares(block, centred=centred) for group in self.groups]
             found[start : start + present] = np.concatenate(parts)[:, :present].T
@@ -176,9 +185,9 @@ class _Dense:
     matrix: Array
 
     def squares(self, block: Array, *, centred: bool) -> Array:
-        """Give `(bands, images)` of a block of exactly `BLOCK_IMAGES` images."""
-        pixels = np.ascontiguousarray(block.reshape(BLOCK_IMAGES, -1).T)
-        values = (self.matrix @ pixels).reshape(self.bands, -1, BLOCK_IMAGES)
+        """Give `(bands, images)` of a block of images."""
+        pixels = np.ascontiguousarray(block.reshape(len(block), -1).T)
+        values = (self.matrix @ pixels).reshape(self.bands, -1, len(block))
         if centred:
             values -= values.mean(axis=1, keepdims=True)
         return np.square(values, out=values).sum(axis=1)
@@ -212,14 +221,14 @@ class _Circulant:
     paired: Array
 
     def squares(self, block: Array, *, centred: bool) -> Array:
-        """Give `(bands, images)` of a block of exactly `BLOCK_IMAGES` images."""
+        """Give `(bands, images)` of a block of images."""
         pixels = np.ascontiguousarray(block.transpose((1, 2, 0) if self.axis == 0 else (2, 1, 0)))
         spectrum = self.basis @ pixels.reshape(len(self.basis), -1)
-        cells = self.single.shape[2]
-        single = self.single @ spectrum[:2].reshape(2, cells, BLOCK_IMAGES)
-        single = single.reshape(2, self.bands, -1, BLOCK_IMAGES)
-        paired = self.paired @ spectrum[2:].reshape(len(self.paired), 2 * cells, BLOCK_IMAGES)
-        paired = paired.reshape(2 * len(self.paired), self.bands, -1, BLOCK_IMAGES)
+        cells, count = self.single.shape[2], len(block)
+        single = self.single @ spectrum[:2].reshape(2, cells, count)
+        single = single.reshape(2, self.bands, -1, count)
+        paired = self.paired @ spectrum[2:].reshape(len(self.paired), 2 * cells, count)
+        paired = paired.reshape(2 * len(self.paired), self.bands, -1, count)
         if centred:
             single[0] -= single[0].mean(axis=1, keepdims=True)
         return sum(np.square(part, out=part).sum(axis=(0, 2)) for part in (single, paired))
@@ -230,14 +239,15 @@ def _kernel(transform: Contourlet, shape: tuple[int, int]) -> _Kernel:
     matrix = contourlet_operator(transform, shape).matrix
     sizes = transform.band_shapes(shape)
     start = sizes[0][0][0] * sizes[0][0][1]
-    groups = []
+    groups: list[_Dense | _Circulant] = []
     for level in sizes[1:]:
         for size in dict.fromkeys(level):
             bands = level.count(size)
             stop = start + bands * size[0] * size[1]
             groups.append(_group(matrix[:, start:stop].reshape(*shape, bands, *size)))
             start = stop
-    return _Kernel(tuple(groups))
+    dense = any(isinstance(group, _Dense) for group in groups)
+    return _Kernel(tuple(groups), 4 * BLOCK_IMAGES if dense else BLOCK_IMAGES)
 
 
 def _group(cells: Floats) -> _Dense | _Circulant:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import pywt
 from numpy.typing import NDArray
 
 from .errors import FilterError
@@ -75,7 +74,9 @@ class LadderStep:
 
 def pyramid_filter_names() -> tuple[str, ...]:
     """List every name that `pyramid_filters` takes."""
-    return ("9-7", "5-3", *pywt.wavelist("haar"), *pywt.wavelist("bior"), *pywt.wavelist("rbio"))
+    import pywt
+
+    return ("9-7", "5-3", "haar", *pywt.wavelist("bior"), *pywt.wavelist("rbio"))
 
 
 def _mirror(half: list[float], centre: float) -> Array:
@@ -109,6 +110,10 @@ def pyramid_filters(name: str) -> PyramidFilters:
             np.array([-1.0, 2.0, 6.0, 2.0, -1.0]) / (4 * np.sqrt(2)),
             np.array([1.0, 2.0, 1.0]) / (2 * np.sqrt(2)),
         )
+    if name == "haar":
+        return PyramidFilters(np.full(2, np.sqrt(0.5)), np.full(2, np.sqrt(0.5)))
+    import pywt
+
     if name not in pyramid_filter_names():
         raise FilterError(
             f"No pyramid filter is called {name!r}; the names are 9-7, 5-3, haar and PyWavelets' "

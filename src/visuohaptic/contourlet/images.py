@@ -38,7 +38,7 @@ def check_images(images: ArrayLike) -> Floats:
             f"Images must have the shape (..., rows, columns) with at least 2 rows and 2 columns, not "
             f"{array.shape}."
         )
-    if not np.isfinite(array).all():
+    if not np.isfinite([array.max(initial=0.0), array.min(initial=0.0)]).all():
         raise ImageError("Images must be finite, but there are NaN or infinite pixels.")
     return array
 

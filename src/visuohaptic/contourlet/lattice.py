@@ -116,7 +116,7 @@ def band_shapes(shape: tuple[int, int], directions_log2: int) -> tuple[tuple[int
     return (flat,) * half + (tall,) * half
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=16)
 def directional_tables(
     shape: tuple[int, int], directions_log2: int, filter_name: str, extension: Extension
 ) -> DirectionalTables:
@@ -339,8 +339,9 @@ def _placed_tree(
 ) -> tuple[list[list[_Split]], list[Indices]]:
     """Split down to `depth`, every sample at its own pixel, in raster order."""
     haar = filter_name == "haar"
-    one = np.array([1, 1])
-    nodes = [_Node(_grid(shape, 0 * one, one), np.eye(2, dtype=np.intp), 0 * one, one)]
+    origin, spacing = np.array([0, 0]), np.array([1, 1])
+    whole = _grid(shape, origin, spacing)
+    nodes = [_Node(whole, np.eye(2, dtype=np.intp), origin, spacing)]
     levels = []
     children: list[_Node]
     for level in range(1, depth + 1):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pywt
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import FilterError, LevelsError
@@ -41,6 +40,8 @@ def wavelet_deviations(
     ContourletError
         On images, a wavelet, a mode or levels that are not allowed.
     """
+    import pywt
+
     array = check_images(images).astype(np.float64, copy=False)
     _check(wavelet, levels, mode)
     stack = array.reshape(-1, *array.shape[-2:])
@@ -62,6 +63,8 @@ def wavelet_band_names(levels: int = 3) -> list[str]:
 
 
 def _check(wavelet: Any, levels: Any, mode: Any) -> None:
+    import pywt
+
     if wavelet not in pywt.wavelist(kind="discrete"):
         raise FilterError(
             f"No discrete wavelet is called {wavelet!r}; the names are those of PyWavelets, such as "

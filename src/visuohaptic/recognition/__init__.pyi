@@ -1,3 +1,5 @@
+from .curves import TouchCurve as TouchCurve
+from .curves import touch_curves as touch_curves
 from .experiment import run_pipeline as run_pipeline
 from .imprints import IMPRINT_FEATURES as IMPRINT_FEATURES
 from .imprints import describe_imprint_shape as describe_imprint_shape
@@ -16,6 +18,7 @@ __all__ = [
     "Confusion",
     "RecognitionModel",
     "RecognitionParameters",
+    "TouchCurve",
     "confusion",
     "describe_imprint_shape",
     "fit_model",
@@ -24,4 +27,5 @@ __all__ = [
     "save_model",
     "select",
     "summarise",
+    "touch_curves",
 ]

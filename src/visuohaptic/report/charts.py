@@ -90,7 +90,7 @@ def interval_chart(
                 marks.append(_interval_mark(place, figures[name], y))
             if name in published:
                 value = published[name]
-                label_of_value = f"published: {percent(value)}"
+                label_of_value = f"published: {percent(value, 2)}"
                 marks.append(Mark(place, _x(value), y, label_of_value, published=True))
         top += LABEL_HEIGHT + len(series) * SERIES_HEIGHT + ROW_GAP
     return IntervalChart(

@@ -286,10 +286,14 @@ def _gain_sentence(table: PipelineTable) -> str:
         return ""
     ahead = [row for row, found in compared if found.difference.mean > 0]
     gains = [found.difference.mean for _, found in compared]
-    settled = [row for row, found in compared if found.adjusted_p < SIGNIFICANCE]
+    settled = [
+        f"{row.name} ({points(found.difference.mean)})"
+        for row, found in compared
+        if found.adjusted_p < SIGNIFICANCE
+    ]
     objects = compared[0][1].objects
     verdict = (
-        f"and the difference is beyond chance for {_names(settled)} (Holm-adjusted p below "
+        f"and the difference is beyond chance for {listed(settled)} (Holm-adjusted p below "
         f"{SIGNIFICANCE:g})"
         if settled
         else f"but with {counted(objects, 'object')} no difference is beyond chance (smallest "
@@ -311,7 +315,7 @@ def _published_sentence(table: PipelineTable) -> str:
     ]
     best = max(covered, key=lambda row: row.published[table.leading])
     return (
-        f"The paper, with other objects, reports up to {percent(best.published[table.leading])} "
+        f"The paper, with other objects, reports up to {percent(best.published[table.leading], 2)} "
         f"({best.name}); {len(inside)} of its {counted(len(covered), 'figure')} for "
         f"{strategy_name(table.leading)} lie within the intervals found here."
     )

@@ -26,6 +26,7 @@ def make_report(
     output: str | Path,
     parameters: ExperimentParameters,
     objects: Sequence[str],
+    threads: int = 1,
 ) -> None:
     """Write the report of a run, whole or not at all.
 
@@ -40,6 +41,8 @@ def make_report(
     objects : sequence of str
         Objects that were to take part, `class/name`; those of which there is no
         table are named in a warning.
+    threads : int
+        Threads to work on; they change nothing but the time.
 
     Raises
     ------
@@ -48,7 +51,7 @@ def make_report(
     TableError
         If a table is missing or breaks its schema.
     """
-    page = render_page(read_run(files, parameters, objects))
+    page = render_page(read_run(files, parameters, objects), threads)
     output = Path(output)
     output.parent.mkdir(parents=True, exist_ok=True)
     waiting = output.with_name(f".{output.name}.part")
@@ -59,13 +62,15 @@ def make_report(
         waiting.unlink(missing_ok=True)
 
 
-def render_page(run: Run) -> str:
+def render_page(run: Run, threads: int = 1) -> str:
     """Give the page of a run.
 
     Parameters
     ----------
     run : Run
         The run.
+    threads : int
+        Threads to work on.
 
     Returns
     -------
@@ -73,7 +78,7 @@ def render_page(run: Run) -> str:
         HTML that asks the network for nothing.
     """
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
-    story = Story(run, describe_objects(run), seconds)
+    story = Story(run, describe_objects(run, threads), seconds)
     environment = make_environment()
     shared = {"parameters": run.parameters, "pipeline": run.pipelines[0]}
     bodies = []
@@ -87,6 +92,7 @@ def render_page(run: Run) -> str:
     return environment.get_template("page.html.jinja").render(
         bodies=bodies,
         pages=story.pages,
+        marks=_most_marks(story),
         warnings=find_warnings(run, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
@@ -118,6 +124,11 @@ def make_environment() -> Environment:
         "strategy": wording.strategy_name,
     }
     return environment
+
+
+def _most_marks(story: Story) -> int:
+    numbers = (mark.number for page in story.pages for view in page.views for mark in view.marks)
+    return max(numbers, default=0)
 
 
 def _extra_bodies(environment: Environment, run: Run, place: str) -> list[tuple[str, str, str]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import gzip
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 
 import numpy as np
@@ -96,6 +97,7 @@ def pack_model(surface: Surface, touches: NDArray[np.float64], faces: int) -> Pa
     )
 
 
+@cache
 def plotly_library() -> str:
     """Give plotly.js as gzip in base64: a third of its size, and unpacked only when asked for."""
     source = files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()

@@ -21,24 +21,26 @@ def data_uri(data: bytes, kind: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 
-def shrink_picture(png: bytes) -> tuple[str, tuple[int, int]]:
+def shrink_picture(png: bytes, factor: int = 1) -> tuple[str, tuple[int, int]]:
     """Store a picture again as lossy WebP.
 
     Parameters
     ----------
     png : bytes
         The picture.
+    factor : int
+        Pixels along each edge that become one, by their mean; for maps that are smooth anyway.
 
     Returns
     -------
     uri : str
         Its data address.
     size : tuple of int
-        Rows and columns.
+        Rows and columns that it had.
     """
     with Image.open(io.BytesIO(png)) as picture:
         stored = io.BytesIO()
-        picture.save(stored, "webp", quality=WEBP_QUALITY, method=_WEBP_EFFORT)
+        picture.reduce(factor).save(stored, "webp", quality=WEBP_QUALITY, method=_WEBP_EFFORT)
         columns, rows = picture.size
     return data_uri(stored.getvalue(), "image/webp"), (rows, columns)
 

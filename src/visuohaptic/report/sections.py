@@ -147,6 +147,9 @@ def methods_values(story: Story) -> Values:
         "table": story.run.pipelines[0],
         "objects": len(story.pages),
         "classes": story.run.classes,
+        "elevations": [
+            f"{value:g}" for value in story.run.parameters.viewpoints.elevations_degrees
+        ],
         "weighted": [
             name if weight == 1.0 else f"{name} (weight {weight:g})"
             for name, weight in weights.items()
@@ -189,12 +192,12 @@ SECTIONS = (
     Section("answer", "Question and answer", answer_values),
     Section("method", "The method on one object of this run", method_values),
     Section("comparison", "Eye fixations against random probing", comparison_values),
-    Section("confusion", "What was taken for what", confusion_values),
     Section("objects", "The objects", objects_values),
+    Section("confusion", "What was taken for what", confusion_values),
     Section("methods", "Methods text", methods_values),
     Section("parameters", "Parameters", parameters_values),
-    Section("provenance", "What ran, where and how long", provenance_values),
     Section("credits", "Credits", credits_values),
+    Section("provenance", "What ran, where and how long", provenance_values),
 )
 
 

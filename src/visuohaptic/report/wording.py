@@ -46,9 +46,9 @@ def spaced(key: str) -> str:
     return key.replace("_", " ")
 
 
-def percent(share: float) -> str:
-    """Write a share as a percentage with one decimal."""
-    return f"{_with_minus(f'{100 * share:.1f}')}{_NO_BREAK}%"
+def percent(share: float, decimals: int = 1) -> str:
+    """Write a share as a percentage."""
+    return f"{_with_minus(f'{100 * share:.{decimals}f}')}{_NO_BREAK}%"
 
 
 def points(difference: float) -> str:

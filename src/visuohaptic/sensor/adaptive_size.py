@@ -1,4 +1,4 @@
-"""The largest square that the object lets come in, in closed form from two casts."""
+"""The largest square that the object lets come in, in closed form."""
 
 from __future__ import annotations
 
@@ -11,6 +11,27 @@ from visuohaptic.sensor.imprints import RAYS_IN_FLIGHT, Poses, sensing_offsets
 PERIMETER_RAYS = 128
 # Relative distance by which a square stays clear of what bounds it.
 _STAND_CLEAR = 1e-9
+
+
+def box_heights(caster: RayCaster, poses: Poses) -> NDArray[np.float64]:
+    """Find how far the object's bounding box reaches above each tangent plane.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    poses : Poses
+        n sensors.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), float64, object radii: no part of the object stands higher.
+    """
+    corners = np.where(
+        poses.normals > 0, caster.bounds[1] - poses.points, caster.bounds[0] - poses.points
+    )
+    return (corners * poses.normals).sum(axis=1)
 
 
 def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> NDArray[np.float64]:

@@ -87,6 +87,31 @@ def _any_perpendicular(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.cross(least, normals)
 
 
+def touched_normals(
+    caster: RayCaster, normals: NDArray[np.float64], faces: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Give the touched faces' own normals, turned to the side of given ones.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    normals : numpy.ndarray
+        Shape (n, 3), float64, outward unit normals, such as interpolated ones.
+    faces : numpy.ndarray
+        Shape (n,), int64: the face under each probing location.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 3), float64, unit normals; the given one where a face has no area.
+    """
+    own = caster.surface.face_normals[faces]
+    side = np.einsum("ij,ij->i", own, normals)[:, None]
+    own = np.where(side < 0, -own, own)
+    return np.where(own.any(axis=1, keepdims=True), own, normals)
+
+
 def orient_outwards(
     caster: RayCaster, points: NDArray[np.float64], normals: NDArray[np.float64]
 ) -> NDArray[np.float64]:

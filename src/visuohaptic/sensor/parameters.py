@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-Normal = Literal["face", "smoothed"]
+Normal = Literal["face", "given", "smoothed"]
 Orientation = Literal["upright", "transported"]
 Normalisation = Literal["per_imprint", "absolute"]
 
@@ -42,7 +42,7 @@ class SensorParameters(BaseModel):
     )
     normal: Normal = Field(
         "face",
-        description="`face`: the normal as given; `smoothed`: the mean normal of the surface under the largest square",
+        description="`face`: the touched triangle's own; `given`: as the probing location has it; `smoothed`: the mean normal of the surface under the largest square",
     )
     orientation: Orientation = Field(
         "upright",

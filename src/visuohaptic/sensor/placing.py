@@ -13,6 +13,7 @@ from visuohaptic.scene import Mode
 from visuohaptic.sensor.adaptive_size import (
     admissible_sizes,
     approach_distances,
+    box_heights,
     free_half_sizes,
     unobstructed_half_sizes,
 )
@@ -46,10 +47,12 @@ class Placement:
 def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: Mode) -> Placement:
     """Bring sensors to the object, as large as it lets them be.
 
-    The largest square is cast from beyond the object, so that whatever stands in the
-    corridor of approach is met. Where the centre's own way is
-    obstructed, the square is cast from within the sensor's clearance instead. Where nothing penetrates
-    that cast is the imprint; else the largest admissible square follows in closed form and is cast.
+    Squares are cast from beyond the object, so that whatever stands in the corridor of
+    approach is met; where the centre's own way is obstructed, from within the sensor's clearance instead.
+
+    A touch calls for an adaptive size if the object's bounding box reaches above its tangent
+    plane. Then the surface's crossings of that plane bound the square in closed form before
+    it is cast. What still penetrates (an overhang crosses no plane) bounds it again.
 
     Parameters
     ----------
@@ -69,40 +72,60 @@ def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: M
     """
     tolerance, resolution = parameters.penetration_tolerance, parameters.resolution
     way_out = approach_distances(caster, poses, tolerance)
-    blocked = np.isfinite(way_out)
+    obstructed = np.isfinite(way_out)
     under_obstacle = np.minimum(parameters.clearance, 0.5 * (tolerance + way_out))
-    lifts = np.where(blocked, under_obstacle, caster.reach)
+    lifts = np.where(obstructed, under_obstacle, caster.reach)
     sizes = np.full(len(poses), parameters.largest_size)
-    heights = cast_heights(caster, poses, sizes, lifts, resolution)
-    if mode == "never":
-        return Placement(heights, sizes, blocked, _record(mode, len(poses), 0, 0, 0.0))
 
     started = time.perf_counter()
-    free = np.minimum(
-        free_half_sizes(caster, poses, tolerance),
-        unobstructed_half_sizes(heights, sizes, tolerance),
+    # Half the tolerance is far more than rounding, so what is not called for changes no bit.
+    called_for = box_heights(caster, poses) > 0.5 * tolerance
+    adapting = called_for if mode == "auto" else np.full(len(poses), mode == "always")
+    rows = np.flatnonzero(adapting)
+    sizes[rows] = admissible_sizes(
+        free_half_sizes(caster, poses[rows], tolerance),
+        parameters.smallest_size,
+        parameters.largest_size,
     )
-    shrinking = free < 0.5 * parameters.largest_size
-    resized = shrinking if mode == "auto" else np.full(len(poses), fill_value=True)
-    pending = np.flatnonzero(resized)
-    while len(pending):
-        sizes[pending] = admissible_sizes(
-            free[pending], parameters.smallest_size, parameters.largest_size
-        )
-        cast = cast_heights(caster, poses[pending], sizes[pending], lifts[pending], resolution)
-        heights[pending] = cast
-        free[pending] = unobstructed_half_sizes(cast, sizes[pending], tolerance)
-        # Finer sensing points can find what the wider ones fell beside.
-        again = (2 * free[pending] < sizes[pending]) & (sizes[pending] > parameters.smallest_size)
-        pending = pending[again]
+    sizing = time.perf_counter() - started
+
+    heights = cast_heights(caster, poses, sizes, lifts, resolution)
+    started = time.perf_counter()
+    _shrink_further(caster, poses, parameters, lifts, rows, sizes, heights)
+    sizing += time.perf_counter() - started
+
     tall = (heights > parameters.clearance).any(axis=(1, 2))
-    seconds = time.perf_counter() - started
-    record = _record(mode, len(poses), int(shrinking.sum()), int(resized.sum()), seconds)
-    return Placement(heights, sizes, blocked | tall, record)
+    record = EffectRecord(
+        "adaptive_size",
+        mode,
+        "where the object's bounding box reaches above the tangent plane",
+        len(poses),
+        int(called_for.sum()),
+        len(rows),
+        sizing,
+    )
+    return Placement(heights, sizes, obstructed | tall, record)
 
 
-def _record(mode: Mode, touches: int, called_for: int, runs: int, seconds: float) -> EffectRecord:
-    reason = "the object stands above the tangent plane within the largest square"
-    if mode == "never":
-        reason = "the square stays at its largest"
-    return EffectRecord("adaptive_size", mode, reason, touches, called_for, runs, seconds)
+def _shrink_further(
+    caster: RayCaster,
+    poses: Poses,
+    parameters: SensorParameters,
+    lifts: NDArray[np.float64],
+    rows: NDArray[np.intp],
+    sizes: NDArray[np.float64],
+    heights: NDArray[np.float64],
+) -> None:
+    """Shrink the squares of some rows, in place, until no sensing point is penetrated."""
+    tolerance, smallest = parameters.penetration_tolerance, parameters.smallest_size
+    while True:
+        free = unobstructed_half_sizes(heights[rows], sizes[rows], tolerance)
+        # Each pass takes away a ring of sensing points at least, so it comes to an end.
+        penetrated = np.isfinite(free) & (sizes[rows] > smallest)
+        rows, free = rows[penetrated], free[penetrated]
+        if not len(rows):
+            return
+        sizes[rows] = admissible_sizes(free, smallest, parameters.largest_size)
+        heights[rows] = cast_heights(
+            caster, poses[rows], sizes[rows], lifts[rows], parameters.resolution
+        )

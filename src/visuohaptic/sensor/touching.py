@@ -12,6 +12,7 @@ from visuohaptic.raycasting import RayCaster
 from visuohaptic.scene import Scene
 from visuohaptic.sensor.contact import contact_states
 from visuohaptic.sensor.effects import simulate
+from visuohaptic.sensor.frames import touched_normals
 from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import place
@@ -67,6 +68,7 @@ def touch(
     parameters: SensorParameters,
     scene: Scene,
     fields: RandomFields | None = None,
+    faces: NDArray[np.int64] | None = None,
 ) -> Touches:
     """Touch an object at many places.
 
@@ -83,6 +85,9 @@ def touch(
     fields : RandomFields, optional
         Where random numbers come from, one chain of names a touch; a scene with
         scattered gains, dead cells or noise needs it.
+    faces : numpy.ndarray, optional
+        Shape (n,), int64: the face under each probing location, for the normal `face`. Without
+        them the given normals are taken.
 
     Returns
     -------
@@ -94,6 +99,8 @@ def touch(
     ParameterError
         If the scene is random and no fields are given.
     """
+    if parameters.normal == "face" and faces is not None:
+        normals = touched_normals(caster, normals, faces)
     parts = [
         _touch_part(
             caster,
@@ -144,7 +151,7 @@ def _touch_part(
     contact = 1.0 - np.clip(gaps / parameters.depth_range, 0.0, 1.0)
     situation = Situation(
         scene,
-        scene.object_radius_m * gaps,
+        scene.object_radius_m * np.maximum(gaps, 0.0),
         scene.object_radius_m * placement.sizes / parameters.resolution,
         fields,
     )

@@ -156,6 +156,7 @@
   for (const figure of drawsIn3D() ? document.querySelectorAll(".model") : []) {
     const button = figure.querySelector(".open");
     figure.querySelector(".stage p").textContent = "The model with its touches, to be turned.";
+    figure.querySelector(".stage").classList.add("ready");
     button.hidden = false;
     button.addEventListener("click", () => {
       button.disabled = true;

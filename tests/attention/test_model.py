@@ -1,0 +1,292 @@
+import numpy as np
+import pytest
+import trimesh
+from attention import displays, scenes
+
+from visuohaptic.attention import (
+    CHANNELS,
+    AttentionError,
+    AttentionParameters,
+    ChannelWeights,
+    area_under_curve,
+    attend,
+    conspicuity_maps,
+    normalised_scanpath_saliency,
+    prepare_view,
+    saliency_map,
+)
+from visuohaptic.rendering import RenderingParameters
+from visuohaptic.viewpoints import Camera, ViewpointParameters, place_cameras
+
+PLACES = range(displays.GRID**2)
+CAMERAS = place_cameras(ViewpointParameters())
+FOOTPRINT = CAMERAS[0].view_height / RenderingParameters().resolution
+FRONT = Camera(0.0, 0.0, 3.0, 40.0)
+
+ODD_ONES = {
+    "level among upright": (displays.Item(0.0), displays.Item(90.0)),
+    "slanted among upright": (displays.Item(45.0), displays.Item(90.0)),
+    "upright among slanted": (displays.Item(90.0), displays.Item(135.0)),
+    "red among green": (
+        displays.Item(colour=displays.RED),
+        displays.Item(colour=displays.GREEN),
+    ),
+    "green among red": (
+        displays.Item(colour=displays.GREEN),
+        displays.Item(colour=displays.RED),
+    ),
+    "dark among light": (displays.Item(colour=displays.DARK), displays.Item()),
+    "dark patch alone": (
+        displays.Item(length=0.5, width=0.5, colour=displays.DARK),
+        displays.Item(colour=displays.PANEL),
+    ),
+}
+
+
+def display_with(place, target, other, **size):
+    items = [target if index == place else other for index in PLACES]
+    return displays.draw(items, **size)
+
+
+def first_hit(image, place, parameters):
+    result = attend(**displays.as_views(image), parameters=parameters)[0]
+    row, column = result.scanpath.rows[0], result.scanpath.columns[0]
+    return result, bool(displays.cell_mask(place, *image.shape[:2])[row, column])
+
+
+@pytest.mark.parametrize("name", ODD_ONES)
+@pytest.mark.parametrize(
+    "size", [{"size": 64}, {"size": 101}, {"size": 256}, {"size": 90, "rows": 67}]
+)
+def test_odd_one_pops_out_at_every_place(name, size):
+    parameters = AttentionParameters(fixations=1)
+    missed = [
+        place
+        for place in PLACES
+        if not first_hit(display_with(place, *ODD_ONES[name], **size), place, parameters)[1]
+    ]
+    assert missed == []
+
+
+@pytest.mark.parametrize("name", ODD_ONES)
+def test_odd_one_scores_high(name):
+    target, other = ODD_ONES[name]
+    areas, scores = [], []
+    for place in PLACES:
+        image = display_with(place, target, other, size=128)
+        result, _ = first_hit(image, place, AttentionParameters(fixations=1))
+        item = displays.item_cover(place, target, 128, 128) > 0.5
+        areas.append(area_under_curve(result.saliency, item, np.ones_like(item)))
+        scores.append(normalised_scanpath_saliency(result.saliency, item, np.ones_like(item)))
+    assert min(areas) > 0.85
+    assert min(scores) > 5.0
+
+
+def test_conjunction_does_not_pop_out():
+    rng = np.random.default_rng(5)
+    others = [displays.Item(90.0, displays.GREEN)] * 12 + [displays.Item(0.0, displays.RED)] * 12
+    hits, ranks = 0, []
+    for place in PLACES:
+        items = [others[index] for index in rng.permutation(24)]
+        items.insert(place, displays.Item(90.0, displays.RED))
+        image = displays.draw(items, size=128)
+        result, hit = first_hit(image, place, AttentionParameters(fixations=1))
+        peaks = [result.saliency[displays.cell_mask(cell, 128, 128)].max() for cell in PLACES]
+        ranks.append(sum(peak > peaks[place] for peak in peaks))
+        hits += hit
+    assert hits <= 3
+    assert np.mean(ranks) > 5
+
+
+@pytest.mark.parametrize("azimuth", [-35, 0, 35])
+@pytest.mark.parametrize("elevation", [-35, 0, 35])
+@pytest.mark.parametrize("shape", [scenes.sphere_with_bump, scenes.sphere_with_patch])
+def test_oddity_of_a_sphere_is_fixated_first(shape, azimuth, elevation):
+    a, e = np.radians([azimuth, elevation])
+    direction = np.array([np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e)])
+    _, (result,) = scenes.look(shape(direction), [FRONT])
+    first = result.scanpath.points[0]
+    assert np.degrees(np.arccos(first @ direction / np.linalg.norm(first))) < 15.0
+
+
+def test_turning_the_object_is_moving_on_to_the_next_viewpoint():
+    thing = scenes.lopsided()
+    _, still = scenes.look(thing, CAMERAS[1:])
+    _, moved = scenes.look(scenes.turned(thing, -22.5), CAMERAS[:-1])
+    angle = np.radians(22.5)
+    back = np.array(
+        [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
+    )
+    for one, other in zip(still, moved, strict=True):
+        assert one.scanpath.distinct == other.scanpath.distinct == 5
+        gaps = np.linalg.norm(one.scanpath.points - other.scanpath.points @ back.T, axis=1)
+        assert gaps.max() < FOOTPRINT
+
+
+def test_mirrored_object_has_mirrored_fixations():
+    thing = scenes.lopsided()
+    across = [Camera(-c.azimuth_degrees, 20.0, 3.0, 40.0) for c in CAMERAS]
+    _, plain = scenes.look(thing, CAMERAS)
+    _, reflected = scenes.look(scenes.mirrored(thing), across)
+    for one, other in zip(plain, reflected, strict=True):
+        gaps = one.scanpath.points - other.scanpath.points * [-1.0, 1.0, 1.0]
+        assert np.linalg.norm(gaps, axis=1).max() < FOOTPRINT
+
+
+@pytest.mark.parametrize("brightness", [0.5, 0.7, 255.0])
+def test_brightness_moves_no_fixation(brightness):
+    views, plain = scenes.look(scenes.lopsided(), CAMERAS[:4])
+    scaled = scenes.attend_to(views, AttentionParameters(), brightness)
+    for one, other in zip(plain, scaled, strict=True):
+        np.testing.assert_array_equal(one.scanpath.rows, other.scanpath.rows)
+        np.testing.assert_array_equal(one.scanpath.columns, other.scanpath.columns)
+
+
+@pytest.mark.parametrize("normalisation", ["local_maxima", "iterative", "none"])
+@pytest.mark.parametrize("shading", [True, False])
+def test_uniform_sphere_gives_five_distinct_points(normalisation, shading):
+    attention = AttentionParameters(normalisation=normalisation)
+    rendering = RenderingParameters(shading=shading)
+    views, (result,) = scenes.look(scenes.sphere(), [FRONT], attention, rendering)
+    assert np.isfinite(result.saliency).all()
+    path = result.scanpath
+    assert path.distinct == 5
+    assert not path.exhausted
+    gaps = np.linalg.norm(path.points[:, None] - path.points[None], axis=2) + 9 * np.eye(5)
+    assert gaps.min() > attention.focus_radius
+    assert views.mask[0][path.rows, path.columns].all()
+
+
+def test_fixations_keep_off_the_background_and_the_outline():
+    attention = AttentionParameters(fixations=16, focus_radius=0.1)
+    views, results = scenes.look(scenes.lopsided(), CAMERAS, attention)
+    for mask, result in zip(views.mask, results, strict=True):
+        inner = mask.copy()
+        for axis in (0, 1):
+            inner &= np.roll(mask, 1, axis) & np.roll(mask, -1, axis)
+        assert inner[result.scanpath.rows, result.scanpath.columns].all()
+        assert not result.saliency[~mask].any()
+
+
+@pytest.mark.parametrize("background", [0.0, 0.3, 1.0])
+def test_background_has_no_say(background):
+    _, plain = scenes.look(scenes.lopsided(), CAMERAS[:2])
+    other = RenderingParameters(background=background)
+    _, results = scenes.look(scenes.lopsided(), CAMERAS[:2], rendering=other)
+    for one, two in zip(plain, results, strict=True):
+        np.testing.assert_array_equal(one.saliency, two.saliency)
+
+
+@pytest.mark.parametrize("background", [0.0, 1.0])
+@pytest.mark.parametrize("channel", CHANNELS)
+def test_outline_of_an_even_disk_is_no_edge(channel, background):
+    y, x = np.mgrid[:128, :128] - 63.5
+    mask = x**2 + y**2 < 50**2
+    spot = np.hypot(x - 12, y + 8) < 7
+    image = np.where(spot, 0.9, np.where(mask, 0.5, background))[:, :, None] * [1.0, 0.9, 0.8]
+    arrays = displays.as_views(image.astype(np.float32)) | {"mask": mask[None]}
+    arrays["curvature"] = np.where(spot, 5.0, 1.0).astype(np.float32)[None]
+    weights = ChannelWeights.only(channel)
+    (result,) = attend(**arrays, parameters=AttentionParameters(weights=weights))
+    ring = mask & (x**2 + y**2 > 44**2)
+    assert result.saliency[spot].max() > 0.9
+    assert result.saliency[ring].max() < 0.05
+
+
+def test_views_do_not_depend_on_each_other():
+    views, together = scenes.look(scenes.lopsided(), CAMERAS[:3])
+    for index, camera in enumerate(CAMERAS[:3]):
+        alone, (result,) = scenes.look(scenes.lopsided(), [camera])
+        np.testing.assert_array_equal(alone.colour[0], views.colour[index])
+        np.testing.assert_array_equal(result.saliency, together[index].saliency)
+        np.testing.assert_array_equal(result.scanpath.points, together[index].scanpath.points)
+
+
+def all_channels(views, index, parameters):
+    view = prepare_view(views.colour[index], views.mask[index], views.curvature[index])
+    return conspicuity_maps(view, CHANNELS, parameters)
+
+
+@pytest.mark.parametrize("normalisation", ["local_maxima", "iterative", "none"])
+@pytest.mark.parametrize(
+    ("scene", "shading", "skipped"),
+    [
+        (scenes.lopsided, True, set()),
+        (lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)), True, {"colour"}),
+        (
+            lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)),
+            False,
+            set(CHANNELS) - {"curvature"},
+        ),
+    ],
+)
+def test_skipping_channels_changes_no_bit(scene, shading, skipped, normalisation):
+    parameters = AttentionParameters(normalisation=normalisation)
+    views, (result,) = scenes.look(
+        scene(), [CAMERAS[1]], parameters, RenderingParameters(shading=shading)
+    )
+    assert set(result.skipped) == skipped
+    assert set(result.conspicuity) == set(CHANNELS) - skipped
+    maps = all_channels(views, 0, parameters)
+    for name in skipped:
+        assert not maps[name].any()
+    kept = {name: plane for name, plane in maps.items() if name not in skipped}
+    np.testing.assert_array_equal(saliency_map(maps, parameters), saliency_map(kept, parameters))
+    few = conspicuity_maps(
+        prepare_view(views.colour[0], views.mask[0], views.curvature[0]), tuple(kept), parameters
+    )
+    for name, plane in few.items():
+        np.testing.assert_array_equal(plane, maps[name])
+
+
+@pytest.mark.parametrize("name", CHANNELS)
+def test_channel_of_weight_zero_does_not_run(name):
+    weights = ChannelWeights(**{name: 0.0})
+    parameters = AttentionParameters(weights=weights)
+    views, (result,) = scenes.look(scenes.lopsided(), [CAMERAS[1]], parameters)
+    assert result.skipped == {name: "its weight is 0"}
+    everything = all_channels(views, 0, parameters)
+    rest = {channel: plane for channel, plane in everything.items() if channel != name}
+    np.testing.assert_array_equal(
+        saliency_map(everything, parameters), saliency_map(rest, parameters)
+    )
+
+
+@pytest.mark.parametrize("name", CHANNELS)
+def test_each_channel_alone_finds_something(name):
+    parameters = AttentionParameters(weights=ChannelWeights.only(name))
+    _, (result,) = scenes.look(scenes.lopsided(), [CAMERAS[1]], parameters)
+    assert list(result.conspicuity) == [name]
+    assert result.saliency.max() == pytest.approx(1.0, abs=1e-6)
+
+
+def test_empty_view_has_no_fixation_and_says_why():
+    empty = Camera(0.0, 0.0, 3.0, 40.0)
+    far = scenes.surface_of(trimesh.creation.box(extents=(0.1, 0.1, 0.1)))
+    shifted = type(far)(far.vertices + np.array([0.0, 50.0, 0.0]), far.faces, far.face_colours)
+    _, (result,) = scenes.look(shifted, [empty])
+    assert result.scanpath.distinct == 0
+    assert result.scanpath.exhausted
+    assert set(result.skipped.values()) == {"the view shows nothing of the object"}
+    assert not result.saliency.any()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"mask": np.ones((1, 64, 64))}, "bool is allowed"),
+        ({"colour": np.zeros((1, 64, 63, 3), np.float32)}, "goes with the mask"),
+        ({"colour": np.full((1, 64, 64, 3), np.nan, np.float32)}, "not finite"),
+        ({"curvature": np.full((1, 64, 64), -1, np.float32)}, "below 0"),
+    ],
+)
+def test_unusable_views_are_refused(change, message):
+    arrays = displays.as_views(np.full((64, 64, 3), 0.5, dtype=np.float32)) | change
+    with pytest.raises(AttentionError, match=message):
+        attend(**arrays, parameters=AttentionParameters())
+
+
+def test_too_small_a_view_is_refused():
+    arrays = displays.as_views(np.full((15, 64, 3), 0.5, dtype=np.float32))
+    with pytest.raises(AttentionError, match="16 x 16 is the least"):
+        attend(**arrays, parameters=AttentionParameters())

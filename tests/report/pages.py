@@ -1,0 +1,72 @@
+"""Reads a page the way a strict reader would."""
+
+from dataclasses import dataclass, field
+from html.parser import HTMLParser
+
+VOID = {"br", "hr", "img", "input", "link", "meta"}
+
+
+@dataclass
+class Element:
+    """A start tag: its name, its attributes, and the tags around it."""
+
+    name: str
+    attributes: dict
+    around: tuple = ()
+
+
+@dataclass
+class Page:
+    """All start tags in order, and all texts outside scripts and styles."""
+
+    elements: list = field(default_factory=list)
+    texts: list = field(default_factory=list)
+    mismatches: list = field(default_factory=list)
+
+    def named(self, *names):
+        """Give the elements of these names."""
+        return [element for element in self.elements if element.name in names]
+
+    def values(self, attribute):
+        """Give every value of an attribute."""
+        return [e.attributes[attribute] for e in self.elements if attribute in e.attributes]
+
+    @property
+    def text(self):
+        """All texts, blanks evened out."""
+        return " ".join(" ".join(self.texts).split())
+
+
+class _Reader(HTMLParser):
+    def __init__(self):
+        super().__init__(convert_charrefs=True)
+        self.page = Page()
+        self.open = []
+
+    def handle_starttag(self, tag, attrs):
+        element = Element(tag, dict(attrs), tuple(self.open))
+        self.page.elements.append(element)
+        if tag not in VOID:
+            self.open.append(element)
+
+    def handle_startendtag(self, tag, attrs):
+        self.page.elements.append(Element(tag, dict(attrs), tuple(self.open)))
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open[-1].name != tag:
+            self.page.mismatches.append((tag, self.getpos()))
+            return
+        self.open.pop()
+
+    def handle_data(self, data):
+        if not self.open or self.open[-1].name not in {"script", "style"}:
+            self.page.texts.append(data)
+
+
+def read_page(text):
+    """Read a page; tags that do not match are listed."""
+    reader = _Reader()
+    reader.feed(text)
+    reader.close()
+    reader.page.mismatches += [(element.name, "left open") for element in reader.open]
+    return reader.page

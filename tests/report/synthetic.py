@@ -1,0 +1,214 @@
+"""A whole synthetic run in a folder: a few objects, views, touches and answers."""
+
+import io
+import json
+
+import numpy as np
+from PIL import Image
+
+from visuohaptic import tables
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.summary import summarise
+from visuohaptic.report.run import RunFiles
+from visuohaptic.sensor.frames import column_axes
+from visuohaptic.surface import Surface, write_surface
+from visuohaptic.viewpoints import place_cameras
+
+OBJECTS = ("cup/mug", "cup/beaker", "ball/football", "ball/marble")
+STRATEGIES = ("fixation", "random")
+CLASSIFIERS = ("k_nearest_neighbours", "support_vector_machine", "naive_bayes")
+PARAMETERS = ExperimentParameters.from_mapping(
+    {"viewpoints": {"count": 4}, "rendering": {"resolution": 48}}
+)
+VIEWPOINTS = 4
+TOUCHES = 5
+
+
+def write_run(folder, objects=OBJECTS, strategies=STRATEGIES, distinct=TOUCHES):
+    """Write every table, mesh, log and credit of a run, and give where they lie."""
+    generator = np.random.default_rng(0)
+    fixations = _fixations(objects, strategies, generator)
+    scores, predictions = _answers(objects, strategies, generator)
+    written = {
+        "views": _views(objects, distinct, generator),
+        "fixations": fixations,
+        "touches": _touches(fixations, generator),
+        "features": _features(fixations, generator),
+        "predictions": predictions,
+    }
+    for name, table in written.items():
+        tables.write_table(tables.SCHEMAS[name], table, folder / f"{name}.parquet")
+    metrics = folder / "metrics.json"
+    metrics.write_text(json.dumps(summarise(scores, predictions)))
+    return RunFiles(
+        metrics=metrics,
+        **{name: [folder / f"{name}.parquet"] for name in written},
+        meshes=[_write_mesh(folder, key) for key in objects],
+        credits=[_write_credits(folder, objects)],
+        logs=_write_logs(folder),
+        checkout=folder,
+    )
+
+
+def ball(rings):
+    """Give a unit ball of quadrilaterals cut in two, its halves red and blue."""
+    heights, turns = np.meshgrid(
+        np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, 2 * rings + 1), indexing="ij"
+    )
+    vertices = np.stack(
+        [np.sin(heights) * np.cos(turns), np.cos(heights), np.sin(heights) * np.sin(turns)], axis=-1
+    )
+    place = np.arange(heights.size).reshape(heights.shape)
+    corners = [place[:-1, :-1], place[:-1, 1:], place[1:, 1:], place[1:, :-1]]
+    upper = np.stack([corners[k] for k in (0, 1, 2)], axis=-1).reshape(-1, 3)
+    lower = np.stack([corners[k] for k in (0, 2, 3)], axis=-1).reshape(-1, 3)
+    faces = np.concatenate([upper, lower])
+    points = vertices.reshape(-1, 3)
+    left = points[faces].mean(axis=1)[:, 0] < 0
+    colours = np.where(left[:, None], [255, 0, 0], [0, 0, 255]).astype(np.uint8)
+    return Surface(points, faces.astype(np.int64), colours)
+
+
+def png(array):
+    """Store an array as PNG."""
+    stored = io.BytesIO()
+    Image.fromarray(array).save(stored, "png")
+    return stored.getvalue()
+
+
+def _views(objects, distinct, generator):
+    rows = [(key, number) for key in objects for number in range(VIEWPOINTS)]
+    eyes = np.array([place_cameras(PARAMETERS.viewpoints)[number].eye for _, number in rows])
+    picture = png(generator.integers(0, 255, (48, 48, 3)).astype(np.uint8))
+    grey = png(generator.integers(0, 255, (48, 48)).astype(np.uint8))
+    return _table(
+        tables.VIEWS,
+        {
+            **_owners([key for key, _ in rows]),
+            "viewpoint": [number for _, number in rows],
+            **dict(zip(("eye_x", "eye_y", "eye_z"), eyes.T, strict=True)),
+            "view": [picture] * len(rows),
+            "saliency": [grey] * len(rows),
+            "conspicuity": [[("intensity", grey), ("edge", grey)]] * len(rows),
+            "skipped": [[("colour", "every pixel is grey")]] * len(rows),
+            "distinct_fixations": [distinct] * len(rows),
+        },
+    )
+
+
+def _fixations(objects, strategies, generator):
+    rows = [
+        (key, number, strategy, touch)
+        for key in objects
+        for number in range(VIEWPOINTS)
+        for strategy in strategies
+        for touch in range(TOUCHES)
+    ]
+    normals = generator.normal(size=(len(rows), 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return _table(
+        tables.FIXATIONS,
+        {
+            **_owners([row[0] for row in rows]),
+            "viewpoint": [row[1] for row in rows],
+            "strategy": [row[2] for row in rows],
+            "touch": [row[3] for row in rows],
+            "pixel_row": [8 * row[3] + 3 if row[2] == "fixation" else None for row in rows],
+            "pixel_column": [40 - 8 * row[3] if row[2] == "fixation" else None for row in rows],
+            "saliency": [1.0 if row[2] == "fixation" else None for row in rows],
+            "face": [0] * len(rows),
+            **dict(zip("xyz", normals.T, strict=True)),
+            **dict(zip(("normal_x", "normal_y", "normal_z"), normals.T, strict=True)),
+        },
+    )
+
+
+def _touches(fixations, generator):
+    normals = tables.matrix(fixations, ("normal_x", "normal_y", "normal_z"))
+    tangents = column_axes(normals)
+    count = fixations.num_rows
+    return _table(
+        tables.TOUCHES,
+        {
+            **{key: fixations.column(key) for key in tables.TOUCHES.keys},
+            **{key: fixations.column(key) for key in ("x", "y", "z")},
+            **dict(zip(("normal_x", "normal_y", "normal_z"), normals.T, strict=True)),
+            **dict(zip(("tangent_x", "tangent_y", "tangent_z"), tangents.T, strict=True)),
+            "image": generator.random((count, 32, 32), dtype=np.float32),
+            "sensor_size": generator.uniform(0.02, 0.3, count),
+            "contact_state": ["full", "shrunk", "at_minimum", "blocked", "partial"] * (count // 5),
+            "penetration": np.zeros(count),
+        },
+    )
+
+
+def _features(fixations, generator):
+    keys = (*tables.FEATURES.keys, *tables.KINESTHETIC_FEATURES)
+    return _table(
+        tables.FEATURES,
+        {
+            **{key: fixations.column(key) for key in keys},
+            **{name: generator.random(fixations.num_rows) for name in tables.CONTOURLET_FEATURES},
+        },
+    )
+
+
+def _answers(objects, strategies, generator):
+    classes = sorted({key.split("/", 1)[0] for key in objects})
+    scores, predictions = [], []
+    for strategy in strategies:
+        for classifier in CLASSIFIERS:
+            cell = ("paper", strategy, classifier)
+            for split in range(2):
+                right = []
+                for key in objects[split::2]:
+                    for viewpoint in range(VIEWPOINTS):
+                        named = str(generator.choice(classes))
+                        predictions.append((*cell, split, 0, key, viewpoint, named))
+                        right.append(named == key.split("/", 1)[0])
+                scores.append((*cell, split, 0, np.mean(right), 0.5, len(right)))
+    cell = ("pipeline", "strategy", "classifier", "split", "seed")
+    scored = _columns((*cell, "accuracy", "object_accuracy", "sequences"), scores)
+    predicted = _columns((*cell, "key", "viewpoint", "predicted"), predictions)
+    predicted |= _owners(predicted.pop("key"))
+    return _table(tables.SCORES, scored), _table(tables.PREDICTIONS, predicted)
+
+
+def _columns(names, rows):
+    return {name: [row[place] for row in rows] for place, name in enumerate(names)}
+
+
+def _owners(keys):
+    parts = [key.split("/", 1) for key in keys]
+    return {"class": [part[0] for part in parts], "object": [part[1] for part in parts]}
+
+
+def _table(schema, columns):
+    """Build a table; columns that may be missing are."""
+    count = max(len(values) for values in columns.values())
+    optional = {column.name: [None] * count for column in schema.columns if column.nullable}
+    return tables.build_table(schema, {**optional, **columns})
+
+
+def _write_mesh(folder, key):
+    category, name = key.split("/", 1)
+    path = folder / "meshes" / category.replace("/", "_") / f"{name.replace('/', '_')}.ply"
+    write_surface(ball(6), path)
+    return path
+
+
+def _write_credits(folder, objects):
+    path = folder / "credits.csv"
+    lines = ["class,object,author,licence,source_url"]
+    category, name = objects[0].split("/", 1)
+    lines.append(f'"{category}","{name}",Ada,CC0-1.0,https://example.org/mug')
+    path.write_text("\n".join(lines))
+    return path
+
+
+def _write_logs(folder):
+    for name, seconds in (("fixations/cup/mug/0-3", 2.0), ("fixations/cup/beaker/0-3", 3.0)):
+        path = folder / "logs" / f"{name}.log"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"done\nseconds: imports 0.500 work {seconds:.3f}\n")
+    return folder / "logs"

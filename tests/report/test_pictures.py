@@ -1,0 +1,52 @@
+"""Pictures keep what they show, and stay small."""
+
+import base64
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+from report.synthetic import png
+
+from visuohaptic.report.pictures import imprint_strip, project, shrink_picture, square_corners
+from visuohaptic.viewpoints import Camera
+
+
+def decoded(uri):
+    return np.asarray(Image.open(io.BytesIO(base64.b64decode(uri.split(",", 1)[1]))).convert("RGB"))
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_projecting_undoes_casting(projection):
+    camera = Camera(30.0, 20.0, 3.0, 40.0, projection, roll_degrees=10.0)
+    origins, directions = camera.rays(16)
+    places = project(camera, origins + 2.7 * directions, 16)
+    rows, columns = np.divmod(np.arange(256), 16)
+    np.testing.assert_allclose(places, np.column_stack([columns, rows]) + 0.5, atol=1e-9)
+
+
+def test_squares_have_the_size_of_the_sensor():
+    points = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+    columns = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    rows = np.array([[0.0, -1.0, 0.0], [0.0, -1.0, 0.0]])
+    corners = square_corners(points, columns, rows, np.array([0.3, 0.02]))
+    edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    np.testing.assert_allclose(edges, [[0.3] * 4, [0.02] * 4])
+    np.testing.assert_allclose(corners.mean(axis=1), points, atol=1e-12)
+    np.testing.assert_allclose(corners[0, 0], [-0.15, 0.15, 1.0])
+
+
+def test_imprints_lie_side_by_side_without_loss():
+    imprints = np.random.default_rng(0).random((5, 32, 32), dtype=np.float32)
+    strip = decoded(imprint_strip(imprints))
+    assert strip.shape == (32, 160, 3)
+    np.testing.assert_array_equal(strip[:, 64:96, 0], np.rint(255 * imprints[2]).astype(np.uint8))
+
+
+def test_a_view_shrinks_and_still_looks_alike():
+    ramp = np.add.outer(np.arange(256), np.arange(256)) // 2
+    picture = np.stack([ramp, 255 - ramp, np.full((256, 256), 90)], axis=-1).astype(np.uint8)
+    uri, size = shrink_picture(png(picture))
+    assert size == (256, 256)
+    assert len(uri) < 8000
+    assert np.abs(decoded(uri).astype(int) - picture).mean() < 3
