@@ -95,7 +95,7 @@ def test_fixations_were_looked_at_and_random_points_were_not(folder):
     assert (
         frame[frame.strategy == "random"][["pixel_row", "pixel_column", "saliency"]]
         .isna()
-        .all(None)
+        .all(axis=None)
     )
 
 

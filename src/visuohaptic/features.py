@@ -1,4 +1,4 @@
-"""What is kept of a touch: 16 contourlet deviations of its imprint, its place and its normal."""
+"""What is kept of a touch: its imprint's contourlet deviations and shape, its place and normal."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
+from visuohaptic.imprint_shape import describe_imprint_shape
 from visuohaptic.tables import (
     CONTOURLET_FEATURES,
     FEATURES,
+    IMPRINT_FEATURES,
     KINESTHETIC_FEATURES,
     TOUCHES,
     build_table,
@@ -20,6 +23,8 @@ from visuohaptic.tables import (
     read_table,
     write_table,
 )
+
+_KEPT = (*FEATURES.keys, *KINESTHETIC_FEATURES, "sensor_size", "contact_state")
 
 
 class FeatureParameters(BaseModel):
@@ -33,8 +38,8 @@ class FeatureParameters(BaseModel):
     directional_filter: Literal["pkva6", "pkva8", "pkva12", "haar"] = Field(
         "pkva12", description="ladder filter of the directional filter bank"
     )
-    extension: Literal["periodic", "symmetric"] = Field(
-        "periodic", description="how an imprint goes on beyond its borders"
+    extension: Literal["periodic", "symmetric", "circular"] = Field(
+        "periodic", description="how an imprint goes on beyond its borders; `periodic` as in the authors' toolbox"
     )
 
 
@@ -66,6 +71,29 @@ def describe_imprints(
     )
 
 
+def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Table:
+    """Give the features of touches.
+
+    Parameters
+    ----------
+    touches : pyarrow.Table
+        Rows of `tables.TOUCHES`.
+    parameters : FeatureParameters
+        Section `features`.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.FEATURES`, in the same order; each depends on its own touch alone.
+    """
+    imprints = images(touches)
+    columns: dict[str, object] = {name: touches.column(name) for name in _KEPT}
+    deviations = describe_imprints(imprints, parameters)
+    columns |= dict(zip(CONTOURLET_FEATURES, deviations.T, strict=True))
+    columns |= dict(zip(IMPRINT_FEATURES, describe_imprint_shape(imprints).T, strict=True))
+    return build_table(FEATURES, columns)
+
+
 def make_features(
     touches: str | Path | Sequence[str | Path], output: str | Path, parameters: FeatureParameters
 ) -> None:
@@ -80,8 +108,5 @@ def make_features(
     parameters : FeatureParameters
         Section `features`.
     """
-    table = read_table(TOUCHES, touches)
-    deviations = describe_imprints(images(table), parameters)
-    columns = {name: table.column(name) for name in (*FEATURES.keys, *KINESTHETIC_FEATURES)}
-    columns |= dict(zip(CONTOURLET_FEATURES, deviations.T, strict=True))
-    write_table(FEATURES, build_table(FEATURES, columns), output)
+    table = describe_touches(read_table(TOUCHES, touches), parameters)
+    write_table(FEATURES, table, output)

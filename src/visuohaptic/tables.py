@@ -113,6 +113,9 @@ TANGENT = tuple(
     for axis in "xyz"
 )
 
+SENSOR_SIZE = Column("sensor_size", REAL, "edge of the sensor's square", "object radii", 0)
+CONTACT_STATE = Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked or partial")
+
 
 def _names(columns: Iterable[Column]) -> tuple[str, ...]:
     return tuple(column.name for column in columns)
@@ -176,8 +179,8 @@ TOUCHES = Schema(
             0,
             1,
         ),
-        Column("sensor_size", REAL, "edge of the sensor's square", "object radii", 0),
-        Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked or partial"),
+        SENSOR_SIZE,
+        CONTACT_STATE,
         Column("penetration", REAL, "deepest penetration left", "object radii", 0),
         *POINT,
         *NORMAL,
@@ -208,6 +211,21 @@ EFFECTS = Schema(
 )
 
 CONTOURLET_FEATURES = tuple(f"contourlet_{band:02d}" for band in range(1, 17))
+IMPRINT_FEATURES = {
+    "imprint_mean": "mean of the imprint",
+    "imprint_deviation": "its standard deviation",
+    "imprint_skewness": "its skewness",
+    "imprint_empty": "share of sensing points out of reach",
+    "imprint_contact": "share of sensing points in contact",
+    "imprint_bending": "sum of the best quadric's second derivatives",
+    "imprint_saddle": "their difference, whatever the direction",
+    "imprint_upright_bending": "their difference between columns and rows",
+    "imprint_tilt_columns": "size of the slope along the columns",
+    "imprint_tilt_rows": "size of the slope along the rows",
+    "imprint_roughness": "standard deviation that the best quadric leaves",
+    "imprint_step_columns": "mean step between neighbours along the columns",
+    "imprint_step_rows": "mean step between neighbours along the rows",
+}
 KINESTHETIC_FEATURES = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
 
 FEATURES = Schema(
@@ -220,6 +238,9 @@ FEATURES = Schema(
         ),
         *POINT,
         *NORMAL,
+        SENSOR_SIZE,
+        CONTACT_STATE,
+        *(Column(name, REAL, description) for name, description in IMPRINT_FEATURES.items()),
     ),
     _names(TOUCH_KEYS),
 )

@@ -19,7 +19,7 @@ def surface_of(mesh, colours=GREY):
 
 
 def sphere():
-    return surface_of(trimesh.creation.icosphere(subdivisions=5, radius=0.9))
+    return surface_of(trimesh.creation.icosphere(subdivisions=4, radius=0.9))
 
 
 def sphere_with_bump(direction, height=0.08, width=0.1):

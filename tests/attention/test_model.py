@@ -111,8 +111,8 @@ def test_oddity_of_a_sphere_is_fixated_first(shape, azimuth, elevation):
 
 def test_turning_the_object_is_moving_on_to_the_next_viewpoint():
     thing = scenes.lopsided()
-    _, still = scenes.look(thing, CAMERAS[1:])
-    _, moved = scenes.look(scenes.turned(thing, -22.5), CAMERAS[:-1])
+    _, still = scenes.look(thing, CAMERAS[1::2])
+    _, moved = scenes.look(scenes.turned(thing, -22.5), CAMERAS[0::2])
     angle = np.radians(22.5)
     back = np.array(
         [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
@@ -125,8 +125,8 @@ def test_turning_the_object_is_moving_on_to_the_next_viewpoint():
 
 def test_mirrored_object_has_mirrored_fixations():
     thing = scenes.lopsided()
-    across = [Camera(-c.azimuth_degrees, 20.0, 3.0, 40.0) for c in CAMERAS]
-    _, plain = scenes.look(thing, CAMERAS)
+    across = [Camera(-c.azimuth_degrees, 20.0, 3.0, 40.0) for c in CAMERAS[::3]]
+    _, plain = scenes.look(thing, CAMERAS[::3])
     _, reflected = scenes.look(scenes.mirrored(thing), across)
     for one, other in zip(plain, reflected, strict=True):
         gaps = one.scanpath.points - other.scanpath.points * [-1.0, 1.0, 1.0]
@@ -183,13 +183,14 @@ def test_outline_of_an_even_disk_is_no_edge(channel, background):
     y, x = np.mgrid[:128, :128] - 63.5
     mask = x**2 + y**2 < 50**2
     spot = np.hypot(x - 12, y + 8) < 7
-    image = np.where(spot, 0.9, np.where(mask, 0.5, background))[:, :, None] * [1.0, 0.9, 0.8]
+    image = np.broadcast_to(np.where(mask, 0.5, background)[:, :, None], (128, 128, 3)).copy()
+    image[spot] = (0.9, 0.4, 0.4)
     arrays = displays.as_views(image.astype(np.float32)) | {"mask": mask[None]}
     arrays["curvature"] = np.where(spot, 5.0, 1.0).astype(np.float32)[None]
     weights = ChannelWeights.only(channel)
     (result,) = attend(**arrays, parameters=AttentionParameters(weights=weights))
     ring = mask & (x**2 + y**2 > 44**2)
-    assert result.saliency[spot].max() > 0.9
+    assert result.saliency[np.hypot(x - 12, y + 8) < 16].max() > 0.9
     assert result.saliency[ring].max() < 0.05
 
 

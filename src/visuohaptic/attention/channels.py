@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
 from visuohaptic.attention.pyramid import (
+    GOES_ON,
     Plane,
     blur,
     enlarge,
@@ -245,7 +246,7 @@ def symmetry_plane(view: WorkingView, radii: tuple[int, ...]) -> Plane:
     four pixels around the point that it names, and faint gradients have a
     fraction of a vote, so that the plane depends on the view continuously.
     """
-    across, down = _gradient(reduce(view.backdrop))
+    across, down = _gradient(reduce(view.backdrop, GOES_ON))
     certainty = reduce(view.certainty).reshape(-1)
     length = np.sqrt(across**2 + down**2)
     strength = length.reshape(-1)
@@ -290,13 +291,13 @@ def orientation_stacks(view: WorkingView, parameters: AttentionParameters) -> li
         For each centre level, the angles in stacks of four.
     """
     deepest = max(parameters.centre_levels)
-    images = reductions(view.backdrop, deepest)
+    images = reductions(view.backdrop, deepest, GOES_ON)
     certainties = reductions(view.certainty, deepest)
     banks = _gabor_bank(parameters.orientations)
     stacks = []
     steps = max(parameters.surround_offsets)
     for level in parameters.centre_levels:
-        energies = [blur(_energy(images[level], pair)) for pair in banks]
+        energies = [blur(_energy(images[level], pair), GOES_ON) for pair in banks]
         mean = sum(energies[1:], energies[0]) / np.float32(len(banks))
         planes = [
             np.maximum(energy - mean, np.float32(0.0)) * certainties[level] for energy in energies
@@ -406,15 +407,13 @@ def _gabor_pair(angle: float) -> tuple[Plane, Plane]:
 
 
 def _energy(image: Plane, pair: tuple[Plane, Plane]) -> Plane:
-    even, odd = (
-        cv2.filter2D(image, -1, kernel, borderType=cv2.BORDER_REPLICATE) for kernel in pair
-    )
+    even, odd = (cv2.filter2D(image, -1, kernel, borderType=GOES_ON) for kernel in pair)
     return np.sqrt(even**2 + odd**2)
 
 
 def _gradient(image: Plane) -> tuple[Plane, Plane]:
     across, down = (
-        cv2.Scharr(image, -1, *order, scale=1.0 / 32.0, borderType=cv2.BORDER_REPLICATE)
+        cv2.Scharr(image, -1, *order, scale=1.0 / 32.0, borderType=GOES_ON)
         for order in ((1, 0), (0, 1))
     )
     return across, down

@@ -24,6 +24,9 @@ COARSEST_LEVEL = 5
 # Share of a pixel below which it counts as empty; rounding of float32 averages stays below.
 EMPTY = 1e-4
 
+NOTHING_BEYOND = cv2.BORDER_CONSTANT
+GOES_ON = cv2.BORDER_REPLICATE
+
 _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)
 
 Plane: TypeAlias = NDArray[np.float32]
@@ -71,18 +74,21 @@ def from_map_size(plane: Plane, shape: tuple[int, int]) -> Plane:
     return np.ascontiguousarray(large[top : top + shape[0], left : left + shape[1]])
 
 
-def blur(plane: Plane) -> Plane:
-    """Smooth with the kernel [1 2 1] / 4 in rows and columns; zeros lie beyond the border."""
-    return cv2.sepFilter2D(plane, -1, _BINOMIAL, _BINOMIAL, borderType=cv2.BORDER_CONSTANT)
+def blur(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
+    """Smooth with the kernel [1 2 1] / 4 in rows and columns."""
+    return cv2.sepFilter2D(plane, -1, _BINOMIAL, _BINOMIAL, borderType=border)
 
 
-def reduce(plane: Plane) -> Plane:
+def reduce(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
     """Halve both sides with the kernel [1 3 3 1] / 8, whose centre is the new pixel's own.
 
     Parameters
     ----------
     plane : numpy.ndarray
         Shape (2n, 2n) or (2n, 2n, k), float32.
+    border : int
+        `NOTHING_BEYOND` for what is multiplied by its certainty, `GOES_ON` for
+        an image that fills its grid.
 
     Returns
     -------
@@ -90,7 +96,7 @@ def reduce(plane: Plane) -> Plane:
         Shape (n, n) or (n, n, k).
     """
     half = plane.shape[0] // 2
-    return cv2.resize(blur(plane), (half, half), interpolation=cv2.INTER_AREA)
+    return cv2.resize(blur(plane, border), (half, half), interpolation=cv2.INTER_AREA)
 
 
 def enlarge(plane: Plane, size: int) -> Plane:
@@ -100,11 +106,11 @@ def enlarge(plane: Plane, size: int) -> Plane:
     return cv2.resize(plane, (size, size), interpolation=cv2.INTER_LINEAR)
 
 
-def reductions(plane: Plane, count: int) -> list[Plane]:
+def reductions(plane: Plane, count: int, border: int = NOTHING_BEYOND) -> list[Plane]:
     """Give a plane and `count` further levels, each half as large as the one before."""
     levels = [plane]
     for _ in range(count):
-        levels.append(reduce(levels[-1]))
+        levels.append(reduce(levels[-1], border))
     return levels
 
 

@@ -121,11 +121,11 @@ def _winners(
     while len(winners) < parameters.fixations and drive.max(initial=CLOSED) > CLOSED:
         winner = _winner(drive, places)
         distance: NDArray[np.float32] = np.sqrt(_squared_distances(places, places[:, winner]))
+        closed = (distance <= 1.0) | (drive == CLOSED)
         if parameters.inhibition_falloff > 0.0:
-            drive = drive * _release(
-                (distance - np.float32(1.0)) / np.float32(parameters.inhibition_falloff)
-            )
-        drive = np.where((distance > 1.0) & (drive > CLOSED), drive, CLOSED)
+            fade = (distance - np.float32(1.0)) / np.float32(parameters.inhibition_falloff)
+            drive = drive * _release(fade)
+        drive = np.where(closed, np.float32(CLOSED), drive)
         winners.append(winner)
     return np.array(winners, dtype=np.int64)
 

@@ -1,8 +1,6 @@
 from .curves import TouchCurve as TouchCurve
 from .curves import touch_curves as touch_curves
 from .experiment import run_pipeline as run_pipeline
-from .imprints import IMPRINT_FEATURES as IMPRINT_FEATURES
-from .imprints import describe_imprint_shape as describe_imprint_shape
 from .model import RecognitionModel as RecognitionModel
 from .model import fit_model as fit_model
 from .model import load_model as load_model
@@ -14,13 +12,11 @@ from .summary import select as select
 from .summary import summarise as summarise
 
 __all__ = [
-    "IMPRINT_FEATURES",
     "Confusion",
     "RecognitionModel",
     "RecognitionParameters",
     "TouchCurve",
     "confusion",
-    "describe_imprint_shape",
     "fit_model",
     "load_model",
     "run_pipeline",

@@ -213,7 +213,7 @@ class RecognitionParameters(_Section):
     """Recognition from tables of touch features."""
 
     pipelines: tuple[Literal["paper", "best"], ...] = Field(
-        ("paper",), min_length=1, description="Ways from features to an answer"
+        ("paper", "best"), min_length=1, description="Ways from features to an answer"
     )
     classifiers: tuple[ClassifierName, ...] = Field(
         (

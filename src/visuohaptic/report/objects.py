@@ -21,7 +21,7 @@ from visuohaptic.report.pictures import (
     square_corners,
 )
 from visuohaptic.report.run import Run
-from visuohaptic.report.wording import anchor_of, listed, place_in_view
+from visuohaptic.report.wording import anchor_of, listed, place_in_view, spaced
 from visuohaptic.sensor.frames import row_axes
 from visuohaptic.surface import read_surface
 from visuohaptic.tables import images, matrix
@@ -244,9 +244,9 @@ def _view_page(
         right=_right(key, viewpoint, answers),
         view_text=f"View {viewpoint} of {key}, seen from {azimuth:.0f} degrees around and "
         f"{elevation:.0f} degrees up, with fixations in order: {ordered or 'none'}.",
-        saliency_text=f"Saliency map of view {viewpoint} of {key}, brightest at "
+        saliency_text=f"Saliency map of view {viewpoint}, brightest at "
         f"{places[0] if places else 'no fixation'}, with the same fixations.",
-        imprints_text=f"Imprints at the fixations of view {viewpoint} of {key}: "
+        imprints_text=f"Imprints of view {viewpoint}: "
         + ("; ".join(_note_text(note) for note in notes) or "none")
         + ".",
     )
@@ -264,10 +264,7 @@ def _notes(felt: pa.Table, imprints: NDArray[np.float32]) -> tuple[TouchNote, ..
 
 
 def _note_text(note: TouchNote) -> str:
-    return (
-        f"{note.number} square of {note.size:.2f} object radii, contact {note.state}, "
-        f"{100 * note.near:.0f} per cent of it nearly touched"
-    )
+    return f"{note.number} {spaced(note.state)}, size {note.size:.2f}"
 
 
 def _marks(

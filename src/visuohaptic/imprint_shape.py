@@ -5,23 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-IMPRINT_FEATURES = (
-    "imprint_mean",
-    "imprint_deviation",
-    "imprint_skewness",
-    "imprint_empty",
-    "imprint_contact",
-    "imprint_bending",
-    "imprint_saddle",
-    "imprint_upright_bending",
-    "imprint_tilt_columns",
-    "imprint_tilt_rows",
-    "imprint_roughness",
-    "imprint_step_columns",
-    "imprint_step_rows",
-)
-"""Names of what `describe_imprint_shape` gives, in its order."""
-
 CONTACT_LEVEL = 0.98
 """From this value on a sensing point counts as being in contact."""
 
@@ -37,7 +20,7 @@ def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64
     Returns
     -------
     numpy.ndarray
-        Shape (n, 13), float64: mean, deviation and skewness; the shares of empty
+        Shape (n, 13), float64, columns as in `tables.IMPRINT_FEATURES`: mean, deviation and skewness; the shares of empty
         and of touching points; of the best quadric over the square [-1, 1]² the sum of
         its second derivatives, the size of their difference over all directions, and the
         difference between columns and rows; its slopes' sizes along columns and rows; the

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from visuohaptic.recognition.imprints import IMPRINT_FEATURES, describe_imprint_shape
+from visuohaptic.imprint_shape import describe_imprint_shape
+from visuohaptic.tables import IMPRINT_FEATURES
 
 
 def described(image):

@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+
+from visuohaptic.attention import CHANNELS, AttentionError, ChannelWeights, Example, fit_weights
+
+ROWS, COLUMNS = np.mgrid[:64, :64]
+
+
+def map_around(places, width=2.5):
+    plane = np.zeros((64, 64), dtype=np.float32)
+    for row, column in places:
+        plane += np.exp(-((ROWS - row) ** 2 + (COLUMNS - column) ** 2) / (2 * width**2))
+    return plane
+
+
+def example(rng, telling, name="cup/a"):
+    places = rng.integers(8, 56, size=(4, 2))
+    maps = {
+        channel: map_around(places if channel in telling else rng.integers(8, 56, size=(4, 2)))
+        for channel in CHANNELS
+    }
+    return Example(name, maps, np.ones((64, 64), dtype=bool), places)
+
+
+@pytest.mark.parametrize("telling", [("curvature",), ("colour", "symmetry")])
+def test_weights_go_to_the_channels_that_tell(telling):
+    rng = np.random.default_rng(1)
+    weights = fit_weights([example(rng, telling) for _ in range(12)], tested=["cup/b"])
+    told = sum(getattr(weights, name) for name in telling)
+    assert told > 0.8 * len(CHANNELS)
+    assert sum(weights.model_dump().values()) == pytest.approx(len(CHANNELS))
+    assert min(weights.model_dump().values()) >= 0.0
+
+
+def test_channel_that_did_not_run_gets_no_weight():
+    rng = np.random.default_rng(2)
+    shown = example(rng, CHANNELS)
+    del shown.conspicuity["colour"]
+    assert fit_weights([shown], tested=[]).colour == 0.0
+
+
+def test_tested_objects_are_refused():
+    rng = np.random.default_rng(3)
+    with pytest.raises(AttentionError, match="tested objects cup/a"):
+        fit_weights([example(rng, ("edge",))], tested=["cup/a"])
+
+
+def test_no_example_is_refused():
+    with pytest.raises(AttentionError, match="0 examples"):
+        fit_weights([], tested=[])
+
+
+def test_weights_all_zero_are_refused():
+    with pytest.raises(ValueError, match="all channel weights are 0"):
+        ChannelWeights(**dict.fromkeys(CHANNELS, 0.0))

@@ -1,0 +1,98 @@
+import numpy as np
+import pytest
+
+from visuohaptic.attention import AttentionParameters, scan
+
+SIZE = 96
+ROWS, COLUMNS = np.mgrid[:SIZE, :SIZE]
+
+
+def flat_panel(saliency, mask=None, parameters=None):
+    mask = np.ones((SIZE, SIZE), dtype=bool) if mask is None else mask
+    point = np.stack([COLUMNS / SIZE, -ROWS / SIZE, np.zeros_like(ROWS)], axis=-1).astype(float)
+    normal = np.broadcast_to([0.0, 0.0, 1.0], point.shape)
+    face = ROWS * SIZE + COLUMNS
+    parameters = AttentionParameters() if parameters is None else parameters
+    return scan(saliency.astype(np.float32), mask, point, normal, face, parameters)
+
+
+def bump(row, column, height=1.0, width=3.0):
+    return height * np.exp(-((ROWS - row) ** 2 + (COLUMNS - column) ** 2) / (2 * width**2))
+
+
+def test_peaks_are_visited_from_the_highest_down():
+    places = [(20, 70), (50, 20), (75, 75)]
+    heights = [0.6, 1.0, 0.8]
+    saliency = sum(bump(*place, height) for place, height in zip(places, heights, strict=True))
+    path = flat_panel(saliency, parameters=AttentionParameters(fixations=3))
+    np.testing.assert_array_equal(path.rows, [50, 75, 20])
+    np.testing.assert_array_equal(path.columns, [20, 75, 70])
+    np.testing.assert_allclose(path.saliency, [1.0, 0.8, 0.6], atol=1e-5)
+    np.testing.assert_array_equal(path.faces, path.rows * SIZE + path.columns)
+    np.testing.assert_allclose(path.points[0], [20 / SIZE, -50 / SIZE, 0.0])
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-7, 1e-6])
+def test_equal_peaks_break_to_the_upper_left_whatever_the_rounding(noise):
+    rng = np.random.default_rng(3)
+    saliency = bump(30, 70) + bump(30, 25) + bump(70, 48) + noise * rng.random((SIZE, SIZE))
+    path = flat_panel(saliency, parameters=AttentionParameters(fixations=3))
+    assert path.columns[0] in (25, 70)
+    assert path.rows[2] == 70
+    again = flat_panel(saliency + 1e-7 * rng.random((SIZE, SIZE)))
+    np.testing.assert_array_equal(path.columns, again.columns[:3])
+
+
+@pytest.mark.parametrize("inhibition", ["surface", "image"])
+@pytest.mark.parametrize("falloff", [0.0, 1.0])
+@pytest.mark.parametrize("radius", [0.05, 0.2, 0.3])
+def test_no_two_fixations_are_within_one_focus(inhibition, falloff, radius):
+    parameters = AttentionParameters(
+        fixations=16,
+        inhibition=inhibition,
+        inhibition_falloff=falloff,
+        focus_radius=radius,
+        focus_fraction=radius,
+    )
+    path = flat_panel(bump(48, 48, width=20.0), parameters=parameters)
+    gaps = np.linalg.norm(path.points[:, None] - path.points[None], axis=2)
+    gaps += 9.0 * np.eye(path.distinct)
+    assert gaps.min() > radius
+    assert path.exhausted == (path.distinct < 16)
+
+
+def test_surface_inhibition_goes_by_distance_in_space():
+    mask = np.ones((SIZE, SIZE), dtype=bool)
+    point = np.stack([COLUMNS / SIZE, -ROWS / SIZE, np.where(COLUMNS < 48, 0.0, 5.0)], axis=-1)
+    saliency = (bump(48, 46, width=2.0) + bump(48, 49, 0.9, width=2.0)).astype(np.float32)
+    normal = np.broadcast_to([0.0, 0.0, 1.0], point.shape)
+    face = np.zeros((SIZE, SIZE), dtype=np.int64)
+    near = {}
+    for inhibition in ("surface", "image"):
+        parameters = AttentionParameters(fixations=2, inhibition=inhibition)
+        path = scan(saliency, mask, point, normal, face, parameters)
+        near[inhibition] = abs(path.columns[1] - path.columns[0])
+    assert near["surface"] < 6
+    assert near["image"] > 9
+
+
+def test_small_object_is_exhausted_and_repeats_nothing():
+    mask = (ROWS - 48) ** 2 + (COLUMNS - 48) ** 2 < 12**2
+    path = flat_panel(bump(48, 48), mask, AttentionParameters(fixations=5, focus_radius=0.2))
+    assert path.exhausted
+    assert 1 <= path.distinct < 5
+    assert len(set(zip(path.rows.tolist(), path.columns.tolist(), strict=True))) == path.distinct
+
+
+def test_thin_rod_is_fixated_along_its_middle():
+    mask = np.abs(COLUMNS - 48) <= 2
+    path = flat_panel(np.ones((SIZE, SIZE)), mask, AttentionParameters(focus_radius=0.1))
+    assert path.distinct == 5
+    assert np.abs(path.columns - 48).max() <= 1
+
+
+def test_flat_map_is_looked_at_from_the_inside():
+    mask = (ROWS - 48) ** 2 + (COLUMNS - 48) ** 2 < 40**2
+    path = flat_panel(np.zeros((SIZE, SIZE)), mask)
+    assert np.hypot(path.rows[0] - 48, path.columns[0] - 48) < 3
+    assert path.distinct == 5
