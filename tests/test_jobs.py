@@ -2,11 +2,18 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from visuohaptic.errors import MeshError
 from visuohaptic.jobs import logged_job, read_seconds
+
+SOURCE = Path(__file__).parents[1] / "src"
+
+
+def run(program):
+    subprocess.run([sys.executable, "-c", program], check=True, env={"PYTHONPATH": str(SOURCE)})
 
 
 def test_a_job_that_ends_well_logs_its_seconds(tmp_path):
@@ -45,7 +52,7 @@ with logged_job({str(tmp_path / "a.log")!r}):
     assert "pandas" not in sys.modules
 assert table.to_pandas()["a"].sum() == 3
 """
-    subprocess.run([sys.executable, "-c", program], check=True)
+    run(program)
 
 
 def test_a_job_that_casts_rays_does_not_pay_for_a_web_server(tmp_path):
@@ -59,4 +66,4 @@ with logged_job({str(tmp_path / "a.log")!r}):
 import dash
 assert dash.Dash is not None
 """
-    subprocess.run([sys.executable, "-c", program], check=True)
+    run(program)

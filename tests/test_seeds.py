@@ -27,3 +27,4 @@ def test_another_seed_gives_other_numbers():
 
 def test_names_are_kept_apart():
     assert spawn_generator(0, "ab", "c").bytes(16) != spawn_generator(0, "a", "bc").bytes(16)
+    assert spawn_generator(0, "a", "b").bytes(16) != spawn_generator(0, "a\x1fb").bytes(16)

@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 
 from visuohaptic.attention.model import Attention, attend
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.effect_books import effect_table
 from visuohaptic.probing import ProbingLocations, ProbingParameters, draw_by_area
 from visuohaptic.raycasting import RayCaster
 from visuohaptic.rendering import RenderingParameters, Views, render_views
+from visuohaptic.scene import EffectModes
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.sensor.frames import orient_outwards
 from visuohaptic.surface import read_surface
-from visuohaptic.tables import FIXATIONS, VIEWS, build_table, write_table
+from visuohaptic.tables import EFFECTS, FIXATIONS, VIEWS, build_table, write_table
 from visuohaptic.viewpoints import Camera, ViewpointParameters, place_cameras
 
 MAP_PIXELS = 64
@@ -29,14 +31,18 @@ def make_fixations(
     mesh: str | Path,
     fixations: str | Path,
     views: str | Path,
+    effects: str | Path,
     block: Sequence[int],
     viewpoints: ViewpointParameters,
     rendering: RenderingParameters,
     attention: AttentionParameters,
     probing: ProbingParameters,
+    modes: EffectModes,
     seed: int,
 ) -> None:
     """Make the view and fixation tables of one object and a block of its viewpoints.
+
+    The books of the effects of the view come with them.
 
     Parameters
     ----------
@@ -44,19 +50,21 @@ def make_fixations(
         `class/name` of the object.
     mesh : path
         Its surface.
-    fixations, views : path
+    fixations, views, effects : path
         The Parquet files to write.
     block : sequence of int
         Numbers of the viewpoints; what a viewpoint gives does not depend on the others.
     viewpoints, rendering, attention, probing
         Sections of the parameters.
+    modes : EffectModes
+        When the effects of the view are simulated; all others have no say.
     seed : int
         The experiment's seed.
     """
     caster = RayCaster(read_surface(mesh))
     placed = place_cameras(viewpoints)
     cameras = {number: placed[number] for number in block}
-    seen = render_views(caster, list(cameras.values()), rendering)
+    seen = render_views(caster, list(cameras.values()), rendering, modes)
     attentions = attend(
         colour=seen.colour,
         mask=seen.mask,
@@ -67,6 +75,7 @@ def make_fixations(
         parameters=attention,
     )
     write_table(VIEWS, _view_table(key, cameras, seen, attentions), views)
+    write_table(EFFECTS, effect_table(key, block[0], "any", seen.effects), effects)
     tables = []
     for number, attended in zip(block, attentions, strict=True):
         if "fixation" in probing.strategies:

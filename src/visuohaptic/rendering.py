@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from visuohaptic.curvature import SurfaceShape, measure_shape
 from visuohaptic.raycasting import RayCaster
+from visuohaptic.scene import EffectModes, VisualPlan, plan_visual, seen_colours
+from visuohaptic.sensor.planner import EffectRecord
 from visuohaptic.viewpoints import Camera
 
 # How far a shadow ray starts above the surface, object radii; float32 rays need some 1e-5.
@@ -23,13 +28,6 @@ class RenderingParameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     resolution: int = Field(256, ge=16, description="Rows and columns of a view, pixels.")
-    shading: bool = Field(
-        default=True, description="Whether surfaces facing the light are brighter (Lambert)."
-    )
-    cast_shadows: bool = Field(
-        default=False,
-        description="Whether the object shadows itself; without shading there is no shadow.",
-    )
     ambient: float = Field(
         0.4, ge=0.0, le=1.0, description="Share of light that comes evenly from everywhere."
     )
@@ -83,7 +81,10 @@ class Views:
         Shape (n, h, w), float32: curvedness of the surface, at least 0, per
         object radius; zero on the background.
     lit : numpy.ndarray
-        Shape (n, h, w), bool: whether no shadow falls on the pixel; true on the background.
+        Shape (n, h, w), bool: whether no cast shadow falls on the pixel; true where none is
+        simulated or called for.
+    effects : tuple of EffectRecord
+        What became of each visual effect; its touches are views.
     """
 
     colour: NDArray[np.float32]
@@ -94,13 +95,17 @@ class Views:
     face: NDArray[np.int64]
     curvature: NDArray[np.float32]
     lit: NDArray[np.bool_]
+    effects: tuple[EffectRecord, ...]
 
     def __len__(self) -> int:
         return len(self.mask)
 
 
 def render_views(
-    caster: RayCaster, cameras: Sequence[Camera], parameters: RenderingParameters
+    caster: RayCaster,
+    cameras: Sequence[Camera],
+    parameters: RenderingParameters,
+    modes: EffectModes | None = None,
 ) -> Views:
     """Render a surface from several cameras.
 
@@ -112,49 +117,30 @@ def render_views(
         n cameras; each view depends on its own camera alone.
     parameters : RenderingParameters
         How to render.
+    modes : EffectModes, optional
+        When colour, texture, shading and cast shadows are simulated; by default as in a
+        scene where nothing is given.
 
     Returns
     -------
     Views
-        n views of ``resolution`` rows and columns.
+        n views of ``resolution`` rows and columns. An effect that is simulated where it is
+        not called for moves no bit of them.
 
     Notes
     -----
     One ray goes through the centre of each pixel. The light stands fixed to
     the camera, so turning the object and turning the camera are one and the same.
     """
+    modes = modes or EffectModes()
+    books = _Books(plan_visual(modes, caster.surface.face_colours, parameters.ambient))
+    colours = _seen_colours(caster, modes, books)
     shape = measure_shape(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
-    views = [_render_view(caster, shape, camera, parameters) for camera in cameras]
+    views = [_render_view(caster, shape, colours, camera, parameters, books) for camera in cameras]
     if not views:
-        return _background_views((0, parameters.resolution, parameters.resolution), parameters)
-    return Views(
-        **{
-            field.name: np.concatenate([getattr(view, field.name) for view in views])
-            for field in fields(Views)
-        }
-    )
-
-
-def shadow_reason(parameters: RenderingParameters) -> str | None:
-    """Tell why no shadow ray is cast.
-
-    Parameters
-    ----------
-    parameters : RenderingParameters
-        How views are rendered.
-
-    Returns
-    -------
-    str or None
-        A sentence, or None where shadow rays are cast.
-    """
-    if not parameters.cast_shadows:
-        return "cast shadows are switched off"
-    if not parameters.shading:
-        return "without shading no light is blocked"
-    if parameters.ambient == 1.0:
-        return "all light is ambient"
-    return None
+        views = [_background((0, parameters.resolution, parameters.resolution), parameters)]
+    joined = {name: np.concatenate([view[name] for view in views]) for name in views[0]}
+    return Views(**joined, effects=books.records(len(cameras)))
 
 
 def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[np.float64]:
@@ -211,22 +197,71 @@ def decode_srgb(encoded: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
-def _background_views(shape: tuple[int, int, int], parameters: RenderingParameters) -> Views:
-    return Views(
-        colour=np.full((*shape, 3), parameters.background, dtype=np.float32),
-        mask=np.zeros(shape, dtype=bool),
-        depth=np.full(shape, np.inf, dtype=np.float32),
-        point=np.zeros((*shape, 3)),
-        normal=np.zeros((*shape, 3)),
-        face=np.full(shape, -1, dtype=np.int64),
-        curvature=np.zeros(shape, dtype=np.float32),
-        lit=np.ones(shape, dtype=bool),
-    )
+class _Books:
+    """Which visual effects are simulated, and the time that each takes."""
+
+    def __init__(self, plans: Sequence[VisualPlan]) -> None:
+        self._plans = {plan.effect: plan for plan in plans}
+        self._seconds = dict.fromkeys(self._plans, 0.0)
+
+    def called_for(self, effect: str) -> bool:
+        return self._plans[effect].called_for
+
+    def simulates(self, effect: str) -> bool:
+        return self._plans[effect].simulated
+
+    @contextmanager
+    def clock(self, effect: str) -> Iterator[None]:
+        started = time.perf_counter()
+        yield
+        self._seconds[effect] += time.perf_counter() - started
+
+    def records(self, views: int) -> tuple[EffectRecord, ...]:
+        return tuple(
+            EffectRecord(
+                plan.effect,
+                plan.mode,
+                plan.reason,
+                views,
+                views * plan.called_for,
+                views * plan.simulated,
+                self._seconds[plan.effect],
+            )
+            for plan in self._plans.values()
+        )
+
+
+def _seen_colours(
+    caster: RayCaster, modes: EffectModes, books: _Books
+) -> NDArray[np.uint8]:
+    with books.clock("texture" if modes.texture == "never" else "colour"):
+        return seen_colours(caster.surface.face_colours, caster.surface.face_areas, modes)
+
+
+_View = dict[str, NDArray[Any]]
+
+
+def _background(shape: tuple[int, int, int], parameters: RenderingParameters) -> _View:
+    return {
+        "colour": np.full((*shape, 3), parameters.background, dtype=np.float32),
+        "mask": np.zeros(shape, dtype=bool),
+        "depth": np.full(shape, np.inf, dtype=np.float32),
+        "point": np.zeros((*shape, 3)),
+        "normal": np.zeros((*shape, 3)),
+        "face": np.full(shape, -1, dtype=np.int64),
+        "curvature": np.zeros(shape, dtype=np.float32),
+        "lit": np.ones(shape, dtype=bool),
+    }
 
 
 def _render_view(
-    caster: RayCaster, shape: SurfaceShape, camera: Camera, parameters: RenderingParameters
-) -> Views:
+    caster: RayCaster,
+    shape: SurfaceShape,
+    face_colours: NDArray[np.uint8],
+    camera: Camera,
+    parameters: RenderingParameters,
+    books: _Books,
+) -> _View:
     size = parameters.resolution
     origins, directions = camera.rays(size)
     hits = caster.first_hits(origins, directions)
@@ -236,24 +271,28 @@ def _render_view(
     points = np.einsum("nk,nkd->nd", weights, caster.surface.triangles[faces])
     normals = _normals_towards(shape, caster, faces, weights, directions[seen])
 
-    view = _background_views((1, size, size), parameters)
+    light = light_direction(camera, parameters)
+    colours = face_colours[faces] / 255.0
     lit = np.ones(len(seen), dtype=bool)
-    if shadow_reason(parameters) is None:
-        lit = _lit(caster, points, normals, light_direction(camera, parameters))
-    view.colour.reshape(-1, 3)[seen] = _shade(
-        caster.surface.face_colours[faces],
-        normals,
-        lit,
-        light_direction(camera, parameters),
-        parameters,
-    )
-    view.mask.reshape(-1)[seen] = True
-    view.depth.reshape(-1)[seen] = (camera.eye - points) @ camera.axes[2]
-    view.point.reshape(-1, 3)[seen] = points
-    view.normal.reshape(-1, 3)[seen] = normals
-    view.face.reshape(-1)[seen] = faces
-    view.curvature.reshape(-1)[seen] = shape.curvature(faces, weights)
-    view.lit.reshape(-1)[seen] = lit
+    if books.simulates("cast_shadows"):
+        with books.clock("cast_shadows"):
+            lit = _lit(caster, points, normals, light)
+    if books.simulates("shading"):
+        with books.clock("shading"):
+            colours = _shade(colours, normals, lit, light, parameters.ambient)
+    view = _background((1, size, size), parameters)
+    found: _View = {
+        "colour": colours,
+        "mask": np.ones(len(seen), dtype=bool),
+        "depth": (camera.eye - points) @ camera.axes[2],
+        "point": points,
+        "normal": normals,
+        "face": faces,
+        "curvature": shape.curvature(faces, weights),
+        "lit": lit | (not books.called_for("cast_shadows")),
+    }
+    for name, values in found.items():
+        view[name].reshape(size * size, *values.shape[1:])[seen] = values
     return view
 
 
@@ -287,15 +326,13 @@ def _lit(
 
 
 def _shade(
-    colours: NDArray[np.uint8],
+    colours: NDArray[np.float64],
     normals: NDArray[np.float64],
     lit: NDArray[np.bool_],
     light: NDArray[np.float64],
-    parameters: RenderingParameters,
+    ambient: float,
 ) -> NDArray[np.float64]:
-    encoded = colours / 255.0
-    if not parameters.shading:
-        return encoded
     lambert = np.maximum(normals @ light, 0.0) * lit
-    irradiance = parameters.ambient + (1.0 - parameters.ambient) * lambert
-    return encode_srgb(decode_srgb(encoded) * irradiance[:, None])
+    irradiance = (ambient + (1.0 - ambient) * lambert)[:, None]
+    # Full light leaves a colour as it is; going to linear light and back would move last digits.
+    return np.where(irradiance == 1.0, colours, encode_srgb(decode_srgb(colours) * irradiance))

@@ -21,6 +21,9 @@ Cover = Literal["none", "winkler", "half_space"]
 Readout = Literal["ideal", "grounded", "floating"]
 PresetName = Literal["ideal", "fsr400", "worn_fsr"]
 
+VISUAL_EFFECTS = ("colour", "texture", "shading", "cast_shadows")
+"""Effects of the view; all others are the sensor's. No preset sets them."""
+
 
 class EffectModes(BaseModel):
     """When each effect is simulated."""
@@ -42,7 +45,7 @@ class EffectModes(BaseModel):
     colour: Mode = Field("auto", description="the object's colours in the view")
     texture: Mode = Field("auto", description="colours that change within one part")
     shading: Mode = Field("auto", description="brightness by the surface's slope to the light")
-    cast_shadows: Mode = Field("auto", description="parts that stand in each other's light")
+    cast_shadows: Mode = Field("never", description="parts that stand in each other's light")
 
 
 class Scene(BaseModel):
@@ -239,6 +242,8 @@ def seen_colours(
     """
     import numpy as np
 
+    if "never" not in (modes.texture, modes.colour):
+        return face_colours
     colours = face_colours.astype(np.float64)
     if modes.texture == "never":
         mean = (colours * face_areas[:, None]).sum(axis=0) / face_areas.sum()

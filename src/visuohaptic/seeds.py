@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 
 import numpy as np
 
@@ -26,7 +27,9 @@ def spawn_generator(seed: int, *keys: object) -> np.random.Generator:
     numpy.random.Generator
         A PCG64 generator, seeded through NumPy's ``SeedSequence``.
     """
-    digest = hashlib.sha256("\x1f".join(str(key) for key in keys).encode()).digest()
+    # JSON quotes each name, so that no two chains of names read the same.
+    names = json.dumps([str(key) for key in keys])
+    digest = hashlib.sha256(names.encode()).digest()
     words = np.frombuffer(digest, dtype="<u4")
     sequence = np.random.SeedSequence(seed, spawn_key=tuple(int(word) for word in words))
     return np.random.Generator(np.random.PCG64(sequence))

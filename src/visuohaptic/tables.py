@@ -191,7 +191,7 @@ TOUCHES = Schema(
 
 EFFECT_KEYS = (
     *OBJECT_KEYS,
-    Column("first_viewpoint", COUNT, "first viewpoint of the job that touched", minimum=0),
+    Column("first_viewpoint", COUNT, "first viewpoint of the job", minimum=0),
     Column("effect", TEXT, "what may be simulated"),
 )
 
@@ -199,13 +199,13 @@ EFFECTS = Schema(
     "effects",
     (
         *EFFECT_KEYS,
-        Column("scene", TEXT, "preset of the scene"),
+        Column("scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"),
         Column("mode", TEXT, "auto, always or never"),
         Column("reason", TEXT, "why it was called for, or why not"),
-        Column("touches", COUNT, "touches of the job", minimum=0),
-        Column("called_for", COUNT, "touches that called for it", minimum=0),
-        Column("runs", COUNT, "touches that it was simulated for", minimum=0),
-        Column("seconds", REAL, "time spent, deciding included; differs from run to run", "s", 0),
+        Column("touches", COUNT, "touches of the job; views, for effects of the view", minimum=0),
+        Column("called_for", COUNT, "touches or views that called for it", minimum=0),
+        Column("runs", COUNT, "touches or views that it was simulated for", minimum=0),
+        Column("seconds", REAL, "time spent on it; differs from run to run", "s", 0),
     ),
     _names(EFFECT_KEYS),
 )

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import pyarrow as pa
 
+from visuohaptic.effect_books import effect_table
 from visuohaptic.raycasting import RayCaster
 from visuohaptic.scene import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.planner import EffectRecord
 from visuohaptic.sensor.random_fields import RandomFields
 from visuohaptic.sensor.touching import Touches, touch
 from visuohaptic.surface import read_surface
@@ -56,21 +55,64 @@ def make_touches(
         The experiment's seed.
     """
     table = read_table(FIXATIONS, fixations)
-    keys = [table.column(name).to_pylist() for name in FIXATIONS.keys]
-    felt = touch(
-        RayCaster(read_surface(mesh)),
-        matrix(table, _POINT),
-        matrix(table, _NORMAL),
+    felt = touch_locations(RayCaster(read_surface(mesh)), table, sensor, scene, seed)
+    first = table.slice(0, 1).to_pylist()[0]
+    key = f"{first['class']}/{first['object']}"
+    books = effect_table(key, first["viewpoint"], scene.preset, felt.effects)
+    write_table(TOUCHES, touch_table(table, felt), touches)
+    write_table(EFFECTS, books, effects)
+
+
+def touch_locations(
+    caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, scene: Scene, seed: int
+) -> Touches:
+    """Touch an object at its probing locations.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    fixations : pyarrow.Table
+        n rows of `tables.FIXATIONS`; each touch depends on its own row alone.
+    sensor : SensorParameters
+        Section `sensor`.
+    scene : Scene
+        Section `scene`.
+    seed : int
+        The experiment's seed.
+
+    Returns
+    -------
+    Touches
+        n touches.
+    """
+    keys = [fixations.column(name).to_pylist() for name in FIXATIONS.keys]
+    return touch(
+        caster,
+        matrix(fixations, _POINT),
+        matrix(fixations, _NORMAL),
         sensor,
         scene,
         RandomFields(seed, list(zip(*keys, strict=True))),
-        table.column("face").to_numpy(),
+        fixations.column("face").to_numpy(),
     )
-    write_table(TOUCHES, _touch_table(table, felt), touches)
-    write_table(EFFECTS, _effect_table(table, scene, felt.effects), effects)
 
 
-def _touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
+def touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
+    """Give touches as a table.
+
+    Parameters
+    ----------
+    fixations : pyarrow.Table
+        n rows of `tables.FIXATIONS`.
+    felt : Touches
+        Their touches.
+
+    Returns
+    -------
+    pyarrow.Table
+        n rows of `tables.TOUCHES`.
+    """
     columns: dict[str, object] = {name: fixations.column(name) for name in (*TOUCHES.keys, *_POINT)}
     columns |= dict(zip(_NORMAL, felt.normals.T, strict=True))
     columns |= dict(zip(_TANGENT, felt.tangents.T, strict=True))
@@ -81,18 +123,3 @@ def _touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
         "penetration": felt.penetration,
     }
     return build_table(TOUCHES, columns)
-
-
-def _effect_table(fixations: pa.Table, scene: Scene, records: Sequence[EffectRecord]) -> pa.Table:
-    first = fixations.slice(0, 1).to_pylist()[0]
-    names = ("effect", "mode", "reason", "touches", "called_for", "runs", "seconds")
-    columns: dict[str, object] = {
-        name: [getattr(record, name) for record in records] for name in names
-    }
-    columns |= {
-        "class": first["class"],
-        "object": first["object"],
-        "first_viewpoint": first["viewpoint"],
-        "scene": scene.preset,
-    }
-    return build_table(EFFECTS, columns)

@@ -56,7 +56,7 @@ def first_hit(image, place, parameters):
 
 @pytest.mark.parametrize("name", ODD_ONES)
 @pytest.mark.parametrize(
-    "size", [{"size": 64}, {"size": 101}, {"size": 256}, {"size": 90, "rows": 67}]
+    "size", [{"size": 64}, {"size": 101}, {"size": 256}, {"size": 67, "rows": 90}]
 )
 def test_odd_one_pops_out_at_every_place(name, size):
     parameters = AttentionParameters(fixations=1)
@@ -143,11 +143,10 @@ def test_brightness_moves_no_fixation(brightness):
 
 
 @pytest.mark.parametrize("normalisation", ["local_maxima", "iterative", "none"])
-@pytest.mark.parametrize("shading", [True, False])
-def test_uniform_sphere_gives_five_distinct_points(normalisation, shading):
+@pytest.mark.parametrize("modes", [EffectModes(), UNSHADED])
+def test_uniform_sphere_gives_five_distinct_points(normalisation, modes):
     attention = AttentionParameters(normalisation=normalisation)
-    rendering = RenderingParameters(shading=shading)
-    views, (result,) = scenes.look(scenes.sphere(), [FRONT], attention, rendering)
+    views, (result,) = scenes.look(scenes.sphere(), [FRONT], attention, modes=modes)
     assert np.isfinite(result.saliency).all()
     path = result.scanpath
     assert path.distinct == 5
@@ -210,22 +209,20 @@ def all_channels(views, index, parameters):
 
 @pytest.mark.parametrize("normalisation", ["local_maxima", "iterative", "none"])
 @pytest.mark.parametrize(
-    ("scene", "shading", "skipped"),
+    ("scene", "modes", "skipped"),
     [
-        (scenes.lopsided, True, set()),
-        (lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)), True, {"colour"}),
+        (scenes.lopsided, EffectModes(), set()),
+        (lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)), EffectModes(), {"colour"}),
         (
             lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)),
-            False,
+            UNSHADED,
             set(CHANNELS) - {"curvature"},
         ),
     ],
 )
-def test_skipping_channels_changes_no_bit(scene, shading, skipped, normalisation):
+def test_skipping_channels_changes_no_bit(scene, modes, skipped, normalisation):
     parameters = AttentionParameters(normalisation=normalisation)
-    views, (result,) = scenes.look(
-        scene(), [CAMERAS[1]], parameters, RenderingParameters(shading=shading)
-    )
+    views, (result,) = scenes.look(scene(), [CAMERAS[1]], parameters, modes=modes)
     assert set(result.skipped) == skipped
     assert set(result.conspicuity) == set(CHANNELS) - skipped
     maps = all_channels(views, 0, parameters)

@@ -16,7 +16,8 @@ def features_table(
     """Give `tables.FEATURES` of len(objects) classes with so many objects each."""
     generator = np.random.default_rng(seed)
     centres = np.random.default_rng(100).normal(size=(len(objects), 22)) * separation
-    columns = {column.name: [] for column in tables.FEATURES.columns}
+    varied = (*tables.FEATURES.keys, *tables.CONTOURLET_FEATURES, *tables.KINESTHETIC_FEATURES)
+    columns = {name: [] for name in varied}
     for category, count in enumerate(objects):
         for number in range(count):
             offset = 0.5 * np.random.default_rng((5, category, number)).normal(size=22)
@@ -30,7 +31,9 @@ def features_table(
                     columns[name].append(abs(value))
                 for name, value in zip(tables.KINESTHETIC_FEATURES, row[16:], strict=True):
                     columns[name].append(np.tanh(value))
-    return tables.build_table(tables.FEATURES, columns)
+    same = dict.fromkeys(tables.IMPRINT_FEATURES, 0.5)
+    same |= {"sensor_size": 0.1, "contact_state": "full"}
+    return tables.build_table(tables.FEATURES, {**columns, **same})
 
 
 def add_row(columns, category, name, viewpoint, strategy, touch):

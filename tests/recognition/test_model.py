@@ -6,7 +6,7 @@ import zipfile
 import numpy as np
 import pytest
 import skops.io
-from recognition.synthetic import features_table
+from recognition.synthetic import features_table, with_column
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
@@ -113,8 +113,8 @@ def test_single_class_can_not_be_learnt():
 def test_contact_states_and_sensor_sizes_are_used_where_a_table_has_them():
     generator = np.random.default_rng(0)
     states = generator.choice(["full", "shrunk", "blocked"], size=TABLE.num_rows)
-    table = TABLE.append_column("contact_state", [states])
-    table = table.append_column("sensor_size", [generator.uniform(0.02, 0.3, TABLE.num_rows)])
+    table = with_column(TABLE, "contact_state", states)
+    table = with_column(table, "sensor_size", generator.uniform(0.02, 0.3, TABLE.num_rows))
     model = recognition.fit_model(table, "best", "naive_bayes", PARAMETERS, 1)
     assert {"sensor_size", "contact_full", "contact_blocked"} <= set(model.feature_names)
     assert recognition.run_pipeline(table, PARAMETERS, 1, "paper")[0].num_rows == 9 * 5

@@ -19,6 +19,7 @@ def test_a_class_with_a_single_object_is_left_out():
 def test_a_strategy_without_touches_is_named(tmp_path):
     columns = dict.fromkeys(FEATURES.arrow.names, 0.5)
     columns |= {"class": "cup", "object": "a", "viewpoint": [0], "strategy": "random", "touch": 0}
+    columns |= {"contact_state": "full"}
     write_table(FEATURES, build_table(FEATURES, columns), tmp_path / "features.parquet")
     with pytest.raises(RecognitionError, match=r"no touch was made by fixation; .*\['random'\]"):
         make_scores(

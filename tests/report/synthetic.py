@@ -1,6 +1,7 @@
 """A whole synthetic run in a folder: a few objects, views, touches and answers."""
 
 import io
+import itertools
 import json
 
 import numpy as np
@@ -24,17 +25,20 @@ VIEWPOINTS = 4
 TOUCHES = 5
 
 
-def write_run(folder, objects=OBJECTS, strategies=STRATEGIES, distinct=TOUCHES):
+def write_run(
+    folder, objects=OBJECTS, strategies=STRATEGIES, distinct=TOUCHES, pipelines=("paper",)
+):
     """Write every table, mesh, log and credit of a run, and give where they lie."""
     generator = np.random.default_rng(0)
     fixations = _fixations(objects, strategies, generator)
-    scores, predictions = _answers(objects, strategies, generator)
+    scores, predictions = _answers(objects, strategies, pipelines, generator)
     written = {
         "views": _views(objects, distinct, generator),
         "fixations": fixations,
         "touches": _touches(fixations, generator),
         "features": _features(fixations, generator),
         "predictions": predictions,
+        "effects": _effects(objects),
     }
     for name, table in written.items():
         tables.write_table(tables.SCHEMAS[name], table, folder / f"{name}.parquet")
@@ -153,20 +157,35 @@ def _features(fixations, generator):
     )
 
 
-def _answers(objects, strategies, generator):
+def _effects(objects):
+    rows = [(key, effect) for key in objects for effect in ("noise", "adaptive_size")]
+    ran = [effect == "adaptive_size" for _, effect in rows]
+    return _table(
+        tables.EFFECTS,
+        {
+            **_owners([key for key, _ in rows]),
+            "effect": [effect for _, effect in rows],
+            "mode": ["auto"] * len(rows),
+            "reason": ["something penetrates" if yes else "its strength is 0" for yes in ran],
+            "touches": [40] * len(rows),
+            "called_for": [30 if yes else 0 for yes in ran],
+            "runs": [30 if yes else 0 for yes in ran],
+            "seconds": [0.25 if yes else 0.0 for yes in ran],
+        },
+    )
+
+
+def _answers(objects, strategies, pipelines, generator):
     classes = sorted({key.split("/", 1)[0] for key in objects})
     scores, predictions = [], []
-    for strategy in strategies:
-        for classifier in CLASSIFIERS:
-            cell = ("paper", strategy, classifier)
-            for split in range(2):
-                right = []
-                for key in objects[split::2]:
-                    for viewpoint in range(VIEWPOINTS):
-                        named = str(generator.choice(classes))
-                        predictions.append((*cell, split, 0, key, viewpoint, named))
-                        right.append(named == key.split("/", 1)[0])
-                scores.append((*cell, split, 0, np.mean(right), 0.5, len(right)))
+    for cell in itertools.product(pipelines, strategies, CLASSIFIERS):
+        for split in range(2):
+            right = []
+            for key, viewpoint in itertools.product(objects[split::2], range(VIEWPOINTS)):
+                named = str(generator.choice(classes))
+                predictions.append((*cell, split, 0, key, viewpoint, named))
+                right.append(named == key.split("/", 1)[0])
+            scores.append((*cell, split, 0, np.mean(right), 0.5, len(right)))
     cell = ("pipeline", "strategy", "classifier", "split", "seed")
     scored = _columns((*cell, "accuracy", "object_accuracy", "sequences"), scores)
     predicted = _columns((*cell, "key", "viewpoint", "predicted"), predictions)
@@ -184,10 +203,16 @@ def _owners(keys):
 
 
 def _table(schema, columns):
-    """Build a table; columns that may be missing are."""
+    """Build a table; a column that the page does not read is empty or neutral."""
     count = max(len(values) for values in columns.values())
-    optional = {column.name: [None] * count for column in schema.columns if column.nullable}
-    return tables.build_table(schema, {**optional, **columns})
+    neutral = {column.name: [_neutral(column)] * count for column in schema.columns}
+    return tables.build_table(schema, {**neutral, **columns})
+
+
+def _neutral(column):
+    if column.nullable:
+        return None
+    return "" if column.dtype == tables.TEXT else 0
 
 
 def _write_mesh(folder, key):

@@ -70,9 +70,9 @@ def test_rows_follow_the_published_table():
 
 
 def test_answer_has_three_sentences_with_the_figures():
-    sentences = answer(table(), classes=4, touches=5, confidence=0.95)
+    sentences = answer([table()], 4, 5, "an unknown object", 0.95)
     assert len(sentences) == 3
-    assert "93.0\xa0%" in sentences[0]
+    assert "names the class of an unknown object in 93.0\xa0%" in sentences[0]
     assert "88.0\xa0% to 98.0\xa0%" in sentences[0]
     assert "guessing among 4 classes gives 25.0\xa0%" in sentences[0]
     assert "ahead for 1 of 2 classifiers" in sentences[1]
@@ -82,7 +82,7 @@ def test_answer_has_three_sentences_with_the_figures():
 
 
 def test_answer_says_when_nothing_is_beyond_chance():
-    sentences = answer(table(p_values=(0.03, 0.6)), classes=4, touches=5, confidence=0.95)
+    sentences = answer([table(p_values=(0.03, 0.6))], 4, 5, "an unknown object", 0.95)
     assert "no difference is beyond chance (smallest Holm-adjusted p 0.06)" in sentences[1]
 
 
@@ -113,4 +113,7 @@ def test_only_the_papers_pipeline_stands_beside_the_paper():
     assert [table.name for table in tables] == ["paper", "best"]
     assert tables[0].rows[0].published
     assert not tables[1].rows[0].published
-    assert answer(tables[1], 4, 5, 0.95)[-1].startswith("After 5 touches")
+    sentences = answer(tables, 4, 5, "an unknown object", 0.95)
+    assert len(sentences) == 4
+    assert "pipeline best reaches 90.0" in sentences[3]
+    assert "+0.0 percentage points" in sentences[3]

@@ -169,6 +169,14 @@ def test_skipped_channels_are_named_with_the_reason(page):
     assert "Not computed: colour, for every pixel is grey." in page.text
 
 
+def test_effects_are_summed_over_jobs_with_their_reasons(page):
+    assert "adaptive size auto 120 160 1.000 something penetrates" in page.text
+    assert "noise auto 0 160 0.000 its strength is 0" in page.text
+    assert page.text.index("adaptive size auto") < page.text.index("noise auto")
+    assert "colour 0 16 every pixel is grey" in page.text
+    assert "edge 16 0" in page.text
+
+
 def test_no_warning_where_nothing_is_wrong(page):
     assert "Warnings" not in page.text
 
@@ -209,6 +217,7 @@ def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
     assert "No mesh was found of ball/football, ball/marble, cup/beaker and cup/mug" in page.text
     assert "plotly-library" not in page.values("id")
     assert "What accuracy costs in time" not in page.text
+    assert "Effects of touch" not in page.values("aria-label")
 
 
 def test_what_was_left_out_stands_on_top(tmp_path):
@@ -228,6 +237,16 @@ def test_one_strategy_alone_makes_a_page(tmp_path, strategies):
     page = read_page(render(write_run(tmp_path, strategies=strategies)))
     assert page.mismatches == []
     assert "ahead for" not in page.text
+
+
+def test_several_pipelines_are_told_apart(tmp_path):
+    page = read_page(render(write_run(tmp_path, pipelines=("best", "paper"))))
+    assert page.mismatches == []
+    levels = [int(element.name[1]) for element in page.named("h2", "h3", "h4", "h5")]
+    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
+    assert page.text.index("Pipeline paper") < page.text.index("Pipeline best")
+    labels = page.values("aria-label")
+    assert len([label for label in labels if label.startswith("Accuracy by vote")]) == 2
 
 
 def test_tables_of_later_phases_get_their_section(tmp_path, files):

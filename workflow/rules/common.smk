@@ -12,6 +12,7 @@ from visuohaptic.code_inputs import code_inputs
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.jobs import set_job_environment
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.scene import VISUAL_EFFECTS
 from visuohaptic.tables import prune_parts
 
 set_job_environment(SOURCE)
@@ -98,7 +99,10 @@ def code_of(script):
 
 def prune_tables():
     """Delete parts of tables that the parameters and objects of today no longer name."""
-    for table in ("views", "fixations", "touches", "effects", "features"):
+    for table in ("views", "fixations", "touches", "features"):
         prune_parts(f"results/{table}", parts_of(table))
+    prune_parts(
+        "results/effects", [*parts_of("effects/views"), *parts_of("effects/touches")]
+    )
     for table in ("scores", "predictions"):
         prune_parts(f"results/{table}", scores_of(table))

@@ -1,6 +1,7 @@
 """Fixations: surface and viewpoints → rendered views, saliency, and ordered probing locations.
 
-Takes results/meshes/; gives the tables results/views/ and results/fixations/.
+Takes results/meshes/; gives the tables results/views/, results/fixations/ and
+results/effects/views/ (what each effect of the view was called for, and what it took).
 """
 
 
@@ -8,6 +9,7 @@ rule fixations_all:
     input:
         parts_of("fixations"),
         parts_of("views"),
+        parts_of("effects/views"),
 
 
 rule fixations:
@@ -17,6 +19,7 @@ rule fixations:
     output:
         fixations="results/fixations/{object}/{views}.parquet",
         views="results/views/{object}/{views}.parquet",
+        effects="results/effects/views/{object}/{views}.parquet",
     log:
         "logs/fixations/{object}/{views}.log",
     conda:
@@ -27,6 +30,8 @@ rule fixations:
         rendering=PARAMETERS.rendering.model_dump(),
         attention=PARAMETERS.attention.model_dump(),
         probing=PARAMETERS.probing.model_dump(),
+        # The sensor's effects have no say here, so that changing them runs no eye again.
+        modes=PARAMETERS.scene.effects.model_dump(include=set(VISUAL_EFFECTS)),
         seed=PARAMETERS.seed,
     message:
         "looking at {wildcards.object} from viewpoints {wildcards.views}"

@@ -42,6 +42,7 @@ rule report:
         fixations=parts_of("fixations"),
         touches=parts_of("touches"),
         features=parts_of("features"),
+        effects=parts_of("effects"),
         meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
         code=code_of("report.py"),
         templates=sorted(Path("src/visuohaptic/report/templates").glob("*.*")),
@@ -62,7 +63,6 @@ rule report:
             "extras": {
                 "touches_needed": "results/touches_needed",
                 "cost": "results/cost",
-                "effects": "results/effects",
                 "stability": "reports/stability.json",
                 "ablations": "results/ablations",
             },

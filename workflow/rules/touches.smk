@@ -1,14 +1,14 @@
 """Touches: probing locations → tactile imprints, the sensor's pose and size, the contact's state.
 
 Takes results/meshes/ and results/fixations/; gives the tables results/touches/ and
-results/effects/ (what each effect was called for, and what it took).
+results/effects/touches/ (what each effect of the sensor was called for, and what it took).
 """
 
 
 rule touches_all:
     input:
         parts_of("touches"),
-        parts_of("effects"),
+        parts_of("effects/touches"),
 
 
 rule touches:
@@ -18,7 +18,7 @@ rule touches:
         code=code_of("touches.py"),
     output:
         touches="results/touches/{object}/{views}.parquet",
-        effects="results/effects/{object}/{views}.parquet",
+        effects="results/effects/touches/{object}/{views}.parquet",
     log:
         "logs/touches/{object}/{views}.log",
     conda:

@@ -5,6 +5,7 @@ from visuohaptic.fixations import make_fixations
 from visuohaptic.jobs import logged_job
 from visuohaptic.probing import ProbingParameters
 from visuohaptic.rendering import RenderingParameters
+from visuohaptic.scene import EffectModes
 from visuohaptic.viewpoints import ViewpointParameters
 
 with logged_job(snakemake.log[0]):
@@ -13,10 +14,12 @@ with logged_job(snakemake.log[0]):
         mesh=snakemake.input.mesh,
         fixations=snakemake.output.fixations,
         views=snakemake.output.views,
+        effects=snakemake.output.effects,
         block=snakemake.params.block,
         viewpoints=ViewpointParameters(**snakemake.params.viewpoints),
         rendering=RenderingParameters(**snakemake.params.rendering),
         attention=AttentionParameters(**snakemake.params.attention),
         probing=ProbingParameters(**snakemake.params.probing),
+        modes=EffectModes(**snakemake.params.modes),
         seed=snakemake.params.seed,
     )

@@ -14,6 +14,7 @@ with logged_job(snakemake.log[0]):
             fixations=snakemake.input.fixations,
             touches=snakemake.input.touches,
             features=snakemake.input.features,
+            effects=snakemake.input.effects,
             meshes=snakemake.input.meshes,
             **snakemake.params.optional,
         ),

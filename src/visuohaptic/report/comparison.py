@@ -14,6 +14,7 @@ from visuohaptic.report.wording import (
     percent,
     points,
     probability,
+    spaced,
     strategy_name,
 )
 
@@ -137,41 +138,42 @@ def holm(p_values: Sequence[float]) -> list[float]:
     return adjusted
 
 
-def answer(table: PipelineTable, classes: int, touches: int, confidence: float) -> list[str]:
-    """Answer the experiment's question in three sentences, from the figures alone.
+def answer(
+    tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str, confidence: float
+) -> list[str]:
+    """Answer the experiment's question from the figures alone.
 
     Parameters
     ----------
-    table : PipelineTable
-        The pipeline to speak of.
+    tables : sequence of PipelineTable
+        The pipelines; the first is spoken of.
     classes : int
         Number of classes, for chance.
     touches : int
         Touches a sequence.
+    unseen : str
+        What training had not met of what is tested, such as ``an object that it never felt before``.
     confidence : float
         Confidence of the intervals.
 
     Returns
     -------
     list of str
-        How well it goes, whether fixations help, and how it stands beside the paper.
+        How well it goes, whether fixations help, and how it stands beside the paper; then a
+        sentence for each further pipeline.
     """
+    table = tables[0]
     best = table.best
     figure = best.accuracy[table.leading]
-    where = (
-        "where the eye would rest"
-        if table.leading == REFERENCE
-        else f"by {strategy_name(table.leading)}"
-    )
     first = (
-        f"After {counted(touches, 'touch')} {where}, "
-        f"the best of {counted(len(table.rows), 'classifier')}, the {best.name}, names the class of an "
-        f"object that it never felt before in {percent(figure.mean)} of the sequences"
-        f"{_interval_clause(figure, confidence)}; guessing among {counted(classes, 'class')} "
-        f"gives {percent(1 / classes)}."
+        f"After {counted(touches, 'touch')} {_where(table.leading)}, the best of "
+        f"{counted(len(table.rows), 'classifier')}, the {best.name}, names the class of {unseen} in "
+        f"{percent(figure.mean)} of the sequences{_interval_clause(figure, confidence)}; guessing "
+        f"among {counted(classes, 'class')} gives {percent(1 / classes)}."
     )
     sentences = (first, _gain_sentence(table), _published_sentence(table))
-    return [sentence for sentence in sentences if sentence]
+    others = [_other_sentence(other, figure, confidence) for other in tables[1:]]
+    return [sentence for sentence in (*sentences, *others) if sentence]
 
 
 def agreement(table: PipelineTable) -> tuple[list[str], list[str]]:
@@ -276,6 +278,20 @@ def _interval_clause(figure: Figure, confidence: float) -> str:
     if figure.low is None or figure.high is None:
         return ""
     return f" ({100 * confidence:g}\N{NO-BREAK SPACE}% interval {percent(figure.low)} to {percent(figure.high)})"
+
+
+def _where(strategy: str) -> str:
+    return "where the eye would rest" if strategy == REFERENCE else f"by {strategy_name(strategy)}"
+
+
+def _other_sentence(other: PipelineTable, figure: Figure, confidence: float) -> str:
+    best = other.best
+    reached = best.accuracy[other.leading]
+    return (
+        f"From the same touches the pipeline {spaced(other.name)} reaches {percent(reached.mean)}"
+        f"{_interval_clause(reached, confidence)} with the {best.name}, "
+        f"{points(reached.mean - figure.mean)} percentage points beside the paper's way."
+    )
 
 
 def _gain_sentence(table: PipelineTable) -> str:

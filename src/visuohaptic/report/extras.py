@@ -40,21 +40,15 @@ EXTRAS = (
         "Accuracy beside the seconds that a recognition takes, imports and files not counted.",
     ),
     Extra(
-        "effects",
-        "Effects: what was simulated, and what was not called for",
-        "comparison",
-        "Each effect of the scene: whether something called for it, why, and what it took.",
-    ),
-    Extra(
         "stability",
         "Numerical stability in hard cases",
-        "comparison",
+        "effects",
         "Families of hard cases: how many were tried, and the worst error against a known answer.",
     ),
     Extra(
         "ablations",
         "Ablations",
-        "comparison",
+        "effects",
         "What is left of the accuracy when a part is taken away.",
     ),
 )

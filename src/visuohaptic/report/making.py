@@ -80,7 +80,11 @@ def render_page(run: Run, threads: int = 1) -> str:
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
     story = Story(run, describe_objects(run, threads), seconds)
     environment = make_environment()
-    shared = {"parameters": run.parameters, "pipeline": run.pipelines[0]}
+    shared = {
+        "parameters": run.parameters,
+        "pipeline": run.pipelines[0],
+        "several": len(run.pipelines) > 1,
+    }
     bodies = []
     for section in SECTIONS:
         values = section.values(story)

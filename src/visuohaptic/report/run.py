@@ -15,7 +15,7 @@ import pyarrow as pa
 from visuohaptic.errors import ReportError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
-from visuohaptic.tables import FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS, read_table
+from visuohaptic.tables import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS, read_table
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,8 @@ class RunFiles:
         The metrics file.
     predictions, views, fixations, touches, features : sequence of path
         Parts of each table.
+    effects : sequence of path
+        Parts of the books of the effects.
     meshes : sequence of path
         ``<class>/<object>.ply`` files; an object without one gets no model to turn.
     credits : sequence of path
@@ -56,6 +58,7 @@ class RunFiles:
     fixations: Sequence[str | Path]
     touches: Sequence[str | Path]
     features: Sequence[str | Path]
+    effects: Sequence[str | Path] = ()
     meshes: Sequence[str | Path] = ()
     credits: Sequence[str | Path] = ()
     logs: str | Path | None = None
@@ -76,6 +79,7 @@ class Run:
     fixations: pa.Table
     touches: pa.Table
     features: pa.Table
+    effects: pa.Table | None = None
 
     @cached_property
     def pipelines(self) -> list[PipelineTable]:
@@ -147,6 +151,7 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
         fixations=read_table(FIXATIONS, files.fixations),
         touches=read_table(TOUCHES, files.touches),
         features=read_table(FEATURES, files.features),
+        effects=read_table(EFFECTS, files.effects) if files.effects else None,
     )
 
 

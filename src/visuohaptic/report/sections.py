@@ -19,6 +19,7 @@ from visuohaptic.report.comparison import (
     agreement,
     answer,
 )
+from visuohaptic.report.effects import sum_channels, sum_effects
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import (
     PhaseSeconds,
@@ -32,6 +33,13 @@ from visuohaptic.report.wording import CONTACT_STATES
 from visuohaptic.tables import CONTOURLET_FEATURES, KINESTHETIC_FEATURES, matrix
 
 Values = Mapping[str, Any]
+
+UNSEEN = {
+    "leave_one_object_a_class_out": "an object that it never felt before",
+    "grouped_folds": "an object that it never felt before",
+    "new_viewpoint": "a known object from viewpoints that it never felt before",
+}
+"""What training had not met of what is tested, by protocol."""
 
 
 @dataclass(frozen=True)
@@ -55,14 +63,19 @@ class Section:
 def answer_values(story: Story) -> Values:
     """Give the question's answer."""
     run = story.run
-    parameters = run.parameters
-    sentences = answer(
-        run.pipelines[0],
-        len(run.classes),
-        parameters.recognition.touches or parameters.attention.fixations,
-        parameters.recognition.intervals.confidence,
+    recognition = run.parameters.recognition
+    touches = min(
+        recognition.touches or run.parameters.attention.fixations,
+        run.parameters.attention.fixations,
     )
-    return {"sentences": sentences}
+    sentences = answer(
+        run.pipelines,
+        len(run.classes),
+        touches,
+        UNSEEN[recognition.protocol.protocol],
+        recognition.intervals.confidence,
+    )
+    return {"sentences": sentences, "touches": touches}
 
 
 def method_values(story: Story) -> Values:
@@ -94,6 +107,15 @@ def comparison_values(story: Story) -> Values:
         "differs": differs,
         "paper": PAPER,
         "method": story.run.metrics["method"],
+    }
+
+
+def effects_values(story: Story) -> Values:
+    """Give what was simulated and computed, and what was not called for."""
+    effects = story.run.effects
+    return {
+        "effects": [] if effects is None else sum_effects(effects),
+        "channels": sum_channels(story.run.views),
     }
 
 
@@ -192,6 +214,7 @@ SECTIONS = (
     Section("answer", "Question and answer", answer_values),
     Section("method", "The method on one object of this run", method_values),
     Section("comparison", "Eye fixations against random probing", comparison_values),
+    Section("effects", "What was simulated, and what was not called for", effects_values),
     Section("objects", "The objects", objects_values),
     Section("confusion", "What was taken for what", confusion_values),
     Section("methods", "Methods text", methods_values),

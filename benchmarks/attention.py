@@ -1,0 +1,221 @@
+"""What attention costs on one core, beside its peers and at each resolution.
+
+Run it as ``python benchmarks/attention.py``. Rendering is not counted. Peers are
+interleaved, and medians are compared within one run.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import trimesh
+
+from visuohaptic.attention import AttentionParameters, ChannelWeights, attend
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.rendering import RenderingParameters, Views, render_views
+from visuohaptic.surface import Surface, read_surface
+from visuohaptic.viewpoints import ViewpointParameters, place_cameras
+
+MESHES = Path(__file__).parent.parent / "meshes"
+RESOLUTIONS = (128, 256, 512, 1024)
+FIXATIONS = 5
+
+
+def run(rounds: int = 15) -> dict[str, object]:
+    """Time the model and its peers, and measure what resolution is worth.
+
+    Parameters
+    ----------
+    rounds : int
+        How often each contestant runs on each view.
+
+    Returns
+    -------
+    dict of str to object
+        Median milliseconds a 256 x 256 view, ratios, and rows by resolution.
+    """
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        surfaces = _surfaces()
+        return {"speed": _speed(surfaces, rounds), "resolution": _resolution(surfaces)}
+    finally:
+        cv2.setNumThreads(threads)
+
+
+def _surfaces() -> list[Surface]:
+    files = sorted(MESHES.rglob("*.ply.gz")) + sorted(MESHES.rglob("*.ply"))
+    if files:
+        return [read_surface(path) for path in files[:: max(1, len(files) // 6)][:6]]
+    return [_stand_in(seed) for seed in range(6)]
+
+
+def _stand_in(seed: int) -> Surface:
+    """Pile up coloured balls and boxes, where no mesh of the workflow is at hand."""
+    rng = np.random.default_rng(seed)
+    parts = []
+    for index in range(6):
+        part = trimesh.creation.icosphere(subdivisions=3, radius=rng.uniform(0.15, 0.4))
+        if index % 2:
+            part = trimesh.creation.box(extents=rng.uniform(0.2, 0.6, size=3))
+        part.apply_transform(trimesh.transformations.random_rotation_matrix(rng.random(3)))
+        part.apply_translation(rng.uniform(-0.4, 0.4, size=3))
+        parts.append(part)
+    colours = rng.integers(30, 230, size=(6, 3), dtype=np.uint8)
+    whole = trimesh.util.concatenate(parts)
+    vertices = np.asarray(whole.vertices) / np.linalg.norm(whole.vertices, axis=1).max()
+    owner = np.repeat(np.arange(6), [len(part.faces) for part in parts])
+    return Surface(vertices, np.asarray(whole.faces, dtype=np.int64), colours[owner])
+
+
+def _speed(surfaces: list[Surface], rounds: int) -> dict[str, float]:
+    camera = place_cameras(ViewpointParameters())[2]
+    scenes = [render_views(RayCaster(surface), [camera], _at(256)) for surface in surfaces]
+    peer = cv2.saliency.StaticSaliencyFineGrained_create()
+    full = AttentionParameters(fixations=FIXATIONS)
+    three = AttentionParameters(
+        fixations=FIXATIONS, weights=ChannelWeights.only("colour", "intensity", "orientation")
+    )
+    contestants: dict[str, Callable[[Views], object]] = {
+        "eight channels, 5 fixations": lambda views: _attend(views, full),
+        "three channels, 5 fixations": lambda views: _attend(views, three),
+        "OpenCV FineGrained, map only": lambda views: peer.computeSaliency(_bytes(views)),
+        "plain Itti, map only": lambda views: plain_itti(views.colour[0]),
+    }
+    times: dict[str, list[float]] = {name: [] for name in contestants}
+    for _ in range(rounds):
+        for views in scenes:
+            for name, contestant in contestants.items():
+                start = time.perf_counter()
+                contestant(views)
+                times[name].append(time.perf_counter() - start)
+    medians = {f"{name}, ms": 1e3 * float(np.median(taken)) for name, taken in times.items()}
+    ours, theirs = (np.array(times[name]) for name in list(times)[0:3:2])
+    return medians | {"ratio to FineGrained": float(np.median(ours) / np.median(theirs))}
+
+
+def _resolution(surfaces: list[Surface]) -> list[dict[str, float]]:
+    """Compare fixations at each resolution with those at the largest."""
+    cameras = place_cameras(ViewpointParameters())[::4]
+    parameters = AttentionParameters(fixations=FIXATIONS)
+    points: dict[int, list[np.ndarray]] = {}
+    seconds: dict[int, tuple[float, float]] = {}
+    for resolution in RESOLUTIONS:
+        points[resolution], rendering, attending = [], 0.0, 0.0
+        for surface in surfaces:
+            caster = RayCaster(surface)
+            start = time.perf_counter()
+            views = render_views(caster, cameras, _at(resolution))
+            middle = time.perf_counter()
+            results = _attend(views, parameters)
+            rendering += middle - start
+            attending += time.perf_counter() - middle
+            points[resolution] += [result.scanpath.points for result in results]
+        count = len(surfaces) * len(cameras)
+        seconds[resolution] = (rendering / count, attending / count)
+    reference = points[RESOLUTIONS[-1]]
+    rows = []
+    for resolution in RESOLUTIONS:
+        gaps = [
+            np.linalg.norm(found[:, None] - sought[None], axis=2).min(axis=1)
+            for found, sought in zip(points[resolution], reference, strict=True)
+        ]
+        firsts = [
+            float(np.linalg.norm(found[0] - sought[0]))
+            for found, sought in zip(points[resolution], reference, strict=True)
+        ]
+        rows.append(
+            {
+                "resolution": resolution,
+                "median distance to the nearest reference fixation, object radii": float(
+                    np.median(np.concatenate(gaps))
+                ),
+                "share within one focus radius": float(
+                    np.mean(np.concatenate(gaps) < parameters.focus_radius)
+                ),
+                "median distance of the first fixation, object radii": float(np.median(firsts)),
+                "rendering, s a view": seconds[resolution][0],
+                "attention, s a view": seconds[resolution][1],
+            }
+        )
+    return rows
+
+
+def plain_itti(colour: np.ndarray) -> np.ndarray:
+    """Give a saliency map by three channels in the plainest form, as a yardstick for time.
+
+    Parameters
+    ----------
+    colour : numpy.ndarray
+        Shape (h, w, 3), float32.
+
+    Returns
+    -------
+    numpy.ndarray
+        A sixteenth of the rows and columns.
+    """
+    red, green, blue = cv2.split(colour)
+    intensity = (red + green + blue) / 3
+    opponents = [red - green, blue - 0.5 * (red + green)]
+    size = tuple(side // 16 for side in intensity.shape[::-1])
+    angles = [cv2.getGaborKernel((9, 9), 7 / 3, a, 7, 1, 0) for a in np.pi * np.arange(4) / 4]
+    channels = [[_levels(intensity)], [_levels(plane) for plane in opponents]]
+    channels.append(
+        [[np.abs(cv2.filter2D(level, -1, kernel)) for level in channels[0][0]] for kernel in angles]
+    )
+    total = np.zeros(size[::-1], dtype=np.float32)
+    for pyramids in channels:
+        part = np.zeros_like(total)
+        for levels in pyramids:
+            for centre in (2, 3):
+                for surround in (centre + 2, centre + 3):
+                    coarse = cv2.resize(levels[surround], levels[centre].shape[::-1])
+                    part += _itti_promoted(cv2.resize(np.abs(levels[centre] - coarse), size))
+        total += _itti_promoted(part)
+    return total
+
+
+def _levels(plane: np.ndarray) -> list[np.ndarray]:
+    levels = [plane]
+    for _ in range(6):
+        levels.append(cv2.pyrDown(levels[-1]))
+    return levels
+
+
+def _itti_promoted(plane: np.ndarray) -> np.ndarray:
+    plane = plane / max(float(plane.max()), 1e-9)
+    peaks = plane[(plane == cv2.dilate(plane, np.ones((3, 3)))) & (plane > 0.1)]
+    return plane * (1.0 - (float(peaks.mean()) if len(peaks) > 1 else 0.0)) ** 2
+
+
+def _at(resolution: int) -> RenderingParameters:
+    return RenderingParameters(resolution=resolution)
+
+
+def _bytes(views: Views) -> np.ndarray:
+    return np.rint(views.colour[0] * 255).astype(np.uint8)
+
+
+def _attend(views: Views, parameters: AttentionParameters) -> list:
+    return attend(
+        views.colour,
+        views.mask,
+        views.point,
+        views.normal,
+        views.face,
+        views.curvature,
+        parameters,
+    )
+
+
+if __name__ == "__main__":
+    figures = run()
+    for name, value in figures["speed"].items():
+        print(f"{name:34s}{value:8.2f}")
+    print()
+    for row in figures["resolution"]:
+        print(", ".join(f"{name} {value:.4g}" for name, value in row.items()))

@@ -1,0 +1,132 @@
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.raycasting import RayCaster
+from visuohaptic.rendering import RenderingParameters, Views, render_views, shadow_reason
+from visuohaptic.surface import Surface
+from visuohaptic.viewpoints import Camera, ViewpointParameters, place_cameras
+
+CAMERAS = place_cameras(ViewpointParameters(count=5, elevations_degrees=(-10.0, 40.0)))
+
+
+def surface_of(mesh, colour=(200, 120, 60)):
+    faces = np.asarray(mesh.faces, dtype=np.int64)
+    colours = np.tile(np.array(colour, dtype=np.uint8), (len(faces), 1))
+    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours)
+
+
+SPHERE = surface_of(trimesh.creation.icosphere(subdivisions=4, radius=0.8))
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+@pytest.mark.parametrize("resolution", [63, 128])
+def test_sphere_is_seen_where_it_is(projection, resolution):
+    camera = Camera(40.0, 25.0, 3.0, 40.0, projection)
+    views = render_views(RayCaster(SPHERE), [camera], RenderingParameters(resolution=resolution))
+    seen = views.mask[0]
+    radius = np.arcsin(0.8 / 3) if projection == "perspective" else 0.0
+    disk = 3.0 * np.tan(radius) if projection == "perspective" else 0.8
+    expected = np.pi * (disk / camera.view_height) ** 2
+    assert seen.mean() == pytest.approx(expected, rel=0.02)
+    points, normals = views.point[0][seen], views.normal[0][seen]
+    assert np.abs(np.linalg.norm(points, axis=1) - 0.8).max() < 0.002
+    assert np.einsum("nd,nd->n", normals, points / 0.8).min() > 0.995
+    depth = (camera.eye - points) @ camera.axes[2]
+    np.testing.assert_allclose(views.depth[0][seen], depth, rtol=1e-6)
+    assert np.isinf(views.depth[0][~seen]).all()
+    np.testing.assert_array_equal(views.face[0] >= 0, seen)
+    assert np.median(views.curvature[0][seen]) == pytest.approx(1 / 0.8, rel=0.02)
+
+
+def test_points_lie_on_the_rays_of_their_pixels():
+    views = render_views(RayCaster(SPHERE), CAMERAS, RenderingParameters(resolution=64))
+    for index, camera in enumerate(CAMERAS):
+        origins, directions = camera.rays(64)
+        seen = views.mask[index].reshape(-1)
+        offset = views.point[index].reshape(-1, 3)[seen] - origins[seen]
+        miss = np.linalg.norm(np.cross(offset, directions[seen]), axis=1)
+        assert miss.max() < 1e-5
+
+
+@pytest.mark.parametrize("inside_out", [False, True])
+def test_normals_are_unit_and_face_the_camera(inside_out):
+    shape = trimesh.creation.annulus(0.4, 0.6, 0.8)
+    surface = surface_of(shape)
+    if inside_out:
+        surface = Surface(surface.vertices, surface.faces[:, ::-1], surface.face_colours)
+    views = render_views(RayCaster(surface), CAMERAS, RenderingParameters(resolution=64))
+    for index, camera in enumerate(CAMERAS):
+        seen = views.mask[index].reshape(-1)
+        normals = views.normal[index].reshape(-1, 3)[seen]
+        _, directions = camera.rays(64)
+        np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-9)
+        assert np.einsum("nd,nd->n", normals, directions[seen]).max() <= 0.0
+
+
+def test_block_of_views_changes_no_bit():
+    parameters = RenderingParameters(resolution=48, cast_shadows=True)
+    caster = RayCaster(SPHERE)
+    together = render_views(caster, CAMERAS, parameters)
+    for index, camera in enumerate(CAMERAS):
+        alone = render_views(caster, [camera], parameters)
+        for name in Views.__dataclass_fields__:
+            np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[index])
+
+
+def test_no_camera_gives_no_view():
+    views = render_views(RayCaster(SPHERE), [], RenderingParameters(resolution=32))
+    assert len(views) == 0
+    assert views.colour.shape == (0, 32, 32, 3)
+
+
+def test_flat_shading_shows_the_mesh_colours():
+    views = render_views(RayCaster(SPHERE), CAMERAS[:1], RenderingParameters(shading=False))
+    np.testing.assert_allclose(
+        np.unique(views.colour[views.mask], axis=0), [[200 / 255, 120 / 255, 60 / 255]], rtol=1e-6
+    )
+
+
+def test_grey_stays_grey_under_shading():
+    grey = Surface(SPHERE.vertices, SPHERE.faces, np.full_like(SPHERE.face_colours, 137))
+    views = render_views(RayCaster(grey), CAMERAS[:1], RenderingParameters())
+    seen = views.colour[views.mask]
+    np.testing.assert_array_equal(seen, np.repeat(seen[:, :1], 3, axis=1))
+    assert np.ptp(seen) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({}, "cast shadows are switched off"),
+        ({"cast_shadows": True, "shading": False}, "without shading no light is blocked"),
+        ({"cast_shadows": True, "ambient": 1.0}, "all light is ambient"),
+        ({"cast_shadows": True}, None),
+    ],
+)
+def test_shadow_rays_are_cast_only_where_they_tell(change, reason):
+    parameters = RenderingParameters(resolution=32, **change)
+    assert shadow_reason(parameters) == reason
+    caster = RayCaster(SPHERE)
+    asked = []
+    cast = caster.first_hits
+    caster.first_hits = lambda *rays: asked.append(1) or cast(*rays)
+    render_views(caster, CAMERAS[:1], parameters)
+    assert len(asked) == (2 if reason is None else 1)
+
+
+def test_lamp_above_casts_the_shadow_of_a_roof():
+    roof = trimesh.creation.box(extents=(0.5, 0.05, 0.5))
+    roof.apply_translation((0.0, 0.5, 0.0))
+    floor = trimesh.creation.box(extents=(1.4, 0.05, 1.4))
+    floor.apply_translation((0.0, -0.4, 0.0))
+    surface = surface_of(trimesh.util.concatenate([roof, floor]))
+    camera = Camera(0.0, 30.0, 3.0, 40.0)
+    parameters = RenderingParameters(cast_shadows=True, light_elevation_degrees=60.0)
+    views = render_views(RayCaster(surface), [camera], parameters)
+    on_floor = views.mask[0] & (np.abs(views.point[0][..., 1] + 0.375) < 1e-3)
+    shaded = on_floor & (np.abs(views.point[0][..., [0, 2]]).max(axis=-1) < 0.24)
+    open_sky = on_floor & (np.abs(views.point[0][..., [0, 2]]).max(axis=-1) > 0.26)
+    assert not views.lit[0][shaded].any()
+    assert views.lit[0][open_sky].all()
+    assert views.colour[0][shaded, 0].max() < views.colour[0][open_sky, 0].min()
