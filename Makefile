@@ -14,9 +14,10 @@ export PYTHONPATH := $(CURDIR)/src
 
 report: $(READY)
 	snakemake -j$(JOBS)
+	@echo "The report is at reports/report.html."
 
 test: $(READY) lint
-	pytest
+	pytest -n 2 --dist loadgroup
 
 meshes: $(READY)
 	visuohaptic meshes fetch --set $(SET) --jobs $(JOBS)

@@ -13,17 +13,15 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/meshes.smk"
 include: "workflow/rules/fixations.smk"
 include: "workflow/rules/touches.smk"
+include: "workflow/rules/effects.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/recognition.smk"
+include: "workflow/rules/model.smk"
 include: "workflow/rules/report.smk"
 
 
 onstart:
     prune_tables()
-
-
-onsuccess:
-    print("The report is at reports/report.html.")
 
 
 rule all:

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import trimesh
 
 from visuohaptic.attention import AttentionParameters, ChannelWeights, attend
+from visuohaptic.meshes import normalise
 from visuohaptic.raycasting import RayCaster
 from visuohaptic.rendering import RenderingParameters, Views, render_views
 from visuohaptic.surface import Surface, read_surface
@@ -48,28 +48,9 @@ def run(rounds: int = 15) -> dict[str, object]:
 
 
 def _surfaces() -> list[Surface]:
-    files = sorted(MESHES.rglob("*.ply.gz")) + sorted(MESHES.rglob("*.ply"))
-    if files:
-        return [read_surface(path) for path in files[:: max(1, len(files) // 6)][:6]]
-    return [_stand_in(seed) for seed in range(6)]
-
-
-def _stand_in(seed: int) -> Surface:
-    """Pile up coloured balls and boxes, where no mesh of the workflow is at hand."""
-    rng = np.random.default_rng(seed)
-    parts = []
-    for index in range(6):
-        part = trimesh.creation.icosphere(subdivisions=3, radius=rng.uniform(0.15, 0.4))
-        if index % 2:
-            part = trimesh.creation.box(extents=rng.uniform(0.2, 0.6, size=3))
-        part.apply_transform(trimesh.transformations.random_rotation_matrix(rng.random(3)))
-        part.apply_translation(rng.uniform(-0.4, 0.4, size=3))
-        parts.append(part)
-    colours = rng.integers(30, 230, size=(6, 3), dtype=np.uint8)
-    whole = trimesh.util.concatenate(parts)
-    vertices = np.asarray(whole.vertices) / np.linalg.norm(whole.vertices, axis=1).max()
-    owner = np.repeat(np.arange(6), [len(part.faces) for part in parts])
-    return Surface(vertices, np.asarray(whole.faces, dtype=np.int64), colours[owner])
+    """Take six of the twelve objects that the repository carries."""
+    files = sorted((MESHES / "paper").rglob("*.ply.gz"))[::2]
+    return [normalise(read_surface(path), path.name) for path in files]
 
 
 def _speed(surfaces: list[Surface], rounds: int) -> dict[str, float]:

@@ -1,6 +1,9 @@
 """From a mesh file to features, file to file: what each phase writes is what its table promises."""
 
+import shutil
+
 import numpy as np
+import pandas as pd
 import pytest
 import trimesh
 
@@ -12,7 +15,7 @@ from visuohaptic.fixations import make_fixations
 from visuohaptic.meshes import MeshParameters, make_mesh
 from visuohaptic.probing import ProbingParameters
 from visuohaptic.rendering import RenderingParameters
-from visuohaptic.scene import Scene
+from visuohaptic.scene import VISUAL_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.surface import read_surface
 from visuohaptic.tables import EFFECTS, FEATURES, FIXATIONS, TOUCHES, VIEWS, matrix, read_table
@@ -22,17 +25,19 @@ from visuohaptic.viewpoints import ViewpointParameters
 VIEWPOINTS = ViewpointParameters(count=3)
 
 
-def look(folder, block, seed=7, name="fixations"):
+def look(folder, block, seed=7, name="fixations", modes=None):
     make_fixations(
         key="ring/torus",
         mesh=folder / "torus.ply",
         fixations=folder / f"{name}.parquet",
         views=folder / f"{name}-views.parquet",
+        effects=folder / f"{name}-effects.parquet",
         block=block,
         viewpoints=VIEWPOINTS,
         rendering=RenderingParameters(resolution=64),
         attention=AttentionParameters(fixations=4),
         probing=ProbingParameters(),
+        modes=modes or EffectModes(),
         seed=seed,
     )
     return read_table(FIXATIONS, folder / f"{name}.parquet")
@@ -152,6 +157,33 @@ def test_the_books_of_the_effects_count_every_touch(folder):
     # The plain scene calls for geometry alone.
     assert ran == {"adaptive_size"}
     assert all(row["reason"] for row in rows)
+
+
+def test_the_books_of_the_view_count_every_view(folder):
+    rows = read_table(EFFECTS, folder / "fixations-effects.parquet").to_pylist()
+    books = {row["effect"]: row for row in rows}
+    assert set(books) == set(VISUAL_EFFECTS)
+    assert {row["touches"] for row in rows} == {3}
+    # A grey torus has neither hues nor parts; the light has a direction, but casts no shadows.
+    assert {name for name, row in books.items() if row["called_for"]} == {"shading", "cast_shadows"}
+    assert {name for name, row in books.items() if row["runs"]} == {"shading"}
+
+
+def test_the_books_of_eye_and_hand_lie_in_one_folder_as_one_table(folder, tmp_path):
+    for part, file in (("views", "fixations-effects"), ("touches", "effects")):
+        target = tmp_path / "effects" / part / "ring" / "torus" / "00-02.parquet"
+        target.parent.mkdir(parents=True)
+        shutil.copy(folder / f"{file}.parquet", target)
+    frame = pd.read_parquet(tmp_path / "effects")
+    assert sorted(frame.effect) == sorted(EffectModes.model_fields)
+    assert read_table(EFFECTS, tmp_path / "effects").num_rows == len(frame)
+
+
+def test_the_eye_looks_without_shading_where_the_scene_says_so(folder):
+    shaded = read_table(VIEWS, folder / "fixations-views.parquet").column("view").to_pylist()
+    look(folder, [0, 1, 2], name="flat", modes=EffectModes(shading="never"))
+    flat = read_table(VIEWS, folder / "flat-views.parquet").column("view").to_pylist()
+    assert all(one != other for one, other in zip(shaded, flat, strict=True))
 
 
 def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder):

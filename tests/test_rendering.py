@@ -1,9 +1,12 @@
+from dataclasses import fields
+
 import numpy as np
 import pytest
 import trimesh
 
 from visuohaptic.raycasting import RayCaster
-from visuohaptic.rendering import RenderingParameters, Views, render_views, shadow_reason
+from visuohaptic.rendering import RenderingParameters, Views, render_views
+from visuohaptic.scene import VISUAL_EFFECTS, EffectModes
 from visuohaptic.surface import Surface
 from visuohaptic.viewpoints import Camera, ViewpointParameters, place_cameras
 
@@ -16,6 +19,7 @@ def surface_of(mesh, colour=(200, 120, 60)):
     return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours)
 
 
+IMAGES = [field.name for field in fields(Views) if field.name != "effects"]
 SPHERE = surface_of(trimesh.creation.icosphere(subdivisions=4, radius=0.8))
 
 
@@ -65,12 +69,12 @@ def test_normals_are_unit_and_face_the_camera(inside_out):
 
 
 def test_block_of_views_changes_no_bit():
-    parameters = RenderingParameters(resolution=48, cast_shadows=True)
+    parameters, modes = RenderingParameters(resolution=48), EffectModes(cast_shadows="auto")
     caster = RayCaster(SPHERE)
-    together = render_views(caster, CAMERAS, parameters)
+    together = render_views(caster, CAMERAS, parameters, modes)
     for index, camera in enumerate(CAMERAS):
-        alone = render_views(caster, [camera], parameters)
-        for name in Views.__dataclass_fields__:
+        alone = render_views(caster, [camera], parameters, modes)
+        for name in IMAGES:
             np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[index])
 
 
@@ -78,10 +82,12 @@ def test_no_camera_gives_no_view():
     views = render_views(RayCaster(SPHERE), [], RenderingParameters(resolution=32))
     assert len(views) == 0
     assert views.colour.shape == (0, 32, 32, 3)
+    assert {record.touches for record in views.effects} == {0}
 
 
 def test_flat_shading_shows_the_mesh_colours():
-    views = render_views(RayCaster(SPHERE), CAMERAS[:1], RenderingParameters(shading=False))
+    modes = EffectModes(shading="never")
+    views = render_views(RayCaster(SPHERE), CAMERAS[:1], RenderingParameters(), modes)
     np.testing.assert_allclose(
         np.unique(views.colour[views.mask], axis=0), [[200 / 255, 120 / 255, 60 / 255]], rtol=1e-6
     )
@@ -96,23 +102,29 @@ def test_grey_stays_grey_under_shading():
 
 
 @pytest.mark.parametrize(
-    ("change", "reason"),
+    ("ambient", "modes", "runs", "reason"),
     [
-        ({}, "cast shadows are switched off"),
-        ({"cast_shadows": True, "shading": False}, "without shading no light is blocked"),
-        ({"cast_shadows": True, "ambient": 1.0}, "all light is ambient"),
-        ({"cast_shadows": True}, None),
+        (0.4, {}, 0, "part of the light has a direction"),
+        (
+            0.4,
+            {"cast_shadows": "auto", "shading": "never"},
+            0,
+            "without shading no light is blocked",
+        ),
+        (1.0, {"cast_shadows": "auto"}, 0, "all light is ambient"),
+        (0.4, {"cast_shadows": "auto"}, 1, "part of the light has a direction"),
     ],
 )
-def test_shadow_rays_are_cast_only_where_they_tell(change, reason):
-    parameters = RenderingParameters(resolution=32, **change)
-    assert shadow_reason(parameters) == reason
+def test_shadow_rays_are_cast_only_where_they_tell(ambient, modes, runs, reason):
+    parameters = RenderingParameters(resolution=32, ambient=ambient)
     caster = RayCaster(SPHERE)
     asked = []
     cast = caster.first_hits
     caster.first_hits = lambda *rays: asked.append(1) or cast(*rays)
-    render_views(caster, CAMERAS[:1], parameters)
-    assert len(asked) == (2 if reason is None else 1)
+    views = render_views(caster, CAMERAS[:1], parameters, EffectModes(**modes))
+    assert len(asked) == 1 + runs
+    record = books(views)["cast_shadows"]
+    assert (record.runs, record.reason) == (runs, reason)
 
 
 def test_lamp_above_casts_the_shadow_of_a_roof():
@@ -122,11 +134,105 @@ def test_lamp_above_casts_the_shadow_of_a_roof():
     floor.apply_translation((0.0, -0.4, 0.0))
     surface = surface_of(trimesh.util.concatenate([roof, floor]))
     camera = Camera(0.0, 30.0, 3.0, 40.0)
-    parameters = RenderingParameters(cast_shadows=True, light_elevation_degrees=60.0)
-    views = render_views(RayCaster(surface), [camera], parameters)
+    parameters = RenderingParameters(light_elevation_degrees=60.0)
+    views = render_views(RayCaster(surface), [camera], parameters, EffectModes(cast_shadows="auto"))
     on_floor = views.mask[0] & (np.abs(views.point[0][..., 1] + 0.375) < 1e-3)
     shaded = on_floor & (np.abs(views.point[0][..., [0, 2]]).max(axis=-1) < 0.24)
     open_sky = on_floor & (np.abs(views.point[0][..., [0, 2]]).max(axis=-1) > 0.26)
     assert not views.lit[0][shaded].any()
     assert views.lit[0][open_sky].all()
     assert views.colour[0][shaded, 0].max() < views.colour[0][open_sky, 0].min()
+
+
+# High above the camera, so that the plate's shadow falls on the ball.
+HIGH_LIGHT = {"light_elevation_degrees": 70.0}
+
+
+def plate_above_ball(colours):
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.5)
+    plate = trimesh.creation.box(extents=(0.9, 0.05, 0.9))
+    plate.apply_translation((0.0, 0.65, 0.0))
+    mesh = trimesh.util.concatenate([ball, plate])
+    parts = np.repeat([0, 1], [len(ball.faces), len(plate.faces)])
+    return Surface(
+        np.asarray(mesh.vertices, dtype=np.float64),
+        np.asarray(mesh.faces, dtype=np.int64),
+        np.array(colours, dtype=np.uint8)[parts],
+    )
+
+
+COLOURED = plate_above_ball([(200, 60, 60), (60, 110, 180)])
+GREY = plate_above_ball([(160, 160, 160), (160, 160, 160)])
+
+
+def see(surface, ambient=0.4, **modes):
+    parameters = RenderingParameters(resolution=48, ambient=ambient, **HIGH_LIGHT)
+    return render_views(RayCaster(surface), CAMERAS[:2], parameters, EffectModes(**modes))
+
+
+def every(mode):
+    return dict.fromkeys(VISUAL_EFFECTS, mode)
+
+
+def books(views):
+    return {record.effect: record for record in views.effects}
+
+
+@pytest.mark.parametrize("ambient", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("surface", [COLOURED, GREY])
+def test_auto_sees_bit_for_bit_what_always_sees(surface, ambient):
+    one = see(surface, ambient, **every("auto"))
+    other = see(surface, ambient, **every("always"))
+    for name in IMAGES:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+@pytest.mark.parametrize("shading", ["auto", "never"])
+def test_shadows_without_shading_change_no_bit(shading):
+    one = see(COLOURED, shading=shading, cast_shadows="auto")
+    other = see(COLOURED, shading=shading, cast_shadows="always")
+    np.testing.assert_array_equal(one.colour, other.colour)
+    np.testing.assert_array_equal(one.lit, other.lit)
+
+
+def test_no_shadow_is_cast_unless_asked_for():
+    assert see(COLOURED).lit.all()
+    assert not books(see(COLOURED))["cast_shadows"].runs
+
+
+def test_shadows_only_darken_and_only_where_no_light_falls():
+    plain = see(COLOURED).colour
+    shadowed = see(COLOURED, cast_shadows="auto")
+    changed = (shadowed.colour != plain).any(axis=-1)
+    assert changed.any()
+    assert not (changed & shadowed.lit).any()
+    assert (shadowed.colour <= plain).all()
+
+
+def test_even_light_shows_colours_as_they_are():
+    views = see(COLOURED, ambient=1.0)
+    colours = (COLOURED.face_colours[views.face[views.mask]] / 255.0).astype(np.float32)
+    np.testing.assert_array_equal(views.colour[views.mask], colours)
+    assert not books(views)["shading"].runs
+
+
+def test_without_colour_views_are_grey_and_without_texture_of_one_colour():
+    grey = see(COLOURED, ambient=1.0, colour="never")
+    assert np.ptp(grey.colour[grey.mask], axis=-1).max() == 0
+    plain = see(COLOURED, ambient=1.0, texture="never")
+    assert len(np.unique(plain.colour[plain.mask], axis=0)) == 1
+
+
+def test_effects_of_the_view_move_no_geometry():
+    one, other = see(COLOURED, **every("always")), see(COLOURED, **every("never"))
+    for name in ("mask", "depth", "point", "normal", "face", "curvature"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_the_books_tell_views_and_reasons():
+    found = books(see(GREY))
+    assert list(found) == list(VISUAL_EFFECTS)
+    assert (found["colour"].called_for, found["colour"].runs) == (0, 0)
+    assert found["colour"].reason == "all faces are grey"
+    assert (found["shading"].touches, found["shading"].runs) == (2, 2)
+    assert found["shading"].seconds > 0 == found["cast_shadows"].seconds

@@ -1,3 +1,26 @@
-"""Look at a 3D object, touch it where the eye would rest, and name it from touch alone."""
+"""Look at a 3D object, touch it where the eye would rest, and name it from touch alone.
+
+``import visuohaptic as vh; vh.load("mug.obj").touch(viewpoints=16).recognise()``
+"""
+
+import lazy_loader
 
 __version__ = "0.1.0"
+
+# By name, not from the stub: what follows a package's stub to tell which code a job runs would
+# find all of the package behind this one.
+__getattr__, __dir__, __all__ = lazy_loader.attach(
+    __name__,
+    submod_attrs={
+        "errors": ["VisuohapticError"],
+        "exploration": [
+            "Exploration",
+            "Recogniser",
+            "Recognition",
+            "TouchableObject",
+            "load",
+            "read_parameters",
+            "read_recogniser",
+        ],
+    },
+)

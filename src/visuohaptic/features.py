@@ -39,7 +39,8 @@ class FeatureParameters(BaseModel):
         "pkva12", description="ladder filter of the directional filter bank"
     )
     extension: Literal["periodic", "symmetric", "circular"] = Field(
-        "periodic", description="how an imprint goes on beyond its borders; `periodic` as in the authors' toolbox"
+        "periodic",
+        description="how an imprint goes on beyond its borders; `periodic` as in the authors' toolbox",
     )
 
 

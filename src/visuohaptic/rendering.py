@@ -231,9 +231,7 @@ class _Books:
         )
 
 
-def _seen_colours(
-    caster: RayCaster, modes: EffectModes, books: _Books
-) -> NDArray[np.uint8]:
+def _seen_colours(caster: RayCaster, modes: EffectModes, books: _Books) -> NDArray[np.uint8]:
     with books.clock("texture" if modes.texture == "never" else "colour"):
         return seen_colours(caster.surface.face_colours, caster.surface.face_areas, modes)
 

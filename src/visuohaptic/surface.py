@@ -117,7 +117,10 @@ def read_surface(path: str | Path) -> Surface:
             data = PlyData.read(stream, known_list_len={"face": {"vertex_indices": 3}})
         vertex, face = data["vertex"], data["face"]
         vertices = np.column_stack([vertex[name] for name in "xyz"]).astype(np.float64)
-        faces = np.array(face["vertex_indices"].tolist(), dtype=np.int64).reshape(-1, 3)
+        corners = face["vertex_indices"]
+        # One array from a plain file; an array of arrays from a compressed stream.
+        listed = corners.tolist() if corners.dtype == object else corners
+        faces = np.asarray(listed, dtype=np.int64).reshape(-1, 3)
         colours = np.column_stack([face[name] for name in ("red", "green", "blue")])
     except (OSError, EOFError, PlyParseError, KeyError, ValueError) as error:
         raise MeshError(

@@ -199,7 +199,9 @@ EFFECTS = Schema(
     "effects",
     (
         *EFFECT_KEYS,
-        Column("scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"),
+        Column(
+            "scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"
+        ),
         Column("mode", TEXT, "auto, always or never"),
         Column("reason", TEXT, "why it was called for, or why not"),
         Column("touches", COUNT, "touches of the job; views, for effects of the view", minimum=0),
@@ -208,6 +210,42 @@ EFFECTS = Schema(
         Column("seconds", REAL, "time spent on it; differs from run to run", "s", 0),
     ),
     _names(EFFECT_KEYS),
+)
+
+EFFECT_INFLUENCE_KEYS = (
+    Column("scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"),
+    Column("effect", TEXT, "what may be simulated"),
+)
+
+EFFECT_INFLUENCE = Schema(
+    "effect_influence",
+    (
+        *EFFECT_INFLUENCE_KEYS,
+        Column("touches", COUNT, "touches measured; views, for effects of the view", minimum=1),
+        Column("seconds", REAL, "time spent on it under the scene's own mode", "s", 0),
+        Column("seconds_always", REAL, "time spent on it under always", "s", 0),
+        Column("image_shift", REAL, "mean change of a pixel of the image without it", "1", 0, 1),
+    ),
+    _names(EFFECT_INFLUENCE_KEYS),
+)
+
+EFFECT_ACCURACY_KEYS = (
+    Column("scene", TEXT, "preset of the scene"),
+    Column("without", TEXT, "the effect that is left out, or nothing"),
+    Column("strategy", TEXT, "how the probing locations were chosen"),
+)
+
+EFFECT_ACCURACY = Schema(
+    "effect_accuracy",
+    (
+        *EFFECT_ACCURACY_KEYS,
+        Column("pipeline", TEXT, "how features become an answer"),
+        Column("classifier", TEXT, "the classifier"),
+        Column("accuracy", REAL, "share of test sequences named rightly", "1", 0, 1),
+        Column("low", REAL, "lower end of its interval over objects", "1", 0, 1),
+        Column("high", REAL, "upper end of its interval over objects", "1", 0, 1),
+    ),
+    _names(EFFECT_ACCURACY_KEYS),
 )
 
 CONTOURLET_FEATURES = tuple(f"contourlet_{band:02d}" for band in range(1, 17))
@@ -293,7 +331,17 @@ PREDICTIONS = Schema(
 
 SCHEMAS = {
     schema.name: schema
-    for schema in (VIEWS, FIXATIONS, TOUCHES, EFFECTS, FEATURES, SCORES, PREDICTIONS)
+    for schema in (
+        VIEWS,
+        FIXATIONS,
+        TOUCHES,
+        EFFECTS,
+        EFFECT_INFLUENCE,
+        EFFECT_ACCURACY,
+        FEATURES,
+        SCORES,
+        PREDICTIONS,
+    )
 }
 
 

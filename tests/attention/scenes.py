@@ -78,11 +78,11 @@ def mirrored(surface):
     )
 
 
-def look(surface, cameras, attention=None, rendering=None):
+def look(surface, cameras, attention=None, modes=None, background=0.85):
     """Render a surface and attend to it."""
     attention = AttentionParameters() if attention is None else attention
-    rendering = RenderingParameters() if rendering is None else rendering
-    views = render_views(RayCaster(surface), cameras, rendering)
+    rendering = RenderingParameters(background=background)
+    views = render_views(RayCaster(surface), cameras, rendering, modes)
     return views, attend_to(views, attention)
 
 

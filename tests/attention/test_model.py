@@ -16,12 +16,14 @@ from visuohaptic.attention import (
     saliency_map,
 )
 from visuohaptic.rendering import RenderingParameters
+from visuohaptic.scene import EffectModes
 from visuohaptic.viewpoints import Camera, ViewpointParameters, place_cameras
 
 PLACES = range(displays.GRID**2)
 CAMERAS = place_cameras(ViewpointParameters())
 FOOTPRINT = CAMERAS[0].view_height / RenderingParameters().resolution
 FRONT = Camera(0.0, 0.0, 3.0, 40.0)
+UNSHADED = EffectModes(shading="never")
 
 ODD_ONES = {
     "level among upright": (displays.Item(0.0), displays.Item(90.0)),
@@ -170,8 +172,7 @@ def test_fixations_keep_off_the_background_and_the_outline():
 @pytest.mark.parametrize("background", [0.0, 0.3, 1.0])
 def test_background_has_no_say(background):
     _, plain = scenes.look(scenes.lopsided(), CAMERAS[:2])
-    other = RenderingParameters(background=background)
-    _, results = scenes.look(scenes.lopsided(), CAMERAS[:2], rendering=other)
+    _, results = scenes.look(scenes.lopsided(), CAMERAS[:2], background=background)
     for one, two in zip(plain, results, strict=True):
         np.testing.assert_array_equal(one.saliency, two.saliency)
 

@@ -158,7 +158,7 @@ def _features(fixations, generator):
 
 
 def _effects(objects):
-    rows = [(key, effect) for key in objects for effect in ("noise", "adaptive_size")]
+    rows = [(key, effect) for key in objects for effect in ("noise", "adaptive_size", "texture")]
     ran = [effect == "adaptive_size" for _, effect in rows]
     return _table(
         tables.EFFECTS,

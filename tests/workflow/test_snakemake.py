@@ -8,6 +8,8 @@ import pyarrow.parquet as pq
 import pytest
 import trimesh
 
+from visuohaptic.scene import VISUAL_EFFECTS, EffectModes
+
 pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
 
 TABLES = ("views", "fixations", "touches", "features", "scores", "predictions")
@@ -50,6 +52,35 @@ def test_a_parameter_of_the_sensor_reruns_no_fixation(experiment):
     assert planned["touches"] == planned["features"] == 4
     assert "fixations" not in planned
     assert "meshes" not in planned
+
+
+def test_a_scene_to_feel_reruns_no_fixation(experiment):
+    experiment.set(scene={"preset": "fsr400", "effects": {"noise": "never"}})
+    planned = experiment.planned()
+    assert planned["touches"] == 4
+    assert "fixations" not in planned
+
+
+def test_a_scene_to_see_reruns_the_eye(experiment):
+    experiment.set(scene={"effects": {"shading": "never"}})
+    assert experiment.planned()["fixations"] == 4
+
+
+def test_the_books_of_the_effects_read_as_one_table(finished):
+    frame = pd.read_parquet(finished.folder / "results" / "effects")
+    assert not frame.duplicated(["class", "object", "first_viewpoint", "effect"]).any()
+    assert frame.groupby("effect").touches.sum().to_dict() == {
+        effect: 4 * 4 if effect in VISUAL_EFFECTS else TOUCHES
+        for effect in EffectModes.model_fields
+    }
+
+
+def test_figures_of_the_effects_are_made_on_request_and_then_kept(experiment):
+    experiment.snakemake("effects_all")
+    assert experiment.planned() == {"report": 1}
+    experiment.set(sensor={"largest_size": 0.25})
+    planned = experiment.planned()
+    assert planned["effect_influence"] == planned["effect_accuracy"] == 1
 
 
 def test_a_changed_mesh_reruns_its_object_and_what_follows(experiment):

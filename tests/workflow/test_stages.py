@@ -35,9 +35,17 @@ def test_no_output_of_a_stage_persists(stage):
     assert "persist" not in str(STAGES[stage])
 
 
+# Made beside the experiment, by `snakemake effects_all` and `snakemake model_all`.
+ASIDE = {
+    "workflow/scripts/effect_accuracy.py",
+    "workflow/scripts/effect_influence.py",
+    "workflow/scripts/model.py",
+}
+
+
 def test_every_script_belongs_to_a_stage():
     scripts = {str(file.relative_to(ROOT)) for file in (ROOT / "workflow/scripts").glob("*.py")}
-    assert scripts == {script for scripts in SCRIPTS.values() for script in scripts}
+    assert scripts - ASIDE == {script for scripts in SCRIPTS.values() for script in scripts}
 
 
 @pytest.mark.parametrize("stage", STAGES)

@@ -42,8 +42,10 @@ rule report:
         fixations=parts_of("fixations"),
         touches=parts_of("touches"),
         features=parts_of("features"),
-        effects=parts_of("effects"),
+        effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
         meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
+        # Once they are made they are kept current; a run without them makes none.
+        measured=[file for file in EFFECT_FIGURES if Path(file).exists()],
         code=code_of("report.py"),
         templates=sorted(Path("src/visuohaptic/report/templates").glob("*.*")),
     output:
@@ -61,7 +63,10 @@ rule report:
             "credits": ["meshes/catalogue.csv", "meshes/paper/credits.csv"],
             "logs": "logs",
             "extras": {
+                "effect_influence": "results/effect_influence.parquet",
+                "effect_accuracy": "results/effect_accuracy.parquet",
                 "touches_needed": "results/touches_needed",
+                "resolution": "benchmarks/resolution.json",
                 "cost": "results/cost",
                 "stability": "reports/stability.json",
                 "ablations": "results/ablations",

@@ -119,13 +119,13 @@ def prepare_view(
     """
     share = mask.astype(np.float32)
     inside = mask.view(np.uint8)
-    hues = [np.ascontiguousarray(colour[:, :, index]) for index in range(3)]
+    hues = cv2.split(np.ascontiguousarray(colour))
     peak = max(cv2.minMaxLoc(hue, inside)[1] for hue in hues)
     scale = share / np.float32(peak) if peak > 0.0 else np.zeros_like(share)
     working = to_working_size(cv2.merge([share, *(hue * scale for hue in hues)]))
     certainty = np.ascontiguousarray(working[:, :, 0])
     sure = reciprocal(certainty)
-    red, green, blue = (working[:, :, index] * sure for index in (1, 2, 3))
+    red, green, blue = (plane * sure for plane in cv2.split(working)[1:])
     bend = to_working_size(curvature * share) * sure
     intensity = (red + green + blue) * np.float32(1.0 / 3.0)
     return WorkingView(
@@ -372,7 +372,7 @@ def _dull_channels(
         return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
     inside = mask.view(np.uint8)
     found: dict[str, str] = {}
-    red, green, blue = (np.ascontiguousarray(colour[:, :, index]) for index in range(3))
+    red, green, blue = cv2.split(np.ascontiguousarray(colour))
     if not np.any(((red != green) | (green != blue)) & mask):
         found["colour"] = "every pixel is grey"
     if all(_is_uniform(hue, inside) for hue in (red, green, blue)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -107,7 +108,7 @@ def _attend_view(
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     channels = tuple(name for name in CHANNELS if name not in skipped)
     maps = conspicuity_maps(prepare_view(colour, mask, curvature), channels, parameters)
-    saliency = on_view(saliency_map(maps, parameters), mask)
+    saliency = on_view(saliency_map(maps, parameters), mask, cv2.INTER_CUBIC)
     saliency /= np.float32(max(float(saliency.max()), SMALLEST_PEAK))
     return Attention(
         saliency,

@@ -101,7 +101,9 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
     return total
 
 
-def on_view(plane: Plane, mask: NDArray[np.bool_]) -> NDArray[np.float32]:
+def on_view(
+    plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTER_LINEAR
+) -> NDArray[np.float32]:
     """Bring a map onto the pixels of its view and clear the background.
 
     Parameters
@@ -110,13 +112,15 @@ def on_view(plane: Plane, mask: NDArray[np.bool_]) -> NDArray[np.float32]:
         Shape (MAP_SIZE, MAP_SIZE), float32.
     mask : numpy.ndarray
         Shape (h, w), bool: where the object is.
+    interpolation : int
+        As `pyramid.from_map_size` takes it.
 
     Returns
     -------
     numpy.ndarray
         Shape (h, w), float32, at least 0.
     """
-    return from_map_size(plane, (mask.shape[0], mask.shape[1])) * mask
+    return from_map_size(plane, (mask.shape[0], mask.shape[1]), interpolation) * mask
 
 
 def promote(planes: Plane, parameters: AttentionParameters) -> Plane:

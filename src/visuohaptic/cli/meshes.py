@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
@@ -12,6 +10,7 @@ from typing import Annotated
 import typer
 
 from visuohaptic.catalogue import Model, find_own_models, models_of_set
+from visuohaptic.cli.printing import say, say_json, show_progress
 from visuohaptic.errors import MeshError
 
 app = typer.Typer(help="The models that objects come from.", no_args_is_help=True)
@@ -50,7 +49,7 @@ def fetch(
     models = models_of_set(meshes / "catalogue.csv", object_set.value)
     missing = [model for model in models if not (meshes / "paper" / _packed(model)).exists()]
     fetch_models(missing, meshes / "downloaded", cache, jobs)
-    sys.stdout.write(f"{len(missing)} models are in {meshes / 'downloaded'}.\n")
+    say(f"{len(missing)} models are in {meshes / 'downloaded'}.")
 
 
 @app.command()
@@ -71,7 +70,7 @@ def check(
     files = {model: _model_file(model, meshes) for model in models}
     files |= find_own_models(meshes / "own", {model.key for model in models})
     findings: dict[str, dict[str, object]] = {}
-    for model, file in files.items():
+    for model, file in show_progress(list(files.items()), "checking models"):
         try:
             surface = prepare_object(model, file, MeshParameters())
             findings[model.key] = {"triangles": len(surface.faces)}
@@ -79,13 +78,11 @@ def check(
             findings[model.key] = {"error": str(error)}
     broken = sum("error" in finding for finding in findings.values())
     if as_json:
-        sys.stdout.write(json.dumps(findings, indent=2) + "\n")
+        say_json(findings)
     else:
         for key, finding in findings.items():
-            sys.stdout.write(
-                f"{key}: {finding.get('error') or str(finding['triangles']) + ' triangles'}\n"
-            )
-        sys.stdout.write(f"{len(findings) - broken} of {len(findings)} models can be touched.\n")
+            say(f"{key}: {finding.get('error') or str(finding['triangles']) + ' triangles'}")
+        say(f"{len(findings) - broken} of {len(findings)} models can be touched.")
     if broken:
         raise typer.Exit(1)
 
@@ -103,11 +100,11 @@ def show_credits(
     models = models_of_set(meshes / "catalogue.csv", object_set.value)
     named = {model.key: asdict(model.credit) for model in models if model.credit is not None}
     if as_json:
-        sys.stdout.write(json.dumps(named, indent=2) + "\n")
+        say_json(named)
         return
     for key, credit in named.items():
         address = f", {credit['source_url']}" if credit["source_url"] else ""
-        sys.stdout.write(f"{key}: {credit['author']}, {credit['licence']}{address}\n")
+        say(f"{key}: {credit['author']}, {credit['licence']}{address}")
 
 
 def _packed(model: Model) -> Path:

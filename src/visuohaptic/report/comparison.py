@@ -333,7 +333,8 @@ def _published_sentence(table: PipelineTable) -> str:
     return (
         f"The paper, with other objects, reports up to {percent(best.published[table.leading], 2)} "
         f"({best.name}); {len(inside)} of its {counted(len(covered), 'figure')} for "
-        f"{strategy_name(table.leading)} lie within the intervals found here."
+        f"{strategy_name(table.leading)} {'lies' if len(inside) == 1 else 'lie'} within the "
+        f"intervals found here."
     )
 
 

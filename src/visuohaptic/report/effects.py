@@ -14,7 +14,7 @@ from visuohaptic.scene import EffectModes
 
 @dataclass(frozen=True)
 class EffectSum:
-    """One effect over all touches.
+    """One effect over all touches or views.
 
     Attributes
     ----------
@@ -22,8 +22,9 @@ class EffectSum:
         The effect.
     modes, reasons : tuple of str
         All that occur: when it may be simulated, and why it was called for or not.
-    touches, called_for, runs : int
-        Touches, those that called for it, those it was simulated for.
+    occasions, called_for, runs : int
+        Touches (views, for an effect of the view), those that called for it, those it was
+        simulated for.
     seconds : float
         Time spent on it, deciding included.
     """
@@ -31,7 +32,7 @@ class EffectSum:
     name: str
     modes: tuple[str, ...]
     reasons: tuple[str, ...]
-    touches: int
+    occasions: int
     called_for: int
     runs: int
     seconds: float
@@ -69,7 +70,7 @@ def sum_effects(table: pa.Table) -> list[EffectSum]:
             name=name,
             modes=_distinct(row["mode"] for row in rows[name]),
             reasons=_distinct(row["reason"] for row in rows[name]),
-            touches=sum(row["touches"] for row in rows[name]),
+            occasions=sum(row["touches"] for row in rows[name]),
             called_for=sum(row["called_for"] for row in rows[name]),
             runs=sum(row["runs"] for row in rows[name]),
             seconds=sum(row["seconds"] for row in rows[name]),

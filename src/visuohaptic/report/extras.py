@@ -34,6 +34,14 @@ EXTRAS = (
         "How accuracy grows with the number of touches of a sequence.",
     ),
     Extra(
+        "resolution",
+        "What a sharper view costs",
+        "comparison",
+        "Fixations at each resolution of the view beside those at the largest one: median distance "
+        "in object radii, share within one focus, and milliseconds a view, as `make bench` "
+        "measured them.",
+    ),
+    Extra(
         "cost",
         "What accuracy costs in time",
         "comparison",

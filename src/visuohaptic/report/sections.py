@@ -20,6 +20,7 @@ from visuohaptic.report.comparison import (
     answer,
 )
 from visuohaptic.report.effects import sum_channels, sum_effects
+from visuohaptic.report.influence import accuracy_rows, hard_places, influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import (
     PhaseSeconds,
@@ -30,6 +31,7 @@ from visuohaptic.report.provenance import (
 from visuohaptic.report.published import PAPER
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import CONTACT_STATES
+from visuohaptic.scene import PRESETS, VISUAL_EFFECTS
 from visuohaptic.tables import CONTOURLET_FEATURES, KINESTHETIC_FEATURES, matrix
 
 Values = Mapping[str, Any]
@@ -112,10 +114,29 @@ def comparison_values(story: Story) -> Values:
 
 def effects_values(story: Story) -> Values:
     """Give what was simulated and computed, and what was not called for."""
-    effects = story.run.effects
+    table = story.run.effects
+    effects = [] if table is None else sum_effects(table)
+    preset = story.run.parameters.scene.preset
     return {
-        "effects": [] if effects is None else sum_effects(effects),
+        "groups": [
+            (title, noun, [effect for effect in effects if (effect.name in VISUAL_EFFECTS) == seen])
+            for title, noun, seen in (
+                ("Effects of the view", "views", True),
+                (f"Effects of touch in the scene {preset}", "touches", False),
+            )
+        ],
         "channels": sum_channels(story.run.views),
+    }
+
+
+def influence_values(story: Story) -> Values:
+    """Give hard places, and what effects cost and change where that was measured."""
+    extras, scene = story.run.files.extras, story.run.parameters.scene
+    return {
+        "places": hard_places(story.run.parameters),
+        "influence": influence_figures(extras.get("effect_influence"), scene.preset),
+        "accuracy": accuracy_rows(extras.get("effect_accuracy")),
+        "scenes": list(PRESETS),
     }
 
 
@@ -215,6 +236,7 @@ SECTIONS = (
     Section("method", "The method on one object of this run", method_values),
     Section("comparison", "Eye fixations against random probing", comparison_values),
     Section("effects", "What was simulated, and what was not called for", effects_values),
+    Section("influence", "What the sensor makes of hard places and of effects", influence_values),
     Section("objects", "The objects", objects_values),
     Section("confusion", "What was taken for what", confusion_values),
     Section("methods", "Methods text", methods_values),

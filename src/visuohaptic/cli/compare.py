@@ -1,0 +1,41 @@
+"""`visuohaptic compare`: one page of what changed from one run to another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from visuohaptic.cli.printing import check_folder, say, say_json
+
+PAGE = "comparison.html"
+
+
+def compare(
+    first: Annotated[
+        Path,
+        typer.Argument(metavar="A", help="A metrics.json, a run's folder, or a DVC experiment."),
+    ],
+    second: Annotated[Path, typer.Argument(metavar="B", help="The run to compare it with.")],
+    out: Annotated[Path, typer.Option(help="Folder for the page.")] = Path("comparison"),
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+) -> None:
+    """Write one page of what changed from run A to run B: parameters, and accuracies with intervals.
+
+    The parameters of a file are those in a params.yaml beside it or a folder above.
+
+    Example: visuohaptic compare before/reports/metrics.json reports/metrics.json --out comparison
+    """
+    from visuohaptic.run_comparison import compare_runs, read_measured_run, render_comparison
+
+    check_folder(out)
+    found = compare_runs(read_measured_run(first), read_measured_run(second))
+    out.mkdir(parents=True, exist_ok=True)
+    page = out / PAGE
+    page.write_text(render_comparison(found), encoding="utf-8")
+    if as_json:
+        say_json(found.as_values() | {"page": page})
+        return
+    say(found.verdict)
+    say(f"  {page}")

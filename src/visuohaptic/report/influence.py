@@ -1,0 +1,184 @@
+"""What effects cost and change, and what the sensor makes of hard places."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.report.pictures import imprint_strip
+from visuohaptic.scene import PRESETS, VISUAL_EFFECTS, EffectModes
+from visuohaptic.tables import EFFECT_ACCURACY, EFFECT_INFLUENCE, read_table
+
+NOTHING = "nothing"
+
+
+@dataclass(frozen=True)
+class EffectFigures:
+    """One effect on a sample of touches, or of views.
+
+    Attributes
+    ----------
+    name : str
+        The effect.
+    milliseconds, milliseconds_always : float
+        For a thousand touches, or for one view: under the run's scene, and under `always`.
+    shifts : mapping of str to float
+        By scene: how far images move without it, 0 to 1; a scene in which nothing calls
+        for it is left out.
+    """
+
+    name: str
+    milliseconds: float
+    milliseconds_always: float
+    shifts: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class InfluenceFigures:
+    """All effects on a sample, those of the view apart, and the seconds of all of touch."""
+
+    view: list[EffectFigures]
+    touch: list[EffectFigures]
+    views: int
+    touches: int
+    seconds: float
+    seconds_always: float
+
+
+@dataclass(frozen=True)
+class AccuracyRow:
+    """Accuracy by scene; of a row without an effect, what it is more or less than with it."""
+
+    without: str
+    accuracy: Mapping[str, Mapping[str, float]]
+    change: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class HardPlace:
+    """One hard place as the sensor felt it; `imprint` is the address of a grey picture."""
+
+    name: str
+    size: float
+    state: str
+    imprint: str
+
+
+def influence_figures(path: str | Path | None, scene: str) -> InfluenceFigures | None:
+    """Read what effects cost and how far they move images.
+
+    Parameters
+    ----------
+    path : path or None
+        `tables.EFFECT_INFLUENCE`.
+    scene : str
+        The preset of the run's scene; the seconds are its own.
+
+    Returns
+    -------
+    InfluenceFigures or None
+        None where nothing was measured.
+    """
+    if path is None or not Path(path).is_file():
+        return None
+    table = read_table(EFFECT_INFLUENCE, path)
+    rows = {(row["scene"], row["effect"]): row for row in table.to_pylist()}
+    touch = [name for name in EffectModes.model_fields if (scene, name) in rows]
+    view = [name for name in VISUAL_EFFECTS if ("any", name) in rows]
+    own = [rows[scene, name] for name in touch]
+    return InfluenceFigures(
+        view=[_effect_figures(name, rows, "any", 1) for name in view],
+        touch=[_effect_figures(name, rows, scene, 1000) for name in touch],
+        views=max((rows["any", name]["touches"] for name in view), default=0),
+        touches=max((row["touches"] for row in own), default=0),
+        seconds=sum(row["seconds"] for row in own),
+        seconds_always=sum(row["seconds_always"] for row in own),
+    )
+
+
+def accuracy_rows(path: str | Path | None) -> dict[str, list[AccuracyRow]]:
+    """Read how far each effect moves the accuracy.
+
+    Parameters
+    ----------
+    path : path or None
+        `tables.EFFECT_ACCURACY`.
+
+    Returns
+    -------
+    dict of str to list of AccuracyRow
+        By strategy, with everything first; empty where nothing was measured.
+    """
+    if path is None or not Path(path).is_file():
+        return {}
+    table = read_table(EFFECT_ACCURACY, path)
+    strategies = sorted(set(table.column("strategy").to_pylist()))
+    return {strategy: _accuracy_rows(table, strategy) for strategy in strategies}
+
+
+def hard_places(parameters: ExperimentParameters) -> list[HardPlace]:
+    """Touch the hard places with the run's sensor, in the run's scene.
+
+    Parameters
+    ----------
+    parameters : ExperimentParameters
+        What was run.
+
+    Returns
+    -------
+    list of HardPlace
+        One for each.
+    """
+    from visuohaptic.sensor.gallery import touch_gallery
+
+    touched = touch_gallery(parameters.sensor, parameters.scene, parameters.seed)
+    return [
+        HardPlace(
+            probe.name,
+            float(felt.size[0]),
+            str(felt.contact_state[0]),
+            imprint_strip(felt.images[:1]),
+        )
+        for probe, felt in touched
+    ]
+
+
+def _effect_figures(
+    name: str, rows: Mapping[tuple[str, str], Mapping[str, Any]], scene: str, unit: int
+) -> EffectFigures:
+    own = rows[scene, name]
+    milliseconds = 1000.0 * unit / own["touches"]
+    shifts = {
+        preset: rows[preset, name]["image_shift"]
+        for preset in ("any", *PRESETS)
+        if (preset, name) in rows and rows[preset, name]["image_shift"] > 0
+    }
+    return EffectFigures(
+        name, milliseconds * own["seconds"], milliseconds * own["seconds_always"], shifts
+    )
+
+
+def _accuracy_rows(table: pa.Table, strategy: str) -> list[AccuracyRow]:
+    found: dict[str, dict[str, dict[str, Any]]] = {}
+    for row in table.to_pylist():
+        if row["strategy"] == strategy:
+            found.setdefault(row["without"], {})[row["scene"]] = row
+    whole = found.get(NOTHING, {})
+    return [
+        AccuracyRow(
+            without,
+            found[without],
+            {
+                scene: row["accuracy"] - whole[scene]["accuracy"]
+                for scene, row in found[without].items()
+                if scene in whole
+            },
+        )
+        for without in (NOTHING, *EffectModes.model_fields)
+        if without in found
+    ]

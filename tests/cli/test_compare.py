@@ -1,0 +1,122 @@
+"""`visuohaptic compare` tells what changed, escaped, and says what it can't know."""
+
+import html.parser
+import json
+import subprocess
+
+import pytest
+
+from visuohaptic.run_comparison import Estimate, difference_of
+
+
+def figure(mean, low, high):
+    return {"mean": mean, "low": low, "high": high}
+
+
+def write_run(folder, accuracy, parameters=None, classifier="naive_bayes"):
+    (folder / "reports").mkdir(parents=True)
+    cell = {"accuracy": accuracy, "object_accuracy": figure(0.5, None, None)}
+    metrics = {"results": {"paper": {"fixation": {classifier: cell}}}}
+    (folder / "reports" / "metrics.json").write_text(json.dumps(metrics))
+    if parameters is not None:
+        (folder / "params.yaml").write_text(json.dumps(parameters))
+    return folder
+
+
+def test_the_page_tells_parameters_accuracies_and_differences(visuohaptic, tmp_path):
+    write_run(tmp_path / "a", figure(0.6, 0.55, 0.65), {"sensor": {"resolution": 16}, "seed": 1})
+    write_run(tmp_path / "b", figure(0.8, 0.77, 0.84), {"sensor": {"resolution": 32}, "seed": 1})
+    ended = visuohaptic("compare", "a/reports/metrics.json", "b", "--out", "page", "--json")
+    values = json.loads(ended.out)
+    assert values["parameters"] == [{"name": "sensor.resolution", "first": "16", "second": "32"}]
+    accuracy = values["figures"][0]
+    assert accuracy["direction"] == "higher"
+    assert accuracy["difference"]["mean"] == pytest.approx(0.2)
+    page = (tmp_path / "page" / "comparison.html").read_text()
+    assert "sensor.resolution" in page
+    assert "+20.0" in page
+    assert "://" not in page
+    assert "<script" not in page
+
+
+def test_the_difference_of_equal_runs_is_open(visuohaptic, tmp_path):
+    write_run(tmp_path / "a", figure(0.6, 0.5, 0.7), {})
+    ended = visuohaptic("compare", "a", "a", "--json")
+    assert {found["direction"] for found in json.loads(ended.out)["figures"]} == {"open"}
+
+
+def test_an_interval_of_a_difference_follows_zou_and_donner():
+    found = difference_of(Estimate(0.5, 0.4, 0.7), Estimate(0.6, 0.57, 0.64))
+    assert (found.mean, found.low, found.high) == pytest.approx(
+        (0.1, 0.1 - (0.03**2 + 0.2**2) ** 0.5, 0.1 + (0.04**2 + 0.1**2) ** 0.5)
+    )
+    assert difference_of(Estimate(0.5, None, None), Estimate(0.6, 0.5, 0.7)).low is None
+
+
+def test_parameters_that_nobody_named_are_not_called_equal(visuohaptic, tmp_path):
+    write_run(tmp_path / "a", figure(0.6, 0.5, 0.7), {"seed": 1})
+    other = tmp_path / "a" / "reports" / "before.json"
+    other.write_text((tmp_path / "a" / "reports" / "metrics.json").read_text())
+    ended = visuohaptic("compare", other, "a")
+    assert ended.out.startswith("parameters not known; ")
+    page = (tmp_path / "comparison" / "comparison.html").read_text()
+    assert "what was changed is not known" in page
+
+
+def test_names_are_shown_escaped_and_stay_in_the_folder(visuohaptic, tmp_path):
+    evil = "<script>alert(1)</script>"
+    folder = tmp_path / "..<b>" / "x"
+    write_run(folder, figure(0.6, 0.5, 0.7), {evil: "../../x"}, classifier=evil)
+    write_run(tmp_path / "b", figure(0.6, 0.5, 0.7), {evil: 300 * "ö"})
+    assert visuohaptic("compare", folder, "b").code == 0
+    page = (tmp_path / "comparison" / "comparison.html").read_text()
+
+    tags = []
+
+    class Tags(html.parser.HTMLParser):
+        def handle_starttag(self, tag, attrs):
+            tags.append(tag)
+
+    Tags().feed(page)
+    assert "html" in tags
+    assert not {"script", "b"} & set(tags)
+    assert "&lt;script&gt;" in page
+    assert 300 * "ö" in page
+
+
+@pytest.mark.parametrize("content", [b"", b"[]", b"{}", b'{"results": {"a": 3}}', b"\xff"])
+def test_what_is_no_metrics_file_is_named(visuohaptic, tmp_path, content):
+    (tmp_path / "m.json").write_bytes(content)
+    ended = visuohaptic("compare", "m.json", "m.json")
+    assert ended.code == 1
+    assert ended.err.startswith("error: m.json holds no metrics of this workflow")
+    assert not (tmp_path / "comparison").exists()
+
+
+def test_a_missing_run_is_named(visuohaptic):
+    assert "a.json can't be read: No such file" in visuohaptic("compare", "a.json", "b.json").err
+
+
+def test_two_revisions_of_a_repository_are_compared(visuohaptic, tmp_path):
+    def run(*command):
+        identity = ("-c", "user.name=a", "-c", "user.email=a@b.c", "-c", "commit.gpgsign=false")
+        subprocess.run(["git", *identity, *command], cwd=tmp_path, check=True, capture_output=True)
+
+    run("init", "-q")
+    (tmp_path / ".dvc").mkdir()
+    (tmp_path / ".dvc" / "config").touch()
+    for tag, accuracy in (("before", figure(0.6, 0.55, 0.65)), ("after", figure(0.8, 0.77, 0.84))):
+        for file in tmp_path.glob("reports/*"):
+            file.unlink()
+            file.parent.rmdir()
+        write_run(tmp_path, accuracy, {"seed": tag})
+        run("add", ".")
+        run("commit", "-qm", tag)
+        run("tag", tag)
+    values = json.loads(visuohaptic("compare", "before", "after", "--json").out)
+    assert values["parameters"] == [{"name": "seed", "first": '"before"', "second": '"after"'}]
+    assert values["figures"][0]["direction"] == "higher"
+    ended = visuohaptic("compare", "before", "never")
+    assert ended.code == 1
+    assert ended.err.startswith("error: never is no file, and no experiment")
+    assert ended.err.count("\n") == 1

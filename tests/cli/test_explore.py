@@ -1,0 +1,242 @@
+"""`visuohaptic touch` and `recognise` on any mesh file, and on what is none."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import trimesh
+from PIL import Image
+from recognition.synthetic import features_table
+
+from visuohaptic import exploration
+from visuohaptic.cli import explore
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.tables import FEATURES, SCHEMAS, read_table, write_table
+from visuohaptic.trained_model import make_model
+
+ROOT = Path(__file__).parents[2]
+FILES = {"views", "fixations", "touches", "effects", "features"}
+SMALL = {"rendering": {"resolution": 64}, "viewpoints": {"count": 2}}
+
+
+@pytest.fixture
+def small(tmp_path):
+    (tmp_path / "small.yaml").write_text(json.dumps(SMALL))
+    return ("--params", "small.yaml")
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    """A model that learnt numbers without sense, beside parameters with some."""
+    folder = tmp_path_factory.mktemp("model")
+    write_table(FEATURES, features_table(objects=(2, 2), viewpoints=3), folder / "features.parquet")
+    make_model(
+        features=[folder / "features.parquet"],
+        model=folder / "best.skops",
+        touching=folder / "best.yaml",
+        pipeline="best",
+        classifier="support_vector_machine",
+        strategy="fixation",
+        recognition=RecognitionParameters(),
+        touching_parameters=ExperimentParameters.from_mapping(SMALL).model_dump(
+            mode="json", exclude={"recognition", "workflow"}
+        ),
+        seed=1,
+    )
+    return folder / "best.skops"
+
+
+def ring(path):
+    trimesh.creation.torus(1, 0.4, 16, 8).export(path)
+    return path
+
+
+@pytest.mark.parametrize("suffix", ["obj", "ply", "stl", "glb", "off"])
+def test_each_format_is_touched(visuohaptic, small, tmp_path, suffix):
+    ended = visuohaptic("touch", ring(tmp_path / f"ring.{suffix}"), *small, "--out", "felt")
+    assert (ended.code, ended.err) == (0, "")
+    assert "ring." in ended.out
+    assert "10 touches from 2 viewpoints by fixation" in ended.out
+    for name in FILES:
+        assert read_table(SCHEMAS[name], tmp_path / "felt" / f"{name}.parquet").num_rows
+    with Image.open(tmp_path / "felt" / "picture.png") as picture:
+        assert picture.width > 500
+
+
+def test_json_is_all_that_is_printed(visuohaptic, small, tmp_path):
+    ended = visuohaptic(
+        "touch", ring(tmp_path / "ring.ply"), *small, "--strategy", "random", "--json"
+    )
+    values = json.loads(ended.out)
+    assert ended.err == ""
+    assert (values["strategy"], values["viewpoints"], values["touches"]) == ("random", 2, 10)
+    assert len(values["features"]) == 10
+    assert {"x", "contourlet_16", "contact_state"} <= set(values["features"][0])
+    assert all(Path(file).is_file() for file in values["files"])
+
+
+def test_up_axis_turns_the_object(visuohaptic, small, tmp_path):
+    trimesh.creation.cone(0.3, 2).export(tmp_path / "cone.stl")
+    heights = []
+    for axis in "yz":
+        values = json.loads(visuohaptic("touch", "cone.stl", *small, "--up", axis, "--json").out)
+        heights.append(max(row["y"] for row in values["features"]))
+    assert heights[0] < 0.3 < heights[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("bad.obj", b"nothing", "bad.obj has no faces"),
+        ("bad.glb", b"glTF\x02\0\0\0junk", "bad.glb can't be read as GLB"),
+        ("bad.ply", b"ply\nformat ascii 1.0\nelement vertex 9\n", "bad.ply can't be read as PLY"),
+        ("bad.off", b"OFF\n1 2", "bad.off can't be read as OFF"),
+        ("bad.stl", b"solid\nfacet", "bad.stl"),
+        ("empty.obj", b"", "empty.obj is empty"),
+        ("flat.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "flat.obj has no area"),
+        ("mesh.txt", b"x", ".obj, .ply, .stl, .glb, .off are allowed"),
+        ("line\nbreak.obj", b"nothing", "line\\nbreak.obj has no faces"),
+        ("bad.ply.gz", b"nothing", "bad.ply.gz"),
+    ],
+)
+def test_a_broken_file_is_one_sentence_and_1(visuohaptic, tmp_path, name, content, says):
+    (tmp_path / name).write_bytes(content)
+    ended = visuohaptic("touch", name)
+    assert ended.code == 1
+    assert ended.out == ""
+    assert ended.err.startswith("error: ")
+    assert says in ended.err
+    assert ended.err.count("\n") == 1
+    assert not (tmp_path / "touched").exists()
+
+
+def test_a_missing_file_and_a_folder_are_named(visuohaptic, tmp_path):
+    assert "none.obj can't be read: No such file" in visuohaptic("touch", "none.obj").err
+    (tmp_path / "folder.obj").mkdir()
+    assert visuohaptic("touch", "folder.obj").err == "error: folder.obj: Is a directory.\n"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("touch",),
+        ("touch", "ring.obj", "--strategy", "guess"),
+        ("touch", "ring.obj", "--viewpoints", "0"),
+        ("touch", "ring.obj", "--up", "x"),
+        ("touch", "ring.obj", "--out", "ring.obj"),
+        ("recognise", "ring.obj", "--modle", "x"),
+    ],
+)
+def test_wrong_use_ends_with_2(visuohaptic, tmp_path, arguments):
+    ring(tmp_path / "ring.obj")
+    ended = visuohaptic(*arguments)
+    assert ended.code == 2
+    assert "Traceback" not in ended.err
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["<script>alert(1)<", "..", "-ö 𝄞 ?*", "a" * 200],
+    ids=["markup", "dots", "unicode", "long"],
+)
+def test_nothing_leaves_the_output_folder_whatever_the_mesh_is_called(
+    visuohaptic, small, tmp_path, name
+):
+    mesh = tmp_path / "in" / f"{name}.obj"
+    mesh.parent.mkdir()
+    ring(tmp_path / "ring.obj").rename(mesh)
+    before = {path for path in tmp_path.rglob("*") if path.is_file()}
+    ended = visuohaptic("touch", *small, "--viewpoints", 1, "--out", "felt", "--", mesh)
+    assert ended.code == 0, ended.err
+    written = {path for path in tmp_path.rglob("*") if path.is_file()} - before
+    assert {path.parent for path in written} == {tmp_path / "felt"}
+    assert len(written) == 6
+
+
+def test_a_name_that_is_no_text_is_shown_as_it_can_be(visuohaptic, tmp_path):
+    mesh = os.fsdecode(b"\xff\xfe.obj")
+    ended = visuohaptic("touch", ring(tmp_path / "ring.obj").rename(tmp_path / mesh))
+    assert ended.code == 1
+    assert "\\udcff\\udcfe.obj can't be read" in ended.err
+
+
+def test_parameters_that_are_none_are_named_with_their_file(visuohaptic, tmp_path):
+    ring(tmp_path / "ring.obj")
+    (tmp_path / "p.yaml").write_text("sensor: {resolutoin: 3}")
+    ended = visuohaptic("touch", "ring.obj", "--params", "p.yaml")
+    assert ended.code == 1
+    assert ended.err == "error: p.yaml: sensor.resolutoin is no parameter.\n"
+
+
+def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_path, model):
+    ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--model", model, "--json")
+    values = json.loads(ended.out)
+    assert values["class"] in {"class0", "class1"}
+    assert sum(values["probabilities"].values()) == pytest.approx(1)
+    assert values["touches"] == len(values["touched"]) == 10
+    assert set(values["seconds"]) == {"prepare", "look", "touch", "describe", "name"}
+    said = visuohaptic("recognise", "ring.obj", "--model", model, "--viewpoints", 1)
+    assert (said.code, said.err) == (0, "")
+    assert "5 touches from 1 viewpoints by fixation" in said.out
+    assert values["class"] in said.out
+
+
+def test_without_a_model_the_sentence_says_which_command_makes_it(visuohaptic, tmp_path):
+    ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"))
+    assert ended.code == 1
+    assert "results/models/best.skops is not there" in ended.err
+    assert "snakemake -j2 model_all" in ended.err
+
+
+def test_the_default_model_is_the_one_that_python_takes():
+    assert explore.DEFAULT_MODEL == exploration.DEFAULT_MODEL
+
+
+def test_a_model_that_is_none_is_refused(visuohaptic, tmp_path, model):
+    (tmp_path / "best.skops").write_bytes(b"nothing")
+    (tmp_path / "best.yaml").write_text(model.with_suffix(".yaml").read_text())
+    ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--model", "best.skops")
+    assert ended.code == 1
+    assert "best.skops can't be read as a recognition model" in ended.err
+
+
+def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(
+    visuohaptic, tmp_path, monkeypatch
+):
+    def fail(*_, **__):
+        raise ZeroDivisionError("of a kind")
+
+    monkeypatch.setattr("visuohaptic.exploration.load", fail)
+    ended = visuohaptic("touch", "ring.obj")
+    assert ended.code == 1
+    assert ended.err.startswith("error: ZeroDivisionError: of a kind; `visuohaptic --debug")
+    monkeypatch.setattr(sys, "argv", ["visuohaptic", "touch", "ring.obj", "--debug"])
+    from visuohaptic.cli.main import main
+
+    with pytest.raises(ZeroDivisionError):
+        main()
+
+
+@pytest.mark.parametrize("command", ["touch", "recognise", "compare"])
+def test_help_gives_an_example(visuohaptic, command):
+    ended = visuohaptic(command, "--help")
+    assert ended.code == 0
+    assert f"Example: visuohaptic {command}" in ended.out
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["touch", "ring.obj", "--params", "small.yaml"]])
+def test_a_closed_pipe_is_no_error(tmp_path, small, arguments):
+    ring(tmp_path / "ring.obj")
+    process = subprocess.Popen(
+        [sys.executable, "-c", "from visuohaptic.cli.main import main; main()", *arguments],
+        cwd=tmp_path, env={"PYTHONPATH": str(ROOT / "src")},
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    assert process.wait() == 0

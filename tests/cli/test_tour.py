@@ -1,0 +1,89 @@
+"""Every command of docs/tour.md runs, in the order of the page."""
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import trimesh
+import yaml
+from recognition.synthetic import features_table
+
+from visuohaptic.tables import FEATURES, write_table
+
+ROOT = Path(__file__).parents[2]
+BLOCKS = re.findall(r"```(\w+)\n(.*?)```", (ROOT / "docs" / "tour.md").read_text(), re.DOTALL)
+COMMANDS = [line for kind, text in BLOCKS if kind == "sh" for line in text.splitlines()]
+SNAKEFILE = """
+configfile: "params.yaml"
+include: "workflow/rules/common.smk"
+include: "workflow/rules/model.smk"
+"""
+CATALOGUE = ROOT / "meshes" / "catalogue.csv"
+HEADER = CATALOGUE.read_text().splitlines()[0]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A checkout in which the features of four objects are there already."""
+    folder = tmp_path_factory.mktemp("tour")
+    for name in ("src", "workflow"):
+        (folder / name).symlink_to(ROOT / name)
+    (folder / "Snakefile").write_text(SNAKEFILE)
+    parameters = yaml.safe_load((ROOT / "params.yaml").read_text())
+    parameters["viewpoints"]["count"] = 2
+    parameters["rendering"]["resolution"] = 64
+    parameters["workflow"]["views_per_job"] = 2
+    (folder / "params.yaml").write_text(yaml.safe_dump(parameters))
+    for category in range(2):
+        (folder / "meshes" / "own" / f"class{category}").mkdir(parents=True)
+        for number in range(2):
+            model = folder / "meshes" / "own" / f"class{category}" / f"object{number}.obj"
+            model.touch()
+            table = features_table(objects=(2, 2), viewpoints=2)
+            mine = [
+                row["class"] == f"class{category}" and row["object"] == model.stem
+                for row in table.select(["class", "object"]).to_pylist()
+            ]
+            part = folder / "results" / "features" / f"class{category}" / model.stem
+            write_table(FEATURES, table.filter(mine), part / "00-01.parquet")
+    (folder / "meshes" / "catalogue.csv").write_text(f"{HEADER}\n")
+    for run in (folder, folder / "before"):
+        (run / "reports").mkdir(parents=True)
+        (run / "reports" / "metrics.json").write_text('{"results": {}}')
+    trimesh.creation.annulus(0.8, 1, 2).export(folder / "mug.obj")
+    return folder
+
+
+def test_the_tour_runs_from_end_to_end(folder, visuohaptic, monkeypatch):
+    monkeypatch.chdir(folder)
+    for command in COMMANDS:
+        program, *arguments = shlex.split(command)
+        if program == "snakemake":
+            run_snakemake(folder, arguments)
+            continue
+        assert program == "visuohaptic"
+        ended = visuohaptic(*arguments)
+        assert ended.code == 0, ended.err
+    for kind, text in BLOCKS:
+        if kind == "python":
+            exec(compile(text, "docs/tour.md", "exec"), {})  # noqa: S102
+    made = {"mug/picture.png", "random/features.parquet", "comparison/comparison.html", "mug.png"}
+    assert all((folder / name).is_file() for name in made)
+
+
+def run_snakemake(folder, arguments):
+    result = subprocess.run(
+        [sys.executable, "-m", "snakemake", *arguments],
+        cwd=folder, check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stdout[-3000:]
+    for name in ("best.skops", "best.yaml"):
+        assert (folder / "results" / "models" / name).is_file()
+
+
+def test_the_tour_shows_every_command():
+    shown = {command.split()[1] for command in COMMANDS if command.startswith("visuohaptic")}
+    assert shown == {"touch", "recognise", "compare"}

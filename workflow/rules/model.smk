@@ -1,0 +1,37 @@
+"""Model: features of all objects → the recognition model that `visuohaptic recognise` loads.
+
+Takes results/features/; gives results/models/best.skops, which holds no code, and
+results/models/best.yaml, the parameters with which its touches were made.
+"""
+
+
+rule model_all:
+    input:
+        "results/models/best.skops",
+        "results/models/best.yaml",
+
+
+rule model:
+    input:
+        features=parts_of("features"),
+        code=code_of("model.py"),
+    output:
+        model="results/models/best.skops",
+        touching="results/models/best.yaml",
+    log:
+        "logs/model.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        pipeline="best",
+        classifier="support_vector_machine",
+        strategy=PARAMETERS.probing.strategies[0],
+        recognition=PARAMETERS.recognition.model_dump(
+            exclude={"pipelines", "protocol", "intervals"}
+        ),
+        touching=PARAMETERS.model_dump(mode="json", exclude={"workflow", "recognition"}),
+        seed=PARAMETERS.seed,
+    message:
+        "fitting the recognition model on all objects"
+    script:
+        "../scripts/model.py"

@@ -1,0 +1,18 @@
+"""Measure how far each effect moves the accuracy."""
+
+from visuohaptic.effect_accuracy import make_effect_accuracy
+from visuohaptic.features import FeatureParameters
+from visuohaptic.jobs import logged_job
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.sensor.parameters import SensorParameters
+
+with logged_job(snakemake.log[0]):
+    make_effect_accuracy(
+        meshes=snakemake.input.meshes,
+        fixations=snakemake.input.fixations,
+        output=snakemake.output[0],
+        sensor=SensorParameters(**snakemake.params.sensor),
+        features=FeatureParameters(**snakemake.params.features),
+        recognition=RecognitionParameters(**snakemake.params.recognition),
+        seed=snakemake.params.seed,
+    )

@@ -1,0 +1,20 @@
+"""Measure what each effect costs, and how far it moves images."""
+
+from visuohaptic.effect_influence import make_effect_influence
+from visuohaptic.jobs import logged_job
+from visuohaptic.rendering import RenderingParameters
+from visuohaptic.scene import Scene
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.viewpoints import ViewpointParameters
+
+with logged_job(snakemake.log[0]):
+    make_effect_influence(
+        meshes=snakemake.input.meshes,
+        fixations=snakemake.input.fixations,
+        output=snakemake.output[0],
+        viewpoints=ViewpointParameters(**snakemake.params.viewpoints),
+        rendering=RenderingParameters(**snakemake.params.rendering),
+        sensor=SensorParameters(**snakemake.params.sensor),
+        scene=Scene(**snakemake.params.scene),
+        seed=snakemake.params.seed,
+    )

@@ -1,0 +1,18 @@
+"""Fit and keep the model that names objects of which the run knows nothing."""
+
+from visuohaptic.jobs import logged_job
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.trained_model import make_model
+
+with logged_job(snakemake.log[0]):
+    make_model(
+        features=snakemake.input.features,
+        model=snakemake.output.model,
+        touching=snakemake.output.touching,
+        pipeline=snakemake.params.pipeline,
+        classifier=snakemake.params.classifier,
+        strategy=snakemake.params.strategy,
+        recognition=RecognitionParameters(**snakemake.params.recognition),
+        touching_parameters=snakemake.params.touching,
+        seed=snakemake.params.seed,
+    )
