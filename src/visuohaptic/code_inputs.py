@@ -34,7 +34,7 @@ def code_inputs(script: str | Path, source: str | Path) -> list[Path]:
     """
     source = Path(source)
     found: set[Path] = set()
-    waiting = _imported_files(Path(script), source)
+    waiting = set(_imported_files(Path(script), source))
     while waiting:
         file = waiting.pop()
         if file not in found:
@@ -43,20 +43,21 @@ def code_inputs(script: str | Path, source: str | Path) -> list[Path]:
     return sorted(found)
 
 
+def _imported_files(file: Path, source: Path) -> frozenset[Path]:
+    # A workflow asks once a rule, and most rules share most modules.
+    return _imported_files_of_version(file, source, file.stat().st_mtime_ns)
+
+
 @cache
-def _parse(file: Path, _modified_ns: int) -> ast.Module:
-    return ast.parse(file.read_text(encoding="utf-8"), str(file))
-
-
-def _imported_files(file: Path, source: Path) -> set[Path]:
-    tree = _parse(file, file.stat().st_mtime_ns)
+def _imported_files_of_version(file: Path, source: Path, _modified_ns: int) -> frozenset[Path]:
+    tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
     files: set[Path] = set()
-    for name in _imported_names(tree, _package_of(file, source)):
+    for name in set(_imported_names(tree, _package_of(file, source))):
         files |= _files_of(name, source)
     stub = file.with_suffix(".pyi")
     if file.name == "__init__.py" and stub.exists() and _loads_lazily(tree):
         files.add(stub)
-    return files
+    return frozenset(files)
 
 
 def _loads_lazily(tree: ast.Module) -> bool:
@@ -72,7 +73,7 @@ def _package_of(file: Path, source: Path) -> str:
 
 
 def _imported_names(tree: ast.Module, package: str) -> Iterator[str]:
-    for node in _run_time_nodes(tree):
+    for node in _run_time_statements(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -86,12 +87,18 @@ def _imported_names(tree: ast.Module, package: str) -> Iterator[str]:
             yield from (f"{base}.{alias.name}" for alias in node.names)
 
 
-def _run_time_nodes(node: ast.AST) -> Iterator[ast.AST]:
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.If) and "TYPE_CHECKING" in ast.dump(child.test):
+def _run_time_statements(tree: ast.Module) -> Iterator[ast.stmt]:
+    """Give every statement at any depth; expressions, which hold no imports, aren't entered."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.stmt):
+            yield node
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            waiting.extend(node.orelse)
             continue
-        yield child
-        yield from _run_time_nodes(child)
+        for block in ("body", "orelse", "finalbody", "handlers", "cases"):
+            waiting.extend(getattr(node, block, ()))
 
 
 def _files_of(name: str, source: Path) -> set[Path]:

@@ -23,7 +23,7 @@ SMALL = {
     "viewpoints": {"count": 4},
     "rendering": {"resolution": 64},
     "workflow": {"views_per_job": 4},
-    "recognition": {"intervals": {"bootstrap_samples": 200}},
+    "recognition": {"pipelines": ["paper"], "intervals": {"bootstrap_samples": 200}},
 }
 
 

@@ -9,8 +9,10 @@ import pytest
 pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("dvc")]
 
 METRICS = "reports/metrics.json"
-CHANGE = {"sensor": {"largest_size": 0.2}, "recognition": {"classifier": {"neighbours": 3}}}
-SET = ("-S", "sensor.largest_size=0.2", "-S", "recognition.classifier.neighbours=3")
+LATE_CHANGE = {"recognition": {"classifier": {"neighbours": 3}}}
+CHANGE = {"sensor": {"largest_size": 0.2}, **LATE_CHANGE}
+SET_LATE = ("-S", "recognition.classifier.neighbours=3")
+SET = ("-S", "sensor.largest_size=0.2", *SET_LATE)
 
 
 def commit(experiment, message):
@@ -69,21 +71,31 @@ def test_a_changed_parameter_is_never_answered_with_old_outputs(
     assert (experiment.folder / METRICS).read_bytes() == changed_metrics
 
 
-@pytest.mark.parametrize("how", ["workspace", "temp", "queue"])
-def test_an_experiment_gives_the_metrics_of_a_clean_run(repository, changed_metrics, tmp_path, how):
+def test_an_experiment_gives_the_metrics_of_a_clean_run(repository, changed_metrics, tmp_path):
     experiment = repository.copy(tmp_path / "experiment")
-    flags = {"workspace": (), "temp": ("--temp",), "queue": ("--queue",)}[how]
-    experiment.run("dvc", "exp", "run", "--name", "smaller", *SET, *flags)
-    if how == "queue":
-        experiment.run("dvc", "exp", "run", "--run-all")
-    if how != "workspace":
-        before = (experiment.folder / METRICS).read_bytes()
-        assert before == (repository.folder / METRICS).read_bytes()
-        experiment.run("dvc", "exp", "apply", "smaller")
+    experiment.run("dvc", "exp", "run", "--name", "smaller", *SET)
     assert (experiment.folder / METRICS).read_bytes() == changed_metrics
-    shown = json.loads(experiment.run("dvc", "exp", "show", "--json").stdout)
-    assert "smaller" in json.dumps(shown)
-    assert '"largest_size": 0.2' in json.dumps(shown)
+    shown = experiment.run("dvc", "exp", "show", "--json").stdout
+    assert "smaller" in shown
+    assert '"largest_size": 0.2' in json.dumps(json.loads(shown))
+
+
+@pytest.mark.parametrize("how", ["--temp", "--queue"])
+def test_an_experiment_elsewhere_gives_the_metrics_of_a_run_here(
+    repository, finished, tmp_path, how
+):
+    here = finished.copy(tmp_path / "here")
+    here.set(**LATE_CHANGE)
+    here.snakemake("--", METRICS)
+    experiment = repository.copy(tmp_path / "experiment")
+    experiment.run("dvc", "exp", "run", "--name", "nearer", *SET_LATE, how)
+    if how == "--queue":
+        experiment.run("dvc", "exp", "run", "--run-all")
+    before = (experiment.folder / METRICS).read_bytes()
+    assert before == (repository.folder / METRICS).read_bytes()
+    experiment.run("dvc", "exp", "apply", "nearer")
+    after = (experiment.folder / METRICS).read_bytes()
+    assert after == (here.folder / METRICS).read_bytes() != before
 
 
 def test_meshes_and_tables_come_back_from_a_remote(repository, tmp_path):

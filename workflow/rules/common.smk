@@ -41,6 +41,15 @@ DOWNLOADED = {
     if not Path("meshes/paper", f"{key}.ply.gz").exists()
 }
 OBJECTS = sorted({**CATALOGUED, **OWN})
+TABLES_BY_OBJECT = (
+    "views",
+    "fixations",
+    "touches",
+    "effects/views",
+    "effects/touches",
+    "features",
+)
+TABLES_BY_STRATEGY = ("scores", "predictions")
 
 
 wildcard_constraints:
@@ -99,10 +108,7 @@ def code_of(script):
 
 def prune_tables():
     """Delete parts of tables that the parameters and objects of today no longer name."""
-    for table in ("views", "fixations", "touches", "features"):
+    for table in TABLES_BY_OBJECT:
         prune_parts(f"results/{table}", parts_of(table))
-    prune_parts(
-        "results/effects", [*parts_of("effects/views"), *parts_of("effects/touches")]
-    )
-    for table in ("scores", "predictions"):
+    for table in TABLES_BY_STRATEGY:
         prune_parts(f"results/{table}", scores_of(table))
