@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report test meshes bench readme lint format lock clean
+.PHONY: report test browser meshes bench readme lint format lock clean
 
 PYTHON ?= python3
 JOBS ?= 2
@@ -16,8 +16,19 @@ report: $(READY)
 	snakemake -j$(JOBS)
 	@echo "The report is at reports/report.html."
 
-test: $(READY) lint
+test: $(READY) lint browser
 	pytest -n 2 --dist loadgroup
+
+# Pages are opened in the system's Chromium; without one their tests are skipped.
+browser:
+	@command -v chromium chromium-browser google-chrome >/dev/null || \
+	  { [ "$$(id -u)" = 0 ] && { apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends chromium; } >/dev/null 2>&1; } || \
+	  echo "There is no Chromium here, so no page will be opened in one (Debian, Ubuntu: apt install chromium)."
+
+# Hard cases at their full counts; up to 45 minutes on two cores.
+test-hard: $(READY)
+	pytest tests/numerics -n 2 --dist loadgroup --stability reports/stability.json
+	python -m benchmarks.precision reports/precision.json
 
 meshes: $(READY)
 	visuohaptic meshes fetch --set $(SET) --jobs $(JOBS)
@@ -27,6 +38,8 @@ bench: $(READY)
 
 readme: $(READY)
 	python docs/make_readme.py
+	python docs/make_tables.py
+	python docs/make_overview_picture.py
 
 lint: $(READY)
 	ruff format --check .

@@ -17,6 +17,9 @@ include: "workflow/rules/effects.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/recognition.smk"
 include: "workflow/rules/model.smk"
+include: "workflow/rules/cost.smk"
+include: "workflow/rules/curves.smk"
+include: "workflow/rules/ablations.smk"
 include: "workflow/rules/report.smk"
 
 

@@ -121,3 +121,9 @@ def test_a_file_above_the_limit_is_refused_before_it_is_read(tmp_path):
     path = write_square(tmp_path)
     with pytest.raises(MeshError, match=r"meshes\.largest_megabytes"):
         read_model(path, largest_megabytes=1e-6)
+
+
+def test_vertices_of_two_coordinates_are_refused_in_one_sentence(tmp_path):
+    (tmp_path / "flat.obj").write_text("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n")
+    with pytest.raises(MeshError, match=r"flat\.obj has vertices of shape \(3, 2\)"):
+        read_model(tmp_path / "flat.obj")

@@ -101,6 +101,11 @@ def _surface(stream: BinaryIO, name: str, resolver: Any) -> Surface:
     parts = [part for part in _load_parts(stream, name, resolver) if len(part.faces)]
     if not parts:
         raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
+    flat = [part.vertices.shape for part in parts if part.vertices.shape[1:] != (3,)]
+    if flat:
+        raise MeshError(
+            f"{name} has vertices of shape {flat[0]}; three coordinates for each are needed."
+        )
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
     return Surface(
         np.concatenate([np.asarray(part.vertices, dtype=np.float64) for part in parts]),

@@ -8,6 +8,7 @@ from typing import Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.cost.parameters import CostParameters
 from visuohaptic.errors import ParameterError
 from visuohaptic.features import FeatureParameters
 from visuohaptic.meshes import MeshParameters
@@ -43,6 +44,7 @@ class ExperimentParameters(BaseModel):
     scene: Scene = Scene()
     features: FeatureParameters = FeatureParameters()
     recognition: RecognitionParameters = RecognitionParameters()
+    cost: CostParameters = CostParameters()
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object]) -> Self:

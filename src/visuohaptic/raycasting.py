@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
@@ -217,10 +218,8 @@ class RayCaster:
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> NDArray[np.int64]:
         least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
-        first = np.cross(directions, least)
-        first /= np.linalg.norm(first, axis=1, keepdims=True)
-        second = np.cross(directions, first)
-        second /= np.linalg.norm(second, axis=1, keepdims=True)
+        first = _unit(np.cross(directions, least))
+        second = _unit(np.cross(directions, first))
         spread = _BUNDLE_RADIUS * (
             _BUNDLE[:, 0, None] * first[:, None, :] + _BUNDLE[:, 1, None] * second[:, None, :]
         )
@@ -242,6 +241,12 @@ def _face_planes(surface: Surface) -> NDArray[np.float64]:
     return np.column_stack([crosses, offsets, LATERAL_ERROR * edges.max(axis=1)])
 
 
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    # A ray without direction goes nowhere; dividing by zero would make it NaN.
+    return vectors / np.where(lengths > 0, lengths, 1.0)
+
+
 def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
     """Dot products of rows of three; written out, for BLAS may order sums by the batch."""
     return first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1] + first[:, 2] * second[:, 2]
@@ -259,6 +264,8 @@ def load_open3d() -> ModuleType:
         import libusb_package
 
         ctypes.CDLL(str(libusb_package.get_library_path()), mode=ctypes.RTLD_GLOBAL)
+    # In a notebook Open3D would start a web server that nothing here needs.
+    os.environ.setdefault("OPEN3D_DISABLE_WEB_VISUALIZER", "true")
     import open3d
 
     return open3d

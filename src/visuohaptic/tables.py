@@ -248,6 +248,111 @@ EFFECT_ACCURACY = Schema(
     _names(EFFECT_ACCURACY_KEYS),
 )
 
+CURVE_KEYS = (
+    Column("pipeline", TEXT, "how features become an answer"),
+    Column("strategy", TEXT, "how the probing locations were chosen"),
+    Column("classifier", TEXT, "the classifier"),
+    Column("touches", COUNT, "touches of a sequence, the first ones", minimum=1),
+)
+
+CURVES = Schema(
+    "curves",
+    (
+        *CURVE_KEYS,
+        *OBJECT_KEYS,
+        Column("accuracy", REAL, "share of the object's test sequences named rightly", "1", 0, 1),
+        Column("weight", REAL, "the object's weight in a mean over splits", minimum=0),
+    ),
+    _names((*CURVE_KEYS, *OBJECT_KEYS)),
+)
+
+TOUCH_CURVES = Schema(
+    "touch_curves",
+    (
+        *CURVE_KEYS,
+        Column("accuracy", REAL, "share of test sequences named rightly", "1", 0, 1),
+        Column("low", REAL, "lower end of its interval over objects", "1", 0, 1),
+        Column("high", REAL, "upper end of its interval over objects", "1", 0, 1),
+    ),
+    _names(CURVE_KEYS),
+)
+
+TOUCHES_NEEDED_KEYS = CURVE_KEYS[:3]
+
+TOUCHES_NEEDED = Schema(
+    "touches_needed",
+    (
+        *TOUCHES_NEEDED_KEYS,
+        Column("level", REAL, "the accuracy to be reached", "1", 0, 1),
+        Column(
+            "touches",
+            COUNT,
+            "touches from which on accuracy stays at it; missing if never",
+            minimum=1,
+            nullable=True,
+        ),
+        Column("most_touches", COUNT, "touches at the curve's end", minimum=1),
+        Column("area", REAL, "area under the curve", "of accuracy 1 throughout", 0, 1),
+        Column("area_low", REAL, "lower end of its interval over objects", "1", 0, 1),
+        Column("area_high", REAL, "upper end of its interval over objects", "1", 0, 1),
+        Column(
+            "gain", REAL, "area under fixation's curve less this one", "1", -1, 1, nullable=True
+        ),
+        Column("gain_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
+        Column("gain_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
+        Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
+        Column("objects", COUNT, "objects compared", minimum=1),
+    ),
+    _names(TOUCHES_NEEDED_KEYS),
+)
+
+ABLATION_KEYS = (
+    Column("ablation", TEXT, "what is left out or exchanged"),
+    Column("pipeline", TEXT, "how features become an answer"),
+    Column("classifier", TEXT, "the classifier"),
+)
+ABLATION_SECONDS = (
+    Column(
+        "making_seconds",
+        REAL,
+        "looking, touching and describing what is made anew",
+        "s of processor",
+        0,
+    ),
+    Column("naming_seconds", REAL, "training and testing all splits", "s of processor", 0),
+)
+
+ABLATION = Schema(
+    "ablation",
+    (
+        *ABLATION_KEYS,
+        *OBJECT_KEYS,
+        Column("accuracy", REAL, "share of the object's test sequences named rightly", "1", 0, 1),
+        Column("weight", REAL, "the object's weight in a mean over splits", minimum=0),
+        *ABLATION_SECONDS,
+    ),
+    _names((*ABLATION_KEYS, *OBJECT_KEYS)),
+)
+
+ABLATIONS = Schema(
+    "ablations",
+    (
+        *ABLATION_KEYS,
+        Column("group", TEXT, "what it is one of"),
+        Column("remade", TEXT, "what is made anew: nothing, descriptors, touches or views"),
+        Column("accuracy", REAL, "share of test sequences named rightly", "1", 0, 1),
+        Column("low", REAL, "lower end of its interval over objects", "1", 0, 1),
+        Column("high", REAL, "upper end of its interval over objects", "1", 0, 1),
+        Column("loss", REAL, "accuracy of the whole method less this one", "1", -1, 1),
+        Column("loss_low", REAL, "lower end of its interval over objects", "1", -1, 1),
+        Column("loss_high", REAL, "upper end of its interval over objects", "1", -1, 1),
+        Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1),
+        *ABLATION_SECONDS,
+        Column("objects", COUNT, "objects compared", minimum=1),
+    ),
+    _names(ABLATION_KEYS),
+)
+
 CONTOURLET_FEATURES = tuple(f"contourlet_{band:02d}" for band in range(1, 17))
 IMPRINT_FEATURES = {
     "imprint_mean": "mean of the imprint",
@@ -329,6 +434,77 @@ PREDICTIONS = Schema(
     _names(PREDICTION_KEYS),
 )
 
+COST_KEYS = (
+    Column("family", TEXT, "what varies"),
+    Column("setting", TEXT, "to which value"),
+)
+COST_SECONDS_COLUMNS = (
+    ("seconds", "what a recognition takes, median"),
+    ("seconds_low", "its lower quartile"),
+    ("seconds_high", "its upper quartile"),
+    ("seconds_look", "of it: making views, looking at them"),
+    ("seconds_touch", "of it: touching"),
+    ("seconds_describe", "of it: features"),
+    ("seconds_name", "of it: classification"),
+)
+
+COST_SECONDS = Schema(
+    "cost_seconds",
+    (
+        *COST_KEYS,
+        *(Column(name, REAL, text, "s", 0) for name, text in COST_SECONDS_COLUMNS),
+        Column("recognitions", COUNT, "recognitions that were timed", minimum=1),
+    ),
+    _names(COST_KEYS),
+)
+
+COST_ERRORS = Schema(
+    "cost_errors",
+    (
+        *COST_KEYS,
+        Column("place", COUNT, "place along the family's line", minimum=0),
+        Column("touches", COUNT, "touches from each viewpoint", minimum=1),
+        Column("viewpoints", COUNT, "viewpoints that vote", minimum=1),
+        Column("pipeline", TEXT, "how features become an answer"),
+        Column("classifier", TEXT, "the classifier"),
+        Column("changes", TEXT, "other parameters that differ from the run's, JSON"),
+        Column("error", REAL, "share of recognitions that name wrongly", "1", 0, 1, nullable=True),
+        Column(
+            "error_low",
+            REAL,
+            "lower end of its interval over objects",
+            "1",
+            0,
+            1,
+            nullable=True,
+        ),
+        Column(
+            "error_high",
+            REAL,
+            "upper end of its interval over objects; of no error, the exact binomial one",
+            "1",
+            0,
+            1,
+            nullable=True,
+        ),
+        Column("objects", COUNT, "objects that were tested", minimum=1, nullable=True),
+        Column("failed", TEXT, "why it could not be run", nullable=True),
+    ),
+    _names(COST_KEYS),
+)
+
+COST = Schema(
+    "cost",
+    (
+        *COST_ERRORS.columns,
+        *(Column(name, REAL, text, "s", 0, nullable=True) for name, text in COST_SECONDS_COLUMNS),
+        Column("recognitions", COUNT, "recognitions that were timed", minimum=1, nullable=True),
+        Column("on_front", pa.bool_(), "whether no other setting is quicker and as accurate"),
+        Column("dominated", pa.bool_(), "whether another one is at least as good in both"),
+    ),
+    _names(COST_KEYS),
+)
+
 SCHEMAS = {
     schema.name: schema
     for schema in (
@@ -338,9 +514,17 @@ SCHEMAS = {
         EFFECTS,
         EFFECT_INFLUENCE,
         EFFECT_ACCURACY,
+        CURVES,
+        TOUCH_CURVES,
+        TOUCHES_NEEDED,
+        ABLATION,
+        ABLATIONS,
         FEATURES,
         SCORES,
         PREDICTIONS,
+        COST_ERRORS,
+        COST_SECONDS,
+        COST,
     )
 }
 

@@ -5,8 +5,13 @@ import json
 import subprocess
 
 import pytest
+from report.pages import read_page
+from report.synthetic import OBJECTS, PARAMETERS
+from report.synthetic import write_run as write_whole_run
 
-from visuohaptic.run_comparison import Estimate, difference_of
+from visuohaptic.report import make_report
+from visuohaptic.report.comparison import Figure
+from visuohaptic.run_comparison import difference_of
 
 
 def figure(mean, low, high):
@@ -46,11 +51,11 @@ def test_the_difference_of_equal_runs_is_open(visuohaptic, tmp_path):
 
 
 def test_an_interval_of_a_difference_follows_zou_and_donner():
-    found = difference_of(Estimate(0.5, 0.4, 0.7), Estimate(0.6, 0.57, 0.64))
+    found = difference_of(Figure(0.5, 0.4, 0.7), Figure(0.6, 0.57, 0.64))
     assert (found.mean, found.low, found.high) == pytest.approx(
         (0.1, 0.1 - (0.03**2 + 0.2**2) ** 0.5, 0.1 + (0.04**2 + 0.1**2) ** 0.5)
     )
-    assert difference_of(Estimate(0.5, None, None), Estimate(0.6, 0.5, 0.7)).low is None
+    assert difference_of(Figure(0.5, None, None), Figure(0.6, 0.5, 0.7)).low is None
 
 
 def test_parameters_that_nobody_named_are_not_called_equal(visuohaptic, tmp_path):
@@ -119,4 +124,78 @@ def test_two_revisions_of_a_repository_are_compared(visuohaptic, tmp_path):
     ended = visuohaptic("compare", "before", "never")
     assert ended.code == 1
     assert ended.err.startswith("error: never is no file, and no experiment")
+    assert ended.err.count("\n") == 1
+
+
+@pytest.fixture(scope="module")
+def reported(tmp_path_factory):
+    """Two runs with their reports; the second by fewer objects, and another sensor."""
+    folder = tmp_path_factory.mktemp("reported")
+    sensor = PARAMETERS.sensor.model_copy(update={"largest_size": 0.2})
+    for name, objects, parameters in (
+        ("a", OBJECTS, PARAMETERS),
+        ("b", ("cup/mug", "cup/beaker", "ball/football", "ball/<i>..</i>"),
+         PARAMETERS.model_copy(update={"sensor": sensor})),
+    ):  # fmt: skip
+        (folder / name).mkdir()
+        files = write_whole_run(folder / name, objects)
+        make_report(files, folder / name / "report.html", parameters, objects)
+    return folder
+
+
+def test_reports_beside_metrics_tell_parameters_seconds_and_views(visuohaptic, tmp_path, reported):
+    ended = visuohaptic("compare", reported / "a" / "metrics.json", reported / "b", "--json")
+    values = json.loads(ended.out)
+    assert values["parameters"] == [
+        {"name": "sensor.largest_size", "first": "0.3", "second": "0.2"}
+    ]
+    assert values["seconds"] == [{"phase": "fixations", "first": 6.0, "second": 6.0}]
+    assert values["views"] == sorted({*OBJECTS, "ball/<i>..</i>"})
+    page = read_page((tmp_path / "comparison" / "comparison.html").read_text())
+    assert page.mismatches == []
+    assert not page.named("script", "i")
+    labels = page.values("aria-label")
+    assert len([label for label in labels if " in run A, view" in label]) == len(OBJECTS)
+    assert len([label for label in labels if " in run B, view" in label]) == len(OBJECTS)
+    assert "A: no picture" in page.text
+    assert "B: no picture" in page.text
+    assert len(set(page.values("id"))) == len(page.values("id"))
+
+
+def test_reports_alone_can_be_compared(visuohaptic, reported):
+    files = [reported / name / "report.html" for name in "ab"]
+    beside = visuohaptic("compare", *(file.with_name("metrics.json") for file in files), "--json")
+    alone = visuohaptic("compare", *files, "--json")
+    unlike = {"first", "second", "page"}
+    one, other = (json.loads(ended.out) for ended in (beside, alone))
+    assert {key: one[key] for key in set(one) - unlike} == {
+        key: other[key] for key in set(other) - unlike
+    }
+
+
+def test_a_report_of_other_figures_is_not_taken_for_the_metrics_beside_it(
+    visuohaptic, tmp_path, reported
+):
+    write_run(tmp_path / "c", figure(0.6, 0.55, 0.65))
+    copy = tmp_path / "c" / "reports" / "report.html"
+    copy.write_text((reported / "a" / "report.html").read_text())
+    values = json.loads(visuohaptic("compare", "c", "c", "--json").out)
+    assert (values["seconds"], values["views"]) == ([], [])
+    assert values["figures"][0]["first"]["mean"] == 0.6
+
+
+@pytest.mark.parametrize(
+    ("page", "says"),
+    [
+        ("<html></html>", "carries no run"),
+        ('<script type="application/json" id="run-summary">{</script>', "can't be read"),
+        ('<script type="application/json" id="run-summary">{"form": 99}</script>', "of form 99"),
+    ],
+)
+def test_a_page_that_is_no_report_is_named(visuohaptic, tmp_path, page, says):
+    (tmp_path / "old.html").write_text(page)
+    ended = visuohaptic("compare", "old.html", "old.html")
+    assert ended.code == 1
+    assert ended.err.startswith("error: old.html ")
+    assert says in ended.err
     assert ended.err.count("\n") == 1

@@ -8,19 +8,16 @@ from pathlib import Path
 
 import pytest
 import trimesh
+from cli.models import SMALL, fit_on_nonsense
 from PIL import Image
-from recognition.synthetic import features_table
 
 from visuohaptic import exploration
 from visuohaptic.cli import explore
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.tables import FEATURES, SCHEMAS, read_table, write_table
-from visuohaptic.trained_model import make_model
+from visuohaptic.tables import SCHEMAS, read_table
 
 ROOT = Path(__file__).parents[2]
 FILES = {"views", "fixations", "touches", "effects", "features"}
-SMALL = {"rendering": {"resolution": 64}, "viewpoints": {"count": 2}}
 
 
 @pytest.fixture
@@ -31,23 +28,7 @@ def small(tmp_path):
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory):
-    """A model that learnt numbers without sense, beside parameters with some."""
-    folder = tmp_path_factory.mktemp("model")
-    write_table(FEATURES, features_table(objects=(2, 2), viewpoints=3), folder / "features.parquet")
-    make_model(
-        features=[folder / "features.parquet"],
-        model=folder / "best.skops",
-        touching=folder / "best.yaml",
-        pipeline="best",
-        classifier="support_vector_machine",
-        strategy="fixation",
-        recognition=RecognitionParameters(),
-        touching_parameters=ExperimentParameters.from_mapping(SMALL).model_dump(
-            mode="json", exclude={"recognition", "workflow"}
-        ),
-        seed=1,
-    )
-    return folder / "best.skops"
+    return fit_on_nonsense(tmp_path_factory.mktemp("model"))
 
 
 def ring(path):
@@ -55,14 +36,30 @@ def ring(path):
     return path
 
 
-@pytest.mark.parametrize("suffix", ["obj", "ply", "stl", "glb", "off"])
-def test_each_format_is_touched(visuohaptic, small, tmp_path, suffix):
-    ended = visuohaptic("touch", ring(tmp_path / f"ring.{suffix}"), *small, "--out", "felt")
+SHAPE = trimesh.creation.torus(1, 0.4, 16, 8)
+TWO_PARTS = trimesh.Scene([SHAPE, trimesh.creation.icosphere(1, 0.4)])
+SAMPLES = {
+    "wavefront.obj": SHAPE.export,
+    "with_parts.obj": TWO_PARTS.export,
+    "binary.ply": SHAPE.export,
+    "text.ply": lambda path: SHAPE.export(path, encoding="ascii"),
+    "binary.stl": SHAPE.export,
+    "text.stl": lambda path: SHAPE.export(path, file_type="stl_ascii"),
+    "scene.glb": TWO_PARTS.export,
+    "CAPITALS.OFF": lambda path: SHAPE.export(path, file_type="off"),
+}
+"""The formats of trimesh's own sample models, in the flavours that its exporters write."""
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_each_format_is_touched(visuohaptic, small, tmp_path, name):
+    SAMPLES[name](tmp_path / name)
+    ended = visuohaptic("touch", name, *small, "--out", "felt")
     assert (ended.code, ended.err) == (0, "")
-    assert "ring." in ended.out
+    assert ended.out.startswith(f"{name}: ")
     assert "10 touches from 2 viewpoints by fixation" in ended.out
-    for name in FILES:
-        assert read_table(SCHEMAS[name], tmp_path / "felt" / f"{name}.parquet").num_rows
+    for table in FILES:
+        assert read_table(SCHEMAS[table], tmp_path / "felt" / f"{table}.parquet").num_rows
     with Image.open(tmp_path / "felt" / "picture.png") as picture:
         assert picture.width > 500
 
@@ -140,7 +137,7 @@ def test_wrong_use_ends_with_2(visuohaptic, tmp_path, arguments):
 
 @pytest.mark.parametrize(
     "name",
-    ["<script>alert(1)<", "..", "-ö 𝄞 ?*", "a" * 200],
+    ["<script>alert(1)<", "..", "-ö 𝄞 ?*", "a" * 251],
     ids=["markup", "dots", "unicode", "long"],
 )
 def test_nothing_leaves_the_output_folder_whatever_the_mesh_is_called(
@@ -155,6 +152,29 @@ def test_nothing_leaves_the_output_folder_whatever_the_mesh_is_called(
     written = {path for path in tmp_path.rglob("*") if path.is_file()} - before
     assert {path.parent for path in written} == {tmp_path / "felt"}
     assert len(written) == 6
+
+
+@pytest.mark.parametrize(
+    "name", ["x" * 300 + ".obj", "../../x.obj", "<script>alert(1)</script>.obj"]
+)
+def test_a_name_that_no_file_can_have_is_one_sentence_and_writes_nothing(
+    visuohaptic, tmp_path, name
+):
+    ended = visuohaptic("touch", name)
+    assert ended.code == 1
+    assert ended.err.startswith(f"error: {name} can't be read")
+    assert ended.err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_key_of_300_letters_reaches_the_tables_whole(small, tmp_path):
+    name = "<script>alert(1)<" + "ö" * 300
+    found = exploration.load(ring(tmp_path / "ring.obj"), key=f"cup/{name}").touch(
+        1, parameters=ExperimentParameters.from_mapping(SMALL)
+    )
+    files = found.save(tmp_path / "felt")
+    assert {file.parent for file in files} == {tmp_path / "felt"}
+    assert set(found.touches.column("object").to_pylist()) == {name}
 
 
 def test_a_name_that_is_no_text_is_shown_as_it_can_be(visuohaptic, tmp_path):
@@ -221,7 +241,39 @@ def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(
         main()
 
 
-@pytest.mark.parametrize("command", ["touch", "recognise", "compare"])
+@pytest.mark.parametrize("name", ["fast", "balanced", "accurate"])
+def test_a_budget_is_a_number_of_viewpoints(visuohaptic, small, tmp_path, monkeypatch, name):
+    from visuohaptic.cost import budgets
+
+    held = {
+        name: budgets.Budget(name, viewpoints, 0.1, 0.1)
+        for name, viewpoints in (("fast", 1), ("balanced", 2), ("accurate", 3))
+    }
+    monkeypatch.setattr(budgets, "budgets", lambda: held)
+    ended = visuohaptic("touch", ring(tmp_path / "ring.obj"), *small, "--budget", name, "--json")
+    assert ended.code == 0, ended.err
+    assert json.loads(ended.out)["viewpoints"] == held[name].viewpoints
+
+
+@pytest.mark.parametrize("command", ["touch", "recognise"])
+def test_a_budget_beside_viewpoints_is_wrong_use(visuohaptic, tmp_path, command):
+    mesh = ring(tmp_path / "ring.obj")
+    ended = visuohaptic(command, mesh, "--budget", "fast", "--viewpoints", "2")
+    assert ended.code == 2
+    assert "--viewpoints 2 is another" in ended.err
+    assert visuohaptic(command, mesh, "--budget", "cheap").code == 2
+
+
+def test_an_object_is_recognised_within_a_budget(visuohaptic, tmp_path, model):
+    from visuohaptic.cost.budgets import budgets
+
+    mesh = ring(tmp_path / "ring.obj")
+    ended = visuohaptic("recognise", mesh, "--model", model, "--budget", "fast", "--json")
+    assert ended.code == 0, ended.err
+    assert json.loads(ended.out)["viewpoints"] == budgets()["fast"].viewpoints
+
+
+@pytest.mark.parametrize("command", ["touch", "recognise", "report", "compare"])
 def test_help_gives_an_example(visuohaptic, command):
     ended = visuohaptic(command, "--help")
     assert ended.code == 0
@@ -240,3 +292,22 @@ def test_a_closed_pipe_is_no_error(tmp_path, small, arguments):
     assert process.stderr.read() == b""
     process.stderr.close()
     assert process.wait() == 0
+
+
+def test_the_shell_completes_commands_and_options(tmp_path):
+    def offered(*words):
+        return subprocess.run(
+            [sys.executable, "-c", "from visuohaptic.cli.main import main; main()"],
+            cwd=tmp_path, check=True, text=True, capture_output=True,
+            env={
+                "PYTHONPATH": str(ROOT / "src"),
+                "_VISUOHAPTIC_COMPLETE": "complete_bash",
+                "COMP_WORDS": " ".join(("visuohaptic", *words)),
+                "COMP_CWORD": str(len(words)),
+            },
+        ).stdout.split()  # fmt: skip
+
+    assert set(offered("")) >= {"touch", "recognise", "report", "compare", "meshes"}
+    assert offered("tou") == ["touch"]
+    assert offered("touch", "--strat") == ["--strategy"]
+    assert set(offered("meshes", "")) == {"fetch", "check", "credits"}

@@ -10,6 +10,7 @@ import pytest
 import trimesh
 import yaml
 from recognition.synthetic import features_table
+from report.synthetic import lay_out
 
 from visuohaptic.tables import FEATURES, write_table
 
@@ -50,9 +51,10 @@ def folder(tmp_path_factory):
             part = folder / "results" / "features" / f"class{category}" / model.stem
             write_table(FEATURES, table.filter(mine), part / "00-01.parquet")
     (folder / "meshes" / "catalogue.csv").write_text(f"{HEADER}\n")
-    for run in (folder, folder / "before"):
-        (run / "reports").mkdir(parents=True)
-        (run / "reports" / "metrics.json").write_text('{"results": {}}')
+    (folder / "reports").mkdir()
+    (folder / "reports" / "metrics.json").write_text('{"results": {}}')
+    (folder / "before").mkdir()
+    lay_out(folder / "before")
     trimesh.creation.annulus(0.8, 1, 2).export(folder / "mug.obj")
     return folder
 
@@ -70,7 +72,13 @@ def test_the_tour_runs_from_end_to_end(folder, visuohaptic, monkeypatch):
     for kind, text in BLOCKS:
         if kind == "python":
             exec(compile(text, "docs/tour.md", "exec"), {})  # noqa: S102
-    made = {"mug/picture.png", "random/features.parquet", "comparison/comparison.html", "mug.png"}
+    made = {
+        "mug/picture.png",
+        "random/features.parquet",
+        "told/report.html",
+        "comparison/comparison.html",
+        "mug.png",
+    }
     assert all((folder / name).is_file() for name in made)
 
 
@@ -86,4 +94,4 @@ def run_snakemake(folder, arguments):
 
 def test_the_tour_shows_every_command():
     shown = {command.split()[1] for command in COMMANDS if command.startswith("visuohaptic")}
-    assert shown == {"touch", "recognise", "compare"}
+    assert shown == {"touch", "recognise", "report", "compare"}

@@ -159,3 +159,10 @@ def test_wrong_calls_get_one_sentence():
         LevelsError, match=r"two or more coefficients, and the levels \(2,\) leave one"
     ):
         directional_deviations(np.zeros((1, 2, 2)), 2)
+
+
+@pytest.mark.parametrize("power", [-600, -511, -509, -300, 300, 509, 511, 600])
+def test_squares_neither_overflow_nor_lose_digits_near_the_root_of_the_range(power):
+    images = np.random.default_rng(4).random((2, 32, 32))
+    scaled = directional_deviations(np.ldexp(images, power))
+    np.testing.assert_array_equal(scaled, np.ldexp(directional_deviations(images), power))

@@ -2,10 +2,17 @@
 
 import numpy as np
 import pytest
+from sklearn.covariance import empirical_covariance, shrunk_covariance
 from sklearn.linear_model import LogisticRegression
 from sklearn.svm import SVC
 
-from visuohaptic.recognition.parameters import BestParameters, ClassifierParameters
+from visuohaptic.recognition import tuning
+from visuohaptic.recognition.classifiers import ShrunkCovariance
+from visuohaptic.recognition.parameters import (
+    BestParameters,
+    ClassifierParameters,
+    RecognitionParameters,
+)
 from visuohaptic.recognition.tuning import (
     GRIDS,
     LEAST_SCORE,
@@ -56,8 +63,8 @@ def test_inner_folds_hold_out_whole_objects_and_project_without_them():
     assert len(folds) == 3
     assert sum(len(fold.held_out) for fold in folds) == len(labels)
     for fold in folds:
-        assert len(fold.train) + len(fold.held_out) == len(labels)
-        np.testing.assert_allclose(fold.train.mean(axis=0), 0, atol=1e-12)
+        assert len(fold.fits.train) + len(fold.held_out) == len(labels)
+        np.testing.assert_allclose(fold.fits.train.mean(axis=0), 0, atol=1e-12)
 
 
 def test_class_with_one_training_object_is_never_held_out_from_a_fold_that_lacks_it():
@@ -66,7 +73,7 @@ def test_class_with_one_training_object_is_never_held_out_from_a_fold_that_lacks
         descriptors, labels, owners, BestParameters(), np.random.default_rng(0)
     )
     for fold in folds:
-        assert set(fold.held_out_labels) <= set(fold.train_labels)
+        assert set(fold.held_out_labels) <= set(fold.fits.labels)
 
 
 def test_without_a_second_object_a_class_the_simplest_setting_is_taken():
@@ -130,3 +137,52 @@ def test_scores_of_two_classes_favour_the_one_that_the_machine_names():
         softmax(class_scores(regression, descriptors, 2)), regression.predict_proba(descriptors)
     )
     assert scores.min() > LEAST_SCORE
+
+
+def test_what_other_splits_have_fitted_changes_no_number():
+    descriptors, labels, owners = clusters()
+    tested = [owners % 3 == out for out in range(3)]
+
+    def probabilities(memory):
+        found = []
+        for turn, test in enumerate([*tested, *tested]):
+            projection, fits = tuning.fit_best_classifiers(
+                descriptors[~test], labels[~test], owners[~test], 3,
+                RecognitionParameters(), np.random.default_rng(turn), memory,
+            )  # fmt: skip
+            projected = projection.apply(descriptors[test])
+            found += [classifier.probabilities(projected) for _, classifier, _ in fits]
+        return np.array(found)
+
+    assert np.array_equal(probabilities(tuning.FitMemory()), probabilities(None))
+
+
+def test_the_same_rows_are_projected_once_and_others_are_not_mistaken_for_them(monkeypatch):
+    projected = []
+    original = tuning.fit_projection
+    monkeypatch.setattr(
+        tuning, "fit_projection", lambda *values: projected.append(values) or original(*values)
+    )
+    rows, labels = np.random.default_rng(0).normal(size=(8, 5)), np.arange(8) % 2
+    memory = tuning.FitMemory()
+    first = memory.fits(rows, labels, 3)
+    assert memory.fits(rows.copy(), labels.copy(), 3) is first
+    others = [(rows + 1e-15, labels, 3), (rows, 1 - labels, 3), (rows, labels, 2)]
+    assert all(memory.fits(*other) is not first for other in others)
+    assert len(projected) == 4
+
+
+def test_memory_lets_the_oldest_go():
+    memory = tuning.FitMemory(sequences=20)
+    tables = [np.random.default_rng(seed).normal(size=(8, 5)) for seed in range(3)]
+    labels = np.arange(8) % 2
+    kept = [memory.fits(table, labels, 3) for table in tables]
+    assert memory.fits(tables[2], labels, 3) is kept[2]
+    assert memory.fits(tables[0], labels, 3) is not kept[0]
+
+
+def test_a_covariance_is_shrunk_as_scikit_learn_does_it():
+    rows = np.random.default_rng(0).normal(size=(40, 6)) * np.arange(1, 7)
+    ours = ShrunkCovariance(0.3, "mean_variance", 0.0).fit(rows).covariance_
+    theirs = shrunk_covariance(empirical_covariance(rows), 0.3)
+    np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-14)

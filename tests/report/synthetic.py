@@ -3,8 +3,10 @@
 import io
 import itertools
 import json
+import shutil
 
 import numpy as np
+import yaml
 from PIL import Image
 
 from visuohaptic import tables
@@ -54,6 +56,24 @@ def write_run(
     )
 
 
+def lay_out(folder, objects=OBJECTS):
+    """Lay a synthetic run out as the workflow does, and give its folder."""
+    files = write_run(folder / "made", objects)
+    for table in ("predictions", "views", "fixations", "touches", "features"):
+        part = folder / "results" / table / "all.parquet"
+        part.parent.mkdir(parents=True)
+        shutil.move(getattr(files, table)[0], part)
+    books = folder / "results" / "effects" / "touches" / "all.parquet"
+    books.parent.mkdir(parents=True)
+    shutil.move(files.effects[0], books)
+    shutil.move(folder / "made" / "meshes", folder / "results" / "meshes")
+    (folder / "reports").mkdir()
+    shutil.move(files.metrics, folder / "reports" / "metrics.json")
+    text = yaml.safe_dump(PARAMETERS.model_dump(mode="json"))
+    (folder / "params.yaml").write_text(text)
+    return folder
+
+
 def ball(rings):
     """Give a unit ball of quadrilaterals cut in two, its halves red and blue."""
     heights, turns = np.meshgrid(
@@ -80,11 +100,19 @@ def png(array):
     return stored.getvalue()
 
 
+def _shaded_ball():
+    """Give a view of a ball, so that screenshots show something."""
+    down, across = np.mgrid[-1.2:1.2:48j, -1.2:1.2:48j]
+    towards = np.sqrt(np.clip(1 - across**2 - down**2, 0, None))
+    light = np.clip(0.25 + 0.75 * (0.5 * towards - 0.4 * across - 0.6 * down), 0, 1)
+    colour = light[..., None] * np.array([200, 120, 70])
+    return np.where((towards > 0)[..., None], colour, 217).astype(np.uint8)
+
+
 def _views(objects, distinct, generator):
     rows = [(key, number) for key in objects for number in range(VIEWPOINTS)]
     eyes = np.array([place_cameras(PARAMETERS.viewpoints)[number].eye for _, number in rows])
-    picture = png(generator.integers(0, 255, (48, 48, 3)).astype(np.uint8))
-    grey = png(generator.integers(0, 255, (48, 48)).astype(np.uint8))
+    picture, grey = png(_shaded_ball()), png(_shaded_ball().max(axis=2))
     return _table(
         tables.VIEWS,
         {
@@ -217,7 +245,8 @@ def _neutral(column):
 
 def _write_mesh(folder, key):
     category, name = key.split("/", 1)
-    path = folder / "meshes" / category.replace("/", "_") / f"{name.replace('/', '_')}.ply"
+    # A file's name may be shorter than an object's: such an object is without a model.
+    path = folder / "meshes" / category.replace("/", "_") / f"{name.replace('/', '_')[:240]}.ply"
     write_surface(ball(6), path)
     return path
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from visuohaptic.report.comparison import agreement, answer, holm, read_tables
+from visuohaptic.report.comparison import agreement, answer, holm, merge_notes, read_tables
 
 
 def interval(mean, half=0.05):
@@ -114,6 +114,13 @@ def test_only_the_papers_pipeline_stands_beside_the_paper():
     assert tables[0].rows[0].published
     assert not tables[1].rows[0].published
     sentences = answer(tables, 4, 5, "an unknown object", 0.95)
-    assert len(sentences) == 4
-    assert "pipeline best reaches 90.0" in sentences[3]
-    assert "+0.0 percentage points" in sentences[3]
+    assert len(sentences) == 3
+    assert "from the same touches the pipeline best reaches 90.0" in sentences[0]
+
+
+def test_notes_that_differ_in_a_number_are_one():
+    notes = {"chosen: tree_leaf 8", "chosen: tree_leaf 1", "singular: shrunk", "chosen: c 1e-05"}
+    assert merge_notes(notes) == (
+        "chosen: c 1e-05", "chosen: tree leaf 1 or 8", "singular: shrunk",
+    )  # fmt: skip
+    assert merge_notes([]) == ()

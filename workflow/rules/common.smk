@@ -7,8 +7,10 @@ from pathlib import Path
 SOURCE = Path(workflow.basedir, "src")
 sys.path.insert(0, str(SOURCE))
 
+from visuohaptic.ablation_settings import ABLATIONS
 from visuohaptic.catalogue import companions, find_own_models, models_of_set
 from visuohaptic.code_inputs import code_inputs
+from visuohaptic.cost.settings import FAMILIES
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.jobs import set_job_environment
 from visuohaptic.parameters import ExperimentParameters
@@ -98,6 +100,27 @@ def scores_of(table):
         pipeline=PARAMETERS.recognition.pipelines,
         strategy=PARAMETERS.probing.strategies,
     )
+
+
+def sources_of_ablation(table):
+    """Give what lists the files of a table for the ablations that start from it."""
+    started_from = {
+        "nothing": ("features",),
+        "descriptors": ("features", "touches"),
+        "touches": ("meshes", "fixations"),
+        "views": ("meshes",),
+    }
+    files = (
+        expand("results/meshes/{object}.ply", object=OBJECTS)
+        if table == "meshes"
+        else parts_of(table)
+    )
+
+    def sources(wildcards):
+        remade = ABLATIONS[wildcards.ablation].remade
+        return files if table in started_from[remade] else []
+
+    return sources
 
 
 def code_of(script):

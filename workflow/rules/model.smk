@@ -29,7 +29,9 @@ rule model:
         recognition=PARAMETERS.recognition.model_dump(
             exclude={"pipelines", "protocol", "intervals"}
         ),
-        touching=PARAMETERS.model_dump(mode="json", exclude={"workflow", "recognition"}),
+        touching=PARAMETERS.model_dump(
+            mode="json", exclude={"workflow", "recognition", "cost"}
+        ),
         seed=PARAMETERS.seed,
     message:
         "fitting the recognition model on all objects"

@@ -45,7 +45,16 @@ rule report:
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
         meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
         # Once they are made they are kept current; a run without them makes none.
-        measured=[file for file in EFFECT_FIGURES if Path(file).exists()],
+        measured=[
+            file
+            for file in [
+                *EFFECT_FIGURES,
+                *CURVE_FIGURES,
+                *ABLATION_FIGURES,
+                *COST_FIGURES,
+            ]
+            if Path(file).exists()
+        ],
         code=code_of("report.py"),
         templates=sorted(Path("src/visuohaptic/report/templates").glob("*.*")),
     output:
@@ -65,11 +74,13 @@ rule report:
             "extras": {
                 "effect_influence": "results/effect_influence.parquet",
                 "effect_accuracy": "results/effect_accuracy.parquet",
-                "touches_needed": "results/touches_needed",
+                "touch_curves": "results/touch_curves.parquet",
+                "touches_needed": "results/touches_needed.parquet",
                 "resolution": "benchmarks/resolution.json",
-                "cost": "results/cost",
+                "cost": "results/cost.parquet",
                 "stability": "reports/stability.json",
-                "ablations": "results/ablations",
+                "precision": "reports/precision.json",
+                "ablations": "results/ablations.parquet",
             },
         },
     message:

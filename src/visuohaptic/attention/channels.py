@@ -36,6 +36,8 @@ GABOR_DEVIATION = 7.0 / 3.0
 WINDOW_DEVIATION = 3.0
 # Below this share of the brightest value, hue is noise (Itti, Koch & Niebur 1998).
 DARK = np.float32(0.1)
+# A view below this is black: denormal numbers have lost their digits, and their reciprocal overflows.
+DARKEST = float(np.finfo(np.float32).tiny)
 # Gradients, as fractions of full scale a pixel, where votes for symmetry begin and are whole.
 FAINT_GRADIENT = 0.01
 STRONG_GRADIENT = 0.1
@@ -121,7 +123,7 @@ def prepare_view(
     inside = mask.view(np.uint8)
     hues = cv2.split(np.ascontiguousarray(colour))
     peak = max(cv2.minMaxLoc(hue, inside)[1] for hue in hues)
-    scale = share / np.float32(peak) if peak > 0.0 else np.zeros_like(share)
+    scale = share / np.float32(peak) if peak >= DARKEST else np.zeros_like(share)
     working = to_working_size(cv2.merge([share, *(hue * scale for hue in hues)]))
     certainty = np.ascontiguousarray(working[:, :, 0])
     sure = reciprocal(certainty)

@@ -15,15 +15,19 @@ PAGE = "comparison.html"
 def compare(
     first: Annotated[
         Path,
-        typer.Argument(metavar="A", help="A metrics.json, a run's folder, or a DVC experiment."),
+        typer.Argument(
+            metavar="A", help="A metrics.json, a report, a run's folder, or a DVC experiment."
+        ),
     ],
     second: Annotated[Path, typer.Argument(metavar="B", help="The run to compare it with.")],
     out: Annotated[Path, typer.Option(help="Folder for the page.")] = Path("comparison"),
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
 ) -> None:
-    """Write one page of what changed from run A to run B: parameters, and accuracies with intervals.
+    """Write one page of what changed from run A to run B.
 
-    The parameters of a file are those in a params.yaml beside it or a folder above.
+    It shows parameters, accuracies with intervals, seconds, and views side by side. All but the
+    accuracies come from the report.html beside the metrics; without one, parameters come from a
+    params.yaml beside them or a folder above.
 
     Example: visuohaptic compare before/reports/metrics.json reports/metrics.json --out comparison
     """

@@ -36,12 +36,29 @@ ViewpointsOption = Annotated[
 UpOption = Annotated[
     UpAxis | None, typer.Option("--up", help="Axis of the file that points up.", show_default="y")
 ]
+
+
+class BudgetChoice(StrEnum):
+    """The presets of `cost.budgets`."""
+
+    FAST = "fast"
+    BALANCED = "balanced"
+    ACCURATE = "accurate"
+
+
+BudgetOption = Annotated[
+    BudgetChoice | None,
+    typer.Option(
+        "--budget", help="Viewpoints for the time that you have, instead of --viewpoints."
+    ),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
 
 
 def touch(
     mesh: MeshArgument,
     viewpoints: ViewpointsOption = None,
+    budget: BudgetOption = None,
     strategy: Annotated[
         str, typer.Option(help="How to choose where to touch: fixation, random, ….")
     ] = "fixation",
@@ -64,6 +81,7 @@ def touch(
 
     chosen = ExperimentParameters() if parameters is None else read_parameters(parameters)
     _check_strategy(strategy)
+    viewpoints = _viewpoints(viewpoints, budget)
     check_folder(out)
     found = _explore(_load(mesh, up, chosen), mesh, viewpoints, strategy, chosen)
     files = found.save(out)
@@ -79,6 +97,7 @@ def recognise(
     mesh: MeshArgument,
     model: Annotated[Path, typer.Option(help="A fitted recognition model.")] = DEFAULT_MODEL,
     viewpoints: ViewpointsOption = None,
+    budget: BudgetOption = None,
     up: UpOption = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
@@ -90,6 +109,7 @@ def recognise(
     """
     from visuohaptic.exploration import read_recogniser
 
+    viewpoints = _viewpoints(viewpoints, budget)
     recogniser = read_recogniser(model)
     strategy = recogniser.model.strategy
     ready = _load(mesh, up, recogniser.parameters)
@@ -108,6 +128,20 @@ def recognise(
     say(
         f"{model}: {classifier}, which learnt {learnt} objects of {len(found.probabilities)} classes"
     )
+
+
+def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | None:
+    """Give the number of viewpoints that was asked for, in one way or the other."""
+    if budget is None:
+        return viewpoints
+    if viewpoints is not None:
+        raise typer.BadParameter(
+            f"it stands for a number of viewpoints, and --viewpoints {viewpoints} is another.",
+            param_hint="--budget",
+        )
+    from visuohaptic.cost.budgets import budgets
+
+    return budgets()[budget.value].viewpoints
 
 
 def _check_strategy(strategy: str) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli import compare, explore, meshes
+from visuohaptic.cli import compare, explore, meshes, report
 from visuohaptic.cli.printing import sentence_of
 
 DEBUG = "--debug"
@@ -21,6 +21,7 @@ app = typer.Typer(
 )
 app.command()(explore.touch)
 app.command()(explore.recognise)
+app.command()(report.report)
 app.command()(compare.compare)
 app.add_typer(meshes.app, name="meshes")
 

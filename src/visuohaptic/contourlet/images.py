@@ -70,7 +70,8 @@ def exponents(images: Floats, axes: tuple[int, ...]) -> NDArray[np.intc]:
     limits = np.finfo(images.dtype)
     high, low = images.max(axis=axes, initial=0.0), images.min(axis=axes, initial=0.0)
     exponent = np.frexp(np.maximum(high, -low))[1]
-    comfortable = (exponent > limits.minexp // 2) & (exponent < limits.maxexp // 2)
+    # A quarter of the range, so that sums of squares stay within half of it.
+    comfortable = (exponent > limits.minexp // 4) & (exponent < limits.maxexp // 4)
     return np.where(comfortable, 0, exponent).astype(np.intc)
 
 

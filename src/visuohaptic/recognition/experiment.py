@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
@@ -29,6 +30,12 @@ from visuohaptic.tables import (
     SCORES,
     build_table,
 )
+
+if TYPE_CHECKING:
+    from visuohaptic.recognition.tuning import FitMemory
+
+AnswerSplit = Callable[[Split, np.random.Generator], Iterator["Answer"]]
+"""Trains on a split's training sequences and names its test sequences."""
 
 PAPER_FEATURES = (*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
 """The paper's 16 cutaneous and 6 kinesthetic features of a touch."""
@@ -88,13 +95,85 @@ def run_pipeline(
     RecognitionError
         If the features don't allow the experiment; the sentence says why.
     """
+    strategy = features.column("strategy")[0].as_py() if len(features) else ""
+    sequences = gather_pipeline(features, parameters, pipeline)
+    return run_sequences(sequences, strategy, parameters, seed, pipeline)
+
+
+def run_sequences(
+    sequences: TouchSequences,
+    strategy: str,
+    parameters: RecognitionParameters,
+    seed: int,
+    pipeline: str,
+    answer_split: AnswerSplit | None = None,
+) -> tuple[pa.Table, pa.Table]:
+    """Train and test every split, classifier and repeat on gathered sequences.
+
+    Parameters
+    ----------
+    sequences : TouchSequences
+        The sequences, with any columns that the pipeline can use.
+    strategy : str
+        How they were touched; it names the rows and changes nothing else.
+    parameters : RecognitionParameters
+        Every choice on the way.
+    seed : int
+        The experiment's seed.
+    pipeline : str
+        ``paper`` or ``best``.
+    answer_split : callable, optional
+        As in `answer_splits`.
+
+    Returns
+    -------
+    scores, predictions : pyarrow.Table
+        As `run_pipeline` gives them.
+
+    Raises
+    ------
+    RecognitionError
+        If the sequences don't allow the experiment.
+    """
+    record = _Record(pipeline, strategy, sequences)
+    answers = answer_splits(sequences, parameters, seed, pipeline, answer_split)
+    for split, repeat, answer in answers:
+        record.add(split, repeat, answer)
+    return record.scores(), record.predictions()
+
+
+def answer_splits(
+    sequences: TouchSequences,
+    parameters: RecognitionParameters,
+    seed: int,
+    pipeline: str,
+    answer_split: AnswerSplit | None = None,
+) -> Iterator[tuple[Split, int, Answer]]:
+    """Train and test every split, classifier and repeat, and give the answers one by one.
+
+    Parameters
+    ----------
+    sequences : TouchSequences
+        What `gather_pipeline` gives for the pipeline.
+    parameters : RecognitionParameters
+        Every choice on the way.
+    seed : int
+        The experiment's seed.
+    pipeline : str
+        Which pipeline.
+    answer_split : callable, optional
+        What trains and tests a split; without it the pipeline does, on the
+        sequences as they are. With it, the features of the sequences aren't used.
+
+    Yields
+    ------
+    (Split, int, Answer)
+        The split, the repeat, and one classifier's answer.
+    """
     from sklearn import config_context
     from threadpoolctl import threadpool_limits
 
-    strategy = features.column("strategy")[0].as_py() if len(features) else ""
-    sequences = gather_pipeline(features, parameters, pipeline)
-    answer_split = _split_runner(sequences, parameters, seed, pipeline)
-    record = _Record(pipeline, strategy, sequences)
+    answer_split = answer_split or _split_runner(sequences, parameters, seed, pipeline)
     # One thread, so that sums are taken in one order on every machine. What scikit-learn would
     # check for every fit was checked once: numbers when gathered, parameters by their model.
     checks = config_context(assume_finite=True, skip_parameter_validation=True)
@@ -104,8 +183,7 @@ def run_pipeline(
             for split in make_splits(sequences, parameters.protocol, drawing):
                 generator = spawn_generator(seed, "recognition", pipeline, repeat, split.number)
                 for answer in answer_split(split, generator):
-                    record.add(split, repeat, answer)
-    return record.scores(), record.predictions()
+                    yield split, repeat, answer
 
 
 def gather_pipeline(
@@ -148,15 +226,18 @@ def gather_pipeline(
 
 def _split_runner(
     sequences: TouchSequences, parameters: RecognitionParameters, seed: int, pipeline: str
-) -> Callable[[Split, np.random.Generator], Iterator[Answer]]:
+) -> AnswerSplit:
     if pipeline == "paper":
         return lambda split, generator: run_paper_split(sequences, split, parameters, generator)
+    from visuohaptic.recognition.tuning import FitMemory
+
     waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
     described = describe_sequences(
         sequences.features, sequences.feature_names, waves, parameters.best
     )
+    memory = FitMemory()
     return lambda split, generator: run_best_split(
-        sequences, described, split, parameters, generator
+        sequences, described, split, parameters, generator, memory
     )
 
 
@@ -201,6 +282,7 @@ def run_best_split(
     split: Split,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
+    memory: FitMemory | None = None,
 ) -> Iterator[Answer]:
     """Choose and fit everything of pipeline `best` on a split's training sequences, then test.
 
@@ -216,6 +298,8 @@ def run_best_split(
         Every choice that is not made inside.
     generator : numpy.random.Generator
         For the inner folds and the classifiers.
+    memory : FitMemory, optional
+        Fits of other splits of the same run; it changes no number.
 
     Yields
     ------
@@ -227,7 +311,7 @@ def run_best_split(
     training = described[split.train]
     labels, owners = sequences.labels[split.train], sequences.object_index[split.train]
     projection, fits = fit_best_classifiers(
-        training, labels, owners, len(sequences.classes), parameters, generator
+        training, labels, owners, len(sequences.classes), parameters, generator, memory
     )
     tested = projection.apply(described[split.test])
     for name, classifier, note in fits:

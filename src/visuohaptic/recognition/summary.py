@@ -146,6 +146,28 @@ def confusion(predictions: pa.Table) -> Confusion:
     return Confusion(tuple(str(name) for name in classes), counts)
 
 
+def object_accuracies(
+    predictions: pa.Table,
+) -> tuple[tuple[tuple[str, str], ...], NDArray[np.float64], NDArray[np.float64]]:
+    """Average each object's accuracy over the splits that tested it.
+
+    Parameters
+    ----------
+    predictions : pyarrow.Table
+        `tables.PREDICTIONS` of one pipeline, strategy and classifier.
+
+    Returns
+    -------
+    objects : tuple of (str, str)
+        The o objects as (class, name), sorted.
+    accuracy, weights : numpy.ndarray
+        Shape (o,) each, float64; the weighted mean over objects is the mean over splits of
+        the share of test sequences named rightly.
+    """
+    figures = _object_figures(predictions)
+    return figures.objects, figures.accuracy, figures.weights
+
+
 def select(table: pa.Table, **values: object) -> pa.Table:
     """Take the rows whose columns have the given values, such as ``strategy="random"``."""
     import pyarrow.compute as pc

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
+from collections import OrderedDict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +27,9 @@ TEMPERATURES = np.geomspace(0.02, 50.0, 69)
 
 LEAST_SCORE = -60.0
 """Score of a class that training lacked, and of a probability of 0."""
+
+REMEMBERED_SEQUENCES = 20_000
+"""Training sequences of inner folds whose fits are kept: some 100 MB."""
 
 GRIDS: dict[ClassifierName, dict[str, Sequence[Any]]] = {
     "k_nearest_neighbours": {"neighbours": (5, 15)},
@@ -85,13 +90,71 @@ class TunedClassifier:
 
 
 @dataclass(frozen=True)
-class InnerFold:
-    """Training sequences without some objects, and these objects' sequences, both projected."""
+class FoldFits:
+    """What was fitted on the training sequences of one inner fold.
 
+    Attributes
+    ----------
+    projection : Projection
+        Fitted on them.
+    train : numpy.ndarray
+        Shape (n, q), float64: the sequences, projected.
+    labels : numpy.ndarray
+        Shape (n,), int64.
+    classifiers : dict
+        Fitted classifiers by name and settings.
+    """
+
+    projection: Projection
     train: NDArray[np.float64]
-    train_labels: NDArray[np.int64]
+    labels: NDArray[np.int64]
+    classifiers: dict[tuple[ClassifierName, ClassifierParameters], Any] = field(
+        default_factory=dict
+    )
+
+
+@dataclass(frozen=True)
+class InnerFold:
+    """Fits on training sequences without some objects, and these objects' projected sequences."""
+
+    fits: FoldFits
     held_out: NDArray[np.float64]
     held_out_labels: NDArray[np.int64]
+
+
+class FitMemory:
+    """Fits by the very numbers that they were trained on, so that none is made twice.
+
+    With three objects a class, most inner folds of the 81 splits train on the same objects
+    as an inner fold of another split. What a fold is trained on is its key, number for number:
+    a fit can't come from anything else.
+
+    Parameters
+    ----------
+    sequences : int
+        Training sequences that are remembered at once, over all folds; the oldest go first.
+    """
+
+    def __init__(self, sequences: int = REMEMBERED_SEQUENCES) -> None:
+        self._most = sequences
+        self._held: OrderedDict[bytes, FoldFits] = OrderedDict()
+
+    def fits(
+        self, descriptors: NDArray[np.float64], labels: NDArray[np.int64], components: int
+    ) -> FoldFits:
+        """Give the fits on sequences, (n, d) and (n,); their projection is fitted where new."""
+        key = _digest(descriptors, labels, components)
+        if key in self._held:
+            self._held.move_to_end(key)
+            return self._held[key]
+        projection = fit_projection(descriptors, components)
+        self._held[key] = FoldFits(projection, projection.apply(descriptors), labels)
+        while len(self._held) > 1 and self._remembered() > self._most:
+            self._held.popitem(last=False)
+        return self._held[key]
+
+    def _remembered(self) -> int:
+        return sum(len(fits.labels) for fits in self._held.values())
 
 
 def fit_projection(descriptors: NDArray[np.float64], components: int) -> Projection:
@@ -125,6 +188,7 @@ def make_inner_folds(
     owners: NDArray[np.int64],
     parameters: BestParameters,
     generator: np.random.Generator,
+    memory: FitMemory | None = None,
 ) -> list[InnerFold]:
     """Hold out folds of whole training objects, each with a projection of the others.
 
@@ -138,6 +202,8 @@ def make_inner_folds(
         Folds and components.
     generator : numpy.random.Generator
         Deals the objects.
+    memory : FitMemory, optional
+        Fits of other splits of the same run; it changes no number.
 
     Returns
     -------
@@ -149,21 +215,16 @@ def make_inner_folds(
     members = [np.unique(owners[labels == place]).tolist() for place in classes]
     if max(len(objects) for objects in members) < 2:
         return []
+    memory = memory or FitMemory()
     folds = []
     for objects in grouped_folds(members, parameters.inner_folds, generator):
         held_out = np.isin(owners, objects)
         known = np.isin(labels, labels[~held_out])
         if len(np.unique(labels[~held_out])) < 2 or not np.any(held_out & known):
             continue
-        projection = fit_projection(descriptors[~held_out], parameters.components)
-        folds.append(
-            InnerFold(
-                projection.apply(descriptors[~held_out]),
-                labels[~held_out],
-                projection.apply(descriptors[held_out & known]),
-                labels[held_out & known],
-            )
-        )
+        fits = memory.fits(descriptors[~held_out], labels[~held_out], parameters.components)
+        tested = fits.projection.apply(descriptors[held_out & known])
+        folds.append(InnerFold(fits, tested, labels[held_out & known]))
     return folds
 
 
@@ -230,6 +291,7 @@ def fit_best_classifiers(
     classes: int,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
+    memory: FitMemory | None = None,
 ) -> tuple[Projection, list[tuple[ClassifierName, TunedClassifier, str | None]]]:
     """Fit the projection and every classifier of pipeline `best` on training objects.
 
@@ -245,6 +307,8 @@ def fit_best_classifiers(
         Classifiers and what is not chosen inside.
     generator : numpy.random.Generator
         For the inner folds and the classifiers.
+    memory : FitMemory, optional
+        Fits of other splits of the same run; it changes no number.
 
     Returns
     -------
@@ -263,7 +327,7 @@ def fit_best_classifiers(
             "Every descriptor has one and the same value for all training sequences; "
             "there is nothing to tell the classes by."
         )
-    folds = make_inner_folds(descriptors, labels, owners, parameters.best, generator)
+    folds = make_inner_folds(descriptors, labels, owners, parameters.best, generator, memory)
     projection = fit_projection(descriptors, parameters.best.components)
     projected = projection.apply(descriptors)
     fits = []
@@ -343,16 +407,39 @@ def _held_out_loss(
     classes: int,
     generator: np.random.Generator,
 ) -> tuple[float, float]:
-    from visuohaptic.recognition.classifiers import fit_classifier
-
     if not folds:
         return 0.0, 1.0
     scores = []
     for fold in folds:
-        fitted, _ = fit_classifier(name, parameters, fold.train, fold.train_labels, generator)
+        fitted = _fit_in_fold(name, parameters, fold.fits, generator)
         scores.append(class_scores(fitted, fold.held_out, classes))
     labels = np.concatenate([fold.held_out_labels for fold in folds])
     return best_temperature(np.concatenate(scores), labels)
+
+
+def _fit_in_fold(
+    name: ClassifierName,
+    parameters: ClassifierParameters,
+    fits: FoldFits,
+    generator: np.random.Generator,
+) -> Any:
+    from visuohaptic.recognition.classifiers import CHANCELESS, draw_seed, fit_classifier
+
+    if (name, parameters) in fits.classifiers:
+        # Chance goes on as if it had been fitted again.
+        draw_seed(generator)
+        return fits.classifiers[name, parameters]
+    fitted, _ = fit_classifier(name, parameters, fits.train, fits.labels, generator)
+    if name in CHANCELESS:
+        fits.classifiers[name, parameters] = fitted
+    return fitted
+
+
+def _digest(descriptors: NDArray[np.float64], labels: NDArray[np.int64], components: int) -> bytes:
+    content = hashlib.blake2b(repr((descriptors.shape, components)).encode())
+    content.update(np.ascontiguousarray(descriptors).tobytes())
+    content.update(labels.tobytes())
+    return content.digest()
 
 
 def _settings(name: ClassifierName) -> Iterator[dict[str, Any]]:

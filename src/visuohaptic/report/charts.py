@@ -56,6 +56,7 @@ class IntervalChart:
     marks: tuple[Mark, ...]
     reference: float | None
     baseline: int
+    series: int
 
 
 def interval_chart(
@@ -100,6 +101,7 @@ def interval_chart(
         marks=tuple(marks),
         reference=None if reference is None else _x(reference),
         baseline=top,
+        series=len(series),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -113,8 +113,13 @@ def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
     list of PipelineTable
         The paper's pipeline first.
     """
-    names = sorted(metrics["results"], key=lambda name: (name != PAPER_PIPELINE, name))
+    names = sorted(metrics["results"], key=pipeline_order)
     return [_pipeline_table(metrics, name) for name in names]
+
+
+def pipeline_order(name: str) -> tuple[bool, str]:
+    """Order pipelines by name, the paper's first."""
+    return name != PAPER_PIPELINE, name
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
@@ -138,6 +143,30 @@ def holm(p_values: Sequence[float]) -> list[float]:
     return adjusted
 
 
+def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
+    """Say once what notes share, such as ``neighbours 5`` and ``neighbours 15``.
+
+    Parameters
+    ----------
+    notes : collection of str
+        What splits noted; some end with a number.
+
+    Returns
+    -------
+    tuple of str
+        Sorted; of notes that differ in their last number alone one is left, with all the numbers.
+    """
+    merged: dict[str, list[float]] = {}
+    for note in notes:
+        words, _, last = note.rpartition(" ")
+        numbers = merged.setdefault(words if _is_number(last) else note, [])
+        numbers += [float(last)] if _is_number(last) else []
+    return tuple(
+        spaced(f"{words} {' or '.join(f'{value:g}' for value in sorted(numbers))}".rstrip())
+        for words, numbers in sorted(merged.items())
+    )
+
+
 def answer(
     tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str, confidence: float
 ) -> list[str]:
@@ -159,21 +188,20 @@ def answer(
     Returns
     -------
     list of str
-        How well it goes, whether fixations help, and how it stands beside the paper; then a
-        sentence for each further pipeline.
+        How well it goes, whether fixations help, and how it stands beside the paper.
     """
     table = tables[0]
     best = table.best
     figure = best.accuracy[table.leading]
+    others = [_other_clause(other, confidence) for other in tables[1:]]
     first = (
         f"After {counted(touches, 'touch')} {_where(table.leading)}, the best of "
         f"{counted(len(table.rows), 'classifier')}, the {best.name}, names the class of {unseen} in "
-        f"{percent(figure.mean)} of the sequences{_interval_clause(figure, confidence)}; guessing "
-        f"among {counted(classes, 'class')} gives {percent(1 / classes)}."
+        f"{percent(figure.mean)} of the sequences{_interval_clause(figure, confidence)}"
+        f"{''.join(others)}; guessing among {counted(classes, 'class')} gives {percent(1 / classes)}."
     )
     sentences = (first, _gain_sentence(table), _published_sentence(table))
-    others = [_other_sentence(other, figure, confidence) for other in tables[1:]]
-    return [sentence for sentence in (*sentences, *others) if sentence]
+    return [sentence for sentence in sentences if sentence]
 
 
 def agreement(table: PipelineTable) -> tuple[list[str], list[str]]:
@@ -264,8 +292,12 @@ def _row(
             )
             for strategy, found in compared.items()
         },
-        notes=tuple(sorted({note for cell in cells.values() for note in cell["notes"]})),
+        notes=merge_notes({note for cell in cells.values() for note in cell["notes"]}),
     )
+
+
+def _is_number(text: str) -> bool:
+    return text.replace(".", "", 1).replace("e-", "", 1).isdigit()
 
 
 def _adjusted(compared: Mapping[str, Any]) -> dict[tuple[str, str], float]:
@@ -284,13 +316,12 @@ def _where(strategy: str) -> str:
     return "where the eye would rest" if strategy == REFERENCE else f"by {strategy_name(strategy)}"
 
 
-def _other_sentence(other: PipelineTable, figure: Figure, confidence: float) -> str:
+def _other_clause(other: PipelineTable, confidence: float) -> str:
     best = other.best
     reached = best.accuracy[other.leading]
     return (
-        f"From the same touches the pipeline {spaced(other.name)} reaches {percent(reached.mean)}"
-        f"{_interval_clause(reached, confidence)} with the {best.name}, "
-        f"{points(reached.mean - figure.mean)} percentage points beside the paper's way."
+        f", and from the same touches the pipeline {spaced(other.name)} reaches "
+        f"{percent(reached.mean)}{_interval_clause(reached, confidence)} with the {best.name}"
     )
 
 

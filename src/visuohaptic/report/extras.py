@@ -28,36 +28,12 @@ class Extra:
 
 EXTRAS = (
     Extra(
-        "touches_needed",
-        "Accuracy against touches",
-        "comparison",
-        "How accuracy grows with the number of touches of a sequence.",
-    ),
-    Extra(
         "resolution",
         "What a sharper view costs",
-        "comparison",
+        "cost",
         "Fixations at each resolution of the view beside those at the largest one: median distance "
         "in object radii, share within one focus, and milliseconds a view, as `make bench` "
         "measured them.",
-    ),
-    Extra(
-        "cost",
-        "What accuracy costs in time",
-        "comparison",
-        "Accuracy beside the seconds that a recognition takes, imports and files not counted.",
-    ),
-    Extra(
-        "stability",
-        "Numerical stability in hard cases",
-        "effects",
-        "Families of hard cases: how many were tried, and the worst error against a known answer.",
-    ),
-    Extra(
-        "ablations",
-        "Ablations",
-        "effects",
-        "What is left of the accuracy when a part is taken away.",
     ),
 )
 

@@ -12,10 +12,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report import wording
+from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import find_warnings
 from visuohaptic.report.extras import EXTRAS, ExtraTable, read_extra
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
-from visuohaptic.report.objects import describe_objects
+from visuohaptic.report.objects import Track, describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.sections import SECTIONS, Story
@@ -27,6 +28,7 @@ def make_report(
     parameters: ExperimentParameters,
     objects: Sequence[str],
     threads: int = 1,
+    track: Track = iter,
 ) -> None:
     """Write the report of a run, whole or not at all.
 
@@ -43,6 +45,8 @@ def make_report(
         table are named in a warning.
     threads : int
         Threads to work on; they change nothing but the time.
+    track : callable
+        Takes the pending objects and gives them back one by one, as a progress bar does.
 
     Raises
     ------
@@ -51,7 +55,7 @@ def make_report(
     TableError
         If a table is missing or breaks its schema.
     """
-    page = render_page(read_run(files, parameters, objects), threads)
+    page = render_page(read_run(files, parameters, objects), threads, track)
     output = Path(output)
     output.parent.mkdir(parents=True, exist_ok=True)
     waiting = output.with_name(f".{output.name}.part")
@@ -62,7 +66,7 @@ def make_report(
         waiting.unlink(missing_ok=True)
 
 
-def render_page(run: Run, threads: int = 1) -> str:
+def render_page(run: Run, threads: int = 1, track: Track = iter) -> str:
     """Give the page of a run.
 
     Parameters
@@ -71,6 +75,8 @@ def render_page(run: Run, threads: int = 1) -> str:
         The run.
     threads : int
         Threads to work on.
+    track : callable
+        As for `make_report`.
 
     Returns
     -------
@@ -78,7 +84,7 @@ def render_page(run: Run, threads: int = 1) -> str:
         HTML that asks the network for nothing.
     """
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
-    story = Story(run, describe_objects(run, threads), seconds)
+    story = Story(run, describe_objects(run, threads, track), seconds)
     environment = make_environment()
     shared = {
         "parameters": run.parameters,
@@ -98,6 +104,7 @@ def render_page(run: Run, threads: int = 1) -> str:
         pages=story.pages,
         marks=_most_marks(story),
         warnings=find_warnings(run, seconds),
+        summary=summarise_run(run, story.pages, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
         script=_text("page.js"),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,6 +30,7 @@ from visuohaptic.viewpoints import Camera, place_cameras
 _POINT = ("x", "y", "z")
 _NORMAL = ("normal_x", "normal_y", "normal_z")
 _TANGENT = ("tangent_x", "tangent_y", "tangent_z")
+Track = Callable[[Sequence["Future[ObjectPage]"]], Iterable["Future[ObjectPage]"]]
 # How often each class was named, by strategy and viewpoint.
 Answers = Mapping[tuple[str, int], Mapping[str, int]]
 # A model for the page: fewer faces where many objects share the page.
@@ -128,7 +129,7 @@ class ObjectPage:
     touch_keys: tuple[tuple[str, int, int, str], ...]
 
 
-def describe_objects(run: Run, threads: int = 1) -> list[ObjectPage]:
+def describe_objects(run: Run, threads: int = 1, track: Track = iter) -> list[ObjectPage]:
     """Describe every object that was looked at.
 
     Parameters
@@ -137,6 +138,8 @@ def describe_objects(run: Run, threads: int = 1) -> list[ObjectPage]:
         The run.
     threads : int
         Threads to work on; they change nothing but the time.
+    track : callable
+        Takes the pending objects and gives them back one by one, as a progress bar does.
 
     Returns
     -------
@@ -154,7 +157,8 @@ def describe_objects(run: Run, threads: int = 1) -> list[ObjectPage]:
 
     # Pictures are encoded without Python's lock, so threads do help.
     with ThreadPoolExecutor(threads) as pool:
-        return list(pool.map(describe, run.objects))
+        pending = [pool.submit(describe, key) for key in run.objects]
+        return [described.result() for described in track(pending)]
 
 
 def choose_shown(views: Sequence[ViewPage]) -> ViewPage:
@@ -166,11 +170,13 @@ def choose_shown(views: Sequence[ViewPage]) -> ViewPage:
 
 def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
     """Choose the object that explains the method: its view shown has the most different squares."""
-    return max(pages, key=lambda page: _spread([note.size for note in page.shown.touches]))
+    return max(pages, key=lambda page: _variety([note.size for note in page.shown.touches]))
 
 
-def _spread(sizes: Sequence[float]) -> float:
-    return float(np.std(np.log(np.maximum(sizes, 1e-9)))) if len(sizes) else -1.0
+def _variety(sizes: Sequence[float]) -> tuple[int, float]:
+    """Count the sizes that a reader can tell apart, and measure how far they spread."""
+    spread = float(np.std(np.log(np.maximum(sizes, 1e-9)))) if len(sizes) else -1.0
+    return len({round(size, 2) for size in sizes}), spread
 
 
 def _describe(

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from visuohaptic.recognition.summary import Confusion, confusion, select
+from visuohaptic.report.ablations import ablation_name, ablation_tables, remade_name
 from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
@@ -19,6 +20,7 @@ from visuohaptic.report.comparison import (
     agreement,
     answer,
 )
+from visuohaptic.report.cost import cost_figures
 from visuohaptic.report.effects import sum_channels, sum_effects
 from visuohaptic.report.influence import accuracy_rows, hard_places, influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
@@ -30,6 +32,8 @@ from visuohaptic.report.provenance import (
 )
 from visuohaptic.report.published import PAPER
 from visuohaptic.report.run import Run
+from visuohaptic.report.stability import read_precision, read_stability
+from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES
 from visuohaptic.scene import PRESETS, VISUAL_EFFECTS
 from visuohaptic.tables import CONTOURLET_FEATURES, KINESTHETIC_FEATURES, matrix
@@ -112,6 +116,25 @@ def comparison_values(story: Story) -> Values:
     }
 
 
+def touches_needed_values(story: Story) -> Values | None:
+    """Give the curves of accuracy against touches, where they were measured."""
+    extras = story.run.files.extras
+    found = curve_figures(extras.get("touch_curves"), extras.get("touches_needed"))
+    return {"pipelines": found} if found else None
+
+
+def ablations_values(story: Story) -> Values | None:
+    """Give the ablations, where they were measured."""
+    found = ablation_tables(story.run.files.extras.get("ablations"))
+    return {"tables": found, "names": ablation_name, "remade": remade_name} if found else None
+
+
+def cost_values(story: Story) -> Values | None:
+    """Give what accuracy costs in time, where that was measured."""
+    figures = cost_figures(story.run.files.extras.get("cost"))
+    return None if figures is None else {"cost": figures}
+
+
 def effects_values(story: Story) -> Values:
     """Give what was simulated and computed, and what was not called for."""
     table = story.run.effects
@@ -138,6 +161,14 @@ def influence_values(story: Story) -> Values:
         "accuracy": accuracy_rows(extras.get("effect_accuracy")),
         "scenes": list(PRESETS),
     }
+
+
+def stability_values(story: Story) -> Values | None:
+    """Give what the numerical suite found, where it was run."""
+    extras = story.run.files.extras
+    figures = read_stability(extras.get("stability"))
+    kernels = read_precision(extras.get("precision"))
+    return {"figures": figures, "kernels": kernels} if figures or kernels else None
 
 
 def confusion_values(story: Story) -> Values:
@@ -235,8 +266,12 @@ SECTIONS = (
     Section("answer", "Question and answer", answer_values),
     Section("method", "The method on one object of this run", method_values),
     Section("comparison", "Eye fixations against random probing", comparison_values),
+    Section("touches_needed", "Accuracy against touches", touches_needed_values),
+    Section("cost", "What accuracy costs in time", cost_values),
     Section("effects", "What was simulated, and what was not called for", effects_values),
     Section("influence", "What the sensor makes of hard places and of effects", influence_values),
+    Section("stability", "Numerical stability in hard cases", stability_values),
+    Section("ablations", "Ablations", ablations_values),
     Section("objects", "The objects", objects_values),
     Section("confusion", "What was taken for what", confusion_values),
     Section("methods", "Methods text", methods_values),

@@ -13,7 +13,14 @@ CLASSIFIERS = {
     "quadratic_discriminant": "quadratic discriminant",
     "naive_bayes": "naïve Bayes",
 }
-STRATEGIES = {"fixation": "eye fixations", "random": "random probing"}
+STRATEGIES = {
+    "fixation": "eye fixations",
+    "random": "random probing",
+    "random_visible": "random probing of what is seen",
+    "farthest_point": "farthest points",
+    "curvature": "the most curved places",
+    "adaptive": "adaptive touching",
+}
 CONTACT_STATES = {
     "full": "the largest square fits, and the object lies under all of it",
     "shrunk": "the square shrank until nothing penetrates it",

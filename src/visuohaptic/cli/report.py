@@ -1,0 +1,42 @@
+"""`visuohaptic report`: the page of a finished run, without the workflow."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from visuohaptic.cli.printing import check_folder, say, say_json, show_progress
+
+PAGE = "report.html"
+
+
+def report(
+    run: Annotated[
+        Path, typer.Argument(metavar="RUN", help="Folder of a finished run.", show_default=".")
+    ] = Path(),
+    out: Annotated[Path, typer.Option(help="Folder for the page.")] = Path("report"),
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+) -> None:
+    """Write the report of a finished run: one HTML page that needs no network.
+
+    The workflow writes the same page to reports/report.html; here nothing is run or changed.
+
+    Example: visuohaptic report . --out report
+    """
+    from visuohaptic.report import make_report
+    from visuohaptic.run_folder import find_run
+
+    check_folder(out)
+    found = find_run(run)
+    page = out / PAGE
+    track: Any = partial(show_progress, doing="writing the report")
+    threads = min(4, os.cpu_count() or 1)
+    make_report(found.files, page, found.parameters, found.objects, threads, track)
+    if as_json:
+        say_json({"page": page, "bytes": page.stat().st_size, "objects": list(found.objects)})
+        return
+    say(f"{page}: {len(found.objects)} objects, {page.stat().st_size / 1e6:.1f} MB")

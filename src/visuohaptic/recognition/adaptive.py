@@ -1,0 +1,518 @@
+"""Strategy `adaptive`: the next touch is where the touches so far leave the class most open.
+
+Before a touch the place and the normal of every candidate are known, as the eye of the
+viewpoint sees them; what a touch there feels like is not. It is foretold from training
+objects: how often, near such a pose, objects of each class gave each kind of imprint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.descriptors import LEAST_SIZE, POSE
+from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
+from visuohaptic.recognition.parameters import BestParameters
+from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
+from visuohaptic.recognition.splits import Split
+from visuohaptic.recognition.tuning import best_temperature
+from visuohaptic.tables import matrix
+
+WORDS = 16
+"""Kinds of imprint that a touch may turn out to be."""
+
+COMMON_SHARE = 0.1
+"""Share of every class's likelihood that is the mean over the classes: none is ruled out."""
+
+LEAST_LIKELIHOOD = 1e-6
+"""Likelihood of a touch that is like none in training."""
+
+SMALLEST_OUTCOME = 1e-300
+"""An outcome of probability 0 adds no entropy."""
+
+REHEARSED_TOUCHES = 5
+"""Touches of the random sequences of training objects by which the temperature is set."""
+
+
+Feel = Callable[[NDArray[np.int64]], NDArray[np.int64]]
+"""Sets the sensor down: candidates to the words of their imprints."""
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """Where objects may be touched, and what a touch there gives.
+
+    Attributes
+    ----------
+    sequences : TouchSequences
+        The s sequences to be, one a viewpoint of an object; its features are empty.
+    features : numpy.ndarray
+        Shape (n, k), float64: of a touch at each candidate.
+    sequence : numpy.ndarray
+        Shape (n,), int64: the sequence that each is a candidate for, ascending.
+    """
+
+    sequences: TouchSequences
+    features: NDArray[np.float64]
+    sequence: NDArray[np.int64]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the k features."""
+        return self.sequences.feature_names
+
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        """Place and normal of each candidate, shape (n, 6): all that is known before a touch."""
+        return self.features[:, [self.names.index(name) for name in POSE]]
+
+    @property
+    def owner(self) -> NDArray[np.int64]:
+        """Each candidate's object, shape (n,), int64."""
+        return self.sequences.object_index[self.sequence]
+
+
+@dataclass(frozen=True)
+class TactileWords:
+    """Kinds of imprint, as centres among training touches.
+
+    Attributes
+    ----------
+    scaling : Standardiser
+        Of the columns.
+    columns : numpy.ndarray
+        Shape (q,), int64: the columns of a touch's features that the skin gives.
+    logarithmic : numpy.ndarray
+        Shape (q,), bool: columns of which the logarithm is taken.
+    centres : numpy.ndarray
+        Shape (m, q), float64.
+    """
+
+    scaling: Standardiser
+    columns: NDArray[np.int64]
+    logarithmic: NDArray[np.bool_]
+    centres: NDArray[np.float64]
+
+    def read(self, features: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Give the nearest kind of each touch: (n, k) to (n,)."""
+        values = self.scaling.apply(_skin(features, self.columns, self.logarithmic))
+        products = np.einsum("nq,mq->nm", values, self.centres)
+        return np.argmin(np.einsum("mq,mq->m", self.centres, self.centres) - 2 * products, axis=1)
+
+
+@dataclass(frozen=True)
+class TouchModel:
+    """What touches of each class are like, from training objects alone.
+
+    Attributes
+    ----------
+    words : TactileWords
+        Kinds of imprint.
+    poses : numpy.ndarray
+        Shape (t, 6), float64: scaled poses of the training touches.
+    kinds : numpy.ndarray
+        Shape (t,), int64: their words.
+    owner : numpy.ndarray
+        Shape (t,), int64: their objects.
+    class_of_owner : numpy.ndarray
+        Shape (o,), int64: classes of the training objects, by `owner`; others are not looked at.
+    classes : int
+        Number c of classes.
+    normal_weight, wave_length : float
+        How the kernel scales poses.
+    """
+
+    words: TactileWords
+    poses: NDArray[np.float64]
+    kinds: NDArray[np.int64]
+    owner: NDArray[np.int64]
+    class_of_owner: NDArray[np.int64]
+    classes: int
+    normal_weight: float
+    wave_length: float
+
+    def log_likelihood(self, poses: NDArray[np.float64], left_out: int) -> NDArray[np.float64]:
+        """Give how likely each class is to be met at a pose and to feel like each word.
+
+        Parameters
+        ----------
+        poses : numpy.ndarray
+            Shape (n, 6), float64.
+        left_out : int
+            A training object that is not asked, -1 for none: what an object felt like
+            itself must not foretell how it feels. The only object of a class stays.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, m, c), float64.
+        """
+        scaled = scale_poses(poses, self.normal_weight, self.wave_length)
+        squares = np.einsum("nd,nd->n", scaled, scaled)[:, None]
+        squares = squares + np.einsum("td,td->t", self.poses, self.poses)
+        kernel = np.exp(-0.5 * np.maximum(squares - 2 * scaled @ self.poses.T, 0))
+        weights = self._weights(left_out)
+        found = np.zeros((len(poses), len(self.words.centres), self.classes))
+        for category in range(self.classes):
+            rows = np.flatnonzero(self.class_of_owner[self.owner] == category)
+            member = np.zeros((len(rows), len(self.words.centres)))
+            member[np.arange(len(rows)), self.kinds[rows]] = weights[rows]
+            found[:, :, category] = kernel[:, rows] @ member
+        common = found.mean(axis=2, keepdims=True)
+        mixed = (1 - COMMON_SHARE) * found + COMMON_SHARE * common
+        return np.log(mixed + LEAST_LIKELIHOOD)
+
+    def _weights(self, left_out: int) -> NDArray[np.float64]:
+        """Weigh touches so that each object counts alike within its class."""
+        objects = np.unique(self.owner)
+        kept = objects[objects != left_out]
+        classes = self.class_of_owner[objects]
+        alone = ~np.isin(classes, self.class_of_owner[kept])
+        members = np.bincount(
+            np.concatenate([self.class_of_owner[kept], classes[alone]]), minlength=self.classes
+        )
+        weight = 1.0 / np.maximum(members[self.class_of_owner], 1)
+        touches = np.bincount(self.owner, minlength=len(weight))
+        weight = weight / np.maximum(touches, 1)
+        out = (self.owner == left_out) & ~np.isin(self.owner, objects[alone])
+        return np.where(out, 0.0, weight[self.owner])
+
+
+@dataclass(frozen=True)
+class _Hand:
+    """Touches one object's candidates, and tells what kind of imprint each gives."""
+
+    candidates: Candidates
+    words: TactileWords
+    rows: NDArray[np.int64]
+
+    def feel(self, asked: NDArray[np.int64]) -> NDArray[np.int64]:
+        return self.words.read(self.candidates.features[self.rows[asked]])
+
+
+def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
+    """Gather the candidates of every viewpoint.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES` of strategy ``adaptive``: each viewpoint's candidates.
+    names : sequence of str
+        Columns to take, the pose among them; ``contact_…`` are made of the contact's state.
+
+    Returns
+    -------
+    Candidates
+        Sorted by class, object, viewpoint and place in the table.
+
+    Raises
+    ------
+    RecognitionError
+        If there are none.
+    """
+    if not len(features):
+        raise RecognitionError("There are no candidates to choose touches among.")
+    keys = ["class", "object", "viewpoint", "touch"]
+    features = spread_contact_states(features)
+    features = features.sort_by([(key, "ascending") for key in keys])
+    views = list(zip(*(features.column(key).to_pylist() for key in keys[:3]), strict=True))
+    distinct = sorted(set(views))
+    objects = tuple(sorted({view[:2] for view in distinct}))
+    place = {view: number for number, view in enumerate(distinct)}
+    sequences = TouchSequences(
+        features=np.zeros((len(distinct), 0, len(names))),
+        feature_names=tuple(names),
+        objects=objects,
+        classes=tuple(sorted({name for name, _ in objects})),
+        object_index=np.array([objects.index(view[:2]) for view in distinct], dtype=np.int64),
+        viewpoint=np.array([view[2] for view in distinct], dtype=np.int64),
+    )
+    return Candidates(
+        sequences,
+        matrix(features, names),
+        np.array([place[view] for view in views], dtype=np.int64),
+    )
+
+
+def choose_sequences(
+    candidates: Candidates,
+    split: Split,
+    touches: int,
+    parameters: BestParameters,
+    focus_radius: float,
+    generator: np.random.Generator,
+) -> NDArray[np.int64]:
+    """Choose every sequence's touches, one after the other.
+
+    The model is fitted on the split's training objects; sequences of these are chosen by it
+    without the object itself. Of a test object only the poses of the candidates and the
+    features of touches already made are looked at.
+
+    Parameters
+    ----------
+    candidates : Candidates
+        Where each viewpoint may touch.
+    split : Split
+        Which sequences train.
+    touches : int
+        Touches of each sequence.
+    parameters : BestParameters
+        The kernel's width and the weight of normals.
+    focus_radius : float
+        No two touches are closer while there is another place, object radii.
+    generator : numpy.random.Generator
+        For the words, and for the rehearsal that sets the temperature.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (s, touches), int64: rows of the candidates.
+    """
+    model = fit_touch_model(candidates, split, parameters, generator)
+    training = np.unique(candidates.sequences.object_index[split.train])
+    plans = {}
+    for place in range(len(candidates.sequences.objects)):
+        rows = np.flatnonzero(candidates.owner == place)
+        left_out = place if place in training else -1
+        first, seen = np.unique(candidates.poses[rows], axis=0, return_inverse=True)
+        plans[place] = (rows, seen.reshape(-1), model.log_likelihood(first, left_out))
+    temperature = _rehearse(candidates, model, training, plans, generator)
+    chosen = np.zeros((len(candidates.sequences.object_index), touches), dtype=np.int64)
+    for place, (rows, seen, likelihood) in plans.items():
+        members = np.flatnonzero(candidates.sequences.object_index == place)
+        chosen[members] = choose_touches(
+            candidates.poses[rows],
+            seen,
+            np.searchsorted(members, candidates.sequence[rows]),
+            likelihood / temperature,
+            _Hand(candidates, model.words, rows).feel,
+            touches,
+            focus_radius,
+        )
+        chosen[members] = rows[chosen[members]]
+    return chosen
+
+
+def choose_touches(
+    poses: NDArray[np.float64],
+    pose_number: NDArray[np.int64],
+    view: NDArray[np.int64],
+    log_likelihood: NDArray[np.float64],
+    feel: Feel,
+    touches: int,
+    focus_radius: float,
+) -> NDArray[np.int64]:
+    """Choose the touches of one object's viewpoints, one after the other.
+
+    Each next touch is the open candidate with the largest expected information gain: after
+    it the class is expected to be least uncertain, averaged over what the touch may feel
+    like, each kind as likely as the belief so far makes it (D. V. Lindley, Ann. Math. Statist. 27,
+    1956). Its pose is known beforehand, so that the pose itself counts as no gain; once touched, pose and
+    imprint both are evidence.
+
+    Parameters
+    ----------
+    poses : numpy.ndarray
+        Shape (n, 6), float64: of all candidates.
+    pose_number : numpy.ndarray
+        Shape (n,), int64: equal for candidates of equal pose, below u.
+    view : numpy.ndarray
+        Shape (n,), int64: the viewpoint of each, ascending from 0 without a gap.
+    log_likelihood : numpy.ndarray
+        Shape (u, m, c), float64: of each word under each class, tempered.
+    feel : callable
+        Touches: candidates, shape (v,), to words, shape (v,). It is asked for the chosen ones alone.
+    touches : int
+        Touches of each viewpoint.
+    focus_radius : float
+        No two touches are closer while there is another place; once all places are closed, all
+        but those touched are open again, and at last all.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (v, touches), int64: candidates.
+    """
+    views = int(view[-1]) + 1
+    foretold = log_likelihood - _log_sum(log_likelihood)
+    belief = np.zeros((views, log_likelihood.shape[2]))
+    shut = np.zeros(len(poses), dtype=np.int64)
+    chosen = np.zeros((views, touches), dtype=np.int64)
+    starts = np.searchsorted(view, np.arange(views))
+    for turn in range(touches):
+        left = expected_entropy(belief, foretold)[view, pose_number]
+        # Lowest first among the least shut: open ones, then near ones, then touched ones.
+        order = np.lexsort((left, shut, view))
+        chosen[:, turn] = order[starts]
+        kinds = feel(chosen[:, turn])
+        belief += log_likelihood[pose_number[chosen[:, turn]], kinds]
+        steps = poses[:, :3] - poses[chosen[view, turn], :3]
+        near = np.einsum("nd,nd->n", steps, steps) <= focus_radius**2
+        shut = np.maximum(shut, near)
+        shut[chosen[:, turn]] += 2
+    return chosen
+
+
+def expected_entropy(
+    belief: NDArray[np.float64], log_likelihood: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Give the uncertainty about the class that is expected to be left after a touch.
+
+    Parameters
+    ----------
+    belief : numpy.ndarray
+        Shape (v, c), float64: log probabilities of the classes so far, up to a constant.
+    log_likelihood : numpy.ndarray
+        Shape (u, m, c), float64: of each of m outcomes at u places.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (v, u), float64, nats.
+    """
+    places, outcomes, classes = log_likelihood.shape
+    # Factors that are common to a place or to a sequence cancel; the largest is made 1.
+    level = log_likelihood - log_likelihood.max(axis=(1, 2), keepdims=True)
+    prior = belief - belief.max(axis=1, keepdims=True)
+    weight, likelihood = np.exp(prior), np.exp(level)
+    by_class = likelihood.sum(axis=1)
+    outcome = weight @ likelihood.reshape(-1, classes).T
+    outcome = outcome.reshape(-1, places, outcomes)
+    # The entropy of the class given the outcome is that of both less that of the outcome; of
+    # both, the logarithm is the sum of the prior's and the likelihood's.
+    both = (weight * prior) @ by_class.T + weight @ (likelihood * level).sum(axis=1).T
+    alone = (outcome * np.log(np.maximum(outcome, SMALLEST_OUTCOME))).sum(axis=2)
+    return np.maximum(alone - both, 0.0) / outcome.sum(axis=2)
+
+
+def fit_touch_model(
+    candidates: Candidates,
+    split: Split,
+    parameters: BestParameters,
+    generator: np.random.Generator,
+) -> TouchModel:
+    """Fit what touches of each class are like on a split's training objects.
+
+    Parameters
+    ----------
+    candidates : Candidates
+        Of these the training objects' alone are looked at, each place once.
+    split : Split
+        Which sequences train.
+    parameters : BestParameters
+        The kernel's width and the weight of normals.
+    generator : numpy.random.Generator
+        Starts the words' centres.
+
+    Returns
+    -------
+    TouchModel
+        The model.
+    """
+    sequences = candidates.sequences
+    rows = np.flatnonzero(np.isin(candidates.sequence, split.train))
+    poses, owner = candidates.poses[rows], candidates.owner[rows]
+    _, first = np.unique(np.column_stack([owner, poses]), axis=0, return_index=True)
+    rows = rows[np.sort(first)]
+    words = fit_words(candidates.features[rows], candidates.names, generator)
+    poses = scale_poses(candidates.poses[rows], parameters.normal_weight, parameters.wave_length)
+    classes = np.full(len(sequences.objects), -1)
+    training = np.unique(sequences.object_index[split.train])
+    classes[training] = sequences.class_of_object[training]
+    return TouchModel(
+        words,
+        poses,
+        words.read(candidates.features[rows]),
+        candidates.owner[rows],
+        classes,
+        len(sequences.classes),
+        parameters.normal_weight,
+        parameters.wave_length,
+    )
+
+
+def fit_words(
+    features: NDArray[np.float64], names: Sequence[str], generator: np.random.Generator
+) -> TactileWords:
+    """Find kinds of imprint among touches by k-means.
+
+    Parameters
+    ----------
+    features : numpy.ndarray
+        Shape (n, k), float64.
+    names : sequence of str
+        The k columns; all but the pose and the contact's states are the skin's.
+    generator : numpy.random.Generator
+        Starts the centres.
+
+    Returns
+    -------
+    TactileWords
+        At most `WORDS` of them.
+    """
+    from sklearn.cluster import KMeans
+
+    columns = np.array(
+        [
+            place
+            for place, name in enumerate(names)
+            if name.startswith(("contourlet_", "imprint_")) or name == "sensor_size"
+        ],
+        dtype=np.int64,
+    )
+    logarithmic = np.array([names[place] == "sensor_size" for place in columns])
+    values = _skin(features, columns, logarithmic)
+    scaling = fit_standardiser(values, "standardise")
+    scaled = scaling.apply(values)
+    count = min(WORDS, len(np.unique(scaled, axis=0)))
+    means = KMeans(count, n_init=1, random_state=int(generator.integers(2**31))).fit(scaled)
+    return TactileWords(scaling, columns, logarithmic, means.cluster_centers_)
+
+
+def scale_poses(
+    poses: NDArray[np.float64], normal_weight: float, wave_length: float
+) -> NDArray[np.float64]:
+    """Scale poses for a Gaussian kernel of unit width, left and right being alike: (n, 6) both."""
+    scaled = poses / wave_length
+    scaled[:, 3:] *= normal_weight
+    scaled[:, [0, 3]] = np.abs(scaled[:, [0, 3]])
+    return scaled
+
+
+def _log_sum(logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum over the middle axis what has these logarithms: (u, m, c) to (u, 1, c)."""
+    largest = logarithms.max(axis=1, keepdims=True)
+    sums: NDArray[np.float64] = np.exp(logarithms - largest).sum(axis=1, keepdims=True)
+    return largest + np.log(sums)
+
+
+def _skin(
+    features: NDArray[np.float64], columns: NDArray[np.int64], logarithmic: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    values = features[:, columns].copy()
+    values[:, logarithmic] = np.log(np.maximum(values[:, logarithmic], LEAST_SIZE))
+    return values
+
+
+def _rehearse(
+    candidates: Candidates,
+    model: TouchModel,
+    training: NDArray[np.int64],
+    plans: dict[int, tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]],
+    generator: np.random.Generator,
+) -> float:
+    """Find by how much belief must be cooled to be right on training objects left out."""
+    scores, labels = [], []
+    for place in training:
+        rows, seen, likelihood = plans[place]
+        kinds = model.words.read(candidates.features[rows])
+        views = len(np.unique(candidates.sequence[rows]))
+        drawn = generator.integers(len(rows), size=(views, REHEARSED_TOUCHES))
+        scores.append(likelihood[seen[drawn], kinds[drawn]].sum(axis=1))
+        labels.append(np.full(views, candidates.sequences.class_of_object[place]))
+    return best_temperature(np.concatenate(scores), np.concatenate(labels))[1]

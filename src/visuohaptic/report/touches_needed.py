@@ -1,0 +1,280 @@
+"""Accuracy against touches: curves with intervals, and in words which strategy wins."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, get_args
+
+from visuohaptic.probing import Strategy
+from visuohaptic.report.comparison import PAPER_PIPELINE, REFERENCE, SIGNIFICANCE, holm
+from visuohaptic.report.wording import (
+    counted,
+    listed,
+    percent,
+    points,
+    probability,
+    strategy_name,
+)
+from visuohaptic.tables import TOUCH_CURVES, TOUCHES_NEEDED, read_table
+
+HEIGHT = 380
+"""Of the curves, pixels."""
+
+MARGIN = 4.0
+"""Left free on either side of the touches, percent of the width."""
+
+SPREAD = 0.5
+"""Percent of the width between the marks of two strategies at one number of touches."""
+
+ORDER = (*get_args(Strategy), "adaptive")
+
+Row = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class CurveMark:
+    """One point: `x` in percent of the width, all else in pixels from the top."""
+
+    series: int
+    x: float
+    y: float
+    high: float
+    low: float
+    label: str
+
+
+@dataclass(frozen=True)
+class CurveChart:
+    """Where everything lies: lines are (series, x1, y1, x2, y2), ticks (place, text)."""
+
+    x_ticks: tuple[tuple[float, str], ...]
+    y_ticks: tuple[tuple[float, str], ...]
+    lines: tuple[tuple[int, float, float, float, float], ...]
+    marks: tuple[CurveMark, ...]
+
+
+@dataclass(frozen=True)
+class CurveFigures:
+    """One pipeline's curves.
+
+    Attributes
+    ----------
+    pipeline, classifier : str
+        Of what.
+    sentences : tuple of str
+        Which strategy wins, and by how much.
+    strategies : tuple of str
+        In the order of their colours.
+    rows : sequence of mapping
+        Rows of `tables.TOUCHES_NEEDED` with ``adjusted_p``, the largest area first.
+    curves : mapping of str to sequence of mapping
+        Rows of `tables.TOUCH_CURVES` by strategy.
+    chart : CurveChart
+        The curves.
+    """
+
+    pipeline: str
+    classifier: str
+    sentences: tuple[str, ...]
+    strategies: tuple[str, ...]
+    rows: Sequence[Row]
+    curves: Mapping[str, Sequence[Row]]
+    chart: CurveChart
+
+
+def curve_figures(curves: str | Path | None, needed: str | Path | None) -> list[CurveFigures]:
+    """Read the curves over touches.
+
+    Parameters
+    ----------
+    curves : path or None
+        `tables.TOUCH_CURVES`.
+    needed : path or None
+        `tables.TOUCHES_NEEDED`.
+
+    Returns
+    -------
+    list of CurveFigures
+        The paper's pipeline first; empty where nothing was measured.
+    """
+    if curves is None or needed is None or not (Path(curves).is_file() and Path(needed).is_file()):
+        return []
+    points_of = read_table(TOUCH_CURVES, curves).to_pylist()
+    rows_of = read_table(TOUCHES_NEEDED, needed).to_pylist()
+    keys = sorted({(row["pipeline"], row["classifier"]) for row in rows_of})
+    keys.sort(key=lambda key: key[0] != PAPER_PIPELINE)
+    return [
+        _figures(
+            *key,
+            [row for row in rows_of if (row["pipeline"], row["classifier"]) == key],
+            [row for row in points_of if (row["pipeline"], row["classifier"]) == key],
+        )
+        for key in keys
+    ]
+
+
+def verdict(rows: Sequence[Row]) -> tuple[str, ...]:
+    """Say which strategy wins, and whether attention does.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        Rows of `tables.TOUCHES_NEEDED` of one pipeline and classifier, with ``adjusted_p``.
+
+    Returns
+    -------
+    tuple of str
+        Sentences.
+    """
+    ranked = sorted(rows, key=lambda row: -row["area"])
+    best = ranked[0]
+    most = best["most_touches"]
+    first = (
+        f"The largest area under the curve of 1 to {counted(most, 'touch')} is that of "
+        f"{strategy_name(best['strategy'])}, {percent(best['area'])} of what naming everything "
+        f"rightly would give."
+    )
+    return tuple(
+        sentence
+        for sentence in (first, _attention_sentence(ranked), _level_sentence(rows))
+        if sentence
+    )
+
+
+def _figures(
+    pipeline: str, classifier: str, rows: Sequence[Row], curve_points: Sequence[Row]
+) -> CurveFigures:
+    compared = [row for row in rows if row["p_value"] is not None]
+    adjusted = holm([row["p_value"] for row in compared])
+    of_strategy = {row["strategy"]: value for row, value in zip(compared, adjusted, strict=True)}
+    full = [{**row, "adjusted_p": of_strategy.get(row["strategy"])} for row in rows]
+    strategies = tuple(sorted((row["strategy"] for row in rows), key=_place))
+    curves = {
+        strategy: sorted(
+            (row for row in curve_points if row["strategy"] == strategy),
+            key=lambda row: row["touches"],
+        )
+        for strategy in strategies
+    }
+    return CurveFigures(
+        pipeline,
+        classifier,
+        verdict(full),
+        strategies,
+        sorted(full, key=lambda row: -row["area"]),
+        curves,
+        curve_chart(strategies, curves),
+    )
+
+
+def curve_chart(strategies: Sequence[str], curves: Mapping[str, Sequence[Row]]) -> CurveChart:
+    """Place curves in a chart.
+
+    Parameters
+    ----------
+    strategies : sequence of str
+        In the order of their colours.
+    curves : mapping of str to sequence of mapping
+        Rows of `tables.TOUCH_CURVES` of each, by touches.
+
+    Returns
+    -------
+    CurveChart
+        The axis of accuracy starts at the tenth below the lowest interval; touches have equal steps.
+    """
+    counts = sorted({row["touches"] for rows in curves.values() for row in rows})
+    lowest = min(row["low"] for rows in curves.values() for row in rows)
+    floor = min(int(10 * lowest), 9) / 10
+
+    def x_of(touches: int) -> float:
+        share = (touches - counts[0]) / max(counts[-1] - counts[0], 1)
+        return MARGIN + (100 - 2 * MARGIN) * share
+
+    def y_of(accuracy: float) -> float:
+        return round(HEIGHT * (1 - (accuracy - floor) / (1 - floor)), 1)
+
+    marks, lines = [], []
+    for series, strategy in enumerate(strategies):
+        aside = SPREAD * (series - (len(strategies) - 1) / 2)
+        placed = [
+            CurveMark(
+                series,
+                round(x_of(row["touches"]) + aside, 2),
+                y_of(row["accuracy"]),
+                y_of(row["high"]),
+                y_of(row["low"]),
+                f"{strategy_name(strategy)}, {counted(row['touches'], 'touch')}: "
+                f"{percent(row['accuracy'])}, interval {percent(row['low'])} to {percent(row['high'])}",
+            )
+            for row in curves[strategy]
+        ]
+        marks += placed
+        lines += [
+            (series, first.x, first.y, second.x, second.y)
+            for first, second in itertools.pairwise(placed)
+        ]
+    tenths = range(round(10 * floor), 11)
+    return CurveChart(
+        tuple((round(x_of(count), 2), str(count)) for count in counts),
+        tuple((y_of(tenth / 10), f"{10 * tenth} %") for tenth in tenths),
+        tuple(lines),
+        tuple(marks),
+    )
+
+
+def _place(strategy: str) -> tuple[int, str]:
+    return (ORDER.index(strategy) if strategy in ORDER else len(ORDER), strategy)
+
+
+def _attention_sentence(ranked: Sequence[Row]) -> str:
+    rank = next((place for place, row in enumerate(ranked, 1) if row["strategy"] == REFERENCE), 0)
+    others = [row for row in ranked if row["gain"] is not None]
+    if not rank or not others:
+        return ""
+    own = ranked[rank - 1]
+    area = percent(own["area"])
+    ahead = [row for row in others if row["gain"] < 0]
+    if not ahead:
+        text = (
+            f"Attention wins: no other strategy's area is larger than that of eye fixations, {area}"
+        )
+    else:
+        text = (
+            f"Attention does not win: eye fixations, with {area}, are number {rank} of {len(ranked)}, "
+            f"behind {listed([_gap(row) for row in ahead])}"
+        )
+    behind = [row for row in others if row["gain"] > 0]
+    if behind:
+        text += f"; they are ahead of {listed([_gap(row) for row in behind])}"
+    settled = [row for row in others if row["adjusted_p"] < SIGNIFICANCE]
+    objects = counted(own["objects"], "object")
+    if not settled:
+        least = probability(min(row["adjusted_p"] for row in others))
+        return f"{text}. With {objects} none of these differences is beyond chance (smallest Holm-adjusted p {least})."
+    names = listed([strategy_name(row["strategy"]) for row in settled])
+    return (
+        f"{text}. Beyond chance with {objects} (Holm-adjusted p below {SIGNIFICANCE:g}) is the "
+        f"difference to {names}."
+    )
+
+
+def _gap(row: Row) -> str:
+    return f"{strategy_name(row['strategy'])} ({points(row['gain'])} percentage points)"
+
+
+def _level_sentence(rows: Sequence[Row]) -> str:
+    level = percent(rows[0]["level"], 0)
+    reached = [row for row in rows if row["touches"] is not None]
+    if not reached:
+        return f"None stays at {level} up to {counted(rows[0]['most_touches'], 'touch')}."
+    fewest = min(row["touches"] for row in reached)
+    winners = [strategy_name(row["strategy"]) for row in reached if row["touches"] == fewest]
+    text = f"Fewest touches from which on accuracy stays at {level}: {fewest}, by {listed(winners)}"
+    own = next((row for row in rows if row["strategy"] == REFERENCE), None)
+    if own is None or own["touches"] == fewest:
+        return f"{text}."
+    need = "never get there" if own["touches"] is None else f"need {own['touches']}"
+    return f"{text}; eye fixations {need}."

@@ -1,0 +1,182 @@
+"""The report and the comparison in a real browser, as different readers meet them."""
+
+import json
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from browser.conftest import DESK, PHONE, SCREENSHOTS
+from report.synthetic import PARAMETERS, write_run
+
+from visuohaptic.report import make_report
+from visuohaptic.report.run import RunFiles
+from visuohaptic.run_comparison import compare_runs, read_measured_run, render_comparison
+
+pytestmark = pytest.mark.xdist_group("browser")
+
+EVIL = "cup/<script>alert(1)</script>"
+NAMES = ("cup/mug", "ball/marble", EVIL, "ball/" + "x" * 300, "ball/Kännchen 茶", "cup/../../x")
+NARROWEST = {"width": 320, "height": 640}
+RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
+READERS = {
+    "light": ("light", DESK),
+    "dark": ("dark", DESK),
+    "phone": ("light", PHONE),
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A report with everything on it, names that mean harm among them, and a comparison."""
+    folder = tmp_path_factory.mktemp("pages")
+    files = write_run(folder, NAMES, pipelines=("paper", "best"))
+    resolution = folder / "resolution.json"
+    resolution.write_text(json.dumps([{"resolution": 256, "milliseconds": 3.25}]))
+    files = RunFiles(**{**vars(files), "extras": {"resolution": resolution}})
+    make_report(files, folder / "report.html", PARAMETERS, [*NAMES, "cup/lost"])
+    before = folder / "before"
+    before.mkdir()
+    sensor = PARAMETERS.sensor.model_copy(update={"largest_size": 0.2})
+    other = PARAMETERS.model_copy(update={"sensor": sensor})
+    make_report(write_run(before, NAMES[1:]), before / "report.html", other, NAMES[1:])
+    runs = [read_measured_run(place / "metrics.json") for place in (before, folder)]
+    (folder / "comparison.html").write_text(render_comparison(compare_runs(*runs)))
+    assert {file.name for file in folder.glob("*.html")} == {"report.html", "comparison.html"}
+    return folder
+
+
+def faults(page, part=None):
+    """List what axe-core finds on a page or on a part of it, in a line each."""
+    found = Axe().run(page, part, options={"runOnly": RULES}).response["violations"]
+    return [f"{fault['id']}: {fault['nodes'][0]['html'][:200]}" for fault in found]
+
+
+def sideways(page):
+    return page.evaluate("document.documentElement.scrollWidth - innerWidth")
+
+
+@pytest.mark.parametrize("name", ["report", "comparison"])
+@pytest.mark.parametrize("reader", READERS)
+def test_every_reader_finds_a_quiet_page_without_barriers(visit, keep, folder, name, reader):
+    scheme, viewport = READERS[reader]
+    opened = visit(folder / f"{name}.html", scheme, viewport)
+    keep(opened.page, f"{name}_{reader}", full_page=name == "comparison")
+    assert sideways(opened.page) <= 0
+    opened.page.locator("details").evaluate_all(
+        "all => all.forEach((each) => { each.open = true; })"
+    )
+    assert sideways(opened.page) <= 0
+    assert faults(opened.page) == []
+    opened.page.set_viewport_size(NARROWEST)
+    assert sideways(opened.page) <= 0
+    assert (opened.complaints, opened.outside, opened.dialogs) == ([], [], [])
+
+
+@pytest.mark.parametrize("reader", ["light", "dark", "phone"])
+def test_each_section_is_kept_as_a_picture(visit, keep, folder, reader):
+    page = visit(folder / "report.html", *READERS[reader]).page
+    sections = page.locator("main > section").all()
+    assert len(sections) >= 10
+    for section in sections:
+        keep(section, f"section_{section.get_attribute('id')}_{reader}")
+
+
+def test_a_model_turns_by_its_buttons_and_by_the_keyboard(visit, keep, folder):
+    opened = visit(folder / "report.html")
+    figure = opened.page.locator(".model").first
+    eye = "stage => Object.values(stage.layout.scene.camera.eye)"
+    figure.locator(".open").press("Enter")
+    stage = figure.locator(".stage")
+    stage.locator("canvas").first.wait_for()
+    assert stage.get_attribute("aria-label").startswith("Model of ball/")
+    before, shown = stage.evaluate(eye), stage.screenshot()
+    figure.get_by_label("Turn right").click()
+    figure.get_by_label("Turn up").press("Space")
+    opened.page.wait_for_timeout(500)
+    assert stage.evaluate(eye) != before
+    assert stage.screenshot() != shown
+    figure.locator(".strategies").select_option("random")
+    figure.locator(".viewpoints").select_option("2")
+    opened.page.wait_for_timeout(500)
+    numbers = stage.evaluate("stage => stage.data.at(-1).text")
+    assert numbers == ["1", "2", "3", "4", "5"]
+    keep(figure, "model")
+    assert faults(opened.page, ".model") == []
+    assert (opened.complaints, opened.outside) == ([], [])
+
+
+def test_the_filter_finds_objects_and_an_anchor_leads_past_it(visit, keep, folder):
+    page = visit(folder / "report.html").page
+    page.locator("#object-filter").fill("  CUP/m ")
+    shown = page.locator("article.object:visible")
+    assert shown.evaluate_all("all => all.map((one) => one.dataset.name)") == ["cup/mug"]
+    assert page.locator("#object-count").inner_text() == f"1 of {len(NAMES)}"
+    keep(page.locator(".filter"), "filter")
+    hidden = page.locator('article.object[data-name="ball/marble"]')
+    assert not hidden.is_visible()
+    page.locator('#object-table a:has-text("marble")').click()
+    hidden.wait_for(state="visible")
+    page.locator("#object-filter").fill("")
+    assert shown.count() == len(NAMES)
+
+
+def test_every_anchor_leads_to_its_place(visit, folder):
+    page = visit(folder / "report.html").page
+    page.locator("details").evaluate_all("all => all.forEach((each) => { each.open = true; })")
+    found = page.evaluate(
+        """async () => {
+          const lost = [];
+          const links = [...document.querySelectorAll('a[href^="#"]')];
+          for (const link of links) {
+            link.click();
+            await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+            const target = document.getElementById(decodeURIComponent(link.hash.slice(1)));
+            const top = target?.getBoundingClientRect().top ?? Infinity;
+            const last = scrollY + innerHeight >= document.documentElement.scrollHeight - 2;
+            if (location.hash !== link.hash || top < -2 || (top > 60 && !last)) lost.push([link.hash, top]);
+          }
+          return [links.length, lost];
+        }"""
+    )
+    assert found[0] > 2 * len(NAMES)
+    assert found[1] == []
+
+
+def test_the_methods_text_is_copied(visit, folder):
+    opened = visit(folder / "report.html")
+    opened.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    opened.page.locator("#copy-methods").click()
+    opened.page.get_by_text("Copied.").wait_for()
+    copied = opened.page.evaluate("navigator.clipboard.readText()")
+    assert copied == opened.page.locator("#methods-text").inner_text().strip()
+    assert "The seed was 2018." in copied
+
+
+def test_without_scripts_everything_can_be_read(visit, keep, folder):
+    opened = visit(folder / "report.html", scripts=False)
+    page = opened.page
+    keep(page, "report_without_scripts")
+    for section in page.locator("main > section").all():
+        assert section.locator("h2").is_visible()
+    assert page.locator("article.object").count() == len(NAMES)
+    assert page.locator("#methods-text").is_visible()
+    assert not page.locator("button, input, select").locator("visible=true").count()
+    views = page.locator("article.object details").first
+    assert not views.locator(".views").is_visible()
+    views.locator("summary").click()
+    assert views.locator(".views").is_visible()
+    assert opened.outside == []
+
+
+def test_in_print_nothing_is_folded_away_and_nothing_waits_for_a_click(visit, folder):
+    page = visit(folder / "report.html", scripts=False).page
+    page.emulate_media(media="print")
+    for views in page.locator("article.object .views").all():
+        assert views.locator("figure").first.bounding_box()["height"] > 50
+    assert not page.locator("button, input, select, .skip").locator("visible=true").count()
+    colours = "[document.body].map((body) => getComputedStyle(body).backgroundColor)[0]"
+    dark = visit(folder / "report.html", "dark").page
+    dark.emulate_media(media="print")
+    assert dark.evaluate(colours) == "rgb(253, 253, 251)"
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    printed = page.pdf(path=SCREENSHOTS / "report.pdf", format="A4", print_background=False)
+    assert printed.startswith(b"%PDF")

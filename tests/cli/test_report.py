@@ -1,0 +1,63 @@
+"""`visuohaptic report` writes a finished run's page, and names what is missing."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from report.pages import read_page
+from report.synthetic import lay_out
+
+from visuohaptic.run_folder import EXTRAS
+
+ROOT = Path(__file__).parents[2]
+KEYS = ("cup/mug", "cup/<script>alert(1)<", "ball/..-x", "ball/Kännchen 茶")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    return lay_out(tmp_path_factory.mktemp("run"), KEYS)
+
+
+def test_the_page_of_a_run_is_one_file_that_leaves_nothing_outside_its_folder(
+    visuohaptic, tmp_path, run
+):
+    before = {path for path in run.rglob("*") if path.is_file()}
+    ended = visuohaptic("report", run, "--out", "told")
+    assert (ended.code, ended.err) == (0, "")
+    assert ended.out.startswith("told/report.html: 4 objects, ")
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == [
+        tmp_path / "told" / "report.html"
+    ]
+    assert {path for path in run.rglob("*") if path.is_file()} == before
+    page = read_page((tmp_path / "told" / "report.html").read_text())
+    assert {element.attributes["data-name"] for element in page.named("article")} == set(KEYS)
+
+
+def test_json_names_the_page(visuohaptic, tmp_path, run):
+    values = json.loads(visuohaptic("report", run, "--json").out)
+    assert values["bytes"] == (tmp_path / values["page"]).stat().st_size
+    assert values["objects"] == sorted(KEYS)
+
+
+@pytest.mark.parametrize("lost", ["params.yaml", "reports/metrics.json", "results/touches"])
+def test_what_a_run_lacks_is_named_with_the_way_out(visuohaptic, tmp_path, run, lost):
+    copy = shutil.copytree(run, tmp_path / "run")
+    path = copy / lost
+    shutil.rmtree(path) if path.is_dir() else path.unlink()
+    ended = visuohaptic("report", "run")
+    assert ended.code == 1
+    assert ended.err.startswith(f"error: run/{lost} is not there")
+    assert "snakemake -j2" in ended.err
+    assert not (tmp_path / "report").exists()
+
+
+def test_a_file_where_the_folder_is_to_be_is_wrong_use(visuohaptic, tmp_path, run):
+    (tmp_path / "report").write_text("")
+    assert visuohaptic("report", run).code == 2
+
+
+def test_the_tables_are_those_that_the_workflow_gives_its_report():
+    rule = (ROOT / "workflow/rules/report.smk").read_text().split('"extras": {')[1].split("}")[0]
+    assert dict(re.findall(r'"(\w+)": "([^"]+)"', rule)) == EXTRAS

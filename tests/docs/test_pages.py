@@ -1,0 +1,183 @@
+"""What README and docs/ tell a reader to type works.
+
+Python is run. Of a command in a shell block at least the words are checked, by the program's own parser:
+the commands, options and values are there. Light ones run elsewhere: those of the tour in
+tests/cli/test_tour.py, the workflow's and DVC's in tests/workflow. A command of a program that
+this test does not know fails it.
+"""
+
+import re
+import runpy
+import shlex
+from importlib.metadata import metadata
+from pathlib import Path
+
+import pytest
+import trimesh
+import typer
+from recognition.synthetic import features_table
+from report.synthetic import lay_out
+
+from visuohaptic.cli.main import app
+from visuohaptic.recognition.parameters import RecognitionParameters
+
+ROOT = Path(__file__).parents[2]
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+# Pages whose Python has a test of its own.
+RUN_ELSEWHERE = {"tour.md"}
+RULES = set(
+    re.findall(
+        r"^rule (\w+):", "".join(f.read_text() for f in ROOT.glob("workflow/rules/*.smk")), re.M
+    )
+)
+
+
+def blocks(page, kind):
+    return [
+        text
+        for found, text in re.findall(r"^```(\w+)\n(.*?)^```", page.read_text(), re.M | re.DOTALL)
+        if found == kind
+    ]
+
+
+def commands():
+    for page in PAGES:
+        for text in blocks(page, "sh"):
+            for line in text.splitlines():
+                words = shlex.split(line, comments=True)
+                if words:
+                    yield pytest.param(words, id=f"{page.name}: {' '.join(words)[:60]}")
+
+
+def read_make(arguments):
+    targets = [word for word in arguments if "=" not in word]
+    known = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.M)
+    assert set(targets) <= set(known)
+    settings = {word.split("=")[0] for word in arguments if "=" in word}
+    assert settings <= set(re.findall(r"^(\w+) \?=", (ROOT / "Makefile").read_text(), re.M))
+
+
+def read_snakemake(arguments):
+    from snakemake.cli import get_argument_parser
+
+    # A page may tell of a profile, and of a plugin, that the reader has still to bring.
+    brought = [word for word in arguments if word not in {"--profile", "profiles/slurm"}]
+    chosen = get_argument_parser().parse_args(brought)
+    targets = set(getattr(chosen, "targets", None) or ())
+    assert {target for target in targets if "/" not in target} <= RULES | {"all"}
+
+
+def read_dvc(arguments):
+    from dvc.cli import parse_args
+
+    chosen = parse_args(arguments)
+    assert callable(chosen.func)
+    for changed in getattr(chosen, "set_param", None) or ():
+        assert parameter(changed.split("=")[0]), changed
+
+
+def parameter(path):
+    import yaml
+
+    values = yaml.safe_load((ROOT / "params.yaml").read_text())
+    for name in path.split("."):
+        if not isinstance(values, dict) or name not in values:
+            return False
+        values = values[name]
+    return True
+
+
+def read_visuohaptic(arguments):
+    command, words = typer.main.get_command(app), list(arguments)
+    while hasattr(command, "commands"):
+        name, *words = words
+        command = command.commands[name]
+    command.make_context(name, words)
+
+
+def read_pip(arguments):
+    assert arguments[0] == "install"
+    for wanted in arguments[1:]:
+        name, _, extra = wanted.rstrip("]").partition("[")
+        if extra:
+            assert extra in metadata(name).get_all("Provides-Extra")
+
+
+def read_python(arguments):
+    assert (ROOT / arguments[0]).is_file()
+
+
+READERS = {
+    "make": read_make,
+    "snakemake": read_snakemake,
+    "dvc": read_dvc,
+    "visuohaptic": read_visuohaptic,
+    "pip": read_pip,
+    "python": read_python,
+    "source": lambda arguments: None,
+    "cp": lambda arguments: None,
+}
+
+
+@pytest.mark.parametrize("words", list(commands()))
+def test_every_command_of_the_pages_is_one(words):
+    READERS[words[0]](words[1:])
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "snakemake -j2 modle_all",
+        "visuohaptic touch mug.obj --colour red",
+        "visuohaptic meshes bring",
+        "dvc exp run -S sensor.largest=1",
+        "dvc plots draw",
+        "make everything",
+    ],
+)
+def test_a_command_that_is_none_would_be_noticed(words, capsys):
+    program, *arguments = words.split()
+    with pytest.raises((Exception, SystemExit)):
+        READERS[program](arguments)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = lay_out(
+        tmp_path_factory.mktemp("finished"), ("cup/mug", "cup/can", "ball/a", "ball/b")
+    )
+    trimesh.creation.annulus(0.8, 1, 2).export(folder / "mug.obj")
+    return folder
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if page.name not in RUN_ELSEWHERE and blocks(page, "python")],
+    ids=lambda page: page.name,
+)
+def test_python_of_the_pages_runs(page, finished, monkeypatch):
+    monkeypatch.chdir(finished)
+    table = features_table(objects=(2, 2), viewpoints=2)
+    first = [
+        (row["class"], row["object"]) == ("class0", "object0")
+        for row in table.select(["class", "object"]).to_pylist()
+    ]
+    given = {
+        "features": table,
+        "features_of_one_object": table.filter(first),
+        "parameters": RecognitionParameters(),
+    }
+    for text in blocks(page, "python"):
+        exec(compile(text, page.name, "exec"), given)  # noqa: S102
+
+
+def test_the_page_of_tables_is_that_of_the_schemas():
+    made = runpy.run_path(str(ROOT / "docs" / "make_tables.py"))["tables_page"]()
+    assert made == (ROOT / "docs" / "tables.md").read_text(), "run `python docs/make_tables.py`"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_of_the_pages_lead_somewhere(page):
+    for address in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text()):
+        if "://" not in address:
+            assert (page.parent / address).exists(), address

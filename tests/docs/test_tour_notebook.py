@@ -1,0 +1,54 @@
+"""The notebook of the tour runs from its first cell to its last, and is stored without what it printed."""
+
+import os
+from pathlib import Path
+
+import nbformat
+import pytest
+from cli.models import fit_on_nonsense
+from nbclient import NotebookClient
+
+ROOT = Path(__file__).parents[2]
+NOTEBOOK = ROOT / "docs" / "tour.ipynb"
+
+
+@pytest.fixture(scope="module")
+def tour():
+    return nbformat.read(NOTEBOOK, as_version=4)
+
+
+@pytest.fixture(scope="module")
+def ran(tour, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tour")
+    for name in ("meshes", "params.yaml"):
+        (folder / name).symlink_to(ROOT / name)
+    fit_on_nonsense(folder / "results" / "models")
+    client = NotebookClient(tour, timeout=120, resources={"metadata": {"path": str(folder)}})
+    ran = client.execute(env={**os.environ, "PYTHONPATH": str(ROOT / "src")})
+    return [cell for cell in ran.cells if cell.cell_type == "code"]
+
+
+def shown(cell, kind):
+    return [output["data"][kind] for output in cell.outputs if kind in output.get("data", {})]
+
+
+def test_it_is_stored_without_outputs():
+    stored = nbformat.read(NOTEBOOK, as_version=4)
+    nbformat.validate(stored)
+    for cell in stored.cells:
+        if cell.cell_type == "code":
+            assert (cell.outputs, cell.execution_count) == ([], None)
+
+
+def test_every_cell_shows_what_it_promises(ran):
+    assert "chair/bs0_chair2" in shown(ran[0], "text/plain")[0]
+    assert [len(shown(cell, "image/png")) for cell in ran] == [0, 1, 0, 1, 0, 0, 0]
+    assert "contact_state" in shown(ran[2], "text/html")[0]
+    assert "'fixation'" in shown(ran[4], "text/plain")[0]
+    assert "contourlet_16" in shown(ran[5], "text/html")[0]
+    assert "class" in shown(ran[6], "text/plain")[0]
+
+
+def test_nothing_is_said_on_the_side(ran):
+    said = [output.get("text") for cell in ran for output in cell.outputs if "text" in output]
+    assert said == []

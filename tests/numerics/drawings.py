@@ -1,0 +1,87 @@
+"""Small drawings of hard cases, as SVG that follows the page's colours."""
+
+from __future__ import annotations
+
+import numpy as np
+
+SIZE = 120
+
+
+def _svg(body, label):
+    return (
+        f'<svg viewBox="0 0 {SIZE} {SIZE}" width="{SIZE}" height="{SIZE}" role="img" '
+        f'aria-label="{label}">{body}</svg>'
+    )
+
+
+def triangles(corners, label, ray=None, most=60):
+    """Draw triangles seen along z (x right, y up), and a ray, shape (2, 3)."""
+    corners = np.asarray(corners, dtype=np.float64)[:most]
+    everything = corners.reshape(-1, 3) if ray is None else np.vstack([corners.reshape(-1, 3), ray])
+    place = _fit(everything[:, :2])
+    body = "".join(
+        f'<polygon points="{_points(place(triangle[:, :2]))}" fill="currentColor" '
+        'fill-opacity="0.12" stroke="currentColor" stroke-width="0.8"/>'
+        for triangle in corners
+    )
+    if ray is not None:
+        (x1, y1), (x2, y2) = place(np.asarray(ray)[:, :2])
+        body += (
+            f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="#c01860" '
+            'stroke-width="1.5"/>'
+            f'<circle cx="{x1:.1f}" cy="{y1:.1f}" r="2.5" fill="#c01860"/>'
+        )
+    return _svg(body, label)
+
+
+def sequence(values, label):
+    """Draw a short sequence, stretched to its own range."""
+    values = np.asarray(values, dtype=np.float64).ravel()[:64]
+    span = float(np.ptp(values)) or 1.0
+    x = np.linspace(10, SIZE - 10, max(len(values), 2))[: len(values)]
+    y = SIZE - 15 - (values - values.min()) / span * (SIZE - 30)
+    dots = "".join(
+        f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3" fill="#c01860"/>'
+        for a, b in zip(x, y, strict=True)
+    )
+    line = (
+        f'<polyline points="{_points(np.column_stack([x, y]))}" fill="none" stroke="currentColor"/>'
+    )
+    return _svg(line + dots, label)
+
+
+def image(pixels, label):
+    """Draw an image as 16 × 16 cells or fewer, stretched to its own range."""
+    pixels = np.asarray(pixels, dtype=np.float64)
+    step = max(1, -(-max(pixels.shape) // 16))
+    pixels = pixels[::step, ::step]
+    with np.errstate(all="ignore"):
+        shifted = pixels - pixels.min()
+        peak = shifted.max()
+        grey = np.nan_to_num(shifted / peak) if peak > 0 else np.zeros_like(pixels)
+    cell = SIZE / max(pixels.shape)
+    body = f'<rect width="{SIZE}" height="{SIZE}" fill="#000"/>'
+    for (row, column), value in np.ndenumerate(grey):
+        if value > 0:
+            level = int(255 * value)
+            body += (
+                f'<rect x="{column * cell:.1f}" y="{row * cell:.1f}" width="{cell:.1f}" '
+                f'height="{cell:.1f}" fill="#{level:02x}{level:02x}{level:02x}"/>'
+            )
+    return _svg(body, label)
+
+
+def _fit(points):
+    low, high = points.min(axis=0), points.max(axis=0)
+    scale = (SIZE - 16) / max(float((high - low).max()), 1e-30)
+    middle = 0.5 * (low + high)
+
+    def place(some):
+        shifted = (np.asarray(some) - middle) * scale
+        return np.column_stack([SIZE / 2 + shifted[:, 0], SIZE / 2 - shifted[:, 1]])
+
+    return place
+
+
+def _points(places):
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in places)

@@ -1,0 +1,198 @@
+"""Break chosen lines of a copy of the library, one at a time, and see which test notices.
+
+`python -m numerics.mutations` (with `tests` and `src` on PYTHONPATH) prints one line a mutation
+and ends with 1 if one survives.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+COPIED = ("src", "tests", "meshes/paper", "meshes/catalogue.csv", "pyproject.toml", "params.yaml")
+SECONDS = 300
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """One broken line: what it stands for, where it is, and the tests that ought to notice."""
+
+    name: str
+    file: str
+    line: str
+    broken: str
+    tests: str
+
+
+MUTATIONS = (
+    Mutation(
+        "a sign in the ladder", "contourlet/filters.py",
+        "LadderStep(1, -root, -1.0, taps, half - 1, half),",
+        "LadderStep(1, -root, 1.0, taps, half - 1, half),",
+        "test_images.py::test_bands_and_deviations_agree_with_exact_rationals",
+    ),
+    Mutation(
+        "sensing points half a cell aside", "sensor/imprints.py",
+        "return (2 * np.arange(resolution) + 1 - resolution) / resolution",
+        "return (2 * np.arange(resolution) - resolution) / resolution",
+        "test_precision.py",
+    ),
+    Mutation(
+        "a tangent frame that is left-handed", "sensor/frames.py",
+        "return np.cross(columns, normals)", "return np.cross(normals, columns)",
+        "test_precision.py",
+    ),
+    Mutation(
+        "float32 in the distances of the re-cast", "raycasting.py",
+        "hits.distance[again] = settled.distance",
+        "hits.distance[again] = settled.distance.astype(np.float32)",
+        "test_rays.py::test_rays_aimed_at_vertices_and_edges_agree_with_exact_rationals "
+        "test_rays.py::test_random_triangles_are_met_as_by_brute_force",
+    ),
+    Mutation(
+        "distances as Embree's float32 has them", "raycasting.py",
+        "np.divide(planes[:, 3] - _dot(planes, origins), along, out=distance, where=exact)",
+        "_ = exact",
+        "test_rays.py::test_random_triangles_are_met_as_by_brute_force",
+    ),
+    Mutation(
+        "no slack at vertices in the re-cast", "raycasting.py",
+        "inside = (sides >= -slack).all(axis=2) | (sides <= slack).all(axis=2)",
+        "inside = (sides > slack).all(axis=2) | (sides < -slack).all(axis=2)",
+        "test_rays.py::test_rays_aimed_at_vertices_and_edges_agree_with_exact_rationals "
+        "test_rays.py::test_no_ray_leaves_a_closed_surface_from_inside",
+    ),
+    Mutation(
+        "a missing clamp of the sensor's size", "sensor/adaptive_size.py",
+        "return np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)",
+        "return 2 * half_sizes * (1 - _STAND_CLEAR)",
+        "test_precision.py::test_an_imprint_of_a_tilted_wall_is_the_plane_in_closed_form "
+        "test_meshes.py::test_a_hard_mesh_ends_in_tables_or_in_a_refusal",
+    ),
+    Mutation(
+        "a dropped regularisation", "recognition/classifiers.py",
+        "self.covariance_ += self.floor * np.eye(len(scale))",
+        "self.covariance_ += 0.0 * np.eye(len(scale))",
+        "test_learning.py",
+    ),
+    Mutation(
+        "skewness of rounding noise", "recognition/sequence_features.py",
+        "constant = np.sqrt(second) <= CONSTANT_TOLERANCE * root_mean_square",
+        "constant = second <= 0",
+        "test_images.py::test_moments_of_sequences_agree_with_exact_rationals",
+    ),
+    Mutation(
+        "no scaling before squares", "contourlet/images.py",
+        "return np.where(comfortable, 0, exponent).astype(np.intc)",
+        "return np.where(comfortable, 0, 0).astype(np.intc)",
+        "test_images.py",
+    ),
+    Mutation(
+        "half a focus of inhibition", "attention/scanpath.py",
+        "closed = (distance <= 1.0) | (drive == CLOSED)",
+        "closed = (distance <= 0.5) | (drive == CLOSED)",
+        "test_attention.py::test_any_view_ends_in_finite_maps_and_distinct_fixations "
+        "test_attention.py::test_the_way_of_the_eye_is_that_of_its_definition",
+    ),
+    Mutation(
+        "a reduction that keeps every other pixel", "attention/pyramid.py",
+        "return cv2.resize(blur(plane, border), (half, half), interpolation=cv2.INTER_AREA)",
+        "return np.ascontiguousarray(blur(plane, border)[::2, ::2][:half, :half])",
+        "test_attention.py::test_the_pyramid_is_that_of_scipy",
+    ),
+    Mutation(
+        "only some failures of a reader are caught", "model_files.py",
+        "except Exception as error:", "except ValueError as error:",
+        "test_meshes.py::test_broken_files_are_read_or_refused_in_one_sentence",
+    ),
+    Mutation(
+        "brightness of denormal numbers", "attention/channels.py",
+        "scale = share / np.float32(peak) if peak >= DARKEST else np.zeros_like(share)",
+        "scale = share / np.float32(peak) if peak > 0.0 else np.zeros_like(share)",
+        "test_attention.py::test_a_hard_view_ends_in_finite_maps_and_distinct_fixations",
+    ),
+)  # fmt: skip
+
+
+def count(mutation):
+    """Count how often the line is there; it must be once."""
+    return (ROOT / "src/visuohaptic" / mutation.file).read_text().count(mutation.line)
+
+
+def run(folder):
+    """Try every mutation; give a row each: what was broken, where, and the test that caught it."""
+    copy = Path(folder) / "copy"
+    for name in COPIED:
+        target = copy / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy2(source, target)
+    named = {name for mutation in MUTATIONS for name in mutation.tests.split()}
+    everything = sorted(name for name in named if name.partition("::")[0] not in named - {name})
+    whole, output = _pytest(copy, everything)
+    if whole:
+        raise AssertionError(f"the suite fails without any mutation:\n{output[-3000:]}")
+    rows = []
+    for mutation in MUTATIONS:
+        rows.append(_try(copy, mutation))
+        sys.stdout.write(f"{rows[-1]['caught_by'] or 'SURVIVED':90} {mutation.name}\n")
+        sys.stdout.flush()
+    return rows
+
+
+def _try(copy, mutation):
+    file = copy / "src/visuohaptic" / mutation.file
+    text = file.read_text()
+    if text.count(mutation.line) != 1:
+        raise AssertionError(
+            f"{mutation.file} has no single line {mutation.line!r}; choose another."
+        )
+    started = time.perf_counter()
+    try:
+        file.write_text(text.replace(mutation.line, mutation.broken))
+        _, output = _pytest(copy, mutation.tests.split())
+    finally:
+        file.write_text(text)
+    caught = re.findall(r"^(?:FAILED|ERROR) tests/numerics/(.+?)(?: - .*)?$", output, re.MULTILINE)
+    return {
+        "change": mutation.name,
+        "file": mutation.file,
+        "line": mutation.line,
+        "broken": mutation.broken,
+        "caught_by": caught[0] if caught else "",
+        "seconds": round(time.perf_counter() - started, 1),
+    }
+
+
+def _pytest(copy, names):
+    environment = {
+        key: value for key, value in os.environ.items() if not key.startswith(("PYTEST_", "COV_"))
+    }
+    environment["PYTHONPATH"] = os.pathsep.join([str(copy / "src"), str(copy / "tests")])
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"
+    ended = subprocess.run(
+        [
+            sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--no-header",
+            "-k", "not every_line_to_be_broken",
+            *(f"tests/numerics/{name}" for name in names),
+        ],
+        cwd=copy, env=environment, check=False, capture_output=True, text=True, timeout=SECONDS,
+    )  # fmt: skip
+    return ended.returncode, ended.stdout + ended.stderr
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as scratch:
+        rows = run(scratch)
+    sys.exit(not all(row["caught_by"] for row in rows))

@@ -1,0 +1,163 @@
+"""Right answers by other means: brute force in float64, and exact rationals.
+
+Nothing here imports the library.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+UNSURE = 1e-12
+"""Within this of an edge, in barycentric weights, brute force in float64 is not sure."""
+
+
+def first_hits(triangles, origins, directions):
+    """Meet every ray with every triangle by Cramer's rule.
+
+    Gives the distance of the nearest hit (infinite for none), its triangle, and whether any
+    decision was so close that rounding may have taken it.
+    """
+    distance = np.full(len(origins), np.inf)
+    face = np.full(len(origins), -1)
+    unsure = np.zeros(len(origins), dtype=bool)
+    corner, first, second = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    a, b = first - corner, second - corner
+    normal = np.cross(a, b)
+    size = np.linalg.norm(normal, axis=1)
+    step = max(1, 2_000_000 // max(len(triangles), 1))
+    for start in range(0, len(origins), step):
+        rows = slice(start, start + step)
+        o, d = origins[rows, None], directions[rows, None]
+        length = np.linalg.norm(d, axis=2)
+        determinant = -(d * normal).sum(axis=2)
+        usable = np.abs(determinant) > 0
+        inverse = np.divide(1.0, determinant, out=np.zeros_like(determinant), where=usable)
+        s = o - corner
+        t = (s * normal).sum(axis=2) * inverse
+        q = np.cross(s, d)
+        u = (q * b).sum(axis=2) * inverse
+        v = -(q * a).sum(axis=2) * inverse
+        least = np.minimum(np.minimum(u, v), 1 - u - v)
+        ahead = usable & (t >= 0)
+        met = ahead & (least >= 0)
+        # Rounding of u and v is some 16 u64 × the lengths that take part over the determinant.
+        reach = (
+            np.linalg.norm(s, axis=2)
+            * length
+            * np.maximum(np.linalg.norm(a, axis=1), np.linalg.norm(b, axis=1))
+        )
+        noise = UNSURE + 32 * 2.0**-53 * reach * np.abs(inverse)
+        grazing = (size > 0) & (np.abs(determinant) < 1e-12 * size * length)
+        doubt = (ahead & (np.abs(least) < noise)) | grazing | (usable & (np.abs(t) < UNSURE))
+        t = np.where(met, t, np.inf)
+        nearest = np.argmin(t, axis=1)
+        index = np.arange(len(nearest))
+        distance[rows] = t[index, nearest]
+        face[rows] = np.where(np.isfinite(distance[rows]), nearest, -1)
+        unsure[rows] = doubt.any(axis=1)
+    return distance, face, unsure
+
+
+def _exact(values):
+    return [Fraction(float(value)) for value in values]
+
+
+def _minus(p, q):
+    return [x - y for x, y in zip(p, q, strict=True)]
+
+
+def _cross(p, q):
+    return [
+        p[1] * q[2] - p[2] * q[1],
+        p[2] * q[0] - p[0] * q[2],
+        p[0] * q[1] - p[1] * q[0],
+    ]
+
+
+def _dot(p, q):
+    return sum(x * y for x, y in zip(p, q, strict=True))
+
+
+def near(triangles, origin, direction):
+    """Give the triangles that a line passes within a thousandth of, by float64."""
+    corners = triangles - origin
+    sides = np.einsum("fkd,d->fk", np.cross(corners, np.roll(corners, -1, axis=1)), direction)
+    edges = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
+    slack = 1e-3 * edges.max(axis=1, keepdims=True) * np.linalg.norm(direction)
+    return triangles[(sides >= -slack).all(axis=1) | (sides <= slack).all(axis=1)]
+
+
+def exact_first_hit(triangles, origin, direction):
+    """Give the exact distance to the first triangle, rims included, as a Fraction; None for a miss."""
+    triangles = near(triangles, np.asarray(origin), np.asarray(direction))
+    o, d = _exact(origin), _exact(direction)
+    best = None
+    for triangle in triangles:
+        corner, first, second = (_exact(point) for point in triangle)
+        a, b = _minus(first, corner), _minus(second, corner)
+        normal = _cross(a, b)
+        determinant = -_dot(d, normal)
+        if determinant == 0:
+            continue
+        s = _minus(o, corner)
+        t = _dot(s, normal) / determinant
+        q = _cross(s, d)
+        u, v = _dot(q, b) / determinant, -_dot(q, a) / determinant
+        if t >= 0 and u >= 0 and v >= 0 and u + v <= 1 and (best is None or t < best):
+            best = t
+    return best
+
+
+def exact_moments(values):
+    """Give mean, variance (population) and third moment about the mean, as Fractions."""
+    exact = _exact(values)
+    count = len(exact)
+    mean = sum(exact) / count
+    deviations = [value - mean for value in exact]
+    return (
+        mean,
+        sum(deviation**2 for deviation in deviations) / count,
+        sum(deviation**3 for deviation in deviations) / count,
+    )
+
+
+def root(fraction):
+    """Give the square root of a Fraction as a float, right to the last bit or so, at any scale."""
+    if fraction == 0:
+        return 0.0
+    shift = (fraction.numerator.bit_length() - fraction.denominator.bit_length()) // 2
+    scaled = fraction / Fraction(4) ** shift
+    return float(np.ldexp(np.sqrt(float(scaled)), shift))
+
+
+def skewness(values):
+    """Give m3 / m2 ** 1.5 from exact moments; 0 for constant values."""
+    _, second, third = exact_moments(values)
+    if second == 0:
+        return 0.0
+    square = third**2 / second**3
+    return float(np.copysign(np.sqrt(float(square)), float(np.sign(third.numerator))))
+
+
+def exact_detail_levels(values, low, high, levels):
+    """Decompose a sequence with half-sample symmetric extension, in Fractions.
+
+    The taps are taken as the float64 numbers that they are.
+    """
+    low, high = _exact(low), _exact(high)
+    length = len(low)
+    details = []
+    signal = _exact(values)
+    for _ in range(levels):
+        count = len(signal)
+
+        def at(index, signal=signal, count=count):
+            index %= 2 * count
+            return signal[index] if index < count else signal[2 * count - 1 - index]
+
+        places = range((count + length - 1) // 2)
+        details.append([sum(high[k] * at(2 * n + 1 - k) for k in range(length)) for n in places])
+        signal = [sum(low[k] * at(2 * n + 1 - k) for k in range(length)) for n in places]
+    return details

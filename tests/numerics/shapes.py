@@ -1,0 +1,224 @@
+"""Surfaces that go wrong elsewhere, and the chain from a file to the tables that they go through."""
+
+from __future__ import annotations
+
+import numpy as np
+import trimesh
+
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.catalogue import Model
+from visuohaptic.features import FeatureParameters, make_features
+from visuohaptic.fixations import make_fixations
+from visuohaptic.meshes import MeshParameters, make_mesh
+from visuohaptic.probing import ProbingParameters
+from visuohaptic.rendering import RenderingParameters
+from visuohaptic.scene import EffectModes, Scene
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.surface import Surface
+from visuohaptic.tables import FEATURES, FIXATIONS, TOUCHES, read_table
+from visuohaptic.touches import make_touches
+from visuohaptic.viewpoints import ViewpointParameters
+
+VIEWPOINTS = ViewpointParameters(count=4)
+
+
+def surface_of(vertices, faces, colours=(160, 160, 160)):
+    faces = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
+    return Surface(
+        np.asarray(vertices, dtype=np.float64),
+        faces,
+        np.broadcast_to(np.array(colours, dtype=np.uint8), (len(faces), 3)).copy(),
+    )
+
+
+def of_trimesh(mesh):
+    return surface_of(mesh.vertices, mesh.faces)
+
+
+def float32_exact(surface):
+    """Round the vertices to float32, so that caster and oracle see the same surface."""
+    return Surface(
+        surface.vertices.astype(np.float32).astype(np.float64), surface.faces, surface.face_colours
+    )
+
+
+def closed_shapes():
+    """Give closed surfaces within the unit sphere, by name."""
+    ball = trimesh.creation.icosphere(3)
+    torus = trimesh.creation.torus(0.6, 0.25, 24, 16)
+    box = trimesh.creation.box((1.0, 0.75, 0.5))
+    long = trimesh.creation.cylinder(0.01, 1.9, sections=64)
+    fine = trimesh.creation.icosphere(4)
+    return {
+        name: float32_exact(of_trimesh(mesh))
+        for name, mesh in {
+            "ball": ball, "torus": torus, "box": box, "needle": long, "fine ball": fine,
+        }.items()
+    }  # fmt: skip
+
+
+def soup(generator, count, size=0.4):
+    """Give random triangles of sizes over six decades, slivers among them."""
+    centres = generator.uniform(-0.7, 0.7, (count, 1, 3))
+    scale = size * 10.0 ** generator.uniform(-3, 0, (count, 1, 1))
+    corners = centres + scale * generator.normal(size=(count, 3, 3))
+    thin = generator.random(count) < 0.3
+    share = generator.random((count, 1))
+    width = 10.0 ** generator.uniform(-9, -2, (count, 1))
+    along = corners[:, 0] * (1 - share) + corners[:, 1] * share
+    corners[:, 2] = np.where(thin[:, None], along + width * (corners[:, 2] - along), corners[:, 2])
+    corners = np.clip(corners, -1, 1)
+    faces = np.arange(3 * count).reshape(-1, 3)
+    return float32_exact(surface_of(corners.reshape(-1, 3), faces))
+
+
+def hard_meshes(generator):
+    """Give meshes that break other tools, as (vertices, faces), by name."""
+    ball = trimesh.creation.icosphere(3)
+    box = trimesh.creation.box((1, 1, 1))
+    angles = np.linspace(0, 1.5 * np.pi, 25)
+    open_shell = trimesh.creation.revolve(
+        np.column_stack([np.sin(angles) + 1.1, np.cos(angles)]), sections=24
+    )
+    sheet = (np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.2], [0, 1, 0.0]]), [[0, 1, 2], [0, 2, 3]])
+    crossed = trimesh.util.concatenate(
+        [box, trimesh.creation.box((0.3, 2, 0.3)).apply_translation((0.2, 0, 0.1))]
+    )
+    fan = np.array([[0, 0, 0], [0, 1, 0]] + [[np.cos(a), 0.5, np.sin(a)] for a in angles])
+    non_manifold = (fan, [[0, 1, 2 + k] for k in range(len(angles))])
+    crumbs = trimesh.creation.icosahedron()
+    count = 3000
+    places = generator.uniform(-1, 1, (count, 1, 3))
+    many = (
+        (places + 0.01 * crumbs.vertices[None]).reshape(-1, 3),
+        (np.arange(count)[:, None, None] * 12 + crumbs.faces[None]).reshape(-1, 3),
+    )
+    needle = trimesh.creation.cylinder(1e-6, 2.0, sections=16)
+    flat_faces = (
+        np.vstack([ball.vertices, ball.vertices[:50]]),
+        np.vstack(
+            [ball.faces, [[k, k, k + 1] for k in range(40)], [[k, 642 + k, k] for k in range(40)]]
+        ),
+    )
+    corner = (
+        np.vstack([1e-4 * ball.vertices, [[1, 1, 1], [1, 1, 1 + 1e-6], [1, 1 + 1e-6, 1]]]),
+        np.vstack([ball.faces, [[642, 643, 644]]]),
+    )
+    far_point = (
+        np.vstack([box.vertices, 1e4 + 1e-3 * box.vertices]),
+        np.vstack([box.faces, box.faces + 8]),
+    )
+    moebius = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    strip = np.concatenate(
+        [
+            np.column_stack(
+                [
+                    (1 + w * np.cos(moebius / 2)) * np.cos(moebius),
+                    (1 + w * np.cos(moebius / 2)) * np.sin(moebius),
+                    w * np.sin(moebius / 2),
+                ]
+            )
+            for w in (-0.3, 0.3)
+        ]
+    )
+    ring = np.arange(59)
+    strip_faces = np.vstack(
+        [
+            np.column_stack([ring, ring + 1, ring + 60]),
+            np.column_stack([ring + 1, ring + 61, ring + 60]),
+        ]
+    )
+    mixed = ball.faces.copy()
+    mixed[::2] = mixed[::2, ::-1]
+    return {
+        "open shell": (open_shell.vertices, open_shell.faces),
+        "inward normals": (ball.vertices, ball.faces[:, ::-1]),
+        "mixed winding": (ball.vertices, mixed),
+        "single sheet": sheet,
+        "parts that cross": (crossed.vertices, crossed.faces),
+        "an edge of 25 faces": non_manifold,
+        "3,000 parts": many,
+        "needle, 2e6 times as long as wide": (needle.vertices, needle.faces),
+        "faces without area": flat_faces,
+        "one triangle": (np.eye(3), [[0, 1, 2]]),
+        "one sliver of 1e-12 area": (
+            np.array([[0, 0, 0], [1, 0, 0], [0.5, 2e-12, 0]]),
+            [[0, 1, 2]],
+        ),
+        "ball of 1e-4 and a speck in a far corner": corner,
+        "box and its copy of a thousandth, 1e4 away": far_point,
+        "Möbius strip": (strip, strip_faces),
+        "every face ten times": (box.vertices, np.tile(box.faces, (10, 1))),
+        "coplanar faces, overlapping": (
+            np.array([[0, 0, 0], [2, 0, 0], [0, 0, 2], [1, 0, 1], [-1, 0, 1], [1, 0, -1.0]]),
+            [[0, 1, 2], [3, 4, 5]],
+        ),
+        "all vertices at one point": (np.ones((3, 3)), [[0, 1, 2]]),
+        "all vertices on a line": (np.outer([0, 1, 2.0], [1, 1, 1]), [[0, 1, 2]]),
+        "no face": (np.eye(3), np.zeros((0, 3), dtype=int)),
+        "coordinates of 1e300": (1e300 * box.vertices, box.faces),
+        "coordinates of 1e-300": (1e-300 * box.vertices, box.faces),
+        "coordinates of 1e-320, denormal": (1e-320 * box.vertices, box.faces),
+        "a vertex that is NaN": (
+            np.where(np.arange(8)[:, None] == 3, np.nan, box.vertices),
+            box.faces,
+        ),
+        "a face that names no vertex": (box.vertices, np.vstack([box.faces, [[0, 1, 99]]])),
+    }
+
+
+def write_obj(path, vertices, faces):
+    """Write what a careless exporter would write; any number goes."""
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in np.asarray(vertices, dtype=float).tolist()]
+    lines += [f"f {a} {b} {c}" for a, b, c in (np.asarray(faces).reshape(-1, 3) + 1).tolist()]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def run_chain(source, folder, seed=7, resolution=64, block=(0, 1, 2, 3), name="mesh"):
+    """Go from a model file to the feature table; give the three tables, read back and checked."""
+    make_mesh("hard/mesh", Model("hard", "mesh"), source, folder / f"{name}.ply", MeshParameters())
+    make_fixations(
+        key="hard/mesh",
+        mesh=folder / f"{name}.ply",
+        fixations=folder / f"{name}-fixations.parquet",
+        views=folder / f"{name}-views.parquet",
+        effects=folder / f"{name}-effects.parquet",
+        block=list(block),
+        viewpoints=VIEWPOINTS,
+        rendering=RenderingParameters(resolution=resolution),
+        attention=AttentionParameters(),
+        probing=ProbingParameters(),
+        modes=EffectModes(),
+        seed=seed,
+    )
+    make_touches(
+        folder / f"{name}.ply",
+        folder / f"{name}-fixations.parquet",
+        folder / f"{name}-touches.parquet",
+        folder / f"{name}-books.parquet",
+        SensorParameters(),
+        Scene(),
+        seed=seed,
+    )
+    make_features(
+        folder / f"{name}-touches.parquet", folder / f"{name}-features.parquet", FeatureParameters()
+    )
+    return {
+        "fixations": read_table(FIXATIONS, folder / f"{name}-fixations.parquet"),
+        "touches": read_table(TOUCHES, folder / f"{name}-touches.parquet"),
+        "features": read_table(FEATURES, folder / f"{name}-features.parquet"),
+    }
+
+
+def run_block(task):
+    """Run the chain for a block of viewpoints; for processes, which take one argument."""
+    source, folder, block = task
+    return run_chain(source, folder, block=block, name=f"part-{block[0]}-{len(block)}")
+
+
+def is_one_sentence(text):
+    """Tell whether a refusal is one line that ends like a sentence."""
+    return (
+        "\n" not in text and text.endswith(".") and 10 < len(text) < 600 and "Traceback" not in text
+    )

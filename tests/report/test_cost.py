@@ -1,0 +1,93 @@
+"""The chart of seconds against error rate puts every setting where its figures say, errors of 0 apart."""
+
+import pytest
+from cost.test_front import cost_table
+from report.pages import read_page
+from report.synthetic import OBJECTS, PARAMETERS, write_run
+
+from visuohaptic.report.cost import HEIGHT, cost_chart, cost_figures
+from visuohaptic.report.making import render_page
+from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.tables import COST, write_table
+
+POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
+
+
+def chart_of(points, failed=()):
+    rows = cost_table(points, failed).to_pylist()
+    return cost_chart(rows, ("touches", "imprint"))
+
+
+def test_axes_are_logarithmic_and_end_on_ticks():
+    chart = chart_of([("a", 0.01, 0.4), ("b", 0.1, 0.04), ("c", 1.0, 0.004)])
+    places = {mark.label.split(":")[0][-1]: mark for mark in chart.marks}
+    assert places["b"].x - places["a"].x == pytest.approx(places["c"].x - places["b"].x, abs=0.02)
+    assert places["b"].y - places["a"].y == pytest.approx(places["c"].y - places["b"].y, abs=0.2)
+    assert chart.y_ticks[0][1] == "0.2 %"
+    assert chart.y_ticks[0][0] == HEIGHT
+    assert chart.x_ticks[0][0] == 0
+    assert chart.x_ticks[-1][0] == 100
+    assert all(0 <= mark.y <= HEIGHT for mark in chart.marks)
+    assert chart.none_lane is None
+
+
+def test_the_front_is_told_by_shape_and_stands_on_top():
+    chart = chart_of(POINTS)
+    assert [mark.kind for mark in chart.marks] == ["dominated", "front", "front"]
+    first = next(mark for mark in chart.marks if "1 touch:" in mark.label)
+    assert first.high < first.y < first.low
+    assert first.left < first.x < first.right
+
+
+def test_no_error_stands_in_a_strip_of_its_own_with_its_limit_on_the_axis():
+    chart = chart_of([*POINTS, ("16 touches", 0.5, 0.0)])
+    (flawless,) = [mark for mark in chart.marks if "16 touches" in mark.label]
+    assert flawless.y == chart.none_lane > HEIGHT
+    assert flawless.low == chart.none_lane
+    assert 0 < flawless.high < HEIGHT
+    assert all(mark.low <= HEIGHT for mark in chart.marks if mark is not flawless)
+
+
+def test_a_failed_setting_has_a_mark_with_its_reason():
+    chart = chart_of(POINTS, failed=["8 × 8"])
+    (failed,) = [mark for mark in chart.marks if mark.kind == "failed"]
+    assert failed.y == chart.failed_lane > HEIGHT
+    assert failed.label == "imprint, 8 × 8: failed. images are too small."
+
+
+def test_a_line_follows_its_family_not_the_seconds():
+    chart = chart_of([("1 touch", 0.02, 0.4), ("2 touches", 0.01, 0.2), ("3 touches", 0.1, 0.1)])
+    assert len(chart.lines) == 2
+    first, second = chart.lines
+    assert first[3:] == second[1:3]
+
+
+def test_figures_that_are_all_alike_still_have_an_axis():
+    chart = chart_of([("a", 0.1, 0.1), ("b", 0.1, 0.1)])
+    assert {mark.kind for mark in chart.marks} == {"front"}
+    assert len(chart.x_ticks) > 1
+
+
+def test_what_was_not_measured_has_no_figures(tmp_path):
+    assert cost_figures(None) is None
+    assert cost_figures(tmp_path / "none.parquet") is None
+    assert cost_chart(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:], ("imprint",)) is None
+
+
+def test_the_page_tells_what_accuracy_costs(tmp_path):
+    table = cost_table([*POINTS, ("16 touches", 0.5, 0.0)], failed=["8 × 8"])
+    write_table(COST, table, tmp_path / "cost.parquet")
+    files = write_run(tmp_path)
+    with_costs = RunFiles(**{**vars(files), "extras": {"cost": tmp_path / "cost.parquet"}})
+    page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
+    assert page.mismatches == []
+    text = page.text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "For 95 % take 5 touches (family touches): it costs 100 ms a recognition" in text
+    assert "costs 5.0 times as much" in text
+    assert "failed: images are too small." in text
+    assert "All 5 settings" in text
+    assert "dominated" in text
+    shapes = [element.attributes.get("class") for element in page.named("path", "circle")]
+    assert shapes.count("filled") == 3 + 1  # the front, and the legend
+    assert shapes.count("open") == 1 + 1
+    assert shapes.count("crossed") == 1 + 1

@@ -1,0 +1,134 @@
+"""The curves and their words come from the tables: who wins, who does not, and by how much."""
+
+import pytest
+from report.pages import read_page
+from report.synthetic import OBJECTS, PARAMETERS, write_run
+
+from visuohaptic.report.making import render_page
+from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.report.touches_needed import HEIGHT, curve_figures, verdict
+from visuohaptic.tables import TOUCH_CURVES, TOUCHES_NEEDED, build_table, write_table
+
+KEYS = {"pipeline": "best", "classifier": "support_vector_machine"}
+
+
+def row(strategy, area, touches, gain=None, p_value=None):
+    ends = (None, None) if gain is None else (gain - 0.05, gain + 0.05)
+    return {
+        "strategy": strategy,
+        "level": 0.9,
+        "touches": touches,
+        "most_touches": 2,
+        "area": area,
+        "area_low": area - 0.1,
+        "area_high": area + 0.1,
+        "gain": gain,
+        "gain_low": ends[0],
+        "gain_high": ends[1],
+        "p_value": p_value,
+        "objects": 12,
+    }
+
+
+BEHIND = [
+    row("fixation", 0.7, None),
+    row("farthest_point", 0.8, 2, -0.1, 0.001),
+    row("random", 0.6, None, 0.1, 0.4),
+]
+AHEAD = [row("fixation", 0.8, 1), row("random", 0.7, 2, 0.1, 0.2)]
+POINTS = {"fixation": (0.6, 0.8), "farthest_point": (0.7, 0.9), "random": (0.5, 0.7)}
+
+
+def write_tables(folder, rows=BEHIND):
+    columns = {name: [one[name] for one in rows] for name in rows[0]}
+    write_table(
+        TOUCHES_NEEDED, build_table(TOUCHES_NEEDED, {**KEYS, **columns}), folder / "needed.parquet"
+    )
+    points = [
+        (one["strategy"], count, POINTS[one["strategy"]][count - 1])
+        for one in rows
+        for count in (1, 2)
+    ]
+    curve = {
+        "strategy": [strategy for strategy, _, _ in points],
+        "touches": [count for _, count, _ in points],
+        "accuracy": [mean for _, _, mean in points],
+        "low": [mean - 0.08 for _, _, mean in points],
+        "high": [mean + 0.08 for _, _, mean in points],
+    }
+    write_table(
+        TOUCH_CURVES, build_table(TOUCH_CURVES, {**KEYS, **curve}), folder / "curves.parquet"
+    )
+    return folder / "curves.parquet", folder / "needed.parquet"
+
+
+def told(rows):
+    adjusted = [{**one, "adjusted_p": one["p_value"]} for one in rows]
+    return " ".join(verdict(adjusted))
+
+
+def test_where_attention_does_not_win_the_words_say_so():
+    text = told(BEHIND)
+    assert "2 touches is that of farthest points, 80.0" in text
+    assert "Attention does not win" in text
+    assert "number 2 of 3, behind farthest points (−10.0 percentage points)" in text
+    assert "ahead of random probing (+10.0 percentage points)" in text
+    assert "is the difference to farthest points." in text
+    assert (
+        "stays at 90\N{NO-BREAK SPACE}%: 2, by farthest points; eye fixations never get there"
+        in text
+    )
+
+
+def test_where_attention_wins_the_words_say_whether_beyond_chance():
+    text = told(AHEAD)
+    assert "Attention wins" in text
+    assert "does not" not in text
+    assert "none of these differences is beyond chance (smallest Holm-adjusted p 0.2)" in text
+    assert "stays at 90\N{NO-BREAK SPACE}%: 1, by eye fixations." in text
+
+
+def test_without_fixations_or_the_level_nothing_is_claimed():
+    text = told([row("random", 0.6, None)])
+    assert "Attention" not in text
+    assert "None stays at" in text
+
+
+def test_p_values_are_adjusted_over_the_strategies(tmp_path):
+    (figures,) = curve_figures(*write_tables(tmp_path))
+    adjusted = {one["strategy"]: one["adjusted_p"] for one in figures.rows}
+    assert adjusted == {"farthest_point": 0.002, "random": 0.4, "fixation": None}
+    assert [one["strategy"] for one in figures.rows] == ["farthest_point", "fixation", "random"]
+
+
+def test_marks_lie_where_their_values_say(tmp_path):
+    chart = curve_figures(*write_tables(tmp_path))[0].chart
+    places = {text: place for place, text in chart.y_ticks}
+    assert places["100 %"] == 0
+    assert places["40 %"] == HEIGHT
+    best = [mark for mark in chart.marks if mark.label.startswith("farthest points, 1 touch:")]
+    assert best[0].y == pytest.approx(places["70 %"], abs=0.2)
+    assert best[0].high < best[0].y < best[0].low
+    first, second = (place for place, _ in chart.x_ticks)
+    assert abs(best[0].x - first) < 2 < second - first
+    assert len(chart.lines) == 3
+
+
+def test_strategies_keep_their_colours_and_stand_apart(tmp_path):
+    figures = curve_figures(*write_tables(tmp_path))[0]
+    assert figures.strategies == ("fixation", "random", "farthest_point")
+    of_first = sorted(mark.x for mark in figures.chart.marks if "1 touch:" in mark.label)
+    assert len(set(of_first)) == 3
+
+
+def test_the_page_shows_the_curves_where_they_were_measured(tmp_path):
+    curves, needed = write_tables(tmp_path)
+    files = write_run(tmp_path / "run")
+    without = render_page(read_run(files, PARAMETERS, OBJECTS))
+    extras = {"touch_curves": curves, "touches_needed": needed}
+    measured = RunFiles(**{**vars(files), "extras": extras})
+    page = render_page(read_run(measured, PARAMETERS, OBJECTS))
+    assert 'id="touches_needed"' not in without
+    assert 'id="touches_needed"' in page
+    assert "Attention does not win" in page
+    read_page(page)

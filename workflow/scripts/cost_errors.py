@@ -1,0 +1,16 @@
+"""Measure the error rates of a family of settings."""
+
+from visuohaptic.cost.making import make_cost_errors
+from visuohaptic.jobs import logged_job
+from visuohaptic.parameters import ExperimentParameters
+
+with logged_job(snakemake.log[0]):
+    make_cost_errors(
+        family=snakemake.wildcards.family,
+        meshes=snakemake.input.meshes,
+        fixations=snakemake.input.fixations,
+        features=snakemake.input.features,
+        output=snakemake.output.errors,
+        described=snakemake.output.described,
+        parameters=ExperimentParameters.from_mapping(snakemake.params.parameters),
+    )

@@ -1,0 +1,24 @@
+"""Touch one object by every strategy, at length."""
+
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.curve_features import make_curve_features
+from visuohaptic.features import FeatureParameters
+from visuohaptic.jobs import logged_job
+from visuohaptic.rendering import RenderingParameters
+from visuohaptic.scene import Scene
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.viewpoints import ViewpointParameters
+
+with logged_job(snakemake.log[0]):
+    make_curve_features(
+        key=snakemake.wildcards.object,
+        mesh=snakemake.input.mesh,
+        output=snakemake.output[0],
+        viewpoints=ViewpointParameters(**snakemake.params.viewpoints),
+        rendering=RenderingParameters(**snakemake.params.rendering),
+        attention=AttentionParameters(**snakemake.params.attention),
+        sensor=SensorParameters(**snakemake.params.sensor),
+        scene=Scene(**snakemake.params.scene),
+        features=FeatureParameters(**snakemake.params.features),
+        seed=snakemake.params.seed,
+    )

@@ -1,0 +1,17 @@
+"""Train and test one pipeline with 1, 2 and more touches by one strategy."""
+
+from visuohaptic.curves import make_curves
+from visuohaptic.jobs import logged_job
+from visuohaptic.recognition.parameters import RecognitionParameters
+
+with logged_job(snakemake.log[0]):
+    make_curves(
+        features=snakemake.input.features,
+        output=snakemake.output[0],
+        pipeline=snakemake.wildcards.pipeline,
+        strategy=snakemake.wildcards.strategy,
+        parameters=RecognitionParameters(**snakemake.params.recognition),
+        focus_radius=snakemake.params.focus_radius,
+        touches=snakemake.params.touches,
+        seed=snakemake.params.seed,
+    )
