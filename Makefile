@@ -17,7 +17,7 @@ report: $(READY)
 	@echo "The report is at reports/report.html."
 
 test: $(READY) lint browser
-	pytest -n 2 --dist loadgroup
+	pytest -n 2 --dist loadfile
 
 # Pages are opened in the system's Chromium; without one their tests are skipped.
 browser:
@@ -27,7 +27,7 @@ browser:
 
 # Hard cases at their full counts; up to 45 minutes on two cores.
 test-hard: $(READY)
-	pytest tests/numerics -n 2 --dist loadgroup --stability reports/stability.json
+	pytest tests/numerics -n 2 --stability reports/stability.json
 	python -m benchmarks.precision reports/precision.json
 
 meshes: $(READY)

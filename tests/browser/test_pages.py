@@ -11,8 +11,6 @@ from visuohaptic.report import make_report
 from visuohaptic.report.run import RunFiles
 from visuohaptic.run_comparison import compare_runs, read_measured_run, render_comparison
 
-pytestmark = pytest.mark.xdist_group("browser")
-
 EVIL = "cup/<script>alert(1)</script>"
 NAMES = ("cup/mug", "ball/marble", EVIL, "ball/" + "x" * 300, "ball/Kännchen 茶", "cup/../../x")
 NARROWEST = {"width": 320, "height": 640}

@@ -1,4 +1,4 @@
-"""A small copy of the experiment: four objects of two classes, four small views, everything real."""
+"""A small copy of the experiment: four objects of two classes, two small views, everything real."""
 
 import csv
 import os
@@ -20,9 +20,9 @@ COPIED = (
     "workflow", "src", "meshes/paper", "meshes/own", "profiles",
 )  # fmt: skip
 SMALL = {
-    "viewpoints": {"count": 4},
+    "viewpoints": {"count": 2},
     "rendering": {"resolution": 64},
-    "workflow": {"views_per_job": 4},
+    "workflow": {"views_per_job": 2},
     "recognition": {"pipelines": ["paper"], "intervals": {"bootstrap_samples": 200}},
 }
 

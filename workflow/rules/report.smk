@@ -3,6 +3,13 @@
 Takes results/ and, where they are there, logs/ and credits; gives reports/report.html, reports/metrics.json and reports/plots/.
 """
 
+# What `make test-hard` and `make bench` found.
+CHECKS_AND_BENCHMARKS = [
+    "reports/stability.json",
+    "reports/precision.json",
+    "benchmarks/resolution.json",
+]
+
 
 rule report_all:
     input:
@@ -52,6 +59,7 @@ rule report:
                 *CURVE_FIGURES,
                 *ABLATION_FIGURES,
                 *COST_FIGURES,
+                *CHECKS_AND_BENCHMARKS,
             ]
             if Path(file).exists()
         ],
