@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 OBJECTS = ("bs0_yogurtBottle", "sc_com_bath2_jabon_pijo", "bsby_chair3", "bs0_chair2")
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "meshes/paper", "meshes/own", "profiles",
+    "workflow", "src", "meshes/paper", "meshes/own", "profiles", "benchmarks/resolution.json",
 )  # fmt: skip
 SMALL = {
     "viewpoints": {"count": 2},
