@@ -53,17 +53,3 @@ with logged_job({str(tmp_path / "a.log")!r}):
 assert table.to_pandas()["a"].sum() == 3
 """
     run(program)
-
-
-def test_a_job_that_casts_rays_does_not_pay_for_a_web_server(tmp_path):
-    program = f"""
-import sys
-from visuohaptic.jobs import logged_job
-from visuohaptic.raycasting import load_open3d
-with logged_job({str(tmp_path / "a.log")!r}):
-    load_open3d().t.geometry.RaycastingScene()
-    assert "flask" not in sys.modules
-import dash
-assert dash.Dash is not None
-"""
-    run(program)

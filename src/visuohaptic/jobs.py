@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 
 from visuohaptic.errors import VisuohapticError
 
@@ -63,8 +62,7 @@ def logged_job(log: str | Path) -> Iterator[None]:
     started = time.time()
     imports = started - _process_start()
     try:
-        with _web_server_left_out():
-            yield
+        yield
     except VisuohapticError as error:
         _end_with(path, f"error: {error}", "")
     except Exception as error:  # noqa: BLE001 - the job ends here, and says why
@@ -117,21 +115,6 @@ class _NoPandas:
     def find_spec(name: str, *_: object) -> None:
         if name == "pandas":
             raise ModuleNotFoundError(name=name)
-
-
-@contextmanager
-def _web_server_left_out() -> Iterator[None]:
-    """Spare a job the web server that Open3D imports for plots nobody asks for: some 0.7 s."""
-    if "dash" in sys.modules:
-        yield
-        return
-    placeholder = ModuleType("dash")
-    vars(placeholder).update(html=None, dcc=None, Dash=None)
-    sys.modules["dash"] = placeholder
-    try:
-        yield
-    finally:
-        del sys.modules["dash"]
 
 
 def _end_with(log: Path, sentence: str, details: str) -> None:
