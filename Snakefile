@@ -25,6 +25,7 @@ include: "workflow/rules/report.smk"
 
 onstart:
     prune_tables()
+    start_local_jobs_at_once()
 
 
 rule all:

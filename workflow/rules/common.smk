@@ -135,3 +135,13 @@ def prune_tables():
         prune_parts(f"results/{table}", parts_of(table))
     for table in TABLES_BY_STRATEGY:
         prune_parts(f"results/{table}", scores_of(table))
+
+
+def start_local_jobs_at_once():
+    """Lift the limit of job starts a second where jobs run on this machine.
+
+    For that limit Snakemake looks at all jobs that are ready once a second, and once
+    more for each job that has ended: with 600 jobs it would keep one core busy.
+    """
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None
