@@ -27,7 +27,7 @@ browser:
 
 # Hard cases at their full counts; up to 45 minutes on two cores.
 test-hard: $(READY)
-	pytest tests/numerics -n 2 --stability reports/stability.json
+	pytest tests/numerics -n 2 --dist worksteal --stability reports/stability.json
 	python -m benchmarks.precision reports/precision.json
 
 meshes: $(READY)

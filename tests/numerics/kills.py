@@ -83,8 +83,30 @@ def tables(folder):
     return found
 
 
+def runs_until(process, folder, count):
+    """Tell whether a run still goes on when that many tables are there."""
+    while process.poll() is None:
+        if sum(1 for target in TARGETS for _ in (folder / target).rglob("[!._]*.parquet")) >= count:
+            return True
+        time.sleep(0.02)
+    return False
+
+
+def faults(found, expected):
+    """Name each table that can't be read or isn't what a whole run makes of it."""
+    for name, table in found.items():
+        if table is None:
+            yield f"{name} is half written"
+        elif name not in expected or not table.equals(expected[name]):
+            yield f"{name} differs from a whole run's"
+
+
 def kill_runs(folder, kills, seed):
-    """Kill runs; give counts and every table that was not what a whole run makes of it."""
+    """Kill runs; give counts and every table that was not what a whole run makes of it.
+
+    A moment is drawn by how far the run has come, and some tenths of a second more: by the
+    clock alone a busy machine would be killed in its start, an idle one after its end.
+    """
     folder = Path(folder)
     whole, tried = folder / "whole", folder / "tried"
     prepare(whole)
@@ -93,17 +115,18 @@ def kill_runs(folder, kills, seed):
     process = start(whole)
     if process.wait(timeout=RUN_SECONDS):
         raise RuntimeError((whole / "errors.txt").read_text()[-2000:])
-    length = time.perf_counter() - started
     expected = tables(whole)
     generator = np.random.default_rng(seed)
     count = finished = leftovers = checked = 0
     wrong = []
     while count < kills:
+        present = len(tables(tried))
         process = start(tried)
-        try:
-            # Start-up takes some seconds in which nothing is written; later moments count more.
-            process.wait(timeout=float(generator.uniform(0.25, 0.85) * length))
-        except subprocess.TimeoutExpired:
+        moment = generator.integers(present, len(expected))
+        delay = generator.uniform(0.0, 0.4)
+        if runs_until(process, tried, moment):
+            time.sleep(delay)
+        if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
             count += 1
@@ -116,14 +139,11 @@ def kill_runs(folder, kills, seed):
             shutil.rmtree(tried / "results")
             continue
         leftovers += any((tried / "results").rglob(".*parquet-*"))
-        for name, table in tables(tried).items():
-            checked += 1
-            if table is None:
-                wrong.append(f"{name} is half written (kill {count})")
-            elif name not in expected or not table.equals(expected[name]):
-                wrong.append(f"{name} differs from a whole run's (kill {count})")
-        # Every other kill meets a run begun anew, the rest one that was killed before.
-        if count % 2 == 0:
+        found = tables(tried)
+        checked += len(found)
+        wrong += [f"{fault} (kill {count})" for fault in faults(found, expected)]
+        # Every fourth kill meets a run begun anew, the rest one that was killed before.
+        if count % 4 == 0 or len(found) == len(expected):
             shutil.rmtree(tried / "results", ignore_errors=True)
     process = start(tried)
     if process.wait(timeout=RUN_SECONDS):
