@@ -5,9 +5,9 @@ The figures go to `benchmarks/results.json`, and as a table into the README.
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import json
-import sys
 from pathlib import Path
 
 from benchmarks.machine import describe_machine
@@ -26,9 +26,7 @@ def main(names: list[str]) -> None:
     names : list of str
         Module names; all where empty.
     """
-    names = names or sorted(
-        file.stem for file in FOLDER.glob("*.py") if file.stem not in NOT_BENCHMARKS
-    )
+    names = names or benchmark_names()
     results = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
     for name in names:
         print(f"{name} …", flush=True)
@@ -42,5 +40,16 @@ def main(names: list[str]) -> None:
     RESULTS.write_text(json.dumps(results, indent=2, sort_keys=True) + "\n", encoding="utf-8")
 
 
+def benchmark_names() -> list[str]:
+    """List the benchmarks there are."""
+    return sorted(file.stem for file in FOLDER.glob("*.py") if file.stem not in NOT_BENCHMARKS)
+
+
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    known = ", ".join(benchmark_names())
+    parser = argparse.ArgumentParser("python -m benchmarks", description="Time the experiment.")
+    parser.add_argument("names", nargs="*", metavar="name", help=f"of {known}; all where none")
+    asked = parser.parse_args().names
+    if unknown := set(asked) - set(benchmark_names()):
+        parser.error(f"there is no benchmark {', '.join(sorted(unknown))}; there are {known}.")
+    main(asked)
