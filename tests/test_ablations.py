@@ -1,5 +1,7 @@
 """Ablations are compared with the whole method, object by object."""
 
+import json
+
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -85,8 +87,15 @@ def test_the_table_comes_whole_method_first(tmp_path):
     for name in ("without_map", "wavelet", "whole_method"):
         files.append(tmp_path / f"{name}.parquet")
         write_table(ABLATION, part(name, [0.5, 0.6]), files[-1])
-    make_ablations(files, tmp_path / "ablations.parquet", INTERVALS, 1)
+    figures = tmp_path / "reports" / "ablations.json"
+    make_ablations(files, tmp_path / "ablations.parquet", figures, INTERVALS, 1)
     table = read_table(ABLATIONS, tmp_path / "ablations.parquet")
     assert set(table.column("ablation").to_pylist()) == {"without_map", "wavelet", "whole_method"}
     ordered = compare_ablations(read_table(ABLATION, files), INTERVALS, 1)
     assert ordered.column("ablation").to_pylist() == ["whole_method", "wavelet", "without_map"]
+    (of_classifier,) = json.loads(figures.read_text())["best"].values()
+    assert list(of_classifier) == ["whole_method", "wavelet", "without_map"]
+    for row in ordered.to_pylist():
+        told = of_classifier[row["ablation"]]
+        assert told["accuracy"] == pytest.approx(row["accuracy"])
+        assert not any("seconds" in name for name in told)

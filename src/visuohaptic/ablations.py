@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.ablation_settings import ABLATIONS, WHOLE
 from visuohaptic.errors import RecognitionError
+from visuohaptic.metrics import round_numbers
 from visuohaptic.recognition.intervals import compare_paired, object_interval
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
@@ -25,6 +27,8 @@ from visuohaptic.tables import (
 from visuohaptic.tables import (
     ABLATIONS as ABLATIONS_SCHEMA,
 )
+
+FIGURES = ("accuracy", "low", "high", "loss", "loss_low", "loss_high", "p_value", "objects")
 
 Objects = list[tuple[str, str]]
 
@@ -91,9 +95,13 @@ def compare_ablations(parts: pa.Table, intervals: IntervalParameters, seed: int)
 
 
 def make_ablations(
-    parts: Sequence[str | Path], output: str | Path, intervals: IntervalParameters, seed: int
+    parts: Sequence[str | Path],
+    output: str | Path,
+    metrics: str | Path,
+    intervals: IntervalParameters,
+    seed: int,
 ) -> None:
-    """Make the table of all ablations.
+    """Make the table of all ablations, and a JSON file beside the metrics.
 
     Parameters
     ----------
@@ -101,6 +109,9 @@ def make_ablations(
         One `tables.ABLATION` an ablation.
     output : path
         The Parquet file to write.
+    metrics : path
+        JSON file of the figures by pipeline, classifier and ablation. It holds no seconds: the
+        same tables give the same bytes.
     intervals : IntervalParameters
         Resampling over objects.
     seed : int
@@ -108,6 +119,13 @@ def make_ablations(
     """
     table = compare_ablations(read_table(ABLATION, parts), intervals, seed)
     write_table(ABLATIONS_SCHEMA, table, output)
+    figures: dict[str, dict[str, dict[str, Any]]] = {}
+    for row in table.to_pylist():
+        of_classifier = figures.setdefault(row["pipeline"], {}).setdefault(row["classifier"], {})
+        of_classifier[row["ablation"]] = {name: row[name] for name in FIGURES}
+    text = json.dumps(round_numbers(figures), indent=2) + "\n"
+    Path(metrics).parent.mkdir(parents=True, exist_ok=True)
+    Path(metrics).write_text(text, encoding="utf-8")
 
 
 def _by_key(

@@ -168,6 +168,7 @@ def _needs(
     seed: int,
 ) -> dict[str, Any]:
     curve = TouchCurve(tuple(of_objects.touches), tuple(means))
+    fewest, most = curve.touches_needed_interval(LEVEL)
     generator = spawn_generator(seed, "areas", *key)
     area = object_interval(of_objects.areas, of_objects.weights, intervals, generator)
     gain: dict[str, Any] = dict.fromkeys(("gain", "gain_low", "gain_high", "p_value"))
@@ -191,6 +192,8 @@ def _needs(
     return {
         "level": LEVEL,
         "touches": curve.touches_needed(LEVEL),
+        "touches_low": fewest,
+        "touches_high": most,
         "most_touches": of_objects.touches[-1],
         "area": area.mean,
         "area_low": area.low,

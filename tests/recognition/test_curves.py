@@ -30,6 +30,16 @@ def test_touches_needed_are_those_from_which_accuracy_stays():
     assert curve((1, 2), (0.5, 0.6)).touches_needed(0.9) is None
 
 
+def test_touches_needed_have_an_interval_from_those_of_the_accuracy():
+    means = (0.5, 0.85, 0.92, 0.96)
+    wide = TouchCurve(
+        (1, 2, 3, 4), tuple(Interval(mean, mean - 0.05, mean + 0.06) for mean in means)
+    )
+    assert (wide.touches_needed(0.9), wide.touches_needed_interval(0.9)) == (3, (2, 4))
+    assert wide.touches_needed_interval(0.95) == (3, None)
+    assert wide.touches_needed_interval(1.1) == (None, None)
+
+
 def test_each_point_is_a_run_with_so_many_touches():
     table = features_table(touches=7, separation=2.0)
     curves = touch_curves(table, PARAMETERS, 1, "paper", [1, 5, 7])

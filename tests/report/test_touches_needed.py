@@ -18,6 +18,8 @@ def row(strategy, area, touches, gain=None, p_value=None):
         "strategy": strategy,
         "level": 0.9,
         "touches": touches,
+        "touches_low": None if touches is None else 1,
+        "touches_high": None,
         "most_touches": 2,
         "area": area,
         "area_low": area - 0.1,

@@ -1,12 +1,13 @@
 """Ablations: one part of the method left out or exchanged → what is left of the accuracy.
 
 Takes results/meshes/, results/fixations/, results/touches/ and results/features/, each ablation as
-late a table as it allows; gives results/ablation/ and results/ablations.parquet. A run makes neither:
-`snakemake -j2 ablations_all` does, and from then on the report shows them and every run keeps them
-current, until they are deleted. `snakemake -j1 results/ablation/wavelet.parquet` runs one alone.
+late a table as it allows; gives results/ablation/, results/ablations.parquet and reports/ablations.json.
+A run makes none of them: `snakemake -j2 ablations_all` does, and from then on the report shows them and
+every run keeps them current, until they are deleted. `snakemake -j1 results/ablation/wavelet.parquet`
+runs one alone.
 """
 
-ABLATION_FIGURES = ["results/ablations.parquet"]
+ABLATION_FIGURES = ["results/ablations.parquet", "reports/ablations.json"]
 
 
 rule ablations_all:
@@ -42,7 +43,8 @@ rule ablations:
         parts=expand("results/ablation/{ablation}.parquet", ablation=ABLATIONS),
         code=code_of("ablations.py"),
     output:
-        "results/ablations.parquet",
+        ablations="results/ablations.parquet",
+        metrics="reports/ablations.json",
     log:
         "logs/ablations.log",
     conda:

@@ -7,7 +7,8 @@ from visuohaptic.recognition.parameters import IntervalParameters
 with logged_job(snakemake.log[0]):
     make_ablations(
         parts=snakemake.input.parts,
-        output=snakemake.output[0],
+        output=snakemake.output.ablations,
+        metrics=snakemake.output.metrics,
         intervals=IntervalParameters(**snakemake.params.intervals),
         seed=snakemake.params.seed,
     )

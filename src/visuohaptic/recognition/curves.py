@@ -41,7 +41,22 @@ class TouchCurve:
 
     def touches_needed(self, accuracy: float) -> int | None:
         """Give the fewest touches from which on the mean stays at an accuracy, None if never."""
-        below = [place for place, interval in enumerate(self.accuracy) if interval.mean < accuracy]
+        return self._stays_at(accuracy, [interval.mean for interval in self.accuracy])
+
+    def touches_needed_interval(self, accuracy: float) -> tuple[int | None, int | None]:
+        """Give the fewest and the most touches that the intervals leave open for `touches_needed`.
+
+        From the fewest on the intervals' upper ends stay at the accuracy, from the most on their
+        lower ends do: the touches at which a test on the interval's level can't tell the
+        accuracy from the one asked for. None if never.
+        """
+        return (
+            self._stays_at(accuracy, [interval.high for interval in self.accuracy]),
+            self._stays_at(accuracy, [interval.low for interval in self.accuracy]),
+        )
+
+    def _stays_at(self, accuracy: float, values: Sequence[float]) -> int | None:
+        below = [place for place, value in enumerate(values) if value < accuracy]
         first = max(below) + 1 if below else 0
         return self.touches[first] if first < len(self.touches) else None
 
