@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numerics import kills, mutations
+from numerics import kills
 from numerics.shapes import VIEWPOINTS, run_block, run_chain
 
 from visuohaptic.attention.model import attend
@@ -167,22 +167,6 @@ def test_a_run_that_is_killed_again_and_again_never_leaves_half_a_table(hold, re
         or f"{found['killed_while_writing']} kills left a temporary file behind",
         cases=found["kills"],
     )
-
-
-@pytest.mark.hard
-def test_every_mutation_is_caught(recorder, tmp_path):
-    rows = mutations.run(tmp_path)
-    for row in rows:
-        recorder.tell("mutations", row)
-    assert len(rows) >= 10
-    assert all(row["caught_by"] for row in rows), [
-        row["change"] for row in rows if not row["caught_by"]
-    ]
-
-
-def test_every_line_to_be_broken_is_still_there():
-    lost = [mutation.name for mutation in mutations.MUTATIONS if mutations.count(mutation) != 1]
-    assert not lost
 
 
 @pytest.mark.hard
