@@ -25,7 +25,7 @@ browser:
 	  { [ "$$(id -u)" = 0 ] && { apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends chromium; } >/dev/null 2>&1; } || \
 	  echo "There is no Chromium here, so no page will be opened in one (Debian, Ubuntu: apt install chromium)."
 
-# Hard cases at their full counts; up to 45 minutes on two cores.
+# Hard cases at their full counts; some 17 minutes on two cores.
 test-hard: $(READY)
 	pytest tests/numerics -n 2 --dist worksteal --stability reports/stability.json
 	python -m benchmarks.precision reports/precision.json
