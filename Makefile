@@ -56,7 +56,7 @@ format: $(READY)
 # Pins every package with its hashes; needs `uv` on PATH.
 lock:
 	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes \
-	  --no-emit-index-url --no-emit-find-links --no-annotate --custom-compile-command "make lock" \
+	  --no-annotate --custom-compile-command "make lock" \
 	  --output-file requirements.lock
 
 clean:

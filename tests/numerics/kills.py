@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 import shutil
@@ -18,9 +17,8 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as pq
-import yaml
+from small_experiment import copy_experiment
 
-ROOT = Path(__file__).parents[2]
 COPIED = ("Snakefile", "params.yaml", "workflow", "src", "meshes/paper", "meshes/own", "profiles")
 OBJECTS = ("bs0_yogurtBottle", "bsby_chair3")
 SMALL = {
@@ -30,28 +28,6 @@ SMALL = {
 }
 TARGETS = ("results/features", "results/touches", "results/fixations", "results/views")
 RUN_SECONDS = 240
-
-
-def prepare(folder):
-    """Copy the experiment, two objects and two small views of it."""
-    for name in COPIED:
-        source, target = ROOT / name, folder / name
-        if not source.exists():
-            continue
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if source.is_dir():
-            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy2(source, target)
-    rows = list(csv.DictReader((ROOT / "meshes/catalogue.csv").open(newline="")))
-    with (folder / "meshes/catalogue.csv").open("w", newline="") as stream:
-        writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(row for row in rows if row["object"] in OBJECTS)
-    parameters = yaml.safe_load((folder / "params.yaml").read_text())
-    for section, values in SMALL.items():
-        parameters[section] |= values
-    (folder / "params.yaml").write_text(yaml.safe_dump(parameters, sort_keys=False))
 
 
 def start(folder):
@@ -109,8 +85,8 @@ def kill_runs(folder, kills, seed):
     """
     folder = Path(folder)
     whole, tried = folder / "whole", folder / "tried"
-    prepare(whole)
-    prepare(tried)
+    for copy in (whole, tried):
+        copy_experiment(copy, COPIED, OBJECTS, SMALL)
     started = time.perf_counter()
     process = start(whole)
     if process.wait(timeout=RUN_SECONDS):

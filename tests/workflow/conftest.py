@@ -1,6 +1,5 @@
 """A small copy of the experiment: four objects of two classes, two small views, everything real."""
 
-import csv
 import os
 import re
 import shutil
@@ -11,9 +10,8 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-import yaml
+from small_experiment import copy_experiment, set_parameters
 
-ROOT = Path(__file__).parents[2]
 OBJECTS = ("bs0_yogurtBottle", "sc_com_bath2_jabon_pijo", "bsby_chair3", "bs0_chair2")
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
@@ -65,10 +63,7 @@ class Experiment:
 
     def set(self, **sections):
         """Change parameters, section by section."""
-        path = self.folder / "params.yaml"
-        path.write_text(
-            yaml.safe_dump(merged(yaml.safe_load(path.read_text()), sections), sort_keys=False)
-        )
+        set_parameters(self.folder, sections)
 
     def table(self, name):
         """Read a whole table, sorted by all its plain columns."""
@@ -95,36 +90,12 @@ class Experiment:
         return Experiment(folder)
 
 
-def merged(old, new):
-    """Lay new values over old ones, deeply."""
-    return {
-        **old,
-        **{
-            key: merged(old[key], value) if isinstance(value, dict) and key in old else value
-            for key, value in new.items()
-        },
-    }
-
-
 @pytest.fixture(scope="session")
 def fresh(tmp_path_factory):
     """The experiment before anything has run."""
     folder = tmp_path_factory.mktemp("fresh") / "experiment"
-    for name in COPIED:
-        source, target = ROOT / name, folder / name
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if source.is_dir():
-            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy2(source, target)
-    rows = list(csv.DictReader((ROOT / "meshes/catalogue.csv").open(newline="")))
-    with (folder / "meshes/catalogue.csv").open("w", newline="") as stream:
-        writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(row for row in rows if row["object"] in OBJECTS)
-    experiment = Experiment(folder)
-    experiment.set(**SMALL)
-    return experiment
+    copy_experiment(folder, COPIED, OBJECTS, SMALL)
+    return Experiment(folder)
 
 
 @pytest.fixture(scope="session")

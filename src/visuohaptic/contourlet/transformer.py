@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -19,7 +20,7 @@ from .wavelets import wavelet_band_names, wavelet_deviations
 Array = NDArray[np.float64]
 
 
-class _BandFeatures(TransformerMixin, BaseEstimator):  # type: ignore[misc]
+class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
     """What the transformers share: images as `(n, rows, columns)`, or flat with a stated shape."""
 
     image_shape: tuple[int, int] | None
@@ -88,11 +89,13 @@ class _BandFeatures(TransformerMixin, BaseEstimator):  # type: ignore[misc]
             )
         return check_images(array)
 
+    @abstractmethod
     def _features(self, images: NDArray[np.floating[Any]]) -> Array:
-        raise NotImplementedError
+        """Compute the features of checked images, shape (n, features)."""
 
+    @abstractmethod
     def _names(self) -> list[str]:
-        raise NotImplementedError
+        """Name the features, in their order."""
 
 
 class ContourletDeviations(_BandFeatures):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -182,25 +182,18 @@ def _lean_viewpoints(run: ExperimentParameters) -> list[Setting]:
 
 
 def _imprint(run: ExperimentParameters) -> list[Setting]:
-    return _make(
-        "imprint",
-        run,
-        (
-            (f"{size} × {size}", {"changes": _unless_own(run, "sensor.resolution", size)})
-            for size in run.cost.imprint_resolutions
-        ),
-    )
+    return _squares("imprint", run, "sensor.resolution", run.cost.imprint_resolutions)
 
 
 def _render(run: ExperimentParameters) -> list[Setting]:
-    return _make(
-        "render",
-        run,
-        (
-            (f"{size} × {size}", {"changes": _unless_own(run, "rendering.resolution", size)})
-            for size in run.cost.view_resolutions
-        ),
-    )
+    return _squares("render", run, "rendering.resolution", run.cost.view_resolutions)
+
+
+def _squares(
+    family: str, run: ExperimentParameters, parameter: str, sizes: Sequence[int]
+) -> list[Setting]:
+    named = ((f"{size} × {size}", _unless_own(run, parameter, size)) for size in sizes)
+    return _make(family, run, ((name, {"changes": changes}) for name, changes in named))
 
 
 def _channels(run: ExperimentParameters) -> list[Setting]:

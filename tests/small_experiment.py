@@ -1,0 +1,44 @@
+"""A copy of the experiment in a folder of its own: a few objects, small views, everything real."""
+
+import csv
+import shutil
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).parents[1]
+
+
+def copy_experiment(folder, copied, objects, parameters):
+    """Copy files and folders of the repository, keep some objects, and change parameters."""
+    for name in copied:
+        source, target = ROOT / name, folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if source.is_dir():
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy2(source, target)
+    rows = list(csv.DictReader((ROOT / "meshes/catalogue.csv").open(newline="")))
+    with (folder / "meshes/catalogue.csv").open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(row for row in rows if row["object"] in objects)
+    set_parameters(folder, parameters)
+
+
+def set_parameters(folder, sections):
+    """Change parameters of a copy, section by section."""
+    path = folder / "params.yaml"
+    changed = merged(yaml.safe_load(path.read_text()), sections)
+    path.write_text(yaml.safe_dump(changed, sort_keys=False))
+
+
+def merged(old, new):
+    """Lay new values over old ones, deeply."""
+    return {
+        **old,
+        **{
+            key: merged(old[key], value) if isinstance(value, dict) and key in old else value
+            for key, value in new.items()
+        },
+    }
