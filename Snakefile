@@ -26,6 +26,7 @@ include: "workflow/rules/report.smk"
 onstart:
     prune_tables()
     start_local_jobs_at_once()
+    start_local_jobs_warm()
 
 
 rule all:

@@ -1,5 +1,3 @@
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -147,37 +145,3 @@ def test_distances_agree_with_embreex():
     assert faces.size > 500
     np.testing.assert_array_equal(hits.hit, np.isfinite(expected))
     np.testing.assert_allclose(hits.distance[rays], expected[rays], rtol=0, atol=1e-6)
-
-
-def in_a_fresh_process(program):
-    subprocess.run([sys.executable, "-c", program], check=True, env={"PYTHONPATH": str(SOURCE)})
-
-
-def test_open3d_is_loaded_without_its_web_viewer_and_once_for_who_imports_it_later():
-    in_a_fresh_process("""
-import sys
-from visuohaptic.raycasting import load_open3d
-RaycastingScene = load_open3d().t.geometry.RaycastingScene
-assert not {"dash", "flask"} & set(sys.modules)
-import open3d
-assert open3d.t.geometry.RaycastingScene is RaycastingScene
-assert load_open3d() is open3d.pybind
-""")
-
-
-def test_threads_that_load_open3d_at_once_get_the_same():
-    in_a_fresh_process("""
-from concurrent.futures import ThreadPoolExecutor
-from visuohaptic.raycasting import load_open3d
-with ThreadPoolExecutor(4) as pool:
-    assert len({id(module) for module in pool.map(lambda _: load_open3d(), range(8))}) == 1
-""")
-
-
-def test_open3d_is_imported_whole_where_its_compiled_part_is_not_where_it_was(monkeypatch):
-    import open3d
-
-    from visuohaptic import raycasting
-
-    monkeypatch.setattr(raycasting, "_compiled_open3d", lambda: None)
-    assert raycasting._load_open3d() is open3d

@@ -59,8 +59,8 @@ def logged_job(log: str | Path) -> Iterator[None]:
     path = Path(log)
     path.parent.mkdir(parents=True, exist_ok=True)
     _keep_pandas_out()
+    imports = _seconds_since_start()
     started = time.time()
-    imports = started - _process_start()
     try:
         yield
     except VisuohapticError as error:
@@ -123,7 +123,12 @@ def _end_with(log: Path, sentence: str, details: str) -> None:
     raise SystemExit(1)
 
 
-def _process_start() -> float:
+def _seconds_since_start() -> float:
+    """Give the age of this process; the kernel knows it to a hundredth of a second."""
+    if sys.platform == "linux":
+        # Field 22 of 52; the name in field 2 may hold spaces and brackets.
+        fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+        return time.clock_gettime(time.CLOCK_BOOTTIME) - int(fields[19]) / os.sysconf("SC_CLK_TCK")
     import psutil
 
-    return psutil.Process().create_time()
+    return time.time() - psutil.Process().create_time()

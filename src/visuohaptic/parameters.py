@@ -26,6 +26,10 @@ class WorkflowParameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     views_per_job: int = Field(16, ge=1, description="viewpoints that one job covers")
+    warm_starts: bool = Field(
+        True,  # noqa: FBT003 - a field's default
+        description="whether local jobs are forks of one process that has imported what they need (Linux)",
+    )
 
 
 class ExperimentParameters(BaseModel):

@@ -7,15 +7,8 @@ wrong within about 1e-7 of an edge: `RayCaster.settled_hits` looks at such rays 
 
 from __future__ import annotations
 
-import ctypes
-import importlib.util
-import os
-import sys
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.machinery import ExtensionFileLoader, ModuleSpec, PathFinder
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +29,6 @@ _BUNDLE = np.array(
 )
 # Rounding of a triple product of float64 vectors, relative to their lengths.
 _ROUNDING = 2e-15
-
-_OPEN3D_IS_LOADED_ONCE = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -82,7 +73,8 @@ class RayCaster:
     """
 
     def __init__(self, surface: Surface) -> None:
-        open3d = load_open3d()
+        from visuohaptic.compiled_open3d import open3d
+
         self.surface = surface
         self.bounds = np.stack([surface.vertices.min(axis=0), surface.vertices.max(axis=0)])
         self._corners = surface.triangles
@@ -255,43 +247,3 @@ def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
 def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
     """Dot products of rows of three; written out, for BLAS may order sums by the batch."""
     return first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1] + first[:, 2] * second[:, 2]
-
-
-def load_open3d() -> ModuleType:
-    """Load Open3D's compiled part, with the USB library that its wheel needs and a bare machine lacks.
-
-    The package ``open3d`` itself imports a web viewer along with it, which takes longer than
-    all the rest and serves nothing here; a later ``import open3d`` finds the same module.
-
-    Returns
-    -------
-    module
-        ``open3d.pybind``, or ``open3d`` where its compiled part isn't where it is looked for.
-    """
-    with _OPEN3D_IS_LOADED_ONCE:
-        return sys.modules.get("open3d.pybind") or _load_open3d()
-
-
-def _load_open3d() -> ModuleType:
-    if importlib.util.find_spec("libusb_package") is not None:
-        import libusb_package
-
-        ctypes.CDLL(str(libusb_package.get_library_path()), mode=ctypes.RTLD_GLOBAL)
-    # In a notebook Open3D would start a web server that nothing here needs.
-    os.environ.setdefault("OPEN3D_DISABLE_WEB_VISUALIZER", "true")
-    spec = _compiled_open3d()
-    if spec is None or not isinstance(spec.loader, ExtensionFileLoader):
-        import open3d
-
-        return open3d
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    sys.modules[spec.name] = module
-    return module
-
-
-def _compiled_open3d() -> ModuleSpec | None:
-    package = importlib.util.find_spec("open3d")
-    if package is None or not package.submodule_search_locations:
-        return None
-    return PathFinder.find_spec("open3d.pybind", list(package.submodule_search_locations))

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import gzip
-import io
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -84,9 +87,11 @@ def write_surface(surface: Surface, path: str | Path) -> None:
     for channel, name in enumerate(("red", "green", "blue")):
         face[name] = surface.face_colours[:, channel]
     elements = [PlyElement.describe(vertex, "vertex"), PlyElement.describe(face, "face")]
-    buffer = io.BytesIO()
-    PlyData(elements, byte_order="<").write(buffer)
-    data = buffer.getvalue()
+    header = PlyData(elements, byte_order="<").header
+    # The library writes lists one by one; lists of one length are an array, each after its length.
+    lists = np.zeros(len(face), dtype=[("length", "u1"), ("face", face.dtype)])
+    lists["length"], lists["face"] = 3, face
+    data = f"{header}\n".encode() + vertex.tobytes() + lists.tobytes()
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(gzip.compress(data, 9, mtime=0) if path.suffix == ".gz" else data)
@@ -113,14 +118,11 @@ def read_surface(path: str | Path) -> Surface:
     from plyfile import PlyData, PlyParseError
 
     try:
-        with _opened(Path(path)) as stream:
+        with _plain_file(Path(path)) as stream:
             data = PlyData.read(stream, known_list_len={"face": {"vertex_indices": 3}})
         vertex, face = data["vertex"], data["face"]
         vertices = np.column_stack([vertex[name] for name in "xyz"]).astype(np.float64)
-        corners = face["vertex_indices"]
-        # One array from a plain file; an array of arrays from a compressed stream.
-        listed = corners.tolist() if corners.dtype == object else corners
-        faces = np.asarray(listed, dtype=np.int64).reshape(-1, 3)
+        faces = np.asarray(face["vertex_indices"], dtype=np.int64).reshape(-1, 3)
         colours = np.column_stack([face[name] for name in ("red", "green", "blue")])
     except (OSError, EOFError, PlyParseError, KeyError, ValueError) as error:
         raise MeshError(
@@ -129,5 +131,14 @@ def read_surface(path: str | Path) -> Surface:
     return Surface(vertices, faces, colours.astype(np.uint8))
 
 
-def _opened(path: Path) -> BinaryIO:
-    return gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb")  # type: ignore[return-value]
+@contextmanager
+def _plain_file(path: Path) -> Iterator[BinaryIO]:
+    """Open a file, or what it unpacks to: only what lies in a file is read as one array."""
+    if path.suffix != ".gz":
+        with path.open("rb") as plain:
+            yield plain
+        return
+    with gzip.open(path, "rb") as packed, tempfile.TemporaryFile() as unpacked:
+        shutil.copyfileobj(packed, unpacked)
+        unpacked.seek(0)
+        yield unpacked

@@ -48,6 +48,27 @@ def test_snakemake_looks_for_jobs_to_start_when_one_has_ended_and_not_by_the_clo
     assert output.count("Ready jobs") <= 4 + 1
 
 
+def test_jobs_start_as_forks_of_the_server(experiment):
+    script = experiment.folder / "workflow/scripts/meshes.py"
+    tells = "\nimport sys\nfrom pathlib import Path\n\nPath('started-as').write_text(str(sys.orig_argv))\n"
+    script.write_text(script.read_text() + tells)
+    experiment.snakemake("--until", "meshes")
+    assert "visuohaptic.fork_server" in (experiment.folder / "started-as").read_text()
+
+
+def test_how_jobs_start_changes_no_table(experiment, finished):
+    experiment.set(workflow={"warm_starts": False})
+    experiment.snakemake("--forcerun", "meshes")
+    for name in TABLES:
+        assert experiment.table(name).equals(finished.table(name))
+
+
+def test_without_a_server_jobs_start_by_themselves(experiment):
+    (experiment.folder / "src/visuohaptic/fork_server.py").write_text("raise SystemExit\n")
+    output = experiment.snakemake("--forcerun", "meshes", "--until", "meshes").stdout
+    assert output.count("Finished jobid") == 4
+
+
 def test_a_parameter_of_recognition_reruns_no_touch(experiment):
     experiment.set(recognition={"classifier": {"neighbours": 3}})
     assert experiment.planned() == {"recognition": 2, "metrics": 1, "report": 1}

@@ -16,6 +16,7 @@ from visuohaptic.jobs import set_job_environment
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene import VISUAL_EFFECTS
 from visuohaptic.tables import prune_parts
+from visuohaptic.warm_start import offer_warm_starts
 
 set_job_environment(SOURCE)
 
@@ -145,3 +146,11 @@ def start_local_jobs_at_once():
     """
     if workflow.local_exec:
         workflow.scheduler.job_rate_limiter = None
+
+
+def start_local_jobs_warm():
+    """Let jobs on this machine take over what the first of their kind have imported."""
+    if workflow.local_exec and PARAMETERS.workflow.warm_starts:
+        offer_warm_starts()
+        hands_over = str(Path(workflow.basedir, "workflow/warm_start"))
+        os.environ["PYTHONPATH"] = f"{hands_over}{os.pathsep}{SOURCE}"

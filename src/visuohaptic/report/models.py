@@ -11,7 +11,6 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.raycasting import load_open3d
 from visuohaptic.surface import Surface
 
 # Coordinates lie within the unit sphere; a step is 1/16384 of the object's radius.
@@ -51,7 +50,8 @@ def thin(surface: Surface, faces: int) -> Surface:
     """
     if len(surface.faces) <= faces:
         return surface
-    open3d = load_open3d()
+    from visuohaptic.compiled_open3d import open3d
+
     mesh = open3d.geometry.TriangleMesh(
         open3d.utility.Vector3dVector(surface.vertices),
         open3d.utility.Vector3iVector(surface.faces.astype(np.int32)),
@@ -109,7 +109,8 @@ def _steps(values: NDArray[np.float64]) -> NDArray[np.int16]:
 
 
 def _nearest_colours(surface: Surface, points: NDArray[np.float64]) -> NDArray[np.uint8]:
-    open3d = load_open3d()
+    from visuohaptic.compiled_open3d import open3d
+
     scene = open3d.t.geometry.RaycastingScene(nthreads=1)
     tensor = open3d.core.Tensor
     scene.add_triangles(

@@ -1,0 +1,103 @@
+"""Warm starts: a script runs in a fork of a process that has imported what such scripts import.
+
+A job of half a second would otherwise take another two to start Python and import its libraries.
+This is the side of those who start; `visuohaptic.fork_server` is the process that forks.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING
+
+# Every script that starts waits for what is imported up here; so all else is imported late.
+if TYPE_CHECKING:
+    from pathlib import Path
+    from socket import socket
+
+ADDRESS = "VISUOHAPTIC_WARM_START"
+"""The variable of the environment that says where the server listens."""
+
+STARTED = b"started"
+"""What the server answers once a script runs; its exit status, one byte, is all that follows."""
+
+
+def offer_warm_starts() -> None:
+    """Start a server for the processes that this one starts; it ends when this one does.
+
+    From now on `hand_over` finds it, in this process and in all that inherit its environment.
+    Nothing is started on other systems than Linux, where forks of so large a process are not safe.
+    """
+    if sys.platform != "linux":
+        return
+    import atexit
+    import socket
+    import subprocess
+    import tempfile
+    from pathlib import Path
+
+    address = Path(tempfile.mkdtemp(prefix="visuohaptic-")) / "socket"
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(address))
+        listener.listen()
+        number = listener.fileno()
+        server = subprocess.Popen(  # noqa: S603 - a module of this package
+            [sys.executable, "-m", "visuohaptic.fork_server", str(number), str(address)],
+            stdin=subprocess.PIPE,
+            pass_fds=[number],
+        )
+    os.environ[ADDRESS] = str(address)
+    # The server's standard input stays open as long as this process lives; its end is the server's.
+    atexit.register(server.communicate)
+
+
+def hand_over(script: str | Path) -> int | None:
+    """Let the server run a script with this process's files, folder and environment.
+
+    The script is interrupted when this process ends.
+
+    Parameters
+    ----------
+    script : path
+        A Python file.
+
+    Returns
+    -------
+    int or None
+        The script's exit status; None where no server took it, and nothing was run.
+    """
+    import json
+    import signal
+    import socket
+
+    request = {
+        "script": str(script),
+        "folder": os.getcwd(),  # noqa: PTH109 - pathlib would make each start slower
+        "environment": dict(os.environ),
+        "prefix": sys.prefix,
+    }
+    with socket.socket(socket.AF_UNIX) as connection:
+        try:
+            connection.connect(os.environ[ADDRESS])
+            message = json.dumps(request).encode() + b"\n"
+            sent = socket.send_fds(connection, [message], [0, 1, 2])
+            connection.sendall(message[sent:])
+            if _receive(connection, len(STARTED)) != STARTED:
+                return None
+        except (OSError, KeyError):
+            return None
+        # An interrupt ends the script along with this process; it alone has something to tell.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        status = _receive(connection, 1)
+    if not status:
+        sys.stderr.write(f"error: the process that ran {script} ended without an answer.\n")
+        return 1
+    return status[0]
+
+
+def _receive(connection: socket, length: int) -> bytes:
+    """Give so many bytes, or fewer where the other side ends."""
+    received = b""
+    while len(received) < length and (more := connection.recv(length - len(received))):
+        received += more
+    return received

@@ -1,0 +1,241 @@
+"""A script that is handed over does what it would do by itself, sooner."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parents[1] / "src"
+HANDS_OVER = """
+import sys
+from visuohaptic.warm_start import hand_over
+status = hand_over(sys.argv[1])
+raise SystemExit(99 if status is None else status)
+"""
+ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="nothing is warm elsewhere")
+
+
+class Server:
+    """A process that offers warm starts, until it is told to end."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": f"{SOURCE}:{folder}"}
+        program = (
+            "import os, sys; from visuohaptic.warm_start import ADDRESS, offer_warm_starts; "
+            "offer_warm_starts(); print(os.environ[ADDRESS], flush=True); sys.stdin.read()"
+        )
+        self.starter = subprocess.Popen(
+            [sys.executable, "-c", program],
+            env=self.environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        self.environment["VISUOHAPTIC_WARM_START"] = self.starter.stdout.readline().strip()
+
+    def start(self, script, kind="test.py", name="a", **environment):
+        path = self.folder / f"{name}.{kind}"
+        path.write_text(script)
+        return subprocess.Popen(
+            [sys.executable, "-c", HANDS_OVER, str(path)],
+            env={**self.environment, **environment}, cwd=self.folder, text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        )  # fmt: skip
+
+    def run(self, script, kind="test.py", **environment):
+        process = self.start(script, kind, **environment)
+        output, errors = process.communicate(timeout=60)
+        return process.returncode, output, errors
+
+    @property
+    def socket(self):
+        return Path(self.environment["VISUOHAPTIC_WARM_START"])
+
+    def end(self):
+        self.starter.communicate(timeout=20)
+
+
+@pytest.fixture
+def server(tmp_path):
+    server = Server(tmp_path)
+    yield server
+    server.end()
+
+
+def appears(path, seconds=20):
+    limit = time.monotonic() + seconds
+    while not path.exists() and time.monotonic() < limit:
+        time.sleep(0.02)
+    return path.exists()
+
+
+def runs(process):
+    """Whether a process is there; one that has ended and is waited for by none is not."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"
+
+
+def test_a_script_sees_its_own_files_folder_environment_and_name(server, tmp_path):
+    script = """
+import json, os, sys
+print(json.dumps([sys.argv, os.getcwd(), os.environ["COLOUR"], __name__, sys.path[0]]))
+print("oh", file=sys.stderr)
+"""
+    status, output, errors = server.run(script, COLOUR="mauve")
+    assert (status, errors) == (0, "oh\n")
+    expected = [[str(tmp_path / "a.test.py")], str(tmp_path), "mauve", "__main__", str(tmp_path)]
+    assert json.loads(output) == expected
+
+
+def test_a_script_reads_standard_input(server):
+    process = server.start("print(input())")
+    assert process.communicate("hello\n", timeout=60)[0] == "hello\n"
+
+
+@pytest.mark.parametrize(
+    ("script", "status", "error"),
+    [
+        ("raise SystemExit", 0, ""),
+        ("raise SystemExit(7)", 7, ""),
+        ("raise SystemExit('no mesh')", 1, "no mesh\n"),
+        ("import os; os._exit(3)", 1, "ended without an answer.\n"),
+        (
+            "import os, signal; os.kill(os.getpid(), signal.SIGKILL)",
+            1,
+            "ended without an answer.\n",
+        ),
+        ("1 / 0", 1, "ZeroDivisionError: division by zero\n"),
+        ("1 +", 1, "SyntaxError: invalid syntax\n"),
+    ],
+)
+def test_a_script_ends_as_it_would_by_itself(server, script, status, error):
+    ended, _, errors = server.run(script)
+    assert ended == status
+    assert errors.endswith(error)
+
+
+def test_a_traceback_begins_with_the_script(server, tmp_path):
+    script = f'  File "{tmp_path / "a.test.py"}", line 1, in <module>'
+    assert server.run("1 / 0")[2].splitlines()[:2] == ["Traceback (most recent call last):", script]
+
+
+def test_what_is_to_be_done_at_the_end_is_done(server, tmp_path):
+    server.run("import atexit, pathlib; atexit.register(pathlib.Path('done').touch)")
+    assert (tmp_path / "done").exists()
+
+
+def test_the_third_script_of_a_kind_finds_what_the_first_imported(server):
+    script = "import sys; print('colorsys' in sys.modules); import colorsys"
+    assert [server.run(script, "blue.py")[1] for _ in range(3)] == ["False\n", "True\n", "True\n"]
+    assert server.run(script, "red.py")[1] == "True\n"
+
+
+def test_a_kind_that_ran_once_costs_the_others_nothing(server):
+    server.run("import colorsys", "blue.py")
+    script = "import sys; print('colorsys' in sys.modules)"
+    assert server.run(script, "red.py")[1] == "False\n"
+
+
+def test_no_script_sees_what_another_left_in_memory(server):
+    script = "import colorsys; print(getattr(colorsys, 'mark', 'none')); colorsys.mark = 'set'"
+    assert [server.run(script)[1] for _ in range(3)] == ["none\n"] * 3
+
+
+def test_what_cannot_be_imported_by_its_name_is_left_to_the_scripts(server):
+    script = """
+import importlib.machinery, importlib.util, sys
+print("made_here" in sys.modules)
+sys.modules["made_here"] = importlib.util.module_from_spec(
+    importlib.machinery.ModuleSpec("made_here", None)
+)
+"""
+    assert [server.run(script)[:2] for _ in range(3)] == [(0, "False\n")] * 3
+
+
+def test_where_an_import_starts_a_thread_scripts_start_by_themselves(server, tmp_path):
+    (tmp_path / "threaded.py").write_text(
+        "import threading, time\n"
+        "threading.Thread(target=time.sleep, args=(60,), daemon=True).start()\n"
+    )
+    # The server learns of it with the second of its kind, and from there on serves nobody.
+    assert [server.run("import threaded; print('ran')")[0] for _ in range(3)] == [0, 99, 99]
+
+
+def test_another_number_of_threads_starts_by_itself(server):
+    assert server.run("print('ran')", OPENBLAS_NUM_THREADS="2")[0] == 99
+
+
+def test_without_a_server_a_script_starts_by_itself(server):
+    assert server.run("print('ran')", VISUOHAPTIC_WARM_START="/nowhere")[0] == 99
+
+
+def test_what_is_no_request_harms_nobody(server):
+    import socket
+
+    for message in (b"", b"\n", b"{}\n", b'{"script": 1}\n', b"[" * 100 + b"\n", b"\xff\n"):
+        with socket.socket(socket.AF_UNIX) as connection:
+            connection.connect(str(server.socket))
+            connection.sendall(message)
+            connection.shutdown(socket.SHUT_WR)
+            assert connection.recv(1) == b""
+    assert server.run("print('ran')")[1] == "ran\n"
+
+
+def test_scripts_run_side_by_side(server):
+    script = """
+import os, sys, time
+from pathlib import Path
+own, other = sys.argv[0].split("/")[-1][0], {"a": "b", "b": "a"}
+Path(own).touch()
+limit = time.monotonic() + 20
+while not Path(other[own]).exists() and time.monotonic() < limit:
+    time.sleep(0.01)
+print(Path(other[own]).exists())
+"""
+    both = [server.start(script, name=name) for name in "ab"]
+    assert [process.communicate(timeout=60)[0] for process in both] == ["True\n", "True\n"]
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_a_script_ends_with_the_process_that_handed_it_over_and_tidies_up(server, tmp_path, how):
+    script = """
+import os, time
+from pathlib import Path
+try:
+    Path("half").write_text(str(os.getpid()))
+    Path("half").rename("begun")
+    time.sleep(60)
+finally:
+    Path("tidied").touch()
+"""
+    process = server.start(script)
+    assert appears(tmp_path / "begun")
+    process.send_signal(how)
+    process.wait(20)
+    assert appears(tmp_path / "tidied")
+    number = int((tmp_path / "begun").read_text())
+    limit = time.monotonic() + 20
+    while runs(number) and time.monotonic() < limit:
+        time.sleep(0.02)
+    assert not runs(number)
+
+
+def test_the_server_ends_with_its_starter_and_leaves_nothing(tmp_path):
+    server = Server(tmp_path)
+    assert server.socket.exists()
+    assert server.run("print('ran')")[1] == "ran\n"
+    server.starter.kill()
+    server.end()
+    limit = time.monotonic() + 20
+    while server.socket.parent.exists() and time.monotonic() < limit:
+        time.sleep(0.02)
+    assert not server.socket.parent.exists()
+    assert server.run("print('ran')")[0] == 99

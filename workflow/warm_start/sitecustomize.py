@@ -1,0 +1,28 @@
+"""Hand a job's script over to the process that starts jobs warm.
+
+Python imports a module of this name at its start. The workflow puts this folder on the path of the
+processes that it starts, and no one else does; where nobody takes the script, it starts as ever.
+"""
+
+import os
+import sys
+
+_SCRIPTS = os.path.join(".snakemake", "scripts")
+
+
+def _start_warm() -> None:
+    from visuohaptic.warm_start import hand_over
+
+    status = hand_over(sys.orig_argv[1])
+    if status is not None:
+        os._exit(status)
+
+
+# Without pathlib, whose import would cost every start some milliseconds.
+if len(sys.orig_argv) == 2 and os.path.dirname(sys.orig_argv[1]).endswith(_SCRIPTS):
+    _start_warm()
+
+# Whatever other module of this name there is has its turn now.
+sys.path.remove(os.path.dirname(__file__))
+del sys.modules[__name__]
+import sitecustomize  # noqa: E402, F401
