@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from visuohaptic.warm_start import ADDRESS, offer_warm_starts
+
 SOURCE = Path(__file__).parents[1] / "src"
 HANDS_OVER = """
 import sys
@@ -36,7 +38,7 @@ class Server:
             [sys.executable, "-c", program],
             env=self.environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         )  # fmt: skip
-        self.environment["VISUOHAPTIC_WARM_START"] = self.starter.stdout.readline().strip()
+        self.environment[ADDRESS] = self.starter.stdout.readline().strip()
 
     def start(self, script, kind="test.py", name="a", **environment):
         path = self.folder / f"{name}.{kind}"
@@ -51,10 +53,6 @@ class Server:
         process = self.start(script, kind, **environment)
         output, errors = process.communicate(timeout=60)
         return process.returncode, output, errors
-
-    @property
-    def socket(self):
-        return Path(self.environment["VISUOHAPTIC_WARM_START"])
 
     def end(self):
         self.starter.communicate(timeout=20)
@@ -177,12 +175,56 @@ def test_without_a_server_a_script_starts_by_itself(server):
     assert server.run("print('ran')", VISUOHAPTIC_WARM_START="/nowhere")[0] == 99
 
 
+def test_where_no_server_can_be_started_it_says_so_and_goes_on(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "executable", "/nowhere/python")
+    monkeypatch.delenv(ADDRESS, raising=False)
+    offer_warm_starts()
+    assert capsys.readouterr().err.startswith("Jobs start by themselves, which takes longer: ")
+    assert ADDRESS not in os.environ
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
+def test_another_user_is_not_served(server, tmp_path):
+    script = tmp_path / "a.test.py"
+    script.write_text("print('ran')")
+    asks = f"""
+import os
+from visuohaptic import warm_start
+os.setuid({{user}})
+warm_start.is_of_this_user = lambda connection: True
+raise SystemExit(warm_start.hand_over({str(script)!r}) is not None)
+"""
+    for user, served in ((os.getuid(), 1), (65534, 0)):
+        command = [sys.executable, "-c", asks.format(user=user)]
+        result = subprocess.run(command, env=server.environment, cwd="/", check=False)
+        assert result.returncode == served
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
+def test_nothing_is_handed_over_to_another_user(server):
+    serves = """
+import os, socket, sys
+os.setuid(65534)
+with socket.socket(socket.AF_UNIX) as listener:
+    listener.bind("\\0visuohaptic-of-nobody")
+    listener.listen()
+    print("listening", flush=True)
+    connection, _ = listener.accept()
+    raise SystemExit(connection.recv(1) != b"")
+"""
+    other = subprocess.Popen([sys.executable, "-c", serves], stdout=subprocess.PIPE)
+    other.stdout.readline()
+    status, _, _ = server.run("print('ran')", **{ADDRESS: "visuohaptic-of-nobody"})
+    assert (status, other.wait(20)) == (99, 0)
+    other.stdout.close()
+
+
 def test_what_is_no_request_harms_nobody(server):
     import socket
 
     for message in (b"", b"\n", b"{}\n", b'{"script": 1}\n', b"[" * 100 + b"\n", b"\xff\n"):
         with socket.socket(socket.AF_UNIX) as connection:
-            connection.connect(str(server.socket))
+            connection.connect(f"\0{server.environment[ADDRESS]}")
             connection.sendall(message)
             connection.shutdown(socket.SHUT_WR)
             assert connection.recv(1) == b""
@@ -228,14 +270,14 @@ finally:
     assert not runs(number)
 
 
-def test_the_server_ends_with_its_starter_and_leaves_nothing(tmp_path):
+def test_the_server_ends_with_its_starter(tmp_path):
     server = Server(tmp_path)
-    assert server.socket.exists()
-    assert server.run("print('ran')")[1] == "ran\n"
+    status, output, _ = server.run("import os; print(os.getppid())")
+    assert status == 0
     server.starter.kill()
     server.end()
     limit = time.monotonic() + 20
-    while server.socket.parent.exists() and time.monotonic() < limit:
+    while runs(int(output)) and time.monotonic() < limit:
         time.sleep(0.02)
-    assert not server.socket.parent.exists()
+    assert not runs(int(output))
     assert server.run("print('ran')")[0] == 99

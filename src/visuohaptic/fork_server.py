@@ -8,8 +8,8 @@ A fork goes on with the parent's memory, so its results are those of a process o
 long as the parent has done nothing but import. It does nothing else, and where an import starts a
 thread, which a fork would lose, it ends, and scripts start by themselves from there on.
 
-``python -m visuohaptic.fork_server LISTENER ADDRESS`` takes a listening socket by its number and
-ends with its standard input.
+``python -m visuohaptic.fork_server LISTENER`` takes a listening socket by its number and ends with its
+standard input.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ import json
 import os
 import runpy
 import selectors
-import shutil
 import signal
 import socket
 import sys
@@ -34,7 +33,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import NoReturn
 
-from visuohaptic.warm_start import STARTED
+from visuohaptic.warm_start import STARTED, is_of_this_user
 
 _FORK_SAFE_THREADS = {"jemalloc_bg_thd"}  # pyarrow's; jemalloc itself brings it through a fork
 _SECONDS_TO_CLEAN_UP = 5.0
@@ -149,6 +148,8 @@ class ForkServer:
 
 def _receive_request(connection: socket.socket) -> Request | None:
     """Give a request that a fork can meet; None where it can't, or where none arrives."""
+    if not is_of_this_user(connection):
+        return None
     connection.settimeout(_SECONDS_TO_ASK)
     files: list[int] = []
     with suppress(OSError, ValueError, TypeError):
@@ -251,17 +252,14 @@ def _end_with(connection: socket.socket) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def main(listener: str, address: str) -> None:
+def main(listener: str) -> None:
     """Serve until standard input ends; see the module."""
     # An interrupt is for the scripts. Forks that have ended need no one to wait for them.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
-    try:
-        with socket.socket(fileno=int(listener)) as listening:
-            ForkServer(listening, sys.stdin.fileno()).serve()
-    finally:
-        shutil.rmtree(Path(address).parent, ignore_errors=True)
+    with socket.socket(fileno=int(listener)) as listening:
+        ForkServer(listening, sys.stdin.fileno()).serve()
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(sys.argv[1])

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
     from socket import socket
+    from subprocess import Popen
 
 ADDRESS = "VISUOHAPTIC_WARM_START"
-"""The variable of the environment that says where the server listens."""
+"""The variable of the environment that names the server's socket, which is no file: none is left."""
 
 STARTED = b"started"
 """What the server answers once a script runs; its exit status, one byte, is all that follows."""
@@ -26,29 +27,38 @@ def offer_warm_starts() -> None:
     """Start a server for the processes that this one starts; it ends when this one does.
 
     From now on `hand_over` finds it, in this process and in all that inherit its environment.
-    Nothing is started on other systems than Linux, where forks of so large a process are not safe.
+    Nothing is started on other systems than Linux, where forks of so large a process are not
+    safe, and nothing where the system refuses; it says so then, and all start by themselves.
     """
     if sys.platform != "linux":
         return
     import atexit
+    import uuid
+
+    address = f"visuohaptic-{uuid.uuid4()}"
+    try:
+        server = _start_server(address)
+    except OSError as error:
+        sys.stderr.write(f"Jobs start by themselves, which takes longer: {error}.\n")
+        return
+    os.environ[ADDRESS] = address
+    # The server's standard input stays open as long as this process lives; its end is the server's.
+    atexit.register(server.communicate)
+
+
+def _start_server(address: str) -> Popen[bytes]:
     import socket
     import subprocess
-    import tempfile
-    from pathlib import Path
 
-    address = Path(tempfile.mkdtemp(prefix="visuohaptic-")) / "socket"
     with socket.socket(socket.AF_UNIX) as listener:
-        listener.bind(str(address))
+        listener.bind(f"\0{address}")
         listener.listen()
         number = listener.fileno()
-        server = subprocess.Popen(  # noqa: S603 - a module of this package
-            [sys.executable, "-m", "visuohaptic.fork_server", str(number), str(address)],
+        return subprocess.Popen(  # noqa: S603 - a module of this package
+            [sys.executable, "-m", "visuohaptic.fork_server", str(number)],
             stdin=subprocess.PIPE,
             pass_fds=[number],
         )
-    os.environ[ADDRESS] = str(address)
-    # The server's standard input stays open as long as this process lives; its end is the server's.
-    atexit.register(server.communicate)
 
 
 def hand_over(script: str | Path) -> int | None:
@@ -78,7 +88,9 @@ def hand_over(script: str | Path) -> int | None:
     }
     with socket.socket(socket.AF_UNIX) as connection:
         try:
-            connection.connect(os.environ[ADDRESS])
+            connection.connect(f"\0{os.environ[ADDRESS]}")
+            if not is_of_this_user(connection):
+                return None
             message = json.dumps(request).encode() + b"\n"
             sent = socket.send_fds(connection, [message], [0, 1, 2])
             connection.sendall(message[sent:])
@@ -93,6 +105,18 @@ def hand_over(script: str | Path) -> int | None:
         sys.stderr.write(f"error: the process that ran {script} ended without an answer.\n")
         return 1
     return status[0]
+
+
+def is_of_this_user(connection: socket) -> bool:
+    """Whether the process at the other end is of the same user: any user can reach the socket."""
+    import socket
+    import struct
+
+    process_user_group = struct.Struct("3i")
+    credentials = connection.getsockopt(
+        socket.SOL_SOCKET, socket.SO_PEERCRED, process_user_group.size
+    )
+    return process_user_group.unpack(credentials)[1] == os.getuid()
 
 
 def _receive(connection: socket, length: int) -> bytes:
