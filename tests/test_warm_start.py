@@ -188,7 +188,7 @@ def test_another_user_is_not_served(server, tmp_path):
     script = tmp_path / "a.test.py"
     script.write_text("print('ran')")
     asks = f"""
-import os
+import json, os, signal, socket, struct  # now, for another user may not read this Python
 from visuohaptic import warm_start
 os.setuid({{user}})
 warm_start.is_of_this_user = lambda connection: True
