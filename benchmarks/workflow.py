@@ -28,18 +28,21 @@ def run() -> dict[str, object]:
     dict
         Seconds of wall time of each run, and the share of the cold run's core
         seconds that went into neither imports nor the jobs' own work; the same
-        again with the paper's pipeline alone.
+        again with the paper's pipeline alone, and cold without warm starts.
     """
     with tempfile.TemporaryDirectory() as folder:
         both = _copy(Path(folder) / "both")
         paper = _copy(Path(folder) / "paper")
         _set(paper, "recognition", "pipelines", ["paper"])
+        alone = _copy(Path(folder) / "alone")
+        _set(alone, "workflow", "warm_starts", False)
         cold = _time_run(both)
         spent = [seconds for log in both.rglob("logs/**/*.log") if (seconds := read_seconds(log))]
         imports = sum(seconds.imports for seconds in spent)
         work = sum(seconds.work for seconds in spent)
         return {
             "cold_run_s": cold,
+            "cold_run_without_warm_starts_s": _time_run(alone),
             "jobs": len(spent),
             "imports_core_s": round(imports, 2),
             "work_core_s": round(work, 2),

@@ -96,6 +96,7 @@ class ForkServer:
         self._listener = listener
         self._lifeline = lifeline
         self._lessons: dict[str, list[str]] = {}
+        self._left_to_scripts: set[str] = set()
 
     def serve(self) -> None:
         """Run what is handed over, until the lifeline ends or an import has started a thread."""
@@ -128,10 +129,12 @@ class ForkServer:
         """Import what the last script of this kind had to import by itself."""
         lesson = self._lessons.pop(kind, [])
         for name in lesson:
-            if name not in sys.modules:
-                # What can't be imported alone is left to the scripts.
-                with suppress(Exception):
-                    importlib.import_module(name)
+            if name in sys.modules or name in self._left_to_scripts:
+                continue
+            try:
+                importlib.import_module(name)
+            except Exception:  # noqa: BLE001 - whatever it is, a script can do it by itself
+                self._left_to_scripts.add(name)
         if lesson:
             gc.freeze()
 
