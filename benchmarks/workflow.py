@@ -35,7 +35,7 @@ def run() -> dict[str, object]:
         paper = _copy(Path(folder) / "paper")
         _set(paper, "recognition", "pipelines", ["paper"])
         alone = _copy(Path(folder) / "alone")
-        _set(alone, "workflow", "warm_starts", False)
+        _set(alone, "workflow", "warm_starts", value=False)
         cold = _time_run(both)
         spent = [seconds for log in both.rglob("logs/**/*.log") if (seconds := read_seconds(log))]
         imports = sum(seconds.imports for seconds in spent)
