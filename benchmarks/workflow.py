@@ -15,6 +15,7 @@ from visuohaptic.jobs import read_seconds
 
 ROOT = Path(__file__).parents[1]
 CORES = 2
+ROUNDS = 3
 LEFT_BEHIND = shutil.ignore_patterns(
     ".git", ".venv", ".snakemake", ".cache", ".dvc", "results", "logs", "reports", "__pycache__", "tests", ".*_cache"
 )  # fmt: skip
@@ -26,9 +27,9 @@ def run() -> dict[str, object]:
     Returns
     -------
     dict
-        Seconds of wall time of each run, and the share of the cold run's core
-        seconds that went into neither imports nor the jobs' own work; the same
-        again with the paper's pipeline alone, and cold without warm starts.
+        Seconds of wall time of each run, of cold ones the least of three, and the share of a
+        cold run's core seconds that went into neither imports nor the jobs' own work; the
+        same again with the paper's pipeline alone, and cold without warm starts.
     """
     with tempfile.TemporaryDirectory() as folder:
         both = _copy(Path(folder) / "both")
@@ -36,26 +37,40 @@ def run() -> dict[str, object]:
         _set(paper, "recognition", "pipelines", ["paper"])
         alone = _copy(Path(folder) / "alone")
         _set(alone, "workflow", "warm_starts", value=False)
-        cold = _time_run(both)
+        cold, by_themselves = _time_cold_in_turn(both, alone)
         spent = [seconds for log in both.rglob("logs/**/*.log") if (seconds := read_seconds(log))]
         imports = sum(seconds.imports for seconds in spent)
         work = sum(seconds.work for seconds in spent)
         return {
-            "cold_run_s": cold,
-            "cold_run_without_warm_starts_s": _time_run(alone),
+            "cold_run_s": min(cold),
+            "cold_run_without_warm_starts_s": min(by_themselves),
             "jobs": len(spent),
             "imports_core_s": round(imports, 2),
             "work_core_s": round(work, 2),
-            "neither_imports_nor_work": round(1 - (imports + work) / (CORES * cold), 3),
+            "neither_imports_nor_work": round(1 - (imports + work) / (CORES * cold[-1]), 3),
             "no_op_s": _time_run(both),
             **_time_changes(both),
-            "paper_pipeline": {"cold_run_s": _time_run(paper), **_time_changes(paper)},
+            "paper_pipeline": {
+                "cold_run_s": min(_time_cold_in_turn(paper)[0]),
+                **_time_changes(paper),
+            },
         }
 
 
 def _copy(folder: Path) -> Path:
     shutil.copytree(ROOT, folder, ignore=LEFT_BEHIND)
     return folder
+
+
+def _time_cold_in_turn(*folders: Path) -> list[list[float]]:
+    """Run from nothing in each folder in turn, so that what else the machine does meets all."""
+    seconds: list[list[float]] = [[] for _ in folders]
+    for _ in range(ROUNDS):
+        for taken, folder in zip(seconds, folders, strict=True):
+            for made in ("results", "logs", ".snakemake"):
+                shutil.rmtree(folder / made, ignore_errors=True)
+            taken.append(_time_run(folder))
+    return seconds
 
 
 def _time_changes(folder: Path) -> dict[str, float]:

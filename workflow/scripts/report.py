@@ -21,5 +21,5 @@ with logged_job(snakemake.log[0]):
         output=snakemake.output[0],
         parameters=ExperimentParameters.from_mapping(snakemake.params.parameters),
         objects=snakemake.params.objects,
-        threads=snakemake.threads,
+        processes=snakemake.threads,
     )

@@ -34,8 +34,8 @@ def report(
     found = find_run(run)
     page = out / PAGE
     track: Any = partial(show_progress, doing="writing the report")
-    threads = min(4, os.cpu_count() or 1)
-    make_report(found.files, page, found.parameters, found.objects, threads, track)
+    processes = min(4, os.cpu_count() or 1)
+    make_report(found.files, page, found.parameters, found.objects, processes, track)
     if as_json:
         say_json({"page": page, "bytes": page.stat().st_size, "objects": list(found.objects)})
         return

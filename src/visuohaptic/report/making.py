@@ -27,7 +27,7 @@ def make_report(
     output: str | Path,
     parameters: ExperimentParameters,
     objects: Sequence[str],
-    threads: int = 1,
+    processes: int = 1,
     track: Track = iter,
 ) -> None:
     """Write the report of a run, whole or not at all.
@@ -43,10 +43,10 @@ def make_report(
     objects : sequence of str
         Objects that were to take part, `class/name`; those of which there is no
         table are named in a warning.
-    threads : int
-        Threads to work on; they change nothing but the time.
+    processes : int
+        Processes to work on, at most; they change nothing but the time.
     track : callable
-        Takes the pending objects and gives them back one by one, as a progress bar does.
+        Takes the objects' names and gives them back one by one, as a progress bar does.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def make_report(
     TableError
         If a table is missing or breaks its schema.
     """
-    page = render_page(read_run(files, parameters, objects), threads, track)
+    page = render_page(read_run(files, parameters, objects), processes, track)
     output = Path(output)
     output.parent.mkdir(parents=True, exist_ok=True)
     waiting = output.with_name(f".{output.name}.part")
@@ -66,15 +66,15 @@ def make_report(
         waiting.unlink(missing_ok=True)
 
 
-def render_page(run: Run, threads: int = 1, track: Track = iter) -> str:
+def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     """Give the page of a run.
 
     Parameters
     ----------
     run : Run
         The run.
-    threads : int
-        Threads to work on.
+    processes : int
+        Processes to work on, at most.
     track : callable
         As for `make_report`.
 
@@ -84,7 +84,7 @@ def render_page(run: Run, threads: int = 1, track: Track = iter) -> str:
         HTML that asks the network for nothing.
     """
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
-    story = Story(run, describe_objects(run, threads, track), seconds)
+    story = Story(run, describe_objects(run, processes, track), seconds)
     environment = make_environment()
     shared = {
         "parameters": run.parameters,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,13 +30,15 @@ from visuohaptic.viewpoints import Camera, place_cameras
 _POINT = ("x", "y", "z")
 _NORMAL = ("normal_x", "normal_y", "normal_z")
 _TANGENT = ("tangent_x", "tangent_y", "tangent_z")
-Track = Callable[[Sequence["Future[ObjectPage]"]], Iterable["Future[ObjectPage]"]]
+Track = Callable[[Sequence[str]], Iterable[str]]
 # How often each class was named, by strategy and viewpoint.
 Answers = Mapping[tuple[str, int], Mapping[str, int]]
 # A model for the page: fewer faces where many objects share the page.
 _FACES_OF_ALL = 120_000
 _FACES_AT_MOST = 4_000
 _FACES_AT_LEAST = 1_200
+# A process of its own starts in the time that so many objects take.
+_OBJECTS_WORTH_A_PROCESS = 8
 
 
 @dataclass(frozen=True)
@@ -129,36 +131,41 @@ class ObjectPage:
     touch_keys: tuple[tuple[str, int, int, str], ...]
 
 
-def describe_objects(run: Run, threads: int = 1, track: Track = iter) -> list[ObjectPage]:
+def describe_objects(run: Run, processes: int = 1, track: Track = iter) -> list[ObjectPage]:
     """Describe every object that was looked at.
 
     Parameters
     ----------
     run : Run
         The run.
-    threads : int
-        Threads to work on; they change nothing but the time.
+    processes : int
+        Processes to work on, at most; they change nothing but the time.
     track : callable
-        Takes the pending objects and gives them back one by one, as a progress bar does.
+        Takes the objects' names and gives them back one by one, as a progress bar does.
 
     Returns
     -------
     list of ObjectPage
         Sorted by class and name.
     """
+    from joblib import Parallel, delayed
+
     cameras = place_cameras(run.parameters.viewpoints)
     answers = _answers(run)
     tables = [_by_object(table, run) for table in (run.views, run.fixations, run.touches)]
     faces = int(np.clip(_FACES_OF_ALL // len(run.objects), _FACES_AT_LEAST, _FACES_AT_MOST))
 
-    def describe(key: str) -> ObjectPage:
+    def task(key: str) -> Any:
         parts = [table[key] for table in tables]
-        return _describe(run, key, parts, cameras, answers.get(key, {}), faces)
+        mesh = run.meshes.get(key)
+        return delayed(_describe)(key, mesh, parts, cameras, answers.get(key, {}), faces)
 
-    # Pictures are encoded without Python's lock, so threads do help.
-    with ThreadPoolExecutor(threads) as pool:
-        pending = [pool.submit(describe, key) for key in run.objects]
-        return [described.result() for described in track(pending)]
+    # Thinning a model holds Python's lock, so threads would wait for each other.
+    described = Parallel(
+        n_jobs=min(processes, 1 + len(run.objects) // _OBJECTS_WORTH_A_PROCESS),
+        return_as="generator",
+    )(map(task, run.objects))
+    return [next(described) for _ in track(run.objects)]
 
 
 def choose_shown(views: Sequence[ViewPage]) -> ViewPage:
@@ -180,8 +187,8 @@ def _variety(sizes: Sequence[float]) -> tuple[int, float]:
 
 
 def _describe(
-    run: Run,
     key: str,
+    mesh: Path | None,
     tables: Sequence[pa.Table],
     cameras: Sequence[Camera],
     answers: Answers,
@@ -193,7 +200,7 @@ def _describe(
     views = tuple(_view_page(key, row, fixations, touches, cameras, answers) for row in rows)
     shown = choose_shown(views)
     row = next(row for row in rows if row["viewpoint"] == shown.viewpoint)
-    model, touch_keys = _model(run, key, touches, faces)
+    model, touch_keys = _model(mesh, touches, faces)
     strategies = sorted(set(touches.column("strategy").to_pylist()))
     return ObjectPage(
         key=key,
@@ -303,13 +310,13 @@ def _corners(touches: pa.Table) -> NDArray[np.float64]:
 
 
 def _model(
-    run: Run, key: str, touches: pa.Table, faces: int
+    mesh: Path | None, touches: pa.Table, faces: int
 ) -> tuple[PackedModel | None, tuple[tuple[str, int, int, str], ...]]:
-    if key not in run.meshes:
+    if mesh is None:
         return None, ()
     names = (*_POINT, *_NORMAL, *_TANGENT, "sensor_size")
     keys = touches.select(["strategy", "viewpoint", "touch", "contact_state"]).to_pylist()
-    return pack_model(read_surface(run.meshes[key]), matrix(touches, names), faces), tuple(
+    return pack_model(read_surface(mesh), matrix(touches, names), faces), tuple(
         (row["strategy"], row["viewpoint"], row["touch"] + 1, row["contact_state"]) for row in keys
     )
 
