@@ -93,6 +93,13 @@ print("oh", file=sys.stderr)
     assert json.loads(output) == expected
 
 
+def test_a_script_makes_temporary_files_where_its_environment_says(server, tmp_path):
+    script = "import tempfile; print(tempfile.gettempdir())"
+    (tmp_path / "mine").mkdir()
+    for _ in range(3):
+        assert server.run(script, TMPDIR=str(tmp_path / "mine"))[1] == f"{tmp_path / 'mine'}\n"
+
+
 def test_a_script_reads_standard_input(server):
     process = server.start("print(input())")
     assert process.communicate("hello\n", timeout=60)[0] == "hello\n"
@@ -244,6 +251,36 @@ print(Path(other[own]).exists())
 """
     both = [server.start(script, name=name) for name in "ab"]
     assert [process.communicate(timeout=60)[0] for process in both] == ["True\n", "True\n"]
+
+
+def test_what_a_script_leaves_behind_holds_up_nobody(server, tmp_path):
+    leaves = """
+import os, time
+from pathlib import Path
+left = os.fork()
+if left:
+    Path("left").write_text(str(left))
+else:
+    for number in (0, 1, 2):
+        os.close(number)
+    time.sleep(60)
+    os._exit(0)
+"""
+    assert server.run(leaves)[0] == 0
+    assert server.run("print('ran')")[1] == "ran\n"
+    left = int((tmp_path / "left").read_text())
+    assert runs(left)
+    os.kill(left, signal.SIGKILL)
+
+
+def test_half_a_report_teaches_nothing(server):
+    kills_its_reporter = """
+import colorsys, os
+os.fdopen = lambda writer, mode: os.write(writer, b'["colors') and os.kill(os.getpid(), 9)
+"""
+    assert server.run(kills_its_reporter, "blue.py")[0] == 1
+    script = "import sys; print('colorsys' in sys.modules)"
+    assert [server.run(script, "blue.py")[1] for _ in range(2)] == ["False\n"] * 2
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])

@@ -24,6 +24,7 @@ import selectors
 import signal
 import socket
 import sys
+import tempfile
 import threading
 import time
 import traceback
@@ -108,8 +109,7 @@ class ForkServer:
                     if key.fd == self._lifeline:
                         return
                     if key.fd != self._listener.fileno():
-                        selector.unregister(key.fd)
-                        self._lessons[key.data] = _read_report(key.fd)
+                        self._hear(selector, key)
                         continue
                     connection, _ = self._listener.accept()
                     with connection:
@@ -119,11 +119,29 @@ class ForkServer:
                         self._learn(request.kind)
                         if _threads_that_a_fork_would_lose():
                             sys.stderr.write(
-                                f"What {request.kind} imports starts threads, so jobs start cold.\n"
+                                f"{request.kind} imports what starts threads, so from here on jobs "
+                                f"start by themselves.\n"
                             )
                             return
                         report = self._fork(connection, request)
-                        selector.register(report, selectors.EVENT_READ, request.kind)
+                        selector.register(report, selectors.EVENT_READ, (request.kind, bytearray()))
+
+    def _hear(self, selector: selectors.BaseSelector, key: selectors.SelectorKey) -> None:
+        """Take the next piece of a report, whose last one ends a line.
+
+        Its end is not waited for: a process that the script has left behind may keep it open.
+        """
+        kind, heard = key.data
+        piece = os.read(key.fd, 65536)
+        heard += piece
+        whole = heard.endswith(b"\n")
+        if piece and not whole:
+            return
+        selector.unregister(key.fd)
+        os.close(key.fd)
+        # A script that was killed has told nothing, or half of it.
+        if whole:
+            self._lessons[kind] = json.loads(heard)
 
     def _learn(self, kind: str) -> None:
         """Import what the last script of this kind had to import by itself."""
@@ -171,13 +189,6 @@ def _receive_request(connection: socket.socket) -> Request | None:
     return None
 
 
-def _read_report(descriptor: int) -> list[str]:
-    with os.fdopen(descriptor, "rb") as report:
-        text = report.read()
-    # A script that was killed has nothing to report.
-    return json.loads(text) if text else []
-
-
 def _threads_that_a_fork_would_lose() -> set[str]:
     tasks = Path("/proc/self/task")
     own = str(os.getpid())
@@ -196,6 +207,7 @@ def _run(request: Request, connection: socket.socket, writer: int) -> NoReturn:
             os.close(file)
         os.environ.clear()
         os.environ.update(request.environment)
+        tempfile.tempdir = None  # the environment names it, and a library may have asked already
         connection.sendall(STARTED)
         threading.Thread(target=_end_with, args=(connection,), daemon=True).start()
         known = set(sys.modules)
@@ -205,7 +217,7 @@ def _run(request: Request, connection: socket.socket, writer: int) -> NoReturn:
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
         with os.fdopen(writer, "wb") as report:
-            report.write(json.dumps(_imported_since(known)).encode())
+            report.write(json.dumps(_imported_since(known)).encode() + b"\n")
         connection.sendall(bytes([status]))
     finally:
         # Whatever happens, the server's own code is not for a fork to go on with.

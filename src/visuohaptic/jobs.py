@@ -24,7 +24,7 @@ class JobSeconds:
     work: float
 
 
-def set_job_environment(source: str | Path) -> None:
+def set_job_environment(*folders: str | Path) -> None:
     """Set what the processes that this one starts take over.
 
     They import the package of this checkout, whatever else is installed; and they
@@ -32,10 +32,10 @@ def set_job_environment(source: str | Path) -> None:
 
     Parameters
     ----------
-    source : path
-        The folder that holds the package.
+    *folders : path
+        Where they look for modules first; one of them holds the package.
     """
-    os.environ["PYTHONPATH"] = str(source)
+    os.environ["PYTHONPATH"] = os.pathsep.join(map(str, folders))
     for library in ("OMP", "OPENBLAS", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 

@@ -152,5 +152,4 @@ def start_local_jobs_warm():
     """Let jobs on this machine take over what the first of their kind have imported."""
     if workflow.local_exec and PARAMETERS.workflow.warm_starts:
         offer_warm_starts()
-        hands_over = str(Path(workflow.basedir, "workflow/warm_start"))
-        os.environ["PYTHONPATH"] = f"{hands_over}{os.pathsep}{SOURCE}"
+        set_job_environment(Path(workflow.basedir, "workflow/warm_start"), SOURCE)
