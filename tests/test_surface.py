@@ -67,3 +67,15 @@ def test_half_a_file_is_refused_by_name(tetrahedron, tmp_path):
     path.write_bytes(path.read_bytes()[:-5])
     with pytest.raises(MeshError, match=r"half\.ply"):
         read_surface(path)
+
+
+def test_a_packed_file_with_a_damaged_middle_is_refused_by_name(tetrahedron, tmp_path):
+    path = tmp_path / "a.ply.gz"
+    write_surface(tetrahedron, path)
+    packed = bytearray(path.read_bytes())
+    for place in range(10, len(packed) - 8):
+        damaged = packed.copy()
+        damaged[place] ^= 0xFF
+        path.write_bytes(damaged)
+        with pytest.raises(MeshError, match=r"a\.ply\.gz is no coloured triangle mesh"):
+            read_surface(path)

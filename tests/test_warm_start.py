@@ -2,7 +2,10 @@
 
 import json
 import os
+import selectors
+import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -10,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from visuohaptic.fork_server import ForkServer
 from visuohaptic.warm_start import ADDRESS, offer_warm_starts
 
 SOURCE = Path(__file__).parents[1] / "src"
@@ -27,16 +31,18 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="nothing is warm
 class Server:
     """A process that offers warm starts, until it is told to end."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, source=SOURCE, *, folder_on_path=True, **environment):
         self.folder = folder
-        self.environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": f"{SOURCE}:{folder}"}
+        path = f"{source}:{folder}" if folder_on_path else str(source)
+        self.environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
         program = (
             "import os, sys; from visuohaptic.warm_start import ADDRESS, offer_warm_starts; "
             "offer_warm_starts(); print(os.environ[ADDRESS], flush=True); sys.stdin.read()"
         )
         self.starter = subprocess.Popen(
             [sys.executable, "-c", program],
-            env=self.environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            env={**self.environment, **environment}, cwd=folder, start_new_session=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         )  # fmt: skip
         self.environment[ADDRESS] = self.starter.stdout.readline().strip()
 
@@ -227,9 +233,17 @@ with socket.socket(socket.AF_UNIX) as listener:
 
 
 def test_what_is_no_request_harms_nobody(server):
-    import socket
-
-    for message in (b"", b"\n", b"{}\n", b'{"script": 1}\n', b"[" * 100 + b"\n", b"\xff\n"):
+    keys = ("script", "folder", "environment", "prefix", "mounts")
+    odd = json.dumps(dict.fromkeys(keys, 1)).encode() + b"\n"
+    for message in (
+        b"",
+        b"\n",
+        b"{}\n",
+        b'{"script": 1}\n',
+        b"[" * 100_000 + b"\n",
+        b"\xff\n",
+        odd,
+    ):
         with socket.socket(socket.AF_UNIX) as connection:
             connection.connect(f"\0{server.environment[ADDRESS]}")
             connection.sendall(message)
@@ -273,14 +287,144 @@ else:
     os.kill(left, signal.SIGKILL)
 
 
-def test_half_a_report_teaches_nothing(server):
-    kills_its_reporter = """
-import colorsys, os
-os.fdopen = lambda writer, mode: os.write(writer, b'["colors') and os.kill(os.getpid(), 9)
+def test_half_a_report_teaches_nothing():
+    with socket.socket(socket.AF_UNIX) as listener:
+        server = ForkServer(listener, 0)
+        report, writer = os.pipe()
+        key = server._selector.register(report, selectors.EVENT_READ, ("blue.py", bytearray()))
+        os.write(writer, b'["colorsys", "plist')
+        server._hear(key)
+        os.close(writer)
+        server._hear(key)
+        assert report not in server._selector.get_map()
+        assert server._lessons == {}
+
+
+def test_a_script_whose_server_has_gone_ends_as_it_would(server, tmp_path):
+    # More than fits into a pipe that nobody reads.
+    script = """
+import sys, time, types
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+for number in range(9000):
+    name = f"a_module_of_a_long_name_{number}"
+    sys.modules[name] = types.ModuleType(name)
+    sys.modules[name].__spec__ = ModuleSpec(name, None)
+Path("begun").touch()
+while not Path("go_on").exists():
+    time.sleep(0.01)
 """
-    assert server.run(kills_its_reporter, "blue.py")[0] == 1
-    script = "import sys; print('colorsys' in sys.modules)"
-    assert [server.run(script, "blue.py")[1] for _ in range(2)] == ["False\n"] * 2
+    running = server.start(script)
+    assert appears(tmp_path / "begun")
+    (tmp_path / "threaded.py").write_text(
+        "import threading, time\n"
+        "threading.Thread(target=time.sleep, args=(60,), daemon=True).start()\n"
+    )
+    assert [server.run("import threaded", "red.py")[0] for _ in range(2)] == [0, 99]
+    (tmp_path / "go_on").touch()
+    running.communicate(timeout=60)
+    assert running.returncode == 0
+
+
+def test_a_module_that_was_edited_is_not_run_as_it_was(tmp_path):
+    shutil.copytree(SOURCE / "visuohaptic", tmp_path / "visuohaptic")
+    server = Server(tmp_path, source=tmp_path)
+    script = "from visuohaptic import seeds; print(len(seeds.__doc__))"
+    assert [server.run(script)[0] for _ in range(3)] == [0, 0, 0]
+    module = tmp_path / "visuohaptic/seeds.py"
+    module.write_text(module.read_text().replace('"""', '"""Edited. ', 1))
+    assert server.run(script)[0] == 99
+    server.end()
+
+
+def test_an_interrupt_of_all_lets_a_script_tidy_up(server, tmp_path):
+    script = """
+import os, time
+from pathlib import Path
+try:
+    Path("begun").touch()
+    time.sleep(60)
+finally:
+    Path("tidying").touch()
+    time.sleep(1)
+    Path("tidied").touch()
+"""
+    process = server.start(script)
+    assert appears(tmp_path / "begun")
+    os.killpg(server.starter.pid, signal.SIGINT)
+    assert appears(tmp_path / "tidying")
+    process.send_signal(signal.SIGINT)
+    assert appears(tmp_path / "tidied")
+
+
+def test_what_lies_in_the_folder_of_the_run_is_not_imported(tmp_path):
+    (tmp_path / "colorsys.py").write_text("rgb_to_hsv = 'mine'\n")
+    server = Server(tmp_path, folder_on_path=False)
+    script = "import sys; sys.path.pop(0); import colorsys; print(colorsys.rgb_to_hsv == 'mine')"
+    assert [server.run(script)[1] for _ in range(3)] == ["False\n"] * 3
+    server.end()
+
+
+def test_threads_of_a_script_come_to_their_end(server, tmp_path):
+    script = """
+import threading, time
+from pathlib import Path
+def write():
+    time.sleep(0.3)
+    Path("written").touch()
+threading.Thread(target=write).start()
+"""
+    assert server.run(script)[0] == 0
+    assert (tmp_path / "written").exists()
+
+
+def test_a_killed_script_is_told_of_while_its_children_live(server, tmp_path):
+    script = """
+import os, signal, time
+from pathlib import Path
+left = os.fork()
+if left == 0:
+    for number in (0, 1, 2):
+        os.close(number)
+    time.sleep(60)
+    os._exit(0)
+Path("left").write_text(str(left))
+time.sleep(0.2)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    assert server.run(script)[0] == 1
+    left = int((tmp_path / "left").read_text())
+    assert runs(left)
+    os.kill(left, signal.SIGKILL)
+
+
+def test_scripts_draw_other_numbers_where_no_seed_is_given(server):
+    script = "import numpy; print(numpy.random.rand())"
+    assert len({server.run(script)[1] for _ in range(4)}) == 4
+
+
+def test_what_an_import_puts_into_the_environment_is_there(server, tmp_path):
+    (tmp_path / "sets.py").write_text("import os\nos.environ.setdefault('BY_IMPORT', 'yes')\n")
+    script = "import sets, os; print(os.environ.get('BY_IMPORT'))"
+    assert [server.run(script)[1] for _ in range(3)] == ["yes\n"] * 3
+    assert server.run(script, BY_IMPORT="no")[1] == "no\n"
+
+
+def test_the_servers_number_of_threads_is_one_whatever_the_starters_is(tmp_path):
+    server = Server(tmp_path, OMP_NUM_THREADS="4")
+    assert server.run("print('ran')", OMP_NUM_THREADS="1")[1] == "ran\n"
+    server.end()
+
+
+def test_another_module_that_python_imports_at_its_start_has_its_turn(tmp_path):
+    (tmp_path / "sitecustomize.py").write_text("print('mine')\n")
+    folders = (SOURCE.parent / "workflow/warm_start", tmp_path, SOURCE)
+    result = subprocess.run(
+        [sys.executable, "-c", "print('script')"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, folders))},
+        check=True, capture_output=True, text=True,
+    )  # fmt: skip
+    assert (result.stdout, result.stderr) == ("mine\nscript\n", "")
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])

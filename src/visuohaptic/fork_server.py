@@ -5,8 +5,9 @@ and reports what that was; before the second of its kind the server imports the 
 script that runs once costs nothing more, and one that runs a hundred times imports twice.
 
 A fork goes on with the parent's memory, so its results are those of a process of its own only as
-long as the parent has done nothing but import. It does nothing else, and where an import starts a
-thread, which a fork would lose, it ends, and scripts start by themselves from there on.
+long as the parent has done nothing but import, and what it has imported is what lies on the disk. It
+does nothing else; and where an import starts a thread, which a fork would lose, or a module of this
+package has been edited, it ends, and scripts start by themselves from there on.
 
 ``python -m visuohaptic.fork_server LISTENER`` takes a listening socket by its number and ends with its
 standard input.
@@ -34,13 +35,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import NoReturn
 
-from visuohaptic.warm_start import STARTED, is_of_this_user
+from visuohaptic.warm_start import STARTED, THREADS, is_of_this_user, mount_namespace
+
+PACKAGE = "visuohaptic"
 
 _FORK_SAFE_THREADS = {"jemalloc_bg_thd"}  # pyarrow's; jemalloc itself brings it through a fork
 _SECONDS_TO_CLEAN_UP = 5.0
 _SECONDS_TO_ASK = 10.0
 _LONGEST_REQUEST = 1 << 20  # bytes
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,8 @@ class Request:
         Its environment.
     prefix : str
         The Python installation that was asked for.
+    mounts : str
+        The file systems that it sees; a container has its own.
     files : tuple of int
         The descriptors of its standard input, output and error.
     """
@@ -65,6 +69,7 @@ class Request:
     folder: str
     environment: dict[str, str]
     prefix: str
+    mounts: str
     files: tuple[int, ...]
 
     @property
@@ -73,8 +78,9 @@ class Request:
 
         Libraries read their number of threads once, when they are loaded.
         """
-        same_threads = all(os.environ.get(name) == self.environment.get(name) for name in _THREADS)
-        return self.prefix == sys.prefix and same_threads
+        same_threads = all(os.environ.get(name) == self.environment.get(name) for name in THREADS)
+        same_place = self.prefix == sys.prefix and self.mounts == mount_namespace()
+        return same_place and same_threads
 
     @property
     def kind(self) -> str:
@@ -96,37 +102,43 @@ class ForkServer:
     def __init__(self, listener: socket.socket, lifeline: int) -> None:
         self._listener = listener
         self._lifeline = lifeline
+        self._selector = selectors.DefaultSelector()
         self._lessons: dict[str, list[str]] = {}
         self._left_to_scripts: set[str] = set()
+        self._environment = dict(os.environ)
+        self._versions = _versions_of_modules()
 
     def serve(self) -> None:
-        """Run what is handed over, until the lifeline ends or an import has started a thread."""
-        with selectors.DefaultSelector() as selector:
-            selector.register(self._listener, selectors.EVENT_READ)
-            selector.register(self._lifeline, selectors.EVENT_READ)
-            while True:
-                for key, _ in selector.select():
-                    if key.fd == self._lifeline:
-                        return
-                    if key.fd != self._listener.fileno():
-                        self._hear(selector, key)
+        """Run what is handed over, until the lifeline ends or a fork would not do any more."""
+        self._selector.register(self._listener, selectors.EVENT_READ)
+        self._selector.register(self._lifeline, selectors.EVENT_READ)
+        while True:
+            for key, _ in self._selector.select():
+                if key.fd == self._lifeline:
+                    return
+                if key.fd != self._listener.fileno():
+                    self._hear(key)
+                    continue
+                connection, _ = self._listener.accept()
+                with connection:
+                    request = _receive_request(connection)
+                    if request is None:
                         continue
-                    connection, _ = self._listener.accept()
-                    with connection:
-                        request = _receive_request(connection)
-                        if request is None:
-                            continue
-                        self._learn(request.kind)
-                        if _threads_that_a_fork_would_lose():
-                            sys.stderr.write(
-                                f"{request.kind} imports what starts threads, so from here on jobs "
-                                f"start by themselves.\n"
-                            )
-                            return
-                        report = self._fork(connection, request)
-                        selector.register(report, selectors.EVENT_READ, (request.kind, bytearray()))
+                    self._learn(request.kind)
+                    if reason := self._reason_to_end(request):
+                        sys.stderr.write(f"{reason}; from here on jobs start by themselves.\n")
+                        return
+                    self._fork(connection, request)
 
-    def _hear(self, selector: selectors.BaseSelector, key: selectors.SelectorKey) -> None:
+    def _reason_to_end(self, request: Request) -> str | None:
+        if _threads_that_a_fork_would_lose():
+            return f"{request.kind} imports what starts threads"
+        found = _versions_of_modules()
+        if edited := [name for name, version in self._versions.items() if found[name] != version]:
+            return f"{edited[0]} was edited"
+        return None
+
+    def _hear(self, key: selectors.SelectorKey) -> None:
         """Take the next piece of a report, whose last one ends a line.
 
         Its end is not waited for: a process that the script has left behind may keep it open.
@@ -137,7 +149,7 @@ class ForkServer:
         whole = heard.endswith(b"\n")
         if piece and not whole:
             return
-        selector.unregister(key.fd)
+        self._selector.unregister(key.fd)
         os.close(key.fd)
         # A script that was killed has told nothing, or half of it.
         if whole:
@@ -155,16 +167,23 @@ class ForkServer:
                 self._left_to_scripts.add(name)
         if lesson:
             gc.freeze()
+            self._versions = _versions_of_modules() | self._versions
 
-    def _fork(self, connection: socket.socket, request: Request) -> int:
-        """Fork for a request, and give the descriptor that the fork will report to."""
+    def _fork(self, connection: socket.socket, request: Request) -> None:
+        """Fork for a request, and listen to what the fork will report."""
         report, writer = os.pipe()
-        if os.fork() == 0:
-            self._listener.close()
-            _run(request, connection, writer)
+        try:
+            if os.fork() == 0:
+                os.close(report)
+                for key in self._selector.get_map().values():
+                    os.close(key.fd)
+                imported = os.environ.items() - self._environment.items()
+                _run(request, dict(imported), connection, writer)
+        except OSError as error:
+            sys.stderr.write(f"{request.kind} starts by itself: {error}.\n")
         for file in (writer, *request.files):
             os.close(file)
-        return report
+        self._selector.register(report, selectors.EVENT_READ, (request.kind, bytearray()))
 
 
 def _receive_request(connection: socket.socket) -> Request | None:
@@ -173,7 +192,8 @@ def _receive_request(connection: socket.socket) -> Request | None:
         return None
     connection.settimeout(_SECONDS_TO_ASK)
     files: list[int] = []
-    with suppress(OSError, ValueError, TypeError):
+    # Whatever arrives, the next one is to be served.
+    with suppress(Exception):
         message, files, _, _ = socket.recv_fds(connection, 65536, 3)
         while not message.endswith(b"\n") and len(message) < _LONGEST_REQUEST:
             more = connection.recv(65536)
@@ -191,32 +211,60 @@ def _receive_request(connection: socket.socket) -> Request | None:
 
 def _threads_that_a_fork_would_lose() -> set[str]:
     tasks = Path("/proc/self/task")
-    own = str(os.getpid())
-    others = {(task / "comm").read_text().strip() for task in tasks.iterdir() if task.name != own}
+    others = set()
+    for task in tasks.iterdir():
+        with suppress(FileNotFoundError):  # it has ended
+            if task.name != str(os.getpid()):
+                others.add((task / "comm").read_text().strip())
     return others - _FORK_SAFE_THREADS
 
 
-def _run(request: Request, connection: socket.socket, writer: int) -> NoReturn:
+def _versions_of_modules() -> dict[str, tuple[int, int] | None]:
+    """Give time and size of each module of this package that is imported; None where it is gone."""
+    versions: dict[str, tuple[int, int] | None] = {}
+    for name, module in list(sys.modules.items()):
+        if name.partition(".")[0] == PACKAGE and (file := getattr(module, "__file__", None)):
+            try:
+                found = Path(file).stat()
+            except OSError:
+                versions[name] = None
+            else:
+                versions[name] = (found.st_mtime_ns, found.st_size)
+    return versions
+
+
+def _run(
+    request: Request, imported: dict[str, str], connection: socket.socket, writer: int
+) -> NoReturn:
     """Run a script as the interpreter would, and end this process."""
     status = 1
     try:
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGINT, _interrupt_once)
         for number, file in enumerate(request.files):
             os.dup2(file, number)
             os.close(file)
         os.environ.clear()
-        os.environ.update(request.environment)
+        # Libraries set variables where there are none when they are imported.
+        os.environ.update({**imported, **request.environment})
         tempfile.tempdir = None  # the environment names it, and a library may have asked already
+        if "numpy.random" in sys.modules:
+            sys.modules["numpy.random"].seed()  # Python's own generator does this by itself
         connection.sendall(STARTED)
         threading.Thread(target=_end_with, args=(connection,), daemon=True).start()
         known = set(sys.modules)
+        report = os.fdopen(writer, "wb")
+        # What the script forks must not keep the ends open that others wait for.
+        os.register_at_fork(after_in_child=connection.close)
+        os.register_at_fork(after_in_child=report.close)
         status = _status_of(request)
+        threading._shutdown()  # type: ignore[attr-defined] # the interpreter joins threads first
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         atexit._run_exitfuncs()  # os._exit runs none, and libraries tidy up there
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        with os.fdopen(writer, "wb") as report:
+        # Without a server there is nobody to tell.
+        with suppress(OSError), report:
             report.write(json.dumps(_imported_since(known)).encode() + b"\n")
         connection.sendall(bytes([status]))
     finally:
@@ -224,12 +272,18 @@ def _run(request: Request, connection: socket.socket, writer: int) -> NoReturn:
         os._exit(status)
 
 
+def _interrupt_once(*_: object) -> NoReturn:
+    """Interrupt as Python does, but let what the script tidies up then come to its end."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    raise KeyboardInterrupt
+
+
 def _status_of(request: Request) -> int:
     """Run a script, and give the exit status that Python would end with."""
     try:
         os.chdir(request.folder)
         sys.argv = [request.script]
-        sys.path[0] = str(Path(request.script).parent)
+        sys.path.insert(0, str(Path(request.script).parent))
         runpy.run_path(request.script, run_name="__main__")
     except SystemExit as stop:
         if stop.code is None or isinstance(stop.code, int):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import shutil
 import tempfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -124,7 +125,7 @@ def read_surface(path: str | Path) -> Surface:
         vertices = np.column_stack([vertex[name] for name in "xyz"]).astype(np.float64)
         faces = np.asarray(face["vertex_indices"], dtype=np.int64).reshape(-1, 3)
         colours = np.column_stack([face[name] for name in ("red", "green", "blue")])
-    except (OSError, EOFError, PlyParseError, KeyError, ValueError) as error:
+    except (OSError, EOFError, zlib.error, PlyParseError, KeyError, ValueError) as error:
         raise MeshError(
             f"{path} is no coloured triangle mesh of this workflow: {error}."
         ) from error

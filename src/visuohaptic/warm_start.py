@@ -19,8 +19,14 @@ if TYPE_CHECKING:
 ADDRESS = "VISUOHAPTIC_WARM_START"
 """The variable of the environment that names the server's socket, which is no file: none is left."""
 
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""What tells numerical libraries their number of threads; the server's is 1."""
+
 STARTED = b"started"
 """What the server answers once a script runs; its exit status, one byte, is all that follows."""
+
+
+_SECONDS_TO_END = 10.0
 
 
 def offer_warm_starts() -> None:
@@ -43,7 +49,7 @@ def offer_warm_starts() -> None:
         return
     os.environ[ADDRESS] = address
     # The server's standard input stays open as long as this process lives; its end is the server's.
-    atexit.register(server.communicate)
+    atexit.register(_end_server, server)
 
 
 def _start_server(address: str) -> Popen[bytes]:
@@ -55,10 +61,22 @@ def _start_server(address: str) -> Popen[bytes]:
         listener.listen()
         number = listener.fileno()
         return subprocess.Popen(  # noqa: S603 - a module of this package
-            [sys.executable, "-m", "visuohaptic.fork_server", str(number)],
+            # Without -P it would import what happens to lie in this folder.
+            [sys.executable, "-P", "-m", "visuohaptic.fork_server", str(number)],
+            env={**os.environ, **dict.fromkeys(THREADS, "1")},
             stdin=subprocess.PIPE,
             pass_fds=[number],
         )
+
+
+def _end_server(server: Popen[bytes]) -> None:
+    import subprocess
+
+    try:
+        server.communicate(timeout=_SECONDS_TO_END)
+    except subprocess.TimeoutExpired:
+        server.kill()
+        server.wait()
 
 
 def hand_over(script: str | Path) -> int | None:
@@ -85,6 +103,7 @@ def hand_over(script: str | Path) -> int | None:
         "folder": os.getcwd(),  # noqa: PTH109 - pathlib would make each start slower
         "environment": dict(os.environ),
         "prefix": sys.prefix,
+        "mounts": mount_namespace(),
     }
     with socket.socket(socket.AF_UNIX) as connection:
         try:
@@ -105,6 +124,11 @@ def hand_over(script: str | Path) -> int | None:
         sys.stderr.write(f"error: the process that ran {script} ended without an answer.\n")
         return 1
     return status[0]
+
+
+def mount_namespace() -> str:
+    """Name the set of file systems that this process sees; a container's is another."""
+    return os.readlink("/proc/self/ns/mnt")  # noqa: PTH115 - as above
 
 
 def is_of_this_user(connection: socket) -> bool:

@@ -63,6 +63,16 @@ def test_how_jobs_start_changes_no_table(experiment, finished):
         assert experiment.table(name).equals(finished.table(name))
 
 
+def test_recognition_in_a_fork_that_has_its_libraries_gives_the_same(experiment, finished):
+    script = experiment.folder / "workflow/scripts/recognition.py"
+    tells = "import sys\nwith open('had', 'a') as had:\n    had.write(f\"{'sklearn' in sys.modules} \")\n"
+    script.write_text(tells + script.read_text())
+    experiment.run("snakemake", "-j1", "--forcerun", "recognition", "--until", "recognition")
+    assert (experiment.folder / "had").read_text() == "False True "
+    for name in ("scores", "predictions"):
+        assert experiment.table(name).equals(finished.table(name))
+
+
 def test_without_a_server_jobs_start_by_themselves(experiment):
     (experiment.folder / "src/visuohaptic/fork_server.py").write_text("raise SystemExit\n")
     output = experiment.snakemake("--forcerun", "meshes", "--until", "meshes").stdout
