@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from visuohaptic import warm_start
 from visuohaptic.fork_server import ForkServer
 from visuohaptic.warm_start import ADDRESS, offer_warm_starts
 
@@ -178,6 +179,12 @@ def test_where_an_import_starts_a_thread_scripts_start_by_themselves(server, tmp
     )
     # The server learns of it with the second of its kind, and from there on serves nobody.
     assert [server.run("import threaded; print('ran')")[0] for _ in range(3)] == [0, 99, 99]
+
+
+def test_where_no_server_is_offered_nothing_is_asked_of_the_system(monkeypatch):
+    monkeypatch.delenv(ADDRESS, raising=False)
+    monkeypatch.setattr(warm_start, "mount_namespace", lambda: Path("/nowhere").readlink())
+    assert warm_start.hand_over("a.py") is None
 
 
 def test_another_number_of_threads_starts_by_itself(server):

@@ -172,13 +172,11 @@ class ForkServer:
     def _fork(self, connection: socket.socket, request: Request) -> None:
         """Fork for a request, and listen to what the fork will report."""
         report, writer = os.pipe()
+        not_its_own = [report, *(key.fd for key in self._selector.get_map().values())]
+        imported = dict(os.environ.items() - self._environment.items())
         try:
             if os.fork() == 0:
-                os.close(report)
-                for key in self._selector.get_map().values():
-                    os.close(key.fd)
-                imported = os.environ.items() - self._environment.items()
-                _run(request, dict(imported), connection, writer)
+                _run(request, imported, connection, writer, not_its_own)
         except OSError as error:
             sys.stderr.write(f"{request.kind} starts by itself: {error}.\n")
         for file in (writer, *request.files):
@@ -234,11 +232,17 @@ def _versions_of_modules() -> dict[str, tuple[int, int] | None]:
 
 
 def _run(
-    request: Request, imported: dict[str, str], connection: socket.socket, writer: int
+    request: Request,
+    imported: dict[str, str],
+    connection: socket.socket,
+    writer: int,
+    not_its_own: list[int],
 ) -> NoReturn:
     """Run a script as the interpreter would, and end this process."""
     status = 1
     try:
+        for file in not_its_own:
+            os.close(file)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         signal.signal(signal.SIGINT, _interrupt_once)
         for number, file in enumerate(request.files):

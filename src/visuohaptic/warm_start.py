@@ -94,6 +94,8 @@ def hand_over(script: str | Path) -> int | None:
     int or None
         The script's exit status; None where no server took it, and nothing was run.
     """
+    if ADDRESS not in os.environ:
+        return None
     import json
     import signal
     import socket
@@ -115,7 +117,7 @@ def hand_over(script: str | Path) -> int | None:
             connection.sendall(message[sent:])
             if _receive(connection, len(STARTED)) != STARTED:
                 return None
-        except (OSError, KeyError):
+        except OSError:
             return None
         # An interrupt ends the script along with this process; it alone has something to tell.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
