@@ -10,7 +10,7 @@ SET ?= paper
 VENV := .venv
 READY := $(VENV)/.ready
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
-export PYTHONPATH := $(CURDIR)/src
+export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/workflow/lib
 
 report: $(READY)
 	snakemake -j$(JOBS)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import yaml
 
-from visuohaptic.jobs import read_seconds
+from visuohaptic.job_logs import read_seconds
 
 ROOT = Path(__file__).parents[1]
 CORES = 2

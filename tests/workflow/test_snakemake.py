@@ -53,7 +53,7 @@ def test_jobs_start_as_forks_of_the_server(experiment):
     tells = "\nimport sys\nfrom pathlib import Path\n\nPath('started-as').write_text(str(sys.orig_argv))\n"
     script.write_text(script.read_text() + tells)
     experiment.snakemake("--until", "meshes")
-    assert "visuohaptic.fork_server" in (experiment.folder / "started-as").read_text()
+    assert "visuohaptic_workflow.fork_server" in (experiment.folder / "started-as").read_text()
 
 
 def test_how_jobs_start_changes_no_table(experiment, finished):

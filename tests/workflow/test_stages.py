@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from visuohaptic.code_inputs import code_inputs
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic_workflow.code_inputs import code_inputs
 
 ROOT = Path(__file__).parents[2]
 STAGES = yaml.safe_load((ROOT / "dvc.yaml").read_text())["stages"]
@@ -23,7 +23,7 @@ def test_a_stage_depends_on_every_module_that_its_scripts_run(stage):
     files = {
         file.relative_to(ROOT)
         for script in SCRIPTS[stage]
-        for file in code_inputs(ROOT / script, ROOT / "src")
+        for file in code_inputs(ROOT / script, [ROOT / "src", ROOT / "workflow/lib"])
     }
     named = [Path(dependency) for dependency in STAGES[stage]["deps"]]
     missing = [file for file in files if not {file, *file.parents} & set(named)]

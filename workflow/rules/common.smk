@@ -4,21 +4,21 @@ import os
 import sys
 from pathlib import Path
 
-SOURCE = Path(workflow.basedir, "src")
-sys.path.insert(0, str(SOURCE))
+SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")]
+sys.path[:0] = map(str, SOURCES)
 
 from visuohaptic.ablation_settings import ABLATIONS
 from visuohaptic.catalogue import companions, find_own_models, models_of_set
-from visuohaptic.code_inputs import code_inputs
+from visuohaptic_workflow.code_inputs import code_inputs
 from visuohaptic.cost.settings import FAMILIES
 from visuohaptic.errors import VisuohapticError
-from visuohaptic.jobs import set_job_environment
+from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene import VISUAL_EFFECTS
 from visuohaptic.tables import prune_parts
-from visuohaptic.warm_start import offer_warm_starts
+from visuohaptic_workflow.warm_start import offer_warm_starts
 
-set_job_environment(SOURCE)
+set_job_environment(*SOURCES)
 
 
 def or_stop(function, *arguments):
@@ -126,7 +126,7 @@ def sources_of_ablation(table):
 
 def code_of(script):
     """List the modules that a script runs: an edit in one of them reruns the script's jobs."""
-    files = code_inputs(Path(workflow.basedir, "workflow/scripts", script), SOURCE)
+    files = code_inputs(Path(workflow.basedir, "workflow/scripts", script), SOURCES)
     return [os.path.relpath(file, workflow.basedir) for file in files]
 
 
@@ -152,4 +152,4 @@ def start_local_jobs_warm():
     """Let jobs on this machine take over what the first of their kind have imported."""
     if workflow.local_exec and PARAMETERS.workflow.warm_starts:
         offer_warm_starts()
-        set_job_environment(Path(workflow.basedir, "workflow/warm_start"), SOURCE)
+        set_job_environment(Path(workflow.basedir, "workflow/warm_start"), *SOURCES)

@@ -1,10 +1,10 @@
 """Measure one ablation."""
 
 from visuohaptic.ablation import Sources, make_ablation
-from visuohaptic.jobs import logged_job
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_ablation(
         name=snakemake.wildcards.ablation,
         sources=Sources(

@@ -1,10 +1,10 @@
 """Compare the ablations with the whole method."""
 
 from visuohaptic.ablations import make_ablations
-from visuohaptic.jobs import logged_job
 from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_ablations(
         parts=snakemake.input.parts,
         output=snakemake.output.ablations,

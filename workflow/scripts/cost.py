@@ -1,9 +1,9 @@
 """Weigh accuracy against time, and mark the front."""
 
 from visuohaptic.cost.making import make_cost
-from visuohaptic.jobs import logged_job
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_cost(
         errors=snakemake.input.errors,
         seconds=snakemake.input.seconds,

@@ -1,10 +1,10 @@
 """Measure the error rates of a family of settings."""
 
 from visuohaptic.cost.making import make_cost_errors
-from visuohaptic.jobs import logged_job
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_cost_errors(
         family=snakemake.wildcards.family,
         meshes=snakemake.input.meshes,

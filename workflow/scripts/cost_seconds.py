@@ -1,10 +1,10 @@
 """Time every setting side by side."""
 
 from visuohaptic.cost.making import make_cost_seconds
-from visuohaptic.jobs import logged_job
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_cost_seconds(
         meshes=snakemake.input.meshes,
         described=dict(zip(snakemake.params.families, snakemake.input.described, strict=True)),

@@ -3,13 +3,13 @@
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.curve_features import make_curve_features
 from visuohaptic.features import FeatureParameters
-from visuohaptic.jobs import logged_job
 from visuohaptic.rendering import RenderingParameters
 from visuohaptic.scene import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.viewpoints import ViewpointParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_curve_features(
         key=snakemake.wildcards.object,
         mesh=snakemake.input.mesh,

@@ -1,10 +1,10 @@
 """Train and test one pipeline with 1, 2 and more touches by one strategy."""
 
 from visuohaptic.curves import make_curves
-from visuohaptic.jobs import logged_job
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_curves(
         features=snakemake.input.features,
         output=snakemake.output[0],

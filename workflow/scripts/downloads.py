@@ -1,9 +1,9 @@
 """Bring the models that the chosen set needs and the repository does not hold."""
 
 from visuohaptic.downloads import fetch_models
-from visuohaptic.jobs import logged_job
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     fetch_models(
         models=snakemake.params.models,
         folder="meshes/downloaded",

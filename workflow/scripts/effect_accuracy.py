@@ -2,11 +2,11 @@
 
 from visuohaptic.effect_accuracy import make_effect_accuracy
 from visuohaptic.features import FeatureParameters
-from visuohaptic.jobs import logged_job
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_effect_accuracy(
         meshes=snakemake.input.meshes,
         fixations=snakemake.input.fixations,

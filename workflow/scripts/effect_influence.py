@@ -1,13 +1,13 @@
 """Measure what each effect costs, and how far it moves images."""
 
 from visuohaptic.effect_influence import make_effect_influence
-from visuohaptic.jobs import logged_job
 from visuohaptic.rendering import RenderingParameters
 from visuohaptic.scene import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.viewpoints import ViewpointParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_effect_influence(
         meshes=snakemake.input.meshes,
         fixations=snakemake.input.fixations,

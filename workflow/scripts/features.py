@@ -1,9 +1,9 @@
 """Describe the imprints of one object and a block of viewpoints."""
 
 from visuohaptic.features import FeatureParameters, make_features
-from visuohaptic.jobs import logged_job
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_features(
         touches=snakemake.input.touches,
         output=snakemake.output[0],

@@ -2,13 +2,13 @@
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations import make_fixations
-from visuohaptic.jobs import logged_job
 from visuohaptic.probing import ProbingParameters
 from visuohaptic.rendering import RenderingParameters
 from visuohaptic.scene import EffectModes
 from visuohaptic.viewpoints import ViewpointParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_fixations(
         key=snakemake.wildcards.object,
         mesh=snakemake.input.mesh,

@@ -1,9 +1,9 @@
 """Prepare one object's mesh."""
 
-from visuohaptic.jobs import logged_job
 from visuohaptic.meshes import MeshParameters, make_mesh
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_mesh(
         key=snakemake.wildcards.object,
         model=snakemake.params.model,

@@ -1,10 +1,10 @@
 """Sum up the scores of all pipelines and strategies."""
 
-from visuohaptic.jobs import logged_job
 from visuohaptic.metrics import make_metrics
 from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_metrics(
         scores=snakemake.input.scores,
         predictions=snakemake.input.predictions,

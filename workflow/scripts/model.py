@@ -1,10 +1,10 @@
 """Fit and keep the model that names objects of which the run knows nothing."""
 
-from visuohaptic.jobs import logged_job
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.trained_model import make_model
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_model(
         features=snakemake.input.features,
         model=snakemake.output.model,

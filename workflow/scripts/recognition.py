@@ -1,10 +1,10 @@
 """Train and test one pipeline on the touches of one strategy."""
 
-from visuohaptic.jobs import logged_job
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.scores import make_scores
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_scores(
         features=snakemake.input.features,
         scores=snakemake.output.scores,

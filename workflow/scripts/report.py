@@ -1,11 +1,11 @@
 """Write the report of everything that was run."""
 
-from visuohaptic.jobs import logged_job
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.making import make_report
 from visuohaptic.report.run import RunFiles
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_report(
         files=RunFiles(
             metrics=snakemake.input.metrics,

@@ -1,11 +1,11 @@
 """Touch one object at the probing locations of a block of viewpoints."""
 
-from visuohaptic.jobs import logged_job
 from visuohaptic.scene import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.touches import make_touches
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_touches(
         mesh=snakemake.input.mesh,
         fixations=snakemake.input.fixations,

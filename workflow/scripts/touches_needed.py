@@ -1,10 +1,10 @@
 """Sum up the curves over touches."""
 
-from visuohaptic.jobs import logged_job
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.touches_needed import make_touches_needed
+from visuohaptic_workflow.jobs import job
 
-with logged_job(snakemake.log[0]):
+with job(snakemake):
     make_touches_needed(
         curves=snakemake.input.curves,
         points=snakemake.output.points,

@@ -11,7 +11,7 @@ _SCRIPTS = os.path.join(".snakemake", "scripts")
 
 
 def _start_warm() -> None:
-    from visuohaptic.warm_start import hand_over
+    from visuohaptic_workflow.warm_start import hand_over
 
     status = hand_over(sys.orig_argv[1])
     if status is not None:

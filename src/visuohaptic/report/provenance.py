@@ -12,7 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import visuohaptic
-from visuohaptic.jobs import read_seconds
+from visuohaptic.job_logs import read_seconds
 
 PHASES = ("downloads", "meshes", "fixations", "touches", "features", "recognition", "metrics")
 _DISTRIBUTIONS = (

@@ -8,20 +8,11 @@ import time
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from visuohaptic.errors import VisuohapticError
-
-_SECONDS = "seconds:"
-
-
-@dataclass(frozen=True)
-class JobSeconds:
-    """What one job took: `imports` from the process's start to the work, and the `work`, in s."""
-
-    imports: float
-    work: float
+from visuohaptic.job_logs import SECONDS
 
 
 def set_job_environment(*folders: str | Path) -> None:
@@ -41,14 +32,14 @@ def set_job_environment(*folders: str | Path) -> None:
 
 
 @contextmanager
-def logged_job(log: str | Path) -> Iterator[None]:
+def job(snakemake: Any) -> Iterator[None]:
     """Run a job's work: time it, log it, and end with one sentence where it can't be done.
 
     Parameters
     ----------
-    log : path
-        The log file; its folder is made where missing. It ends with a line that
-        `read_seconds` understands.
+    snakemake : object
+        What Snakemake gives a script. The folder of its first log is made where missing;
+        the log ends with a line that `visuohaptic.job_logs.read_seconds` understands.
 
     Raises
     ------
@@ -56,7 +47,7 @@ def logged_job(log: str | Path) -> Iterator[None]:
         With status 1, after any error. The sentence goes to standard error and
         the log; the log alone gets a traceback where the error was not foreseen.
     """
-    path = Path(log)
+    path = Path(snakemake.log[0])
     path.parent.mkdir(parents=True, exist_ok=True)
     _keep_pandas_out()
     imports = _seconds_since_start()
@@ -70,27 +61,7 @@ def logged_job(log: str | Path) -> Iterator[None]:
             path, f"error: {type(error).__name__}: {error} (see {path})", traceback.format_exc()
         )
     work = time.time() - started
-    path.write_text(f"done\n{_SECONDS} imports {imports:.3f} work {work:.3f}\n", encoding="utf-8")
-
-
-def read_seconds(log: str | Path) -> JobSeconds | None:
-    """Read from a log what its job took.
-
-    Parameters
-    ----------
-    log : path
-        A log of `logged_job`.
-
-    Returns
-    -------
-    JobSeconds or None
-        None where the job did not finish.
-    """
-    for line in Path(log).read_text(encoding="utf-8").splitlines():
-        if line.startswith(_SECONDS):
-            _, _, imports, _, work = line.split()
-            return JobSeconds(float(imports), float(work))
-    return None
+    path.write_text(f"done\n{SECONDS} imports {imports:.3f} work {work:.3f}\n", encoding="utf-8")
 
 
 def _keep_pandas_out() -> None:

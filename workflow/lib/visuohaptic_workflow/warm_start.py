@@ -1,7 +1,7 @@
 """Warm starts: a script runs in a fork of a process that has imported what such scripts import.
 
 A job of half a second would otherwise take another two to start Python and import its libraries.
-This is the side of those who start; `visuohaptic.fork_server` is the process that forks.
+This is the side of those who start; `visuohaptic_workflow.fork_server` is the process that forks.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _start_server(address: str) -> Popen[bytes]:
         number = listener.fileno()
         return subprocess.Popen(  # noqa: S603 - a module of this package
             # Without -P it would import what happens to lie in this folder.
-            [sys.executable, "-P", "-m", "visuohaptic.fork_server", str(number)],
+            [sys.executable, "-P", "-m", "visuohaptic_workflow.fork_server", str(number)],
             env={**os.environ, **dict.fromkeys(THREADS, "1")},
             stdin=subprocess.PIPE,
             pass_fds=[number],

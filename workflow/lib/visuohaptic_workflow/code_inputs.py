@@ -7,15 +7,15 @@ With these files among a rule's inputs it does.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
-PACKAGE = "visuohaptic"
+PACKAGES = ("visuohaptic", "visuohaptic_workflow")
 
 
-def code_inputs(script: str | Path, source: str | Path) -> list[Path]:
-    """List the package's files that a script imports, directly or through others.
+def code_inputs(script: str | Path, sources: Iterable[str | Path]) -> list[Path]:
+    """List the files of this project's packages that a script imports, directly or through others.
 
     Imports anywhere in a file count, those inside functions too; imports that
     only a type checker sees don't.
@@ -24,36 +24,38 @@ def code_inputs(script: str | Path, source: str | Path) -> list[Path]:
     ----------
     script : path
         A Python file.
-    source : path
-        The folder that holds the package.
+    sources : iterable of path
+        The folders that hold the packages.
 
     Returns
     -------
     list of pathlib.Path
-        Sorted paths, below `source`.
+        Sorted paths, below `sources`.
     """
-    source = Path(source)
+    folders = tuple(Path(source) for source in sources)
     found: set[Path] = set()
-    waiting = set(_imported_files(Path(script), source))
+    waiting = set(_imported_files(Path(script), folders))
     while waiting:
         file = waiting.pop()
         if file not in found:
             found.add(file)
-            waiting |= _imported_files(file, source)
+            waiting |= _imported_files(file, folders)
     return sorted(found)
 
 
-def _imported_files(file: Path, source: Path) -> frozenset[Path]:
+def _imported_files(file: Path, sources: tuple[Path, ...]) -> frozenset[Path]:
     # A workflow asks once a rule, and most rules share most modules.
-    return _imported_files_of_version(file, source, file.stat().st_mtime_ns)
+    return _imported_files_of_version(file, sources, file.stat().st_mtime_ns)
 
 
 @cache
-def _imported_files_of_version(file: Path, source: Path, _modified_ns: int) -> frozenset[Path]:
+def _imported_files_of_version(
+    file: Path, sources: tuple[Path, ...], _modified_ns: int
+) -> frozenset[Path]:
     tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
     files: set[Path] = set()
-    for name in set(_imported_names(tree, _package_of(file, source))):
-        files |= _files_of(name, source)
+    for name in set(_imported_names(tree, _package_of(file, sources))):
+        files |= _files_of(name, sources)
     stub = file.with_suffix(".pyi")
     if file.name == "__init__.py" and stub.exists() and _loads_lazily(tree):
         files.add(stub)
@@ -66,10 +68,11 @@ def _loads_lazily(tree: ast.Module) -> bool:
     )
 
 
-def _package_of(file: Path, source: Path) -> str:
-    if source not in file.parents:
-        return ""
-    return ".".join(file.relative_to(source).parent.parts)
+def _package_of(file: Path, sources: tuple[Path, ...]) -> str:
+    for source in sources:
+        if source in file.parents:
+            return ".".join(file.relative_to(source).parent.parts)
+    return ""
 
 
 def _imported_names(tree: ast.Module, package: str) -> Iterator[str]:
@@ -101,11 +104,15 @@ def _run_time_statements(tree: ast.Module) -> Iterator[ast.stmt]:
             waiting.extend(getattr(node, block, ()))
 
 
-def _files_of(name: str, source: Path) -> set[Path]:
+def _files_of(name: str, sources: tuple[Path, ...]) -> set[Path]:
     """Give the file of a module and the `__init__.py` of each package above it."""
     parts = name.split(".")
-    if parts[0] != PACKAGE:
+    if parts[0] not in PACKAGES:
         return set()
-    files = {source.joinpath(*parts[:depth], "__init__.py") for depth in range(1, len(parts) + 1)}
-    files.add(source.joinpath(*parts).with_suffix(".py"))
+    files = set()
+    for source in sources:
+        files |= {
+            source.joinpath(*parts[:depth], "__init__.py") for depth in range(1, len(parts) + 1)
+        }
+        files.add(source.joinpath(*parts).with_suffix(".py"))
     return {file for file in files if file.is_file()}

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from visuohaptic.code_inputs import code_inputs
+from visuohaptic_workflow.code_inputs import code_inputs
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
 
 
@@ -33,7 +33,7 @@ def source(tmp_path):
 def found(source, text):
     script = source.parent / "script.py"
     script.write_text(text)
-    return {str(file.relative_to(source / "visuohaptic")) for file in code_inputs(script, source)}
+    return {str(file.relative_to(source / "visuohaptic")) for file in code_inputs(script, [source])}
 
 
 def test_imports_are_followed_into_functions_but_not_for_the_type_checker(source):
@@ -72,7 +72,7 @@ def test_every_module_that_a_script_loads_is_among_its_code_inputs(script):
     )
     output = subprocess.run(
         [sys.executable, "-c", program],
-        capture_output=True, text=True, check=True, env={"PYTHONPATH": str(ROOT / "src")},
+        capture_output=True, text=True, check=True, env={"PYTHONPATH": f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"},
     ).stdout  # fmt: skip
     loaded = {Path(file) for file in json.loads(output.splitlines()[-1])}
-    assert loaded <= set(code_inputs(script, ROOT / "src"))
+    assert loaded <= set(code_inputs(script, [ROOT / "src", ROOT / "workflow/lib"]))

@@ -13,14 +13,15 @@ from pathlib import Path
 
 import pytest
 
-from visuohaptic import warm_start
-from visuohaptic.fork_server import ForkServer
-from visuohaptic.warm_start import ADDRESS, offer_warm_starts
+from visuohaptic_workflow import warm_start
+from visuohaptic_workflow.fork_server import ForkServer
+from visuohaptic_workflow.warm_start import ADDRESS, offer_warm_starts
 
-SOURCE = Path(__file__).parents[1] / "src"
+ROOT = Path(__file__).parents[2]
+SOURCE = f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"
 HANDS_OVER = """
 import sys
-from visuohaptic.warm_start import hand_over
+from visuohaptic_workflow.warm_start import hand_over
 status = hand_over(sys.argv[1])
 raise SystemExit(99 if status is None else status)
 """
@@ -37,7 +38,7 @@ class Server:
         path = f"{source}:{folder}" if folder_on_path else str(source)
         self.environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
         program = (
-            "import os, sys; from visuohaptic.warm_start import ADDRESS, offer_warm_starts; "
+            "import os, sys; from visuohaptic_workflow.warm_start import ADDRESS, offer_warm_starts; "
             "offer_warm_starts(); print(os.environ[ADDRESS], flush=True); sys.stdin.read()"
         )
         self.starter = subprocess.Popen(
@@ -209,7 +210,7 @@ def test_another_user_is_not_served(server, tmp_path):
     script.write_text("print('ran')")
     asks = f"""
 import json, os, signal, socket, struct  # now, for another user may not read this Python
-from visuohaptic import warm_start
+from visuohaptic_workflow import warm_start
 os.setuid({{user}})
 warm_start.is_of_this_user = lambda connection: True
 raise SystemExit(warm_start.hand_over({str(script)!r}) is not None)
@@ -334,8 +335,8 @@ while not Path("go_on").exists():
 
 
 def test_a_module_that_was_edited_is_not_run_as_it_was(tmp_path):
-    shutil.copytree(SOURCE / "visuohaptic", tmp_path / "visuohaptic")
-    server = Server(tmp_path, source=tmp_path)
+    shutil.copytree(ROOT / "src/visuohaptic", tmp_path / "visuohaptic")
+    server = Server(tmp_path, source=f"{tmp_path}:{SOURCE}")
     script = "from visuohaptic import seeds; print(len(seeds.__doc__))"
     assert [server.run(script)[0] for _ in range(3)] == [0, 0, 0]
     module = tmp_path / "visuohaptic/seeds.py"
@@ -425,7 +426,7 @@ def test_the_servers_number_of_threads_is_one_whatever_the_starters_is(tmp_path)
 
 def test_another_module_that_python_imports_at_its_start_has_its_turn(tmp_path):
     (tmp_path / "sitecustomize.py").write_text("print('mine')\n")
-    folders = (SOURCE.parent / "workflow/warm_start", tmp_path, SOURCE)
+    folders = (ROOT / "workflow/warm_start", tmp_path, SOURCE)
     result = subprocess.run(
         [sys.executable, "-c", "print('script')"],
         env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, folders))},

@@ -9,7 +9,7 @@ long as the parent has done nothing but import, and what it has imported is what
 does nothing else; and where an import starts a thread, which a fork would lose, or a module of this
 package has been edited, it ends, and scripts start by themselves from there on.
 
-``python -m visuohaptic.fork_server LISTENER`` takes a listening socket by its number and ends with its
+``python -m visuohaptic_workflow.fork_server LISTENER`` takes a listening socket by its number and ends with its
 standard input.
 """
 
@@ -35,9 +35,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import NoReturn
 
-from visuohaptic.warm_start import STARTED, THREADS, is_of_this_user, mount_namespace
+from visuohaptic_workflow.warm_start import STARTED, THREADS, is_of_this_user, mount_namespace
 
-PACKAGE = "visuohaptic"
+PACKAGES = ("visuohaptic", "visuohaptic_workflow")
 
 _FORK_SAFE_THREADS = {"jemalloc_bg_thd"}  # pyarrow's; jemalloc itself brings it through a fork
 _SECONDS_TO_CLEAN_UP = 5.0
@@ -221,7 +221,7 @@ def _versions_of_modules() -> dict[str, tuple[int, int] | None]:
     """Give time and size of each module of this package that is imported; None where it is gone."""
     versions: dict[str, tuple[int, int] | None] = {}
     for name, module in list(sys.modules.items()):
-        if name.partition(".")[0] == PACKAGE and (file := getattr(module, "__file__", None)):
+        if name.partition(".")[0] in PACKAGES and (file := getattr(module, "__file__", None)):
             try:
                 found = Path(file).stat()
             except OSError:

@@ -3,17 +3,24 @@
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from visuohaptic.errors import MeshError
-from visuohaptic.jobs import logged_job, read_seconds
+from visuohaptic.job_logs import read_seconds
+from visuohaptic_workflow.jobs import job
 
-SOURCE = Path(__file__).parents[1] / "src"
+ROOT = Path(__file__).parents[2]
+PATHS = f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"
+
+
+def logged_job(log):
+    return job(SimpleNamespace(log=[str(log)]))
 
 
 def run(program):
-    subprocess.run([sys.executable, "-c", program], check=True, env={"PYTHONPATH": str(SOURCE)})
+    subprocess.run([sys.executable, "-c", program], check=True, env={"PYTHONPATH": PATHS})
 
 
 def test_a_job_that_ends_well_logs_its_seconds(tmp_path):
@@ -46,8 +53,9 @@ def test_a_job_that_writes_a_table_does_not_pay_for_pandas(tmp_path):
     program = f"""
 import sys
 import pyarrow as pa
-from visuohaptic.jobs import logged_job
-with logged_job({str(tmp_path / "a.log")!r}):
+from types import SimpleNamespace
+from visuohaptic_workflow.jobs import job
+with job(SimpleNamespace(log=[{str(tmp_path / "a.log")!r}])):
     table = pa.table({{"a": [1, 2]}})
     assert "pandas" not in sys.modules
 assert table.to_pandas()["a"].sum() == 3
