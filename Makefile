@@ -31,7 +31,7 @@ test-hard: $(READY)
 	python -m benchmarks.precision reports/precision.json
 
 meshes: $(READY)
-	visuohaptic meshes fetch --set $(SET) --jobs $(JOBS)
+	snakemake -j$(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
 
 bench: $(READY)
 	python -m benchmarks

@@ -49,7 +49,7 @@ def fetch_models(
     models : sequence of Model
         Catalogued models.
     folder : path
-        Where the packed models go, with `credits.csv` beside them.
+        Where the packed models go.
     cache : path
         Where archives are kept.
     jobs : int
@@ -71,7 +71,6 @@ def fetch_models(
     packed = Parallel(n_jobs=jobs, return_as="generator")(tasks)
     for _ in tqdm(packed, total=len(missing), desc="packing models", unit="model", disable=None):
         pass
-    write_credits(models, folder / "credits.csv")
 
 
 def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Path]:

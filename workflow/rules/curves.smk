@@ -16,6 +16,9 @@ CURVE_FIGURES = [
     "reports/curves.json",
 ]
 
+CURVE_STRATEGIES = [*get_args(Strategy), "adaptive"]
+VALUES_OF_RULES["curves"] = {"strategy": CURVE_STRATEGIES}
+
 
 rule curves_all:
     input:
@@ -28,6 +31,7 @@ rule curve_features:
         code=code_of("curve_features.py"),
     output:
         "results/curve_features/{object}.parquet",
+        record="results/records/curve_features/{object}.json",
     log:
         "logs/curve_features/{object}.log",
     conda:
@@ -52,6 +56,7 @@ rule curves:
         code=code_of("curves.py"),
     output:
         "results/curves/{pipeline}/{strategy}.parquet",
+        record="results/records/curves/{pipeline}/{strategy}.json",
     log:
         "logs/curves/{pipeline}/{strategy}.log",
     conda:
@@ -74,13 +79,14 @@ rule touches_needed:
         curves=expand(
             "results/curves/{pipeline}/{strategy}.parquet",
             pipeline=PARAMETERS.recognition.pipelines,
-            strategy=[*get_args(Strategy), "adaptive"],
+            strategy=CURVE_STRATEGIES,
         ),
         code=code_of("touches_needed.py"),
     output:
         points="results/touch_curves.parquet",
         needed="results/touches_needed.parquet",
         figures="reports/curves.json",
+        record="results/records/touches_needed.json",
     log:
         "logs/touches_needed.log",
     conda:

@@ -16,6 +16,7 @@ with job(snakemake):
             features=snakemake.input.features,
             effects=snakemake.input.effects,
             meshes=snakemake.input.meshes,
+            credits=snakemake.input.credits,
             **snakemake.params.optional,
         ),
         output=snakemake.output[0],

@@ -44,11 +44,12 @@ def fetch(
 
     Example: visuohaptic meshes fetch --set benchmark
     """
-    from visuohaptic.downloads import fetch_models
+    from visuohaptic.downloads import fetch_models, write_credits
 
     models = models_of_set(meshes / "catalogue.csv", object_set.value)
     missing = [model for model in models if not (meshes / "paper" / _packed(model)).exists()]
     fetch_models(missing, meshes / "downloaded", cache, jobs)
+    write_credits(missing, meshes / "downloaded" / "credits.csv")
     say(f"{len(missing)} models are in {meshes / 'downloaded'}.")
 
 
