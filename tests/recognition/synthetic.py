@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from visuohaptic import tables
+from visuohaptic.tables import schema as tables
 
 
 def features_table(

@@ -5,7 +5,7 @@ import pyarrow as pa
 import pytest
 from recognition.synthetic import features_table, with_column
 
-from visuohaptic import recognition, tables
+from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.experiment import PAPER_FEATURES
 from visuohaptic.recognition.parameters import (
@@ -14,6 +14,7 @@ from visuohaptic.recognition.parameters import (
     RecognitionParameters,
     SelfOrganisingMapParameters,
 )
+from visuohaptic.tables import schema as tables
 
 SMALL = RecognitionParameters(protocol=ProtocolParameters(maximum_splits=4))
 

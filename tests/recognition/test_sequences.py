@@ -7,7 +7,7 @@ from recognition.synthetic import features_table, with_column
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.experiment import PAPER_FEATURES
 from visuohaptic.recognition.sequences import gather_sequences, identical_objects
-from visuohaptic.tables import matrix
+from visuohaptic.tables.schema import matrix
 
 
 def test_rows_come_back_as_sequences_whatever_their_order():

@@ -7,13 +7,14 @@ import pyarrow as pa
 import pytest
 from recognition.synthetic import features_table
 
-from visuohaptic import recognition, tables
+from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import (
     IntervalParameters,
     ProtocolParameters,
     RecognitionParameters,
 )
+from visuohaptic.tables import schema as tables
 
 PARAMETERS = RecognitionParameters(
     protocol=ProtocolParameters(maximum_splits=6),

@@ -9,13 +9,13 @@ import numpy as np
 import yaml
 from PIL import Image
 
-from visuohaptic import tables
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.surface import Surface, write_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.summary import summarise
 from visuohaptic.report.run import RunFiles
 from visuohaptic.sensor.frames import column_axes
-from visuohaptic.surface import Surface, write_surface
-from visuohaptic.viewpoints import place_cameras
+from visuohaptic.tables import schema as tables
 
 OBJECTS = ("cup/mug", "cup/beaker", "ball/football", "ball/marble")
 STRATEGIES = ("fixation", "random")

@@ -1,6 +1,6 @@
 """Bring the models that the chosen set needs and the repository does not hold."""
 
-from visuohaptic.downloads import fetch_models
+from visuohaptic.meshes.downloads import fetch_models
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

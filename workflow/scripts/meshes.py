@@ -1,6 +1,7 @@
 """Prepare one object's mesh."""
 
-from visuohaptic.meshes import MeshParameters, make_mesh
+from visuohaptic.meshes.files import make_mesh
+from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
