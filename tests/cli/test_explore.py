@@ -12,7 +12,7 @@ from cli.models import SMALL, fit_on_nonsense
 from PIL import Image
 
 from visuohaptic.cli import explore
-from visuohaptic.exploration import exploring as exploration
+from visuohaptic.exploration import exploring
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.schemas import SCHEMAS
@@ -170,7 +170,7 @@ def test_a_name_that_no_file_can_have_is_one_sentence_and_writes_nothing(
 
 def test_a_key_of_300_letters_reaches_the_tables_whole(small, tmp_path):
     name = "<script>alert(1)<" + "ö" * 300
-    found = exploration.load(ring(tmp_path / "ring.obj"), key=f"cup/{name}").touch(
+    found = exploring.load(ring(tmp_path / "ring.obj"), key=f"cup/{name}").touch(
         1, parameters=ExperimentParameters.from_mapping(SMALL)
     )
     files = found.save(tmp_path / "felt")
@@ -214,7 +214,7 @@ def test_without_a_model_the_sentence_says_which_command_makes_it(visuohaptic, t
 
 
 def test_the_default_model_is_the_one_that_python_takes():
-    assert explore.DEFAULT_MODEL == exploration.DEFAULT_MODEL
+    assert explore.DEFAULT_MODEL == exploring.DEFAULT_MODEL
 
 
 def test_a_model_that_is_none_is_refused(visuohaptic, tmp_path, model):

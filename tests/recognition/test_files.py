@@ -1,21 +1,12 @@
-"""File to file: which touches take part in recognition."""
+"""From the feature table to files of scores and predictions."""
 
-import pyarrow as pa
 import pytest
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import classes_of_two
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, write_table
-
-
-def test_a_class_with_a_single_object_is_left_out():
-    features = pa.table(
-        {"class": ["cup", "cup", "chair", "chair", "lamp"], "object": ["a", "a", "b", "c", "a"]}
-    )
-    assert classes_of_two(features).column("object").to_pylist() == ["b", "c"]
 
 
 def test_a_strategy_without_touches_is_named(tmp_path):
