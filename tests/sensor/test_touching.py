@@ -17,15 +17,15 @@ from sensor.scenes import (
 from sensor.shapes import box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.errors import ParameterError
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import PRESETS, Scene
+from visuohaptic.geometry.orientation import orient_outwards
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import PRESETS, Scene
 from visuohaptic.sensor import (
     CONTACT_STATES,
     EFFECTS,
     RandomFields,
     SensorParameters,
     image_shifts,
-    orient_outwards,
     touch,
 )
 

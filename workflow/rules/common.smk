@@ -7,12 +7,12 @@ from pathlib import Path
 SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")]
 sys.path[:0] = map(str, SOURCES)
 
-from visuohaptic.ablation_settings import ABLATIONS
-from visuohaptic.catalogue import companions, find_own_models, models_of_set
-from visuohaptic.cost.settings import FAMILIES
 from visuohaptic.errors import VisuohapticError
+from visuohaptic.meshes.catalogue import companions, find_own_models, models_of_set
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.scene import VISUAL_EFFECTS
+from visuohaptic.scene.parameters import VISUAL_EFFECTS
+from visuohaptic.studies.ablations.settings import ABLATIONS
+from visuohaptic.studies.cost.settings import FAMILIES
 from visuohaptic_workflow.brought_files import judge_brought_files
 from visuohaptic_workflow.code_inputs import code_inputs
 from visuohaptic_workflow.jobs import set_job_environment

@@ -8,7 +8,8 @@ report shows them and every run keeps them current, until they are deleted.
 
 from typing import get_args
 
-from visuohaptic.probing import LONGEST_SEQUENCE, Strategy
+from visuohaptic.fixations.parameters import Strategy
+from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE
 
 CURVE_FIGURES = [
     "results/touch_curves.parquet",

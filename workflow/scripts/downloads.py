@@ -1,7 +1,7 @@
 """Bring the models that the chosen set needs and the repository does not hold."""
 
-from visuohaptic.catalogue import Model
-from visuohaptic.downloads import fetch_models
+from visuohaptic.meshes.catalogue import Model
+from visuohaptic.meshes.downloads import fetch_models
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -1,7 +1,8 @@
 """Prepare one object's mesh."""
 
-from visuohaptic.catalogue import Model
-from visuohaptic.meshes import MeshParameters, make_mesh
+from visuohaptic.meshes.catalogue import Model
+from visuohaptic.meshes.files import make_mesh
+from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

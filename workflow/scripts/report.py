@@ -1,7 +1,7 @@
 """Write the report of everything that was run."""
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.making import make_report
+from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
 from visuohaptic_workflow.jobs import job
 

@@ -15,7 +15,8 @@ import pyarrow as pa
 from visuohaptic.errors import ReportError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
-from visuohaptic.tables import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS, read_table
+from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
+from visuohaptic.tables.schema import read_table
 
 
 @dataclass(frozen=True)

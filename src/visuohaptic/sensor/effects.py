@@ -9,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.scene import Scene
+from visuohaptic.scene.parameters import Scene
+from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
-from visuohaptic.sensor.planner import Call, Effect, EffectRecord, Signal, Situation, apply_effect
+from visuohaptic.sensor.planner import Call, Effect, Signal, Situation, apply_effect
 from visuohaptic.sensor.readout import (
     add_noise,
     break_cells,

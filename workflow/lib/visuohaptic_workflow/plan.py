@@ -164,8 +164,8 @@ def prune_files(jobs: Iterable[PlannedJob], folders: Iterable[str]) -> list[Path
     jobs : iterable of PlannedJob
         All jobs of today.
     folders : iterable of str
-        Where to look. Within them only folders into which jobs write are touched, such as
-        `results/touches`; a user's own file in `results` stays.
+        Where to look. Only files of the kinds that jobs write there go, such as Parquet files in
+        `results/touches`; a user's notes stay.
 
     Returns
     -------
@@ -173,14 +173,20 @@ def prune_files(jobs: Iterable[PlannedJob], folders: Iterable[str]) -> list[Path
         What was deleted.
     """
     wanted = {Path(file) for job in jobs for file in (*job.outputs, *job.logs)}
-    owned = {Path(*file.parts[:2]) for file in wanted if len(file.parts) > 2}
+    suffixes: dict[Path, set[str]] = {}
+    for file in wanted:
+        if len(file.parts) > 2 and file.parts[0] in set(folders):
+            suffixes.setdefault(Path(*file.parts[:2]), set()).add(file.suffix)
     stale = []
-    for folder in sorted(folder for folder in owned if folder.parts[0] in set(folders)):
+    for folder, written in sorted(suffixes.items()):
         for file in sorted(folder.rglob("*"), reverse=True):
             if file.is_dir() and not file.is_symlink():
                 if not any(file.iterdir()):
                     file.rmdir()
-            elif file not in wanted and wanted.isdisjoint(file.parents):
+            elif (
+                wanted.isdisjoint([file, *file.parents])
+                and file.suffix.partition("-")[0] in written
+            ):
                 file.unlink()
                 stale.append(file)
     return stale

@@ -1,0 +1,42 @@
+"""From a model's file to a mesh file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from visuohaptic.geometry.surface import write_surface
+from visuohaptic.meshes.catalogue import Model
+from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.meshes.preparing import prepare_object
+
+
+def make_mesh(
+    key: str,
+    model: Model | None,
+    source: str | Path,
+    output: str | Path,
+    parameters: MeshParameters,
+) -> None:
+    """Make the mesh file of one object.
+
+    Parameters
+    ----------
+    key : str
+        `class/name` of the object.
+    model : Model or None
+        Its entry in the catalogue; None for a user's own file.
+    source : path
+        The model's file.
+    output : path
+        The PLY file to write.
+    parameters : MeshParameters
+        Section `meshes`.
+
+    Raises
+    ------
+    MeshError
+        If the source can't be read or has nothing to touch; nothing is written then.
+    """
+    category, name = key.split("/")
+    surface = prepare_object(model or Model(category, name), source, parameters)
+    write_surface(surface, output)
