@@ -22,7 +22,9 @@ class Named(list):
 RULE = SimpleNamespace(
     input=Named(mesh="results/meshes/{object}.ply", extra=lambda asked: [f"{asked.object}.txt"]),
     output=Named(
-        table="results/touches/{object}/{views}.parquet", record="r/{object}/{views}.json"
+        table="results/touches/{object}/{views}.parquet",
+        pictures="results/touches/pictures/{object}/{views}",
+        record="r/{object}/{views}.json",
     ),
     log=["logs/touches/{object}/{views}.log"],
     params=Named(seed=1, block=lambda asked: asked.views),
