@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Self
 
@@ -156,6 +156,66 @@ def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParame
     except ParameterError as error:
         found = str(error).removeprefix("params.yaml: ")
         raise ParameterError(f"{source}: {found}") from None
+
+
+def as_parameters(
+    values: ExperimentParameters | Mapping[str, Any] | None,
+) -> ExperimentParameters:
+    """Give parameters as a caller in Python names them.
+
+    Parameters
+    ----------
+    values : ExperimentParameters or mapping, optional
+        A mapping has sections as in ``params.yaml``, dotted names such as
+        ``"sensor.resolution"``, or both; what it leaves out takes its default.
+
+    Returns
+    -------
+    ExperimentParameters
+        The checked parameters.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or given twice, or a value not allowed.
+    """
+    if values is None:
+        return ExperimentParameters()
+    if isinstance(values, ExperimentParameters):
+        return values
+    if not isinstance(values, Mapping):
+        raise ParameterError(
+            f"parameters is of type {type(values).__name__}; a mapping or ExperimentParameters "
+            "is needed."
+        )
+    return check_parameters(_nested(values), "parameters")
+
+
+def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Turn dotted names into sections."""
+    nested: dict[str, Any] = {}
+    for name, value in _leaves(values, ""):
+        *sections, last = name.split(".")
+        section = nested
+        for depth, part in enumerate(sections):
+            section = section.setdefault(part, {})
+            if not isinstance(section, dict):
+                path = ".".join(sections[: depth + 1])
+                raise ParameterError(f"parameters: {path} is {section!r} and holds {last} as well.")
+        if last in section:
+            raise ParameterError(f"parameters: {name} is given twice.")
+        section[last] = value
+    return nested
+
+
+def _leaves(values: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
+    for name, value in values.items():
+        if not isinstance(name, str):
+            raise ParameterError(f"parameters: {name!r} is no name of a parameter.")
+        if isinstance(value, Mapping) and value:
+            yield from _leaves(value, f"{above}{name}.")
+        else:
+            yield f"{above}{name}", value
 
 
 def _sentence(problem: Mapping[str, object]) -> str:

@@ -6,7 +6,8 @@ import trimesh
 from PIL import Image
 
 from visuohaptic.errors import MeshError
-from visuohaptic.meshes.model_files import GREY, read_model
+from visuohaptic.meshes.in_memory import GREY
+from visuohaptic.meshes.model_files import read_model
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 

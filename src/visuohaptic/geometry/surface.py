@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from visuohaptic.errors import MeshError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Surface:
-    """A triangle mesh with one colour a face.
+    """A triangle mesh with one colour a face; it is equal to itself alone.
 
     Attributes
     ----------
@@ -37,6 +37,9 @@ class Surface:
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
     face_colours: NDArray[np.uint8]
+
+    def __repr__(self) -> str:
+        return f"<Surface: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"
 
     @cached_property
     def triangles(self) -> NDArray[np.float64]:

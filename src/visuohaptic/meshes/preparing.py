@@ -48,6 +48,32 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
     return normalise(surface, str(path), rotation, model.dimensions, parameters.merge_tolerance)
 
 
+def prepare_surface(surface: Surface, name: str, parameters: MeshParameters) -> Surface:
+    """Make ready a surface that a caller holds in memory, as `prepare_object` does a user's own file.
+
+    Parameters
+    ----------
+    surface : Surface
+        In any frame and unit.
+    name : str
+        What to call it in an error.
+    parameters : MeshParameters
+        Tolerances and the axis that points up.
+
+    Returns
+    -------
+    Surface
+        In the object frame.
+
+    Raises
+    ------
+    MeshError
+        If it has nothing to touch.
+    """
+    up = UP_AXES[parameters.own_up_axis]
+    return normalise(surface, name, up, merge_tolerance=parameters.merge_tolerance)
+
+
 def normalise(
     surface: Surface,
     name: str,
