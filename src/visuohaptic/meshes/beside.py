@@ -33,7 +33,7 @@ class BesideResolver(Resolver):  # type: ignore[misc]
         """Go down into a folder."""
         return BesideResolver(self._find(namespace))
 
-    def write(self, name: str, data: str | bytes) -> None:
+    def write(self, name: str, data: str | bytes) -> None:  # noqa: ARG002 - trimesh's signature
         """Write nothing: reading a model changes no file."""
         raise MeshError(f"{name} is not written.")
 
