@@ -37,6 +37,14 @@ def test_check_names_a_broken_file_and_ends_with_1(visuohaptic, folder):
     assert findings["cup/can"]["triangles"] > 0
 
 
+def test_a_set_that_was_not_brought_is_said_to_be(visuohaptic, folder):
+    ended = visuohaptic("meshes", "check", "--set", "hard", folder=folder)
+    assert ended.code == 1
+    assert "of set hard are not there, such as potted_plant/" in ended.err
+    assert "run `make meshes SET=hard`" in ended.err
+    assert ended.err.count("\n") == 1
+
+
 def test_credits_name_author_and_licence(visuohaptic):
     result = visuohaptic("meshes", "credits", folder=ROOT)
     assert "car/kl_VW-new-beetle: Andrew Kator & Jennifer Legaz, CC-BY-3.0-US\n" in result.out

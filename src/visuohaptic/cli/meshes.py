@@ -70,6 +70,12 @@ def check(
 
     models = models_of_set(meshes / "catalogue.csv", object_set.value)
     files = {model: _model_file(model, meshes) for model in models}
+    missing = [model.key for model, file in files.items() if not file.exists()]
+    if missing:
+        raise MeshError(
+            f"{len(missing)} models of set {object_set.value} are not there, such as {missing[0]}; "
+            f"run `make meshes SET={object_set.value}`."
+        )
     files |= find_own_models(meshes / "own", {model.key for model in models})
     findings: dict[str, dict[str, object]] = {}
     for model, file in show_progress(list(files.items()), "checking models"):

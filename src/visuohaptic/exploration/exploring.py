@@ -253,7 +253,8 @@ class Exploration:
         Parameters
         ----------
         folder : path
-            Where to; made where missing. The names of the files do not depend on the object.
+            Where to; made where missing. The names of the files do not depend on the object,
+            and all of them appear once the last is written.
 
         Returns
         -------
@@ -261,14 +262,17 @@ class Exploration:
             The files.
         """
         folder = Path(folder)
-        folder.mkdir(parents=True, exist_ok=True)
-        files = []
-        for name, schema in _SCHEMAS.items():
-            files.append(folder / f"{name}.parquet")
-            write_table(schema, getattr(self, name), files[-1])
-        files.append(folder / "picture.png")
-        self.picture().save(files[-1])
-        return files
+        names = [*(f"{name}.parquet" for name in _SCHEMAS), "picture.png"]
+        there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
+        with tempfile.TemporaryDirectory(dir=there, prefix=".visuohaptic-") as temporary:
+            waiting = Path(temporary)
+            for name, schema in _SCHEMAS.items():
+                write_table(schema, getattr(self, name), waiting / f"{name}.parquet")
+            self.picture().save(waiting / names[-1])
+            folder.mkdir(parents=True, exist_ok=True)
+            for name in names:
+                (waiting / name).replace(folder / name)
+        return [folder / name for name in names]
 
 
 @dataclass(frozen=True, eq=False)
@@ -428,6 +432,10 @@ def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
     from visuohaptic.recognition.model import load_model
 
     path = Path(path)
+    if path.is_dir():
+        raise RecognitionError(
+            f"{path} is a folder; the model in it is needed, such as {path / DEFAULT_MODEL.name}."
+        )
     for file in (path, path.with_suffix(".yaml")):
         if not file.is_file():
             raise RecognitionError(
