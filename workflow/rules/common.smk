@@ -45,10 +45,11 @@ CATALOGUED = {
         models_of_set, shipped("meshes/catalogue.csv"), PARAMETERS.meshes.set
     )
 }
-OWN = {
-    model.key: path
-    for model, path in or_stop(find_own_models, "meshes/own", CATALOGUED).items()
-}
+OWN_MODELS = find_own_models("meshes/own", CATALOGUED)
+OWN = {model.key: path for model, path in OWN_MODELS.models.items()}
+if workflow.is_main_process:
+    for sentence in OWN_MODELS.set_aside.values():
+        print(f"warning: {sentence}", file=sys.stderr)
 DOWNLOADED = {
     key: model
     for key, model in CATALOGUED.items()

@@ -1,4 +1,4 @@
-"""Model files as people have them (OBJ, PLY, STL, GLB, OFF), read into a coloured surface."""
+"""Model files as people have them (OBJ, PLY, STL, GLB, glTF, OFF), read into a coloured surface."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     Parameters
     ----------
     path : path
-        An OBJ, PLY, STL, GLB or OFF file.
+        An OBJ, PLY, STL, GLB, glTF or OFF file.
     largest_megabytes : float
         Files above this size, in 10⁶ bytes, are refused.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import counted, listed
@@ -39,6 +41,14 @@ def _objects_left_out(run: Run) -> list[str]:
             f"{_them(untouched)}: {listed(untouched)}."
         )
     untested = sorted(set(run.objects) - set(run.tested_objects))
+    classes = Counter(key.split("/")[0] for key in run.objects)
+    alone = [key for key in untested if classes[key.split("/")[0]] == 1]
+    if alone:
+        warnings.append(
+            f"{counted(len(alone), 'object')} touched, but not tested, for each is alone in its class "
+            f"and recognition needs two objects of a class: {listed(alone)}."
+        )
+    untested = [key for key in untested if key not in alone]
     if untested:
         warnings.append(
             f"{counted(len(untested), 'object')} touched, but never tested by recognition: "
