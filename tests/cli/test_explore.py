@@ -96,7 +96,7 @@ def test_up_axis_turns_the_object(visuohaptic, small, tmp_path):
         ("bad.stl", b"solid\nfacet", "bad.stl"),
         ("empty.obj", b"", "empty.obj is empty"),
         ("flat.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "flat.obj has no area"),
-        ("mesh.txt", b"x", ".obj, .ply, .stl, .glb, .off are allowed"),
+        ("mesh.txt", b"x", ".obj, .ply, .stl, .glb, .gltf, .off are allowed"),
         ("line\nbreak.obj", b"nothing", "line\\nbreak.obj has no faces"),
         ("bad.ply.gz", b"nothing", "bad.ply.gz"),
     ],

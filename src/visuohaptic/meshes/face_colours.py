@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.errors import MeshError
 from visuohaptic.meshes.in_memory import GREY
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+MOST_PIXELS = 8192 * 8192
+"""A texture of more is refused: packed, it may be a small file."""
 
 # Centroid and three points half-way to the corners: what a texture looks like over a face.
 _TEXTURE_SAMPLES = np.array(
@@ -53,6 +57,10 @@ def _material_colours(visual: Any, faces: NDArray[np.int64]) -> NDArray[np.uint8
 
 
 def _sample_texture(image: Image, corner_uv: NDArray[np.float64]) -> NDArray[np.uint8]:
+    if image.width * image.height > MOST_PIXELS:
+        raise MeshError(
+            f"A texture has {image.width} × {image.height} pixels; {MOST_PIXELS} are allowed."
+        )
     pixels = np.asarray(image.convert("RGB"))
     height, width = pixels.shape[:2]
     uv = np.nan_to_num(np.einsum("sc,fck->fsk", _TEXTURE_SAMPLES, corner_uv)) % 1.0

@@ -10,6 +10,7 @@ from zipfile import ZipFile
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
+from visuohaptic.meshes.claims import check_claims
 from visuohaptic.meshes.in_memory import surface_of_trimesh
 
 _LARGEST_TEXTURE_BYTES = 50 * 10**6
@@ -143,6 +144,7 @@ def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> byte
 
 
 def _surface(data: bytes, name: str, suffix: str, resolver: Any) -> Surface:
+    check_claims(data, name, suffix[1:].lower())
     return surface_of_trimesh(_load_scene(data, name, suffix[1:].lower(), resolver), name)
 
 
@@ -155,5 +157,5 @@ def _load_scene(data: bytes, name: str, kind: str, resolver: Any) -> Any:
         )
     # A parser fed with a broken file may fail in any way; the file is what is wrong.
     except Exception as error:
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        reason = " ".join(str(error).split())[:200].rstrip(".!") or type(error).__name__
         raise MeshError(f"{name} can't be read as {kind.upper()}: {reason}.") from error

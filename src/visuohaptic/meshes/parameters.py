@@ -20,5 +20,5 @@ class MeshParameters(BaseModel):
         "y", pattern="^[yz]$", description="which axis of own models points up"
     )
     largest_megabytes: float = Field(
-        512.0, gt=0, description="own files above this are refused, in MB"
+        512.0, gt=0, le=1e4, description="files above this, unpacked, are refused, in MB"
     )

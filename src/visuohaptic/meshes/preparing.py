@@ -38,7 +38,7 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
         If the file can't be read or has nothing to touch; the message names the file.
     """
     if str(path).endswith(".ply.gz"):
-        surface = read_surface(path)
+        surface = read_surface(path, parameters.largest_megabytes)
         rotation = np.eye(3) if model.rotation is None else np.reshape(model.rotation, (3, 3))
     else:
         from visuohaptic.meshes.model_files import read_model
