@@ -27,6 +27,7 @@ def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
     return [
         *_objects_left_out(run),
         *_poor_views(run),
+        *_unfitted_classifiers(run),
         *_missing_models(run),
         *_failed_jobs(seconds),
     ]
@@ -68,7 +69,22 @@ def _poor_views(run: Run) -> list[str]:
         owners.setdefault(f"{row['class']}/{row['object']}", []).append(str(row["viewpoint"]))
     places = "; ".join(f"{key} in view {listed(views)}" for key, views in sorted(owners.items()))
     found = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
-    return [f"{found}, where some are repeated: {places}."]
+    return [f"{found}, which recognition leaves out where it needs more touches: {places}."]
+
+
+def _unfitted_classifiers(run: Run) -> list[str]:
+    recognition = run.parameters.recognition
+    asked = {"paper": recognition.classifiers, "best": recognition.best.classifiers}
+    warnings = []
+    for pipeline, strategies in run.metrics.get("results", {}).items():
+        fitted = {name for classifiers in strategies.values() for name in classifiers}
+        missing = [name.replace("_", " ") for name in asked.get(pipeline, ()) if name not in fitted]
+        if missing:
+            warnings.append(
+                f"{counted(len(missing), 'classifier')} of pipeline {pipeline} left out, for the "
+                f"training sequences at hand don't allow a fit: {listed(missing)}."
+            )
+    return warnings
 
 
 def _missing_models(run: Run) -> list[str]:
