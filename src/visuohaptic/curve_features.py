@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import get_args
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -11,12 +10,11 @@ import pyarrow.compute as pc
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.features import FeatureParameters, describe_touches
 from visuohaptic.fixations import candidate_table, locate, look
-from visuohaptic.probing import LONGEST_SEQUENCE, ProbingLocations, Strategy, spread_far
+from visuohaptic.probing import LONGEST_SEQUENCE, STRATEGIES, face_outwards, spread_far
 from visuohaptic.raycasting import RayCaster
 from visuohaptic.rendering import RenderingParameters
 from visuohaptic.scene import Scene
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.sensor.frames import orient_outwards
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.surface import read_surface
 from visuohaptic.tables import FEATURES, FIXATIONS, check_table, write_table
@@ -60,12 +58,11 @@ def make_curve_features(
     cameras = dict(enumerate(place_cameras(viewpoints)))
     looks = look(caster, key, cameras, rendering, longer, scene.effects)
     crowd = spread_far(caster.surface, CANDIDATES, spawn_generator(seed, "candidates", key))
-    outwards = orient_outwards(caster, crowd.points, crowd.normals)
-    crowd = ProbingLocations(crowd.points, outwards, crowd.faces)
+    crowd = face_outwards(caster, crowd)
     tables = [
         begin_anew(locate(one, strategy, longer, seed), LONGEST_SEQUENCE)
         for one in looks
-        for strategy in get_args(Strategy)
+        for strategy in STRATEGIES.names
     ]
     tables += [candidate_table(one, crowd) for one in looks]
     located = pa.concat_tables(tables).combine_chunks()

@@ -12,31 +12,25 @@ from numpy.typing import NDArray
 
 from visuohaptic.attention.model import Attention, attend
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.attention.scanpath import Scanpath, scan
+from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.effect_books import effect_table
 from visuohaptic.probing import (
+    STRATEGIES,
     ProbingLocations,
     ProbingParameters,
-    draw_by_area,
-    draw_visible,
     sees,
-    spread_far,
     turn_towards,
 )
 from visuohaptic.raycasting import RayCaster
 from visuohaptic.rendering import RenderingParameters, Views, render_views
 from visuohaptic.scene import EffectModes
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.sensor.frames import orient_outwards
 from visuohaptic.surface import read_surface
 from visuohaptic.tables import EFFECTS, FIXATIONS, VIEWS, build_table, write_table
 from visuohaptic.viewpoints import Camera, ViewpointParameters, place_cameras
 
 MAP_PIXELS = 64
 """Longer edge, in pixels, of the conspicuity maps that are kept."""
-
-SMALLEST_PEAK = 1e-30
-"""A view of flat faces alone has no curvature; its map stays zero."""
 
 
 def make_fixations(
@@ -170,7 +164,7 @@ def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) 
     one : Look
         The viewpoint.
     strategy : str
-        One of `probing.Strategy`.
+        One of `probing.STRATEGIES`.
     attention : AttentionParameters
         How many touches, and how far apart the eye keeps them.
     seed : int
@@ -182,21 +176,18 @@ def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) 
     pyarrow.Table
         Rows of `tables.FIXATIONS`: as many as fixations are asked for, or fewer where
         the view has no more.
+
+    Raises
+    ------
+    RegistryError
+        If there is no such strategy.
     """
-    if strategy == "fixation":
-        return _path_table(one, strategy, one.attended.scanpath)
-    if strategy == "curvature":
-        return _path_table(one, strategy, _follow_curvature(one, attention))
-    generator = spawn_generator(seed, strategy, one.key, one.viewpoint)
-    caster, count = one.caster, attention.fixations
-    if strategy == "random_visible":
-        drawn = draw_visible(caster, one.camera, count, generator)
-        return _location_table(one, strategy, drawn, _blind(drawn))
-    spread = spread_far if strategy == "farthest_point" else draw_by_area
-    drawn = spread(caster.surface, count, generator)
-    outwards = orient_outwards(caster, drawn.points, drawn.normals)
-    turned = ProbingLocations(drawn.points, outwards, drawn.faces)
-    return _location_table(one, strategy, turned, _blind(drawn))
+    chosen = STRATEGIES[strategy].choose(
+        one, attention, spawn_generator(seed, strategy, one.key, one.viewpoint)
+    )
+    if isinstance(chosen, ProbingLocations):
+        return _location_table(one, strategy, chosen, _blind(chosen))
+    return _path_table(one, strategy, chosen)
 
 
 def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:
@@ -238,20 +229,6 @@ def _view_table(
     }
     columns |= {f"eye_{axis}": eyes[:, index] for index, axis in enumerate("xyz")}
     return build_table(VIEWS, columns)
-
-
-def _follow_curvature(one: Look, attention: AttentionParameters) -> Scanpath:
-    """Let the eye follow curvature alone, with the same inhibition of return."""
-    seen, place = one.seen, one.place
-    peak = max(float(seen.curvature[place].max()), SMALLEST_PEAK)
-    return scan(
-        seen.curvature[place] / np.float32(peak),
-        seen.mask[place],
-        seen.point[place],
-        seen.normal[place],
-        seen.face[place],
-        attention,
-    )
 
 
 def _path_table(one: Look, strategy: str, path: Scanpath) -> pa.Table:

@@ -2,6 +2,8 @@
 
 import pytest
 
+from visuohaptic.errors import RegistryError
+from visuohaptic.probing import STRATEGIES
 from visuohaptic.report.wording import (
     anchor_of,
     counted,
@@ -10,6 +12,7 @@ from visuohaptic.report.wording import (
     place_in_view,
     points,
     probability,
+    strategy_name,
     titled,
 )
 
@@ -40,6 +43,13 @@ def test_lists_end_with_and():
     assert listed([]) == ""
     assert listed(["a"]) == "a"
     assert listed(["a", "b", "c"]) == "a, b and c"
+
+
+def test_every_strategy_has_words_of_its_own():
+    words = [strategy_name(name) for name in (*STRATEGIES.names, "adaptive")]
+    assert len(set(words)) == len(words)
+    with pytest.raises(RegistryError, match="'guessing' is no probing strategy"):
+        strategy_name("guessing")
 
 
 def test_names_begin_sentences():

@@ -6,9 +6,7 @@ trained and tested with every number of touches: `snakemake -j2 curves_all` does
 report shows them and every run keeps them current, until they are deleted.
 """
 
-from typing import get_args
-
-from visuohaptic.probing import LONGEST_SEQUENCE, Strategy
+from visuohaptic.probing import LONGEST_SEQUENCE, STRATEGIES
 
 CURVE_FIGURES = [
     "results/touch_curves.parquet",
@@ -74,7 +72,7 @@ rule touches_needed:
         curves=expand(
             "results/curves/{pipeline}/{strategy}.parquet",
             pipeline=PARAMETERS.recognition.pipelines,
-            strategy=[*get_args(Strategy), "adaptive"],
+            strategy=[*STRATEGIES.names, "adaptive"],
         ),
         code=code_of("touches_needed.py"),
     output:

@@ -6,6 +6,8 @@ import hashlib
 import re
 from collections.abc import Sequence
 
+from visuohaptic.probing import STRATEGIES
+
 CLASSIFIERS = {
     "k_nearest_neighbours": "k nearest neighbours",
     "support_vector_machine": "support vector machine",
@@ -13,14 +15,7 @@ CLASSIFIERS = {
     "quadratic_discriminant": "quadratic discriminant",
     "naive_bayes": "naïve Bayes",
 }
-STRATEGIES = {
-    "fixation": "eye fixations",
-    "random": "random probing",
-    "random_visible": "random probing of what is seen",
-    "farthest_point": "farthest points",
-    "curvature": "the most curved places",
-    "adaptive": "adaptive touching",
-}
+ADAPTIVE = "adaptive touching"
 CONTACT_STATES = {
     "full": "the largest square fits, and the object lies under all of it",
     "shrunk": "the square shrank until nothing penetrates it",
@@ -40,7 +35,7 @@ def classifier_name(key: str) -> str:
 
 def strategy_name(key: str) -> str:
     """Give a probing strategy's name in words."""
-    return STRATEGIES.get(key, spaced(key))
+    return ADAPTIVE if key == "adaptive" else STRATEGIES[key].label
 
 
 def titled(name: str) -> str:
