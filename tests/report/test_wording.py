@@ -2,10 +2,11 @@
 
 import pytest
 
-from visuohaptic.errors import RegistryError
 from visuohaptic.probing import STRATEGIES
+from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.report.wording import (
     anchor_of,
+    classifier_name,
     counted,
     listed,
     percent,
@@ -45,11 +46,11 @@ def test_lists_end_with_and():
     assert listed(["a", "b", "c"]) == "a, b and c"
 
 
-def test_every_strategy_has_words_of_its_own():
+def test_every_strategy_and_classifier_has_words_of_its_own():
     words = [strategy_name(name) for name in (*STRATEGIES.names, "adaptive")]
+    words += [classifier_name(name) for name in CLASSIFIERS.names]
     assert len(set(words)) == len(words)
-    with pytest.raises(RegistryError, match="'guessing' is no probing strategy"):
-        strategy_name("guessing")
+    assert not any("_" in text for text in words)
 
 
 def test_names_begin_sentences():
