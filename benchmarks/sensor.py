@@ -14,7 +14,7 @@ from statistics import median
 import numpy as np
 
 from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import EffectModes, Scene
+from visuohaptic.scene import TACTILE_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor import RandomFields, SensorParameters, orient_outwards, touch
 from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, stand_on
 from visuohaptic.surface import Surface
@@ -22,11 +22,6 @@ from visuohaptic.surface import Surface
 PROBES = 256
 ROUNDS = 7
 ABSOLUTE = SensorParameters(normalisation="absolute")
-TACTILE = tuple(
-    name
-    for name in EffectModes.model_fields
-    if name not in {"colour", "texture", "shading", "cast_shadows"}
-)
 
 
 def run() -> dict[str, object]:
@@ -49,7 +44,7 @@ def run() -> dict[str, object]:
 def _measure(surface: Surface) -> dict[str, object]:
     caster = RayCaster(surface)
     points, normals, fields = _probes(surface, caster)
-    always = EffectModes(**dict.fromkeys(TACTILE, "always"))
+    always = EffectModes(**dict.fromkeys(TACTILE_EFFECTS, "always"))
     fixed = EffectModes(adaptive_size="never")
 
     def imprint(scene: Scene) -> Callable[[], object]:

@@ -43,6 +43,20 @@ def test_names_that_no_file_could_tell_apart_are_refused(names):
         Registry("fruit", *(Fruit(name, 1) for name in names))
 
 
+@pytest.mark.parametrize(
+    ("declared", "odd"),
+    [
+        (("apple", "cherry", "plum"), "plum"),
+        (("apple",), "cherry"),
+        (("cherry", "apple"), "the order"),
+    ],
+)
+def test_what_is_declared_and_not_registered_or_the_other_way_round_is_refused(declared, odd):
+    FRUIT.check_complete(("apple", "cherry"), "the basket")
+    with pytest.raises(RegistryError, match=f"fruit entries and the basket differ in {odd};"):
+        FRUIT.check_complete(declared, "the basket")
+
+
 def test_a_parameter_takes_the_names_alone():
     assert Basket(fruit="apple").fruit == "apple"
     with pytest.raises(ValidationError, match="Input should be 'apple' or 'cherry'"):

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from visuohaptic.scene import PRESETS, EffectModes, Scene, plan_visual, seen_colours
+from visuohaptic.errors import RegistryError
+from visuohaptic.scene import PRESETS, VISUAL_EFFECTS, EffectModes, Scene, plan_visual, seen_colours
 
 GREY = np.full((4, 3), 90, dtype=np.uint8)
 PATTERN = np.array([[200, 10, 10], [10, 200, 10], [10, 10, 200], [90, 90, 90]], dtype=np.uint8)
@@ -56,6 +57,12 @@ def test_a_worn_sensor_differs_from_a_new_one():
 def test_values_that_make_no_sense_are_refused(wrong):
     with pytest.raises(ValidationError):
         Scene(**wrong)
+
+
+def test_an_effect_of_the_view_without_a_plan_is_refused(monkeypatch):
+    monkeypatch.setattr("visuohaptic.scene.VISUAL_EFFECTS", (*VISUAL_EFFECTS, "fog"))
+    with pytest.raises(RegistryError, match=r"each of colour, .*, fog needs a plan"):
+        visual(GREY)
 
 
 def visual(face_colours, ambient=0.4, **modes):

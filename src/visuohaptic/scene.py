@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from visuohaptic.errors import RegistryError
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -21,12 +23,13 @@ Cover = Literal["none", "winkler", "half_space"]
 Readout = Literal["ideal", "grounded", "floating"]
 PresetName = Literal["ideal", "fsr400", "worn_fsr"]
 
-VISUAL_EFFECTS = ("colour", "texture", "shading", "cast_shadows")
-"""Effects of the view; all others are the sensor's. No preset sets them."""
 
+class TactileModes(BaseModel):
+    """When each effect of the sensor is simulated, in the order in which a touch goes through them.
 
-class EffectModes(BaseModel):
-    """When each effect is simulated."""
+    Each has an entry in `visuohaptic.sensor.effects`, except for `adaptive_size`, which is how
+    the sensor is placed.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -42,10 +45,25 @@ class EffectModes(BaseModel):
     crosstalk: Mode = Field("auto", description="sneak paths between rows and columns")
     noise: Mode = Field("auto", description="additive noise of the amplifier")
     quantisation: Mode = Field("auto", description="rounding to the converter's levels")
+
+
+class VisualModes(BaseModel):
+    """When each effect of the view is simulated; no preset sets them."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
     colour: Mode = Field("auto", description="the object's colours in the view")
     texture: Mode = Field("auto", description="colours that change within one part")
     shading: Mode = Field("auto", description="brightness by the surface's slope to the light")
     cast_shadows: Mode = Field("never", description="parts that stand in each other's light")
+
+
+class EffectModes(VisualModes, TactileModes):
+    """When each effect is simulated."""
+
+
+TACTILE_EFFECTS = tuple(TactileModes.model_fields)
+VISUAL_EFFECTS = tuple(VisualModes.model_fields)
 
 
 class Scene(BaseModel):
@@ -196,8 +214,13 @@ def plan_visual(
     Returns
     -------
     tuple of VisualPlan
-        For colour, texture, shading and cast shadows. Simulating an effect that is not
-        called for changes no view.
+        One for each of `VISUAL_EFFECTS`. Simulating an effect that is not called for changes no
+        view.
+
+    Raises
+    ------
+    RegistryError
+        If an effect is declared and has no plan.
     """
     coloured = bool((face_colours != face_colours[:, :1]).any())
     patterned = bool((face_colours != face_colours[:1]).any())
@@ -205,7 +228,7 @@ def plan_visual(
     shaded = slanted and modes.shading != "never"
     light = "part of the light has a direction" if slanted else "all light is ambient"
     shadow = light if shaded or not slanted else "without shading no light is blocked"
-    return (
+    plans = (
         _plan(modes, "colour", coloured, "faces have hues" if coloured else "all faces are grey"),
         _plan(
             modes,
@@ -216,6 +239,12 @@ def plan_visual(
         _plan(modes, "shading", slanted, light),
         _plan(modes, "cast_shadows", shaded, shadow),
     )
+    planned = tuple(plan.effect for plan in plans)
+    if planned != VISUAL_EFFECTS:
+        raise RegistryError(
+            f"{', '.join(planned)} are planned; each of {', '.join(VISUAL_EFFECTS)} needs a plan."
+        )
+    return plans
 
 
 def seen_colours(
