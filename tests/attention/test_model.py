@@ -15,6 +15,7 @@ from visuohaptic.attention import (
     prepare_view,
     saliency_map,
 )
+from visuohaptic.attention.registry import ENTRIES
 from visuohaptic.rendering import RenderingParameters
 from visuohaptic.scene import EffectModes
 from visuohaptic.viewpoints import Camera, ViewpointParameters, place_cameras
@@ -217,7 +218,7 @@ def all_channels(views, index, parameters):
         (
             lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)),
             UNSHADED,
-            set(CHANNELS) - {"curvature"},
+            {name for name, entry in ENTRIES.items() if entry.needs in ("hues", "colours")},
         ),
     ],
 )

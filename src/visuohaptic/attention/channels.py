@@ -7,15 +7,15 @@ certainty of its pixels, so that nothing beside the object counts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cache
-from types import MappingProxyType
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.attention.errors import AttentionError
 from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
 from visuohaptic.attention.pyramid import (
     GOES_ON,
@@ -29,6 +29,7 @@ from visuohaptic.attention.pyramid import (
     reductions,
     to_working_size,
 )
+from visuohaptic.attention.registry import ENTRIES, channel
 
 GABOR_SIZE = 9
 GABOR_PERIOD = 7.0
@@ -47,11 +48,14 @@ RADIAL_STRICTNESS = 2.0
 FULL_SYMMETRY = 4.95
 
 
-# What stands where in the stacks of four. Red-green and blue-yellow are colour's two planes.
-SLOTS = (
-    ("colour", "colour", "intensity", "contrast"),
-    ("curvature", "edge", "entropy", "symmetry"),
+def _in_fours(names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
+    return tuple(tuple(names[start : start + 4]) for start in range(0, len(names), 4))
+
+
+SLOTS = _in_fours(
+    [name for name, entry in ENTRIES.items() if entry.planes for _ in range(entry.count)]
 )
+"""Which channel's planes stand where in the stacks of four."""
 
 
 @dataclass(frozen=True)
@@ -330,7 +334,13 @@ def feature_stacks(
     list of Stack
         Each plane has its own place whatever else runs, so that a channel's
         numbers do not depend on the others; places of other channels hold zeros.
+
+    Raises
+    ------
+    AttentionError
+        If there is no such channel, or one gives another number of planes than its entry says.
     """
+    entries = [channel(name) for name in channels]
     stacks = []
     steps = max(parameters.surround_offsets)
     for slots in SLOTS:
@@ -340,31 +350,22 @@ def feature_stacks(
         found = {name: _planes(name, view, parameters) for name in wanted}
         empty = np.zeros_like(view.certainty)
         planes = [found[name].pop(0) if name in found else empty for name in slots]
-        pyramid = reductions(cv2.merge(planes), max(parameters.centre_levels) + steps)
+        ((stack, _),) = quads(planes)
+        pyramid = reductions(stack, max(parameters.centre_levels) + steps)
         stacks += [Stack(level, pyramid[level:], slots) for level in parameters.centre_levels]
-    if "orientation" in channels:
-        stacks += orientation_stacks(view, parameters)
+    for entry in entries:
+        stacks += entry.stacks(view, parameters) if entry.stacks else []
     return stacks
 
 
 def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> list[Plane]:
-    if name == "colour":
-        return colour_planes(view)
-    if name == "entropy":
-        return [entropy_plane(view, parameters.entropy_bins)]
-    if name == "symmetry":
-        return [symmetry_plane(view, parameters.symmetry_radii)]
-    return [SIMPLE_PLANES[name](view)]
-
-
-SIMPLE_PLANES: Mapping[str, Callable[[WorkingView], Plane]] = MappingProxyType(
-    {
-        "intensity": intensity_plane,
-        "contrast": contrast_plane,
-        "curvature": curvature_plane,
-        "edge": edge_plane,
-    }
-)
+    entry = channel(name)
+    planes = entry.planes(view, parameters) if entry.planes else []
+    if len(planes) != entry.count:
+        raise AttentionError(
+            f"channel {name} gave {len(planes)} planes; its entry says {entry.count}."
+        )
+    return planes
 
 
 def _dull_channels(
@@ -373,16 +374,15 @@ def _dull_channels(
     if not mask.any():
         return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
     inside = mask.view(np.uint8)
-    found: dict[str, str] = {}
+    missing: dict[str | None, str] = {}
     red, green, blue = cv2.split(np.ascontiguousarray(colour))
     if not np.any(((red != green) | (green != blue)) & mask):
-        found["colour"] = "every pixel is grey"
+        missing["hues"] = "every pixel is grey"
     if all(_is_uniform(hue, inside) for hue in (red, green, blue)):
-        names = (name for name in CHANNELS if name != "curvature")
-        found |= dict.fromkeys(names, "every pixel has one and the same colour")
+        missing |= dict.fromkeys(("hues", "colours"), "every pixel has one and the same colour")
     if _is_uniform(np.ascontiguousarray(curvature), inside):
-        found["curvature"] = "the surface is curved alike everywhere"
-    return found
+        missing["curvature"] = "the surface is curved alike everywhere"
+    return {name: missing[entry.needs] for name, entry in ENTRIES.items() if entry.needs in missing}
 
 
 def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:

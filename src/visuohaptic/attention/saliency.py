@@ -18,13 +18,14 @@ from visuohaptic.attention.pyramid import (
     Plane,
     enlarge,
     from_map_size,
+    quads,
     reciprocal,
     reduce,
     reductions,
 )
+from visuohaptic.attention.registry import channel
 
 MAP_SIZE = WORKING_SIZE // 2
-TWO_SIDED_CHANNELS = ("colour", "intensity")
 # Largest response, in a channel's own unit of full scale, below which a map is not blown up.
 FAINT = 0.01
 # Differences that rounding may cause; one of 256 grey levels is forty times as much.
@@ -73,7 +74,7 @@ def conspicuity_maps(
                 strongest[name] = max(strongest[name], float(peaks[index]))
     return {
         name: plane
-        for start in (0, 4)
+        for start in range(0, len(CHANNELS), 4)
         for name, plane in _conspicuity(CHANNELS[start : start + 4], totals, strongest, parameters)
     }
 
@@ -184,7 +185,8 @@ def _promoted_stack(
     """
     total = np.zeros((MAP_SIZE, MAP_SIZE, 4), dtype=np.float32)
     strongest = np.zeros(4, dtype=np.float32)
-    two_sided = np.isin(stack.channels, TWO_SIDED_CHANNELS)
+    two_sided = np.zeros(4, dtype=bool)
+    two_sided[: len(stack.channels)] = [channel(name).two_sided for name in stack.channels]
     for scale in scales:
         difference = _difference(stack.pyramid, scale)
         promoted = promote(_scaled(_rectified(difference - NOISE)), parameters)
@@ -209,16 +211,17 @@ def _conspicuity(
     strongest: Mapping[str, float],
     parameters: AttentionParameters,
 ) -> list[tuple[str, Plane]]:
-    """Promote four channels' sums; a channel is as conspicuous as its most conspicuous map.
+    """Promote up to four channels' sums; a channel is as conspicuous as its most conspicuous map.
 
     Itti, Koch & Niebur blow every channel's sum up to full range before the last
     N, so a channel in which nothing stands out still has a say; here it keeps quiet.
     """
     empty = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)
-    stack = cv2.merge([totals.get(name, empty) for name in names])
-    scale = np.array([strongest.get(name, 0.0) for name in names], dtype=np.float32)
+    ((stack, _),) = quads([totals.get(name, empty) for name in names])
+    scale = np.zeros(4, dtype=np.float32)
+    scale[: len(names)] = [strongest.get(name, 0.0) for name in names]
     planes = cv2.split(_times(promote(_scaled(stack), parameters), scale))
-    return [(name, plane) for name, plane in zip(names, planes, strict=True) if name in totals]
+    return [(name, plane) for name, plane in zip(names, planes, strict=False) if name in totals]
 
 
 def _at_map_size(plane: Plane) -> Plane:
