@@ -204,6 +204,10 @@ def test_views_do_not_depend_on_each_other():
         np.testing.assert_array_equal(result.scanpath.points, together[index].scanpath.points)
 
 
+def needing(*what):
+    return {name for name, entry in ENTRIES.items() if entry.needs in what}
+
+
 def all_channels(views, index, parameters):
     view = prepare_view(views.colour[index], views.mask[index], views.curvature[index])
     return conspicuity_maps(view, CHANNELS, parameters)
@@ -214,11 +218,11 @@ def all_channels(views, index, parameters):
     ("scene", "modes", "skipped"),
     [
         (scenes.lopsided, EffectModes(), set()),
-        (lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)), EffectModes(), {"colour"}),
+        (lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)), EffectModes(), needing("hues")),
         (
             lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)),
             UNSHADED,
-            {name for name, entry in ENTRIES.items() if entry.needs in ("hues", "colours")},
+            needing("hues", "colours"),
         ),
     ],
 )
