@@ -26,8 +26,8 @@ def test_what_is_dumped_reads_back():
             "meshes.set is 'all': input should be 'paper', 'benchmark' or 'hard'",
         ),
         (
-            {"probing": {"strategies": ["fixation", "closest"]}},
-            r"probing.strategies.1 is 'closest': input should be 'fixation', .* or 'curvature'",
+            {"probing": {"strategies": ["fixation", "guessing"]}},
+            r"probing.strategies.1 is 'guessing': input should be 'fixation', .* or 'curvature'",
         ),
         (
             {"recognition": {"best": {"classifiers": ["oracle"]}}},
