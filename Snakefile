@@ -42,6 +42,10 @@ onstart:
     start_local_jobs_warm()
 
 
+onsuccess:
+    name_objects_set_aside()
+
+
 rule all:
     default_target: True
     input:

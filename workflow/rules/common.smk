@@ -186,6 +186,16 @@ def prune():
     prune_files(planned_jobs(), ["results", "logs"])
 
 
+def name_objects_set_aside():
+    """Say at the end of a run which own objects can't be used, and why."""
+    from visuohaptic.geometry.surface import set_aside_reason
+
+    for key in OWN:
+        mesh = Path(f"results/meshes/{key}.ply")
+        if mesh.exists() and (reason := set_aside_reason(mesh)):
+            print(f"{key} was left out: {reason}", file=sys.stderr)
+
+
 def start_local_jobs_at_once():
     """Lift the limit of job starts a second where jobs run on this machine.
 
