@@ -31,7 +31,7 @@ test-hard: $(READY)
 	python -m benchmarks.precision reports/precision.json
 
 meshes: $(READY)
-	visuohaptic meshes fetch --set $(SET) --jobs $(JOBS)
+	snakemake -j$(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
 
 bench: $(READY)
 	python -m benchmarks
@@ -45,6 +45,7 @@ lint: $(READY)
 	ruff format --check .
 	ruff check .
 	mypy
+	lint-imports
 	snakefmt --check Snakefile workflow/rules
 	snakemake --lint
 
@@ -72,6 +73,6 @@ $(READY): requirements.lock pyproject.toml
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements.lock || \
 	  { echo "The packages can't be installed: is the package registry reachable from here?"; exit 1; }
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
-	@$(VENV)/bin/python -c 'import visuohaptic.compiled_open3d' || \
+	@$(VENV)/bin/python -c 'import visuohaptic.geometry.compiled_open3d' || \
 	  { echo "Open3D can't be loaded: install the libraries that the line above names (Debian, Ubuntu: apt install libusb-1.0-0 libgomp1)."; exit 1; }
 	@touch $@

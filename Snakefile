@@ -1,11 +1,21 @@
 """Look at 3D objects, touch them where the eye would rest, name them from touch alone."""
 
+from pathlib import Path
+
 from snakemake.utils import min_version
 
 min_version("9.19")
 
 
-configfile: "params.yaml"
+# From another folder the workflow runs with that folder's parameters, or else with its own.
+PARAMETER_FILE = (
+    "params.yaml"
+    if Path("params.yaml").exists()
+    else Path(workflow.basedir, "params.yaml")
+)
+
+
+configfile: PARAMETER_FILE
 
 
 include: "workflow/rules/common.smk"
@@ -23,18 +33,27 @@ include: "workflow/rules/ablations.smk"
 include: "workflow/rules/report.smk"
 
 
+check_folder()
+
+
 onstart:
-    prune_tables()
+    prune()
     start_local_jobs_at_once()
     start_local_jobs_warm()
+
+
+onsuccess:
+    name_objects_set_aside()
 
 
 rule all:
     default_target: True
     input:
-        # Every table is asked for by name: Snakemake doesn't miss a part that only
+        # Every file is asked for by name: Snakemake doesn't miss a part that only
         # other rules take, once what they made of it is there.
-        *[parts_of(table) for table in TABLES_BY_OBJECT],
-        *[scores_of(table) for table in TABLES_BY_STRATEGY],
-        "reports/report.html",
-        "reports/metrics.json",
+        rules.meshes_all.input,
+        rules.fixations_all.input,
+        rules.touches_all.input,
+        rules.features_all.input,
+        rules.recognition_all.input,
+        rules.report_all.input,

@@ -14,11 +14,12 @@ import cv2
 import numpy as np
 
 from visuohaptic.attention import AttentionParameters, ChannelWeights, attend
-from visuohaptic.meshes import normalise
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.rendering import RenderingParameters, Views, render_views
-from visuohaptic.surface import Surface, read_surface
-from visuohaptic.viewpoints import ViewpointParameters, place_cameras
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.rendering import Views, render_views
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface, read_surface
+from visuohaptic.meshes.preparing import normalise
 
 MESHES = Path(__file__).parent.parent / "meshes"
 RESOLUTIONS = (128, 256, 512, 1024)

@@ -10,7 +10,7 @@ import os
 import subprocess
 from pathlib import Path
 
-from visuohaptic.cost.front import advise, front_rows, read_costs
+from visuohaptic.studies.cost.front import advise, front_rows, read_costs
 
 ROOT = Path(__file__).parents[1]
 TABLE = ROOT / "results" / "cost.parquet"

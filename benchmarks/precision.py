@@ -19,14 +19,15 @@ import numpy as np
 
 from visuohaptic.attention import AttentionParameters, attend
 from visuohaptic.contourlet import Contourlet, contourlet_operator, directional_deviations
-from visuohaptic.meshes import normalise
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.rendering import RenderingParameters, render_views
-from visuohaptic.scene import Scene
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface, read_surface
+from visuohaptic.meshes.preparing import normalise
+from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
-from visuohaptic.surface import Surface, read_surface
-from visuohaptic.viewpoints import ViewpointParameters, place_cameras
 
 ROOT = Path(__file__).parent.parent
 RAYS = 20_000

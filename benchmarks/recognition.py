@@ -25,12 +25,8 @@ from visuohaptic.recognition.parameters import (
 )
 from visuohaptic.recognition.self_organising_map import fit_batch_map, line
 from visuohaptic.recognition.sequence_features import wavelet_levels
-from visuohaptic.tables import (
-    CONTOURLET_FEATURES,
-    FEATURES,
-    KINESTHETIC_FEATURES,
-    build_table,
-)
+from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES, KINESTHETIC_FEATURES
+from visuohaptic.tables.schema import build_table
 
 ROUNDS = 5
 PIPELINE_ROUNDS = 3

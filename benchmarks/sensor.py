@@ -13,11 +13,12 @@ from statistics import median
 
 import numpy as np
 
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import TACTILE_EFFECTS, EffectModes, Scene
-from visuohaptic.sensor import RandomFields, SensorParameters, orient_outwards, touch
+from visuohaptic.geometry.orientation import orient_outwards
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.scene.parameters import TACTILE_EFFECTS, EffectModes, Scene
+from visuohaptic.sensor import RandomFields, SensorParameters, touch
 from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, stand_on
-from visuohaptic.surface import Surface
 
 PROBES = 256
 ROUNDS = 7

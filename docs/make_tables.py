@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from visuohaptic.tables import SCHEMAS, Column, Schema
+from visuohaptic.tables.schema import Column, Schema
+from visuohaptic.tables.schemas import SCHEMAS
 
 PAGE = Path(__file__).with_name("tables.md")
 INTRODUCTION = """\
@@ -24,7 +25,7 @@ table = pyarrow.parquet.read_table("results/touches")
 print(table.schema.field("sensor_size").metadata)
 ```
 
-This page is made from `src/visuohaptic/tables.py` by `python docs/make_tables.py`; a test compares the two.
+This page is made from `src/visuohaptic/tables/` by `python docs/make_tables.py`; a test compares the two.
 """
 
 

@@ -1,9 +1,15 @@
 """Parameters are checked as a whole, and every fault is named with its path."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
+
+ROOT = Path(__file__).parents[1]
 
 
 def test_sections_that_are_left_out_take_their_defaults():
@@ -51,3 +57,16 @@ def test_the_number_of_viewpoints_counts_every_ring():
         {"viewpoints": {"count": 4, "elevations_degrees": [0, 30, 60]}}
     )
     assert parameters.viewpoints.total == 12
+
+
+def test_parameters_are_read_without_the_libraries_of_the_phases():
+    program = (
+        "import sys, visuohaptic.parameters; "
+        "print(sorted({name.split('.')[0] for name in sys.modules} & "
+        "{'numpy', 'pandas', 'pyarrow', 'cv2', 'open3d', 'trimesh', 'scipy', 'sklearn'}))"
+    )
+    output = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True, text=True, check=True, env={"PYTHONPATH": str(ROOT / "src")},
+    ).stdout  # fmt: skip
+    assert output == "[]\n"

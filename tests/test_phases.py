@@ -9,18 +9,23 @@ import trimesh
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import INWARD, TIE
-from visuohaptic.catalogue import Model
-from visuohaptic.features import FeatureParameters, make_features
-from visuohaptic.fixations import make_fixations
-from visuohaptic.meshes import MeshParameters, make_mesh
-from visuohaptic.probing import ProbingParameters
-from visuohaptic.rendering import RenderingParameters
-from visuohaptic.scene import VISUAL_EFFECTS, EffectModes, Scene
+from visuohaptic.features.files import make_features
+from visuohaptic.features.parameters import FeatureParameters
+from visuohaptic.fixations.files import make_fixations
+from visuohaptic.fixations.parameters import (
+    ProbingParameters,
+    RenderingParameters,
+    ViewpointParameters,
+)
+from visuohaptic.geometry.surface import read_surface
+from visuohaptic.meshes.catalogue import Model
+from visuohaptic.meshes.files import make_mesh
+from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.surface import read_surface
-from visuohaptic.tables import EFFECTS, FEATURES, FIXATIONS, TOUCHES, VIEWS, matrix, read_table
-from visuohaptic.touches import make_touches
-from visuohaptic.viewpoints import ViewpointParameters
+from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, TOUCHES, VIEWS
+from visuohaptic.tables.schema import matrix, read_table
+from visuohaptic.touches.files import make_touches
 
 VIEWPOINTS = ViewpointParameters(count=3)
 

@@ -67,10 +67,10 @@ def test_a_parameter_takes_the_names_alone():
 @pytest.mark.parametrize(
     "module",
     [
-        "visuohaptic.probing",
+        "visuohaptic.fixations.parameters",
         "visuohaptic.recognition.parameters",
         "visuohaptic.attention.parameters",
-        "visuohaptic.scene",
+        "visuohaptic.scene.parameters",
     ],
 )
 def test_names_are_known_without_heavy_libraries(module):

@@ -13,14 +13,14 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "errors": ["VisuohapticError"],
-        "exploration": [
+        "exploration.exploring": [
             "Exploration",
             "Recogniser",
             "Recognition",
             "TouchableObject",
             "load",
-            "read_parameters",
             "read_recogniser",
         ],
+        "parameters": ["read_parameters"],
     },
 )

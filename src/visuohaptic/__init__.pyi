@@ -1,11 +1,11 @@
 from .errors import VisuohapticError as VisuohapticError
-from .exploration import Exploration as Exploration
-from .exploration import Recogniser as Recogniser
-from .exploration import Recognition as Recognition
-from .exploration import TouchableObject as TouchableObject
-from .exploration import load as load
-from .exploration import read_parameters as read_parameters
-from .exploration import read_recogniser as read_recogniser
+from .exploration.exploring import Exploration as Exploration
+from .exploration.exploring import Recogniser as Recogniser
+from .exploration.exploring import Recognition as Recognition
+from .exploration.exploring import TouchableObject as TouchableObject
+from .exploration.exploring import load as load
+from .exploration.exploring import read_recogniser as read_recogniser
+from .parameters import read_parameters as read_parameters
 
 __all__ = [
     "Exploration",

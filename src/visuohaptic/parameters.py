@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Self
+from pathlib import Path
+from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.cost.parameters import CostParameters
 from visuohaptic.errors import ParameterError
-from visuohaptic.features import FeatureParameters
-from visuohaptic.meshes import MeshParameters
-from visuohaptic.probing import ProbingParameters
+from visuohaptic.features.parameters import FeatureParameters
+from visuohaptic.fixations.parameters import (
+    ProbingParameters,
+    RenderingParameters,
+    ViewpointParameters,
+)
+from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.rendering import RenderingParameters
-from visuohaptic.scene import Scene
+from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.viewpoints import ViewpointParameters
 
 
 class WorkflowParameters(BaseModel):
@@ -30,6 +32,30 @@ class WorkflowParameters(BaseModel):
         True,  # noqa: FBT003 - a field's default
         description="whether local jobs are forks of one process that has imported what they need (Linux)",
     )
+
+
+class CostParameters(BaseModel):
+    """Section `cost`: the settings that are tried beside the run's own, and how they are timed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    touches: tuple[int, ...] = Field(
+        (1, 2, 3, 4, 5, 6, 8, 10, 12, 16), min_length=1, description="touches from one viewpoint"
+    )
+    viewpoints: tuple[int, ...] = Field(
+        (1, 2, 4, 8, 16), min_length=1, description="viewpoints that vote for an object"
+    )
+    imprint_resolutions: tuple[int, ...] = Field(
+        (8, 16, 32, 64), min_length=1, description="sensing points along each edge of the sensor"
+    )
+    view_resolutions: tuple[int, ...] = Field(
+        (64, 128, 256, 512), min_length=1, description="rows and columns of a view, pixels"
+    )
+    lean_view_resolution: int = Field(
+        128, ge=16, description="rows and columns of a view of family lean_viewpoints, pixels"
+    )
+    objects: int = Field(4, ge=1, description="objects, spread over all, on which time is taken")
+    rounds: int = Field(3, ge=1, description="times that each setting names each of them")
 
 
 class ExperimentParameters(BaseModel):
@@ -76,6 +102,62 @@ class ExperimentParameters(BaseModel):
             raise ParameterError(f"params.yaml: {found}.") from None
 
 
+def read_parameters(path: str | Path) -> ExperimentParameters:
+    """Read and check parameters.
+
+    Parameters
+    ----------
+    path : path
+        A file such as ``params.yaml``; what it leaves out takes its default.
+
+    Returns
+    -------
+    ExperimentParameters
+        The parameters.
+
+    Raises
+    ------
+    ParameterError
+        If the file can't be read, or holds a name or value that is not allowed.
+    """
+    import yaml
+
+    try:
+        values = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ParameterError(f"{path} can't be read: {_reason(error)}.") from error
+    if not isinstance(values, dict):
+        raise ParameterError(f"{path} holds no parameters; sections as in params.yaml are needed.")
+    return check_parameters(values, str(path))
+
+
+def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParameters:
+    """Check values as `ExperimentParameters.from_mapping` does; its errors name the source.
+
+    Parameters
+    ----------
+    values : mapping
+        Sections and their values.
+    source : str
+        Where they come from: a file, or an argument.
+
+    Returns
+    -------
+    ExperimentParameters
+        The checked parameters.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or a value not allowed.
+    """
+    try:
+        return ExperimentParameters.from_mapping(values)
+    except ParameterError as error:
+        found = str(error).removeprefix("params.yaml: ")
+        raise ParameterError(f"{source}: {found}") from None
+
+
 def _sentence(problem: Mapping[str, object]) -> str:
     location = problem["loc"]
     path = ".".join(str(part) for part in location) if isinstance(location, tuple) else ""
@@ -85,3 +167,8 @@ def _sentence(problem: Mapping[str, object]) -> str:
     if problem["type"] == "value_error":
         return f"{path}: {message}" if path else message
     return f"{path} is {problem['input']!r}: {message[0].lower()}{message[1:]}"
+
+
+def _reason(error: Exception) -> str:
+    text = error.strerror if isinstance(error, OSError) else str(error)
+    return " ".join(str(text).split())

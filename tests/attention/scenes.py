@@ -5,9 +5,10 @@ import trimesh
 
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.rendering import RenderingParameters, render_views
-from visuohaptic.surface import Surface
+from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
 
 GREY = (160, 160, 160)
 

@@ -16,9 +16,9 @@ from visuohaptic.attention import (
     saliency_map,
 )
 from visuohaptic.attention.registry import ENTRIES
-from visuohaptic.rendering import RenderingParameters
-from visuohaptic.scene import EffectModes
-from visuohaptic.viewpoints import Camera, ViewpointParameters, place_cameras
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.scene.parameters import EffectModes
 
 PLACES = range(displays.GRID**2)
 CAMERAS = place_cameras(ViewpointParameters())

@@ -7,9 +7,9 @@ from axe_playwright_python.sync_playwright import Axe
 from browser.conftest import DESK, PHONE, SCREENSHOTS
 from report.synthetic import PARAMETERS, write_run
 
-from visuohaptic.report import make_report
+from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
-from visuohaptic.run_comparison import compare_runs, read_measured_run, render_comparison
+from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
 
 EVIL = "cup/<script>alert(1)</script>"
 NAMES = ("cup/mug", "ball/marble", EVIL, "ball/" + "x" * 300, "ball/Kännchen 茶", "cup/../../x")

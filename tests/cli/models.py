@@ -2,10 +2,11 @@
 
 from recognition.synthetic import features_table
 
+from visuohaptic.model.files import make_model
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.tables import FEATURES, write_table
-from visuohaptic.trained_model import make_model
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import write_table
 
 SMALL = {"rendering": {"resolution": 64}, "viewpoints": {"count": 2}}
 

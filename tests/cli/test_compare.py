@@ -9,9 +9,9 @@ from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS
 from report.synthetic import write_run as write_whole_run
 
-from visuohaptic.report import make_report
 from visuohaptic.report.comparison import Figure
-from visuohaptic.run_comparison import difference_of
+from visuohaptic.report.files import make_report
+from visuohaptic.report.run_comparison import difference_of
 
 
 def figure(mean, low, high):

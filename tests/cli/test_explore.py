@@ -11,10 +11,11 @@ import trimesh
 from cli.models import SMALL, fit_on_nonsense
 from PIL import Image
 
-from visuohaptic import exploration
 from visuohaptic.cli import explore
+from visuohaptic.exploration import exploring
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.tables import SCHEMAS, read_table
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.schemas import SCHEMAS
 
 ROOT = Path(__file__).parents[2]
 FILES = {"views", "fixations", "touches", "effects", "features"}
@@ -169,7 +170,7 @@ def test_a_name_that_no_file_can_have_is_one_sentence_and_writes_nothing(
 
 def test_a_key_of_300_letters_reaches_the_tables_whole(small, tmp_path):
     name = "<script>alert(1)<" + "ö" * 300
-    found = exploration.load(ring(tmp_path / "ring.obj"), key=f"cup/{name}").touch(
+    found = exploring.load(ring(tmp_path / "ring.obj"), key=f"cup/{name}").touch(
         1, parameters=ExperimentParameters.from_mapping(SMALL)
     )
     files = found.save(tmp_path / "felt")
@@ -213,7 +214,7 @@ def test_without_a_model_the_sentence_says_which_command_makes_it(visuohaptic, t
 
 
 def test_the_default_model_is_the_one_that_python_takes():
-    assert explore.DEFAULT_MODEL == exploration.DEFAULT_MODEL
+    assert explore.DEFAULT_MODEL == exploring.DEFAULT_MODEL
 
 
 def test_a_model_that_is_none_is_refused(visuohaptic, tmp_path, model):
@@ -230,7 +231,7 @@ def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(
     def fail(*_, **__):
         raise ZeroDivisionError("of a kind")
 
-    monkeypatch.setattr("visuohaptic.exploration.load", fail)
+    monkeypatch.setattr("visuohaptic.exploration.exploring.load", fail)
     ended = visuohaptic("touch", "ring.obj")
     assert ended.code == 1
     assert ended.err.startswith("error: ZeroDivisionError: of a kind; `visuohaptic --debug")
@@ -243,7 +244,7 @@ def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(
 
 @pytest.mark.parametrize("name", ["fast", "balanced", "accurate"])
 def test_a_budget_is_a_number_of_viewpoints(visuohaptic, small, tmp_path, monkeypatch, name):
-    from visuohaptic.cost import budgets
+    from visuohaptic.studies.cost import budgets
 
     held = {
         name: budgets.Budget(name, viewpoints, 0.1, 0.1)
@@ -265,7 +266,7 @@ def test_a_budget_beside_viewpoints_is_wrong_use(visuohaptic, tmp_path, command)
 
 
 def test_an_object_is_recognised_within_a_budget(visuohaptic, tmp_path, model):
-    from visuohaptic.cost.budgets import budgets
+    from visuohaptic.studies.cost.budgets import budgets
 
     mesh = ring(tmp_path / "ring.obj")
     ended = visuohaptic("recognise", mesh, "--model", model, "--budget", "fast", "--json")

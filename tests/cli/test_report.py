@@ -9,7 +9,7 @@ import pytest
 from report.pages import read_page
 from report.synthetic import lay_out
 
-from visuohaptic.run_folder import EXTRAS
+from visuohaptic.report.run_folder import EXTRAS
 
 ROOT = Path(__file__).parents[2]
 KEYS = ("cup/mug", "cup/<script>alert(1)<", "ball/..-x", "ball/Kännchen 茶")

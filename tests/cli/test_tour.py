@@ -12,7 +12,8 @@ import yaml
 from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
-from visuohaptic.tables import FEATURES, write_table
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import write_table
 
 ROOT = Path(__file__).parents[2]
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", (ROOT / "docs" / "tour.md").read_text(), re.DOTALL)

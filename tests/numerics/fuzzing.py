@@ -90,8 +90,8 @@ def judge(path):
     from numerics.shapes import is_one_sentence
 
     from visuohaptic.errors import MeshError
-    from visuohaptic.meshes import normalise
-    from visuohaptic.model_files import read_model
+    from visuohaptic.meshes.model_files import read_model
+    from visuohaptic.meshes.preparing import normalise
 
     warnings.simplefilter("ignore")
     try:

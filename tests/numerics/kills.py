@@ -141,7 +141,8 @@ def kill_runs(folder, kills, seed):
 
 def kill_writers(folder, kills, seed):
     """Kill a process that writes one table again and again; read it after each kill."""
-    from visuohaptic.tables import VIEWS, build_table, read_table, write_table
+    from visuohaptic.tables.phases import VIEWS
+    from visuohaptic.tables.schema import build_table, read_table, write_table
 
     def table(mark):
         blob = bytes([mark]) * 50_000

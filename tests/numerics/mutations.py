@@ -51,20 +51,20 @@ MUTATIONS = (
         "test_precision.py",
     ),
     Mutation(
-        "float32 in the distances of the re-cast", "raycasting.py",
+        "float32 in the distances of the re-cast", "geometry/raycasting.py",
         "hits.distance[again] = settled.distance",
         "hits.distance[again] = settled.distance.astype(np.float32)",
         "test_rays.py::test_rays_aimed_at_vertices_and_edges_agree_with_exact_rationals "
         "test_rays.py::test_random_triangles_are_met_as_by_brute_force",
     ),
     Mutation(
-        "distances as Embree's float32 has them", "raycasting.py",
+        "distances as Embree's float32 has them", "geometry/raycasting.py",
         "np.divide(planes[:, 3] - _dot(planes, origins), along, out=distance, where=exact)",
         "_ = exact",
         "test_rays.py::test_random_triangles_are_met_as_by_brute_force",
     ),
     Mutation(
-        "no slack at vertices in the re-cast", "raycasting.py",
+        "no slack at vertices in the re-cast", "geometry/raycasting.py",
         "inside = (sides >= -slack).all(axis=2) | (sides <= slack).all(axis=2)",
         "inside = (sides > slack).all(axis=2) | (sides < -slack).all(axis=2)",
         "test_rays.py::test_rays_aimed_at_vertices_and_edges_agree_with_exact_rationals "
@@ -109,7 +109,7 @@ MUTATIONS = (
         "test_attention.py::test_the_pyramid_is_that_of_scipy",
     ),
     Mutation(
-        "only some failures of a reader are caught", "model_files.py",
+        "only some failures of a reader are caught", "meshes/model_files.py",
         "except Exception as error:", "except ValueError as error:",
         "test_meshes.py::test_broken_files_are_read_or_refused_in_one_sentence",
     ),

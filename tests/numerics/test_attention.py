@@ -13,10 +13,11 @@ from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.pyramid import GOES_ON, NOTHING_BEYOND, blur, enlarge, reduce
 from visuohaptic.attention.scanpath import INWARD, TIE, scan
-from visuohaptic.curvature import measure_shape
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.rendering import RenderingParameters, render_views
-from visuohaptic.viewpoints import Camera
+from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.geometry.curvature import measure_shape
+from visuohaptic.geometry.raycasting import RayCaster
 
 SEEDS = st.integers(0, 2**32 - 1)
 SIZE = 64

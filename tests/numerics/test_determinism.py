@@ -15,10 +15,10 @@ from numerics.shapes import VIEWPOINTS, run_block, run_chain
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.contourlet import Contourlet, directional_deviations
-from visuohaptic.imprint_shape import describe_imprint_shape
-from visuohaptic.raycasting import RayCaster
+from visuohaptic.features.imprint_shape import describe_imprint_shape
+from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.recognition.sequence_features import summarise_signals
-from visuohaptic.scene import Scene
+from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.gallery import hard_probes
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
@@ -113,7 +113,7 @@ def test_blocks_of_viewpoints_in_any_order_and_process_give_the_same_tables(
     import pyarrow as pa
     import trimesh
 
-    from visuohaptic.tables import SCHEMAS
+    from visuohaptic.tables.schemas import SCHEMAS
 
     mesh = trimesh.creation.torus(0.6, 0.25, 24, 12)
     mesh.export(tmp_path / "torus.stl")

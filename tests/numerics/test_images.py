@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from numerics import drawings, oracles
 
 from visuohaptic.contourlet import Contourlet, directional_deviations
-from visuohaptic.imprint_shape import describe_imprint_shape
+from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.recognition.parameters import SequenceParameters
 from visuohaptic.recognition.sequence_features import summarise_signals, wavelet_levels
 from visuohaptic.sensor.touching import stretch

@@ -14,19 +14,21 @@ from numerics import drawings
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import INWARD
-from visuohaptic.features import FeatureParameters, describe_imprints
-from visuohaptic.meshes import normalise
-from visuohaptic.probing import draw_by_area
-from visuohaptic.raycasting import RayCaster
+from visuohaptic.features.describing import describe_imprints
+from visuohaptic.features.parameters import FeatureParameters
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.probing import draw_by_area
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface, read_surface
+from visuohaptic.meshes.preparing import normalise
 from visuohaptic.recognition.classifiers import fit_classifier
 from visuohaptic.recognition.encoding import fit_sequence_encoder
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.rendering import RenderingParameters, render_views
-from visuohaptic.scene import Scene
+from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
-from visuohaptic.surface import Surface, read_surface
-from visuohaptic.viewpoints import ViewpointParameters, place_cameras
 
 SEEDS = st.integers(0, 2**32 - 1)
 STEPS = 16

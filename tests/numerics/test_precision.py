@@ -9,8 +9,8 @@ from numerics import drawings
 from numerics.shapes import float32_exact, of_trimesh, surface_of
 from numerics.tolerances import U32
 
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import EffectModes, Scene
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import EffectModes, Scene
 from visuohaptic.sensor.frames import column_axes, row_axes
 from visuohaptic.sensor.gallery import sheet
 from visuohaptic.sensor.parameters import SensorParameters

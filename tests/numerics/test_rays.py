@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from numerics import drawings, oracles
 from numerics.shapes import closed_shapes, float32_exact, soup, surface_of
 
-from visuohaptic.meshes import normalise
-from visuohaptic.raycasting import MISS, Hits, RayCaster
-from visuohaptic.surface import Surface
+from visuohaptic.geometry.raycasting import MISS, Hits, RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.meshes.preparing import normalise
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -2,7 +2,13 @@
 
 import numpy as np
 
-from visuohaptic import tables
+from visuohaptic.tables.phases import (
+    CONTOURLET_FEATURES,
+    FEATURES,
+    IMPRINT_FEATURES,
+    KINESTHETIC_FEATURES,
+)
+from visuohaptic.tables.schema import build_table
 
 
 def features_table(
@@ -16,7 +22,7 @@ def features_table(
     """Give `tables.FEATURES` of len(objects) classes with so many objects each."""
     generator = np.random.default_rng(seed)
     centres = np.random.default_rng(100).normal(size=(len(objects), 22)) * separation
-    varied = (*tables.FEATURES.keys, *tables.CONTOURLET_FEATURES, *tables.KINESTHETIC_FEATURES)
+    varied = (*FEATURES.keys, *CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
     columns = {name: [] for name in varied}
     for category, count in enumerate(objects):
         for number in range(count):
@@ -27,13 +33,13 @@ def features_table(
                 np.ndindex(viewpoints, touches), values.reshape(-1, 22), strict=True
             ):
                 add_row(columns, f"class{category}", f"object{number}", viewpoint, strategy, touch)
-                for name, value in zip(tables.CONTOURLET_FEATURES, row[:16], strict=True):
+                for name, value in zip(CONTOURLET_FEATURES, row[:16], strict=True):
                     columns[name].append(abs(value))
-                for name, value in zip(tables.KINESTHETIC_FEATURES, row[16:], strict=True):
+                for name, value in zip(KINESTHETIC_FEATURES, row[16:], strict=True):
                     columns[name].append(np.tanh(value))
-    same = dict.fromkeys(tables.IMPRINT_FEATURES, 0.5)
+    same = dict.fromkeys(IMPRINT_FEATURES, 0.5)
     same |= {"sensor_size": 0.1, "contact_state": "full"}
-    return tables.build_table(tables.FEATURES, {**columns, **same})
+    return build_table(FEATURES, {**columns, **same})
 
 
 def add_row(columns, category, name, viewpoint, strategy, touch):

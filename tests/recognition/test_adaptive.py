@@ -20,7 +20,7 @@ from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.parameters import BestParameters, ProtocolParameters
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.splits import make_splits
-from visuohaptic.tables import CONTOURLET_FEATURES, IMPRINT_FEATURES
+from visuohaptic.tables.phases import CONTOURLET_FEATURES, IMPRINT_FEATURES
 
 PARAMETERS = BestParameters()
 NAMES = (*CONTOURLET_FEATURES, *POSE, *IMPRINT_FEATURES, "sensor_size")

@@ -5,7 +5,7 @@ import pyarrow as pa
 import pytest
 from recognition.synthetic import features_table, with_column
 
-from visuohaptic import recognition, tables
+from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import ClassifierParameters, fit_classifier
 from visuohaptic.recognition.experiment import PAPER_FEATURES
@@ -14,6 +14,8 @@ from visuohaptic.recognition.parameters import (
     RecognitionParameters,
     SelfOrganisingMapParameters,
 )
+from visuohaptic.tables.phases import PREDICTIONS
+from visuohaptic.tables.schema import check_table
 
 SMALL = RecognitionParameters(protocol=ProtocolParameters(maximum_splits=4))
 
@@ -168,7 +170,7 @@ def test_other_protocols_run_and_repeat(protocol):
     scores, predictions = recognition.run_pipeline(features_table(), parameters, 1)
     assert scores.num_rows == 4
     assert predictions.num_rows == 2 * 12 * 4
-    tables.check_table(tables.PREDICTIONS, predictions)
+    check_table(PREDICTIONS, predictions)
 
 
 def test_best_pipeline_votes_by_probability_and_says_how_sure_it_is():

@@ -1,13 +1,14 @@
 """From a table to sequences."""
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from recognition.synthetic import features_table, with_column
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.experiment import PAPER_FEATURES
-from visuohaptic.recognition.sequences import gather_sequences, identical_objects
-from visuohaptic.tables import matrix
+from visuohaptic.recognition.sequences import classes_of_two, gather_sequences, identical_objects
+from visuohaptic.tables.schema import matrix
 
 
 def test_rows_come_back_as_sequences_whatever_their_order():
@@ -84,3 +85,10 @@ def test_objects_with_the_same_touches_are_found():
     sequences = gather_sequences(pa.concat_tables([table, renamed]), PAPER_FEATURES, 5)
     assert identical_objects(sequences) == [("class0/copy", "class0/object0")]
     assert identical_objects(gather_sequences(table, PAPER_FEATURES, 5)) == []
+
+
+def test_a_class_with_a_single_object_is_left_out():
+    features = pa.table(
+        {"class": ["cup", "cup", "chair", "chair", "lamp"], "object": ["a", "a", "b", "c", "a"]}
+    )
+    assert classes_of_two(features).column("object").to_pylist() == ["b", "c"]

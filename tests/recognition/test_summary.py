@@ -7,13 +7,15 @@ import pyarrow as pa
 import pytest
 from recognition.synthetic import features_table
 
-from visuohaptic import recognition, tables
+from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import (
     IntervalParameters,
     ProtocolParameters,
     RecognitionParameters,
 )
+from visuohaptic.tables.phases import PREDICTIONS, SCORES
+from visuohaptic.tables.schema import build_table
 
 PARAMETERS = RecognitionParameters(
     protocol=ProtocolParameters(maximum_splits=6),
@@ -41,15 +43,15 @@ def answers(named, split=0, strategy="fixation"):
     keys = {"pipeline": "paper", "strategy": strategy, "classifier": "naive_bayes"}
     keys |= {"split": split, "seed": 0}
     categories, names, viewpoints, predicted = zip(*rows, strict=True)
-    predictions = tables.build_table(
-        tables.PREDICTIONS,
+    predictions = build_table(
+        PREDICTIONS,
         {name: [value] * len(rows) for name, value in keys.items()}
         | {"class": categories, "object": names, "viewpoint": viewpoints, "predicted": predicted}
         | {"probability": [None] * len(rows), "voted": [None] * len(rows)},
     )
     right = [category == answer for category, _, _, answer in rows]
-    scores = tables.build_table(
-        tables.SCORES,
+    scores = build_table(
+        SCORES,
         {name: [value] for name, value in keys.items()}
         | {"accuracy": [np.mean(right)], "object_accuracy": [0.0], "sequences": [len(rows)]}
         | {"note": [None]},

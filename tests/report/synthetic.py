@@ -9,13 +9,15 @@ import numpy as np
 import yaml
 from PIL import Image
 
-from visuohaptic import tables
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.surface import Surface, write_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.summary import summarise
 from visuohaptic.report.run import RunFiles
 from visuohaptic.sensor.frames import column_axes
-from visuohaptic.surface import Surface, write_surface
-from visuohaptic.viewpoints import place_cameras
+from visuohaptic.tables import phases
+from visuohaptic.tables.schema import TEXT, build_table, matrix, write_table
+from visuohaptic.tables.schemas import SCHEMAS
 
 OBJECTS = ("cup/mug", "cup/beaker", "ball/football", "ball/marble")
 STRATEGIES = ("fixation", "random")
@@ -43,7 +45,7 @@ def write_run(
         "effects": _effects(objects),
     }
     for name, table in written.items():
-        tables.write_table(tables.SCHEMAS[name], table, folder / f"{name}.parquet")
+        write_table(SCHEMAS[name], table, folder / f"{name}.parquet")
     metrics = folder / "metrics.json"
     metrics.write_text(json.dumps(summarise(scores, predictions)))
     return RunFiles(
@@ -114,7 +116,7 @@ def _views(objects, distinct, generator):
     eyes = np.array([place_cameras(PARAMETERS.viewpoints)[number].eye for _, number in rows])
     picture, grey = png(_shaded_ball()), png(_shaded_ball().max(axis=2))
     return _table(
-        tables.VIEWS,
+        phases.VIEWS,
         {
             **_owners([key for key, _ in rows]),
             "viewpoint": [number for _, number in rows],
@@ -139,7 +141,7 @@ def _fixations(objects, strategies, generator):
     normals = generator.normal(size=(len(rows), 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return _table(
-        tables.FIXATIONS,
+        phases.FIXATIONS,
         {
             **_owners([row[0] for row in rows]),
             "viewpoint": [row[1] for row in rows],
@@ -156,13 +158,13 @@ def _fixations(objects, strategies, generator):
 
 
 def _touches(fixations, generator):
-    normals = tables.matrix(fixations, ("normal_x", "normal_y", "normal_z"))
+    normals = matrix(fixations, ("normal_x", "normal_y", "normal_z"))
     tangents = column_axes(normals)
     count = fixations.num_rows
     return _table(
-        tables.TOUCHES,
+        phases.TOUCHES,
         {
-            **{key: fixations.column(key) for key in tables.TOUCHES.keys},
+            **{key: fixations.column(key) for key in phases.TOUCHES.keys},
             **{key: fixations.column(key) for key in ("x", "y", "z")},
             **dict(zip(("normal_x", "normal_y", "normal_z"), normals.T, strict=True)),
             **dict(zip(("tangent_x", "tangent_y", "tangent_z"), tangents.T, strict=True)),
@@ -175,12 +177,12 @@ def _touches(fixations, generator):
 
 
 def _features(fixations, generator):
-    keys = (*tables.FEATURES.keys, *tables.KINESTHETIC_FEATURES)
+    keys = (*phases.FEATURES.keys, *phases.KINESTHETIC_FEATURES)
     return _table(
-        tables.FEATURES,
+        phases.FEATURES,
         {
             **{key: fixations.column(key) for key in keys},
-            **{name: generator.random(fixations.num_rows) for name in tables.CONTOURLET_FEATURES},
+            **{name: generator.random(fixations.num_rows) for name in phases.CONTOURLET_FEATURES},
         },
     )
 
@@ -189,7 +191,7 @@ def _effects(objects):
     rows = [(key, effect) for key in objects for effect in ("noise", "adaptive_size", "texture")]
     ran = [effect == "adaptive_size" for _, effect in rows]
     return _table(
-        tables.EFFECTS,
+        phases.EFFECTS,
         {
             **_owners([key for key, _ in rows]),
             "effect": [effect for _, effect in rows],
@@ -218,7 +220,7 @@ def _answers(objects, strategies, pipelines, generator):
     scored = _columns((*cell, "accuracy", "object_accuracy", "sequences"), scores)
     predicted = _columns((*cell, "key", "viewpoint", "predicted"), predictions)
     predicted |= _owners(predicted.pop("key"))
-    return _table(tables.SCORES, scored), _table(tables.PREDICTIONS, predicted)
+    return _table(phases.SCORES, scored), _table(phases.PREDICTIONS, predicted)
 
 
 def _columns(names, rows):
@@ -234,13 +236,13 @@ def _table(schema, columns):
     """Build a table; a column that the page does not read is empty or neutral."""
     count = max(len(values) for values in columns.values())
     neutral = {column.name: [_neutral(column)] * count for column in schema.columns}
-    return tables.build_table(schema, {**neutral, **columns})
+    return build_table(schema, {**neutral, **columns})
 
 
 def _neutral(column):
     if column.nullable:
         return None
-    return "" if column.dtype == tables.TEXT else 0
+    return "" if column.dtype == TEXT else 0
 
 
 def _write_mesh(folder, key):

@@ -4,11 +4,12 @@ import pytest
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 
-from visuohaptic.ablation_settings import ABLATIONS as NAMED
 from visuohaptic.report.ablations import ablation_name, ablation_tables, remade_name
-from visuohaptic.report.making import render_page
+from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.tables import ABLATIONS, build_table, write_table
+from visuohaptic.studies.ablations.settings import ABLATIONS as NAMED
+from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.studies import ABLATIONS
 
 ROWS = [
     ("whole_method", "nothing", 0.8, 0.0, 1.0),

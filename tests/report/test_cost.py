@@ -1,14 +1,15 @@
 """The chart of seconds against error rate puts every setting where its figures say, errors of 0 apart."""
 
 import pytest
-from cost.test_front import cost_table
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
+from studies.cost.test_front import cost_table
 
 from visuohaptic.report.cost import HEIGHT, cost_chart, cost_figures
-from visuohaptic.report.making import render_page
+from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.tables import COST, write_table
+from visuohaptic.tables.schema import write_table
+from visuohaptic.tables.studies import COST
 
 POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
 

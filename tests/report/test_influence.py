@@ -5,10 +5,11 @@ from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 
 from visuohaptic.report.influence import accuracy_rows, hard_places, influence_figures
-from visuohaptic.report.making import render_page
+from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.sensor import CONTACT_STATES, hard_probes
-from visuohaptic.tables import EFFECT_ACCURACY, EFFECT_INFLUENCE, build_table, write_table
+from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.studies import EFFECT_ACCURACY, EFFECT_INFLUENCE
 
 
 @pytest.fixture

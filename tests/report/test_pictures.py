@@ -8,8 +8,8 @@ import pytest
 from PIL import Image
 from report.synthetic import png
 
+from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.report.pictures import imprint_strip, project, shrink_picture, square_corners
-from visuohaptic.viewpoints import Camera
 
 
 def decoded(uri):

@@ -8,7 +8,7 @@ from report.pages import read_page
 from report.synthetic import PARAMETERS, write_run
 
 from visuohaptic.errors import ReportError
-from visuohaptic.report.making import render_page
+from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.stability import read_precision, read_stability
 

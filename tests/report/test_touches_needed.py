@@ -4,10 +4,11 @@ import pytest
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 
-from visuohaptic.report.making import render_page
+from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.touches_needed import HEIGHT, curve_figures, verdict
-from visuohaptic.tables import TOUCH_CURVES, TOUCHES_NEEDED, build_table, write_table
+from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.studies import TOUCH_CURVES, TOUCHES_NEEDED
 
 KEYS = {"pipeline": "best", "classifier": "support_vector_machine"}
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from visuohaptic.probing import STRATEGIES
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.report.wording import (
     anchor_of,

@@ -5,7 +5,7 @@ import trimesh
 from hypothesis import strategies as st
 from sensor.shapes import joined, sheet, surface_of
 
-from visuohaptic.scene import PRESETS, TACTILE_EFFECTS, EffectModes, Scene
+from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor import RandomFields, SensorParameters
 
 

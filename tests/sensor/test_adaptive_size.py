@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor.shapes import box, hard_probes, joined, sheet, surface_of
 
-from visuohaptic.raycasting import RayCaster
+from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor import SensorParameters
 from visuohaptic.sensor.imprints import cast_heights, stand_on
 from visuohaptic.sensor.placing import place

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sensor.scenes import with_modes
 
-from visuohaptic.scene import TACTILE_EFFECTS, Scene
+from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene
 from visuohaptic.sensor import EFFECTS, RandomFields, Situation, simulate
 
 TOUCHES = 3

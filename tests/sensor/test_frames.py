@@ -1,9 +1,7 @@
 import numpy as np
 import pytest
-from sensor.shapes import box, sheet, surface_of
 
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.sensor import column_axes, orient_outwards, row_axes
+from visuohaptic.sensor import column_axes, row_axes
 
 BREAKS = {
     "upright": [(0, 4, -1), (0, -4, -1)],
@@ -68,34 +66,3 @@ def test_transported_axes_turn_the_shortest_way():
     axis = np.cross([0, 1, 0], normals)
     # The rotation's own axis stays as it is, so x has the same share of it before and after.
     np.testing.assert_allclose(np.einsum("ij,ij->i", columns, axis), axis[:, 0], atol=1e-12)
-
-
-def test_normals_turn_outwards_whatever_the_winding():
-    cube = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
-    outward = np.concatenate([np.eye(3), -np.eye(3)])
-    points = np.where(outward == 0, 0.01, 0.5 * outward)
-    given = outward * np.array([1, -1, 1, -1, 1, -1])[:, None]
-    np.testing.assert_array_equal(orient_outwards(RayCaster(cube), points, given), outward)
-
-
-def test_a_single_sheet_is_touched_from_the_side_away_from_the_centre():
-    leaf = sheet(lambda x, z: 0.2 + 0 * x, half=0.3, cells=4)
-    flipped = surface_of(leaf.vertices, leaf.faces[:, ::-1])
-    for surface in (leaf, flipped):
-        normals = orient_outwards(
-            RayCaster(surface), np.array([[0.01, 0.2, 0.02]]), surface.face_normals[:1]
-        )
-        np.testing.assert_allclose(normals, [[0, 1, 0]], atol=1e-12)
-
-
-def test_an_inner_wall_is_touched_from_the_wider_side():
-    # Two walls close together on the left, a wide room on the right, closed in by an outer box.
-    room = box((-0.6, -0.6, -0.6), (0.6, 0.6, 0.6))
-    wall = box((-0.5, -0.5, -0.5), (-0.4, 0.5, 0.5))
-    surface = surface_of(
-        np.concatenate([room.vertices, wall.vertices]), np.concatenate([room.faces, wall.faces + 8])
-    )
-    normals = orient_outwards(
-        RayCaster(surface), np.array([[-0.4, 0.01, 0.02]]), np.array([[-1.0, 0, 0]])
-    )
-    np.testing.assert_array_equal(normals, [[1.0, 0, 0]])

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import PRESETS, Scene
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import PRESETS, Scene
 from visuohaptic.sensor import SensorParameters, hard_probes, touch_gallery
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sensor.shapes import box, hard_probes, joined, sheet, surface_of
 
-from visuohaptic.raycasting import MISS, RayCaster
+from visuohaptic.geometry.raycasting import MISS, RayCaster
 from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, smooth_normals, stand_on
 
 HALF, CELLS, SIZE = 0.25, 150, 0.3

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from sensor.shapes import box
 
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import Scene
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import Scene
+from visuohaptic.scene.records import merge_records
 from visuohaptic.sensor import EFFECTS, SensorParameters, Situation, simulate, touch
 from visuohaptic.sensor.effects import peak_depth_m
-from visuohaptic.sensor.planner import Call, Effect, Signal, apply_effect, merge_records
+from visuohaptic.sensor.planner import Call, Effect, Signal, apply_effect
 
 
 def situation(count=4, **scene):

@@ -16,14 +16,14 @@ from sensor.scenes import (
 from sensor.shapes import box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.errors import ParameterError
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import PRESETS, TACTILE_EFFECTS, Scene
+from visuohaptic.geometry.orientation import orient_outwards
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, Scene
 from visuohaptic.sensor import (
     CONTACT_STATES,
     RandomFields,
     SensorParameters,
     image_shifts,
-    orient_outwards,
     touch,
 )
 

@@ -1,5 +1,6 @@
 """A small copy of the experiment: four objects of two classes, two small views, everything real."""
 
+import hashlib
 import os
 import re
 import shutil
@@ -10,9 +11,8 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-from small_experiment import copy_experiment, set_parameters
+from small_experiment import SMALL_OBJECTS, copy_experiment, set_parameters
 
-OBJECTS = ("bs0_yogurtBottle", "sc_com_bath2_jabon_pijo", "bsby_chair3", "bs0_chair2")
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
     "workflow", "src", "meshes/paper", "meshes/own", "profiles", "benchmarks/resolution.json",
@@ -85,6 +85,25 @@ class Experiment:
         ]
         return table.sort_by([(key, "ascending") for key in keys]).combine_chunks()
 
+    def commit(self, message):
+        """Commit everything that git tracks or should track."""
+        self.run("git", "add", "--all")
+        self.run("git", "commit", "-qm", message)
+
+    def digests(self):
+        """Give the SHA-256 of every result that does not hold seconds or dates."""
+        files = [
+            *(self.folder / "results").rglob("*.parquet"),
+            *(self.folder / "results/meshes").rglob("*.ply"),
+            *(self.folder / "reports/plots").rglob("*.csv"),
+            self.folder / "reports/metrics.json",
+        ]
+        return {
+            str(file.relative_to(self.folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+            for file in files
+            if "results/effects/" not in str(file)
+        }
+
     def copy(self, folder):
         shutil.copytree(self.folder, folder, symlinks=True)
         return Experiment(folder)
@@ -94,7 +113,7 @@ class Experiment:
 def fresh(tmp_path_factory):
     """The experiment before anything has run."""
     folder = tmp_path_factory.mktemp("fresh") / "experiment"
-    copy_experiment(folder, COPIED, OBJECTS, SMALL)
+    copy_experiment(folder, COPIED, SMALL_OBJECTS, SMALL)
     return Experiment(folder)
 
 
@@ -110,3 +129,18 @@ def finished(fresh, tmp_path_factory):
 def experiment(finished, tmp_path):
     """A finished experiment to do with as a test likes."""
     return finished.copy(tmp_path / "experiment")
+
+
+@pytest.fixture(scope="session")
+def repository(fresh, tmp_path_factory):
+    """A git repository in which `dvc repro` has run."""
+    experiment = fresh.copy(tmp_path_factory.mktemp("dvc") / "experiment")
+    for name in (".snakemake", "logs"):
+        shutil.rmtree(experiment.folder / name, ignore_errors=True)
+    experiment.run("git", "init", "-q", "-b", "main")
+    experiment.run("git", "config", "user.name", "A")
+    experiment.run("git", "config", "user.email", "a@b.c")
+    experiment.commit("start")
+    experiment.run("dvc", "repro")
+    experiment.commit("run")
+    return experiment

@@ -76,3 +76,25 @@ def test_every_module_that_a_script_loads_is_among_its_code_inputs(script):
     ).stdout  # fmt: skip
     loaded = {Path(file) for file in json.loads(output.splitlines()[-1])}
     assert loaded <= set(code_inputs(script, [ROOT / "src", ROOT / "workflow/lib"]))
+
+
+@pytest.mark.parametrize(
+    ("phase", "folders"),
+    [
+        ("meshes", {"meshes"}),
+        ("fixations", {"fixations", "attention"}),
+        ("touches", {"touches", "sensor"}),
+        ("features", {"features", "contourlet"}),
+        ("recognition", {"recognition"}),
+        ("model", {"model", "recognition"}),
+    ],
+)
+def test_a_phase_runs_nothing_of_another_phase(phase, folders):
+    """An edit in one phase must not rerun those before it; they share the floor below alone."""
+    shared = {"geometry", "scene", "tables"}
+    package = ROOT / "src" / "visuohaptic"
+    files = code_inputs(
+        ROOT / f"workflow/scripts/{phase}.py", [ROOT / "src", ROOT / "workflow/lib"]
+    )
+    below = [file.relative_to(package).parts for file in files if package in file.parents]
+    assert {parts[0] for parts in below if len(parts) > 1} - shared == folders

@@ -15,26 +15,6 @@ SET_LATE = ("-S", "recognition.classifier.neighbours=3")
 SET = ("-S", "sensor.largest_size=0.2", *SET_LATE)
 
 
-def commit(experiment, message):
-    experiment.run("git", "add", "--all")
-    experiment.run("git", "-c", "user.name=A", "-c", "user.email=a@b.c", "commit", "-qm", message)
-
-
-@pytest.fixture(scope="module")
-def repository(fresh, tmp_path_factory):
-    """A git repository in which `dvc repro` has run."""
-    experiment = fresh.copy(tmp_path_factory.mktemp("dvc") / "experiment")
-    for name in (".snakemake", "logs"):
-        shutil.rmtree(experiment.folder / name, ignore_errors=True)
-    experiment.run("git", "init", "-q")
-    experiment.run("git", "config", "user.name", "A")
-    experiment.run("git", "config", "user.email", "a@b.c")
-    commit(experiment, "start")
-    experiment.run("dvc", "repro")
-    commit(experiment, "run")
-    return experiment
-
-
 @pytest.fixture(scope="module")
 def changed_metrics(fresh, tmp_path_factory):
     """Metrics of a clean run without DVC, with the parameters changed."""

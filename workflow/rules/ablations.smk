@@ -9,6 +9,8 @@ runs one alone.
 
 ABLATION_FIGURES = ["results/ablations.parquet", "reports/ablations.json"]
 
+VALUES_OF_RULES["ablation"] = {"ablation": list(ABLATIONS)}
+
 
 rule ablations_all:
     input:
@@ -24,6 +26,7 @@ rule ablation:
         code=code_of("ablation.py"),
     output:
         "results/ablation/{ablation}.parquet",
+        record="results/records/ablation/{ablation}.json",
     log:
         "logs/ablation/{ablation}.log",
     wildcard_constraints:
@@ -45,6 +48,7 @@ rule ablations:
     output:
         ablations="results/ablations.parquet",
         metrics="reports/ablations.json",
+        record="results/records/ablations.json",
     log:
         "logs/ablations.log",
     conda:

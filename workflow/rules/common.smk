@@ -7,15 +7,17 @@ from pathlib import Path
 SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")]
 sys.path[:0] = map(str, SOURCES)
 
-from visuohaptic.ablation_settings import ABLATIONS
-from visuohaptic.catalogue import companions, find_own_models, models_of_set
-from visuohaptic_workflow.code_inputs import code_inputs
-from visuohaptic.cost.settings import FAMILIES
 from visuohaptic.errors import VisuohapticError
-from visuohaptic_workflow.jobs import set_job_environment
+from visuohaptic.meshes.catalogue import companions, find_own_models, models_of_set
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.scene import VISUAL_EFFECTS
-from visuohaptic.tables import prune_parts
+from visuohaptic.scene.parameters import VISUAL_EFFECTS
+from visuohaptic.studies.ablations.settings import ABLATIONS
+from visuohaptic.studies.cost.settings import FAMILIES
+from visuohaptic_workflow.brought_files import judge_brought_files
+from visuohaptic_workflow.code_inputs import code_inputs
+from visuohaptic_workflow.jobs import set_job_environment
+from visuohaptic_workflow.one_run import claim_folder, is_claimed_by_another
+from visuohaptic_workflow.plan import plan_jobs, prune_files, runs_jobs
 from visuohaptic_workflow.warm_start import offer_warm_starts
 
 set_job_environment(*SOURCES)
@@ -29,10 +31,19 @@ def or_stop(function, *arguments):
         raise WorkflowError(str(error)) from None
 
 
+def shipped(path):
+    """Give a file or folder of the repository, from whichever folder the workflow is run."""
+    if Path(path).exists():
+        return path
+    return os.path.relpath(Path(workflow.basedir, path))
+
+
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 CATALOGUED = {
     model.key: model
-    for model in or_stop(models_of_set, "meshes/catalogue.csv", PARAMETERS.meshes.set)
+    for model in or_stop(
+        models_of_set, shipped("meshes/catalogue.csv"), PARAMETERS.meshes.set
+    )
 }
 OWN = {
     model.key: path
@@ -41,18 +52,9 @@ OWN = {
 DOWNLOADED = {
     key: model
     for key, model in CATALOGUED.items()
-    if not Path("meshes/paper", f"{key}.ply.gz").exists()
+    if not Path(shipped(f"meshes/paper/{key}.ply.gz")).exists()
 }
 OBJECTS = sorted({**CATALOGUED, **OWN})
-TABLES_BY_OBJECT = (
-    "views",
-    "fixations",
-    "touches",
-    "effects/views",
-    "effects/touches",
-    "features",
-)
-TABLES_BY_STRATEGY = ("scores", "predictions")
 
 
 wildcard_constraints:
@@ -66,8 +68,17 @@ def source_of(wildcards):
     """Give the file that an object's model comes from, and what lies beside it."""
     if wildcards.object in OWN:
         return [OWN[wildcards.object], *companions(OWN[wildcards.object])]
-    folder = "downloaded" if wildcards.object in DOWNLOADED else "paper"
-    return [f"meshes/{folder}/{wildcards.object}.ply.gz"]
+    if wildcards.object in DOWNLOADED:
+        return [f"meshes/downloaded/{wildcards.object}.ply.gz"]
+    return [shipped(f"meshes/paper/{wildcards.object}.ply.gz")]
+
+
+def model_of(wildcards):
+    """Give what the catalogue says of an object's shape: its size in cm and its turn upright."""
+    model = CATALOGUED.get(wildcards.object)
+    if model is None:
+        return {}
+    return {"dimensions": model.dimensions, "rotation": model.rotation}
 
 
 def view_blocks():
@@ -83,21 +94,23 @@ def viewpoints_of(wildcards):
     return list(range(int(first), int(last) + 1))
 
 
-def parts_of(table):
+def parts_of(table, suffix="parquet"):
     """List the files that make up a table with one file an object and block of viewpoints."""
     return expand(
-        "results/{table}/{object}/{views}.parquet",
+        "results/{table}/{object}/{views}.{suffix}",
         table=table,
+        suffix=suffix,
         object=OBJECTS,
         views=view_blocks(),
     )
 
 
-def scores_of(table):
+def scores_of(table, suffix="parquet"):
     """List the files of a table of the recognition phase."""
     return expand(
-        "results/{table}/{pipeline}/{strategy}.parquet",
+        "results/{table}/{pipeline}/{strategy}.{suffix}",
         table=table,
+        suffix=suffix,
         pipeline=PARAMETERS.recognition.pipelines,
         strategy=PARAMETERS.probing.strategies,
     )
@@ -125,17 +138,62 @@ def sources_of_ablation(table):
 
 
 def code_of(script):
-    """List the modules that a script runs: an edit in one of them reruns the script's jobs."""
-    files = code_inputs(Path(workflow.basedir, "workflow/scripts", script), SOURCES)
-    return [os.path.relpath(file, workflow.basedir) for file in files]
+    """List a script and the modules that it runs: an edit in one of them reruns its jobs."""
+    file = Path(workflow.basedir, "workflow/scripts", script)
+    return [os.path.relpath(found) for found in [file, *code_inputs(file, SOURCES)]]
 
 
-def prune_tables():
-    """Delete parts of tables that the parameters and objects of today no longer name."""
-    for table in TABLES_BY_OBJECT:
-        prune_parts(f"results/{table}", parts_of(table))
-    for table in TABLES_BY_STRATEGY:
-        prune_parts(f"results/{table}", scores_of(table))
+def all_cores(wildcards):
+    """Give the number of cores for a job that must run alone; on a cluster it is one."""
+    return workflow.cores if workflow.local_exec else 1
+
+
+# Rules whose wildcards stand for other values than in the rest.
+VALUES_OF_RULES = {}
+
+
+def planned_jobs():
+    """List the jobs of all rules that today's parameters and objects ask for."""
+    values = {
+        "object": OBJECTS,
+        "views": view_blocks(),
+        "pipeline": PARAMETERS.recognition.pipelines,
+        "strategy": PARAMETERS.probing.strategies,
+    }
+    by_name = {rule.name: getattr(rules, rule.name) for rule in workflow.rules}
+    return plan_jobs(by_name, values, VALUES_OF_RULES)
+
+
+def check_folder():
+    """Let one run at a time write here, and judge files that were not made here."""
+    if not workflow.is_main_process:
+        return
+    if runs_jobs(sys.argv):
+        or_stop(claim_folder, ["results", "reports", "meshes/downloaded"])
+    elif is_claimed_by_another():
+        return
+    judged = judge_brought_files(planned_jobs())
+    if judged.outdated:
+        print(
+            f"{len(judged.outdated)} jobs have files that were brought here and made with other "
+            "parameters, code or inputs than today's; they run again.",
+            file=sys.stderr,
+        )
+
+
+def prune():
+    """Delete results and logs that today's parameters and objects no longer name."""
+    prune_files(planned_jobs(), ["results", "logs"])
+
+
+def name_objects_set_aside():
+    """Say at the end of a run which own objects can't be used, and why."""
+    from visuohaptic.geometry.surface import set_aside_reason
+
+    for key in OWN:
+        mesh = Path(f"results/meshes/{key}.ply")
+        if mesh.exists() and (reason := set_aside_reason(mesh)):
+            print(f"{key} was left out: {reason}", file=sys.stderr)
 
 
 def start_local_jobs_at_once():
@@ -144,8 +202,9 @@ def start_local_jobs_at_once():
     For that limit Snakemake looks at all jobs that are ready once a second, and once
     more for each job that has ended: with 600 jobs it would keep one core busy.
     """
-    if workflow.local_exec:
-        workflow.scheduler.job_rate_limiter = None
+    scheduler = getattr(workflow, "scheduler", None)
+    if workflow.local_exec and hasattr(scheduler, "job_rate_limiter"):
+        scheduler.job_rate_limiter = None
 
 
 def start_local_jobs_warm():

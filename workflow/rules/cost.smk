@@ -8,6 +8,7 @@ keeps them current, until they are deleted.
 """
 
 COST_FAMILIES = list(FAMILIES)
+VALUES_OF_RULES["cost_errors"] = {"family": COST_FAMILIES}
 COST_FIGURES = ["results/cost.parquet"]
 COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
 # Every parameter that has a say in what is tried; the pipelines that a run runs have none.
@@ -36,6 +37,7 @@ rule cost_errors:
     output:
         errors="results/cost/errors/{family}.parquet",
         described=directory("results/cost/features/{family}"),
+        record="results/records/cost_errors/{family}.json",
     log:
         "logs/cost/{family}.log",
     wildcard_constraints:
@@ -57,12 +59,13 @@ rule cost_seconds:
         code=code_of("cost_seconds.py"),
     output:
         "results/cost/seconds.parquet",
+        record="results/records/cost_seconds.json",
     log:
         "logs/cost/seconds.log",
     conda:
         "../envs/visuohaptic.yaml"
     # It works on one, and takes all there are, so that no other job is in its way.
-    threads: 1024
+    threads: all_cores
     params:
         parameters=COST_PARAMETERS,
         families=COST_FAMILIES,
@@ -80,6 +83,7 @@ rule cost:
     output:
         cost="results/cost.parquet",
         metrics="reports/cost.json",
+        record="results/records/cost.json",
     log:
         "logs/cost.log",
     conda:

@@ -6,13 +6,17 @@ trained and tested with every number of touches: `snakemake -j2 curves_all` does
 report shows them and every run keeps them current, until they are deleted.
 """
 
-from visuohaptic.probing import LONGEST_SEQUENCE, STRATEGIES
+from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE
 
 CURVE_FIGURES = [
     "results/touch_curves.parquet",
     "results/touches_needed.parquet",
     "reports/curves.json",
 ]
+
+CURVE_STRATEGIES = [*STRATEGIES.names, "adaptive"]
+VALUES_OF_RULES["curves"] = {"strategy": CURVE_STRATEGIES}
 
 
 rule curves_all:
@@ -26,6 +30,7 @@ rule curve_features:
         code=code_of("curve_features.py"),
     output:
         "results/curve_features/{object}.parquet",
+        record="results/records/curve_features/{object}.json",
     log:
         "logs/curve_features/{object}.log",
     conda:
@@ -50,6 +55,7 @@ rule curves:
         code=code_of("curves.py"),
     output:
         "results/curves/{pipeline}/{strategy}.parquet",
+        record="results/records/curves/{pipeline}/{strategy}.json",
     log:
         "logs/curves/{pipeline}/{strategy}.log",
     conda:
@@ -72,13 +78,14 @@ rule touches_needed:
         curves=expand(
             "results/curves/{pipeline}/{strategy}.parquet",
             pipeline=PARAMETERS.recognition.pipelines,
-            strategy=[*STRATEGIES.names, "adaptive"],
+            strategy=CURVE_STRATEGIES,
         ),
         code=code_of("touches_needed.py"),
     output:
         points="results/touch_curves.parquet",
         needed="results/touches_needed.parquet",
         figures="reports/curves.json",
+        record="results/records/touches_needed.json",
     log:
         "logs/touches_needed.log",
     conda:

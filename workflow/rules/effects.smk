@@ -28,6 +28,7 @@ rule effect_influence:
         code=code_of("effect_influence.py"),
     output:
         "results/effect_influence.parquet",
+        record="results/records/effect_influence.json",
     log:
         "logs/effect_influence.log",
     conda:
@@ -51,6 +52,7 @@ rule effect_accuracy:
         code=code_of("effect_accuracy.py"),
     output:
         "results/effect_accuracy.parquet",
+        record="results/records/effect_accuracy.json",
     log:
         "logs/effect_accuracy.log",
     conda:

@@ -7,6 +7,7 @@ Takes results/touches/; gives the table results/features/.
 rule features_all:
     input:
         parts_of("features"),
+        parts_of("records/features", "json"),
 
 
 rule features:
@@ -15,6 +16,7 @@ rule features:
         code=code_of("features.py"),
     output:
         "results/features/{object}/{views}.parquet",
+        record="results/records/features/{object}/{views}.json",
     log:
         "logs/features/{object}/{views}.log",
     conda:

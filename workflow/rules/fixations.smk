@@ -10,6 +10,7 @@ rule fixations_all:
         parts_of("fixations"),
         parts_of("views"),
         parts_of("effects/views"),
+        parts_of("records/fixations", "json"),
 
 
 rule fixations:
@@ -20,6 +21,7 @@ rule fixations:
         fixations="results/fixations/{object}/{views}.parquet",
         views="results/views/{object}/{views}.parquet",
         effects="results/effects/views/{object}/{views}.parquet",
+        record="results/records/fixations/{object}/{views}.json",
     log:
         "logs/fixations/{object}/{views}.log",
     conda:

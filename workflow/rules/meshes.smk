@@ -4,10 +4,22 @@ Takes meshes/catalogue.csv, meshes/paper/, meshes/own/, and downloads what the s
 gives results/meshes/<class>/<object>.ply.
 """
 
+from dataclasses import asdict
+
 
 rule meshes_all:
     input:
         expand("results/meshes/{object}.ply", object=OBJECTS),
+        expand("results/records/meshes/{object}.json", object=OBJECTS),
+        ["meshes/downloaded/credits.csv"] if DOWNLOADED else [],
+
+
+rule downloads_all:
+    input:
+        expand("meshes/downloaded/{object}.ply.gz", object=sorted(DOWNLOADED)),
+        "meshes/downloaded/credits.csv",
+        "results/records/downloads.json",
+        "results/records/credits.json",
 
 
 rule downloads:
@@ -15,19 +27,40 @@ rule downloads:
         code=code_of("downloads.py"),
     output:
         models=expand("meshes/downloaded/{object}.ply.gz", object=sorted(DOWNLOADED)),
-        credits="meshes/downloaded/credits.csv",
+        record="results/records/downloads.json",
     log:
         "logs/downloads.log",
     conda:
         "../envs/visuohaptic.yaml"
     threads: 2
     params:
-        models=[DOWNLOADED[key] for key in sorted(DOWNLOADED)],
+        models=[
+            {name: value for name, value in asdict(model).items() if name != "credit"}
+            for _, model in sorted(DOWNLOADED.items())
+        ],
         cache=".cache/models",
     message:
-        "bringing the models that the set needs"
+        "downloading the models that the set needs"
     script:
         "../scripts/downloads.py"
+
+
+rule credits:
+    input:
+        code=code_of("credits.py"),
+    output:
+        credits="meshes/downloaded/credits.csv",
+        record="results/records/credits.json",
+    log:
+        "logs/credits.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        models=[asdict(model) for _, model in sorted(DOWNLOADED.items())],
+    message:
+        "writing who made the downloaded models"
+    script:
+        "../scripts/credits.py"
 
 
 rule meshes:
@@ -36,12 +69,13 @@ rule meshes:
         code=code_of("meshes.py"),
     output:
         "results/meshes/{object}.ply",
+        record="results/records/meshes/{object}.json",
     log:
         "logs/meshes/{object}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        model=lambda wildcards: CATALOGUED.get(wildcards.object),
+        model=model_of,
         meshes=PARAMETERS.meshes.model_dump(exclude={"set"}),
     message:
         "preparing {wildcards.object}"

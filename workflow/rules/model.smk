@@ -18,6 +18,7 @@ rule model:
     output:
         model="results/models/best.skops",
         touching="results/models/best.yaml",
+        record="results/records/model.json",
     log:
         "logs/model.log",
     conda:

@@ -8,6 +8,7 @@ rule recognition_all:
     input:
         scores_of("scores"),
         scores_of("predictions"),
+        scores_of("records/recognition", "json"),
 
 
 rule recognition:
@@ -17,6 +18,7 @@ rule recognition:
     output:
         scores="results/scores/{pipeline}/{strategy}.parquet",
         predictions="results/predictions/{pipeline}/{strategy}.parquet",
+        record="results/records/recognition/{pipeline}/{strategy}.json",
     log:
         "logs/recognition/{pipeline}/{strategy}.log",
     conda:

@@ -10,6 +10,9 @@ CHECKS_AND_BENCHMARKS = [
     "benchmarks/resolution.json",
 ]
 
+CREDITS = [shipped("meshes/catalogue.csv"), shipped("meshes/paper/credits.csv")]
+TEMPLATES = sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
+
 
 rule report_all:
     input:
@@ -17,6 +20,8 @@ rule report_all:
         "reports/metrics.json",
         "reports/plots/accuracy.csv",
         "reports/plots/confusion.csv",
+        "results/records/metrics.json",
+        "results/records/report.json",
 
 
 rule metrics:
@@ -28,6 +33,7 @@ rule metrics:
         metrics="reports/metrics.json",
         accuracy="reports/plots/accuracy.csv",
         confusion="reports/plots/confusion.csv",
+        record="results/records/metrics.json",
     log:
         "logs/metrics.log",
     conda:
@@ -63,10 +69,11 @@ rule report:
             ]
             if Path(file).exists()
         ],
-        code=code_of("report.py"),
-        templates=sorted(Path("src/visuohaptic/report/templates").glob("*.*")),
+        credits=CREDITS,
+        code=[*code_of("report.py"), *TEMPLATES],
     output:
         "reports/report.html",
+        record="results/records/report.json",
     log:
         "logs/report.log",
     conda:
@@ -77,7 +84,6 @@ rule report:
         objects=OBJECTS,
         # Read where they are there; what is not there leaves its section out.
         optional={
-            "credits": ["meshes/catalogue.csv", "meshes/paper/credits.csv"],
             "logs": "logs",
             "extras": {
                 "effect_influence": "results/effect_influence.parquet",

@@ -9,6 +9,7 @@ rule touches_all:
     input:
         parts_of("touches"),
         parts_of("effects/touches"),
+        parts_of("records/touches", "json"),
 
 
 rule touches:
@@ -19,6 +20,7 @@ rule touches:
     output:
         touches="results/touches/{object}/{views}.parquet",
         effects="results/effects/touches/{object}/{views}.parquet",
+        record="results/records/touches/{object}/{views}.json",
     log:
         "logs/touches/{object}/{views}.log",
     conda:

@@ -1,7 +1,7 @@
 """Measure one ablation."""
 
-from visuohaptic.ablation import Sources, make_ablation
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.ablations.measuring import Sources, make_ablation
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

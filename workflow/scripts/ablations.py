@@ -1,7 +1,7 @@
 """Compare the ablations with the whole method."""
 
-from visuohaptic.ablations import make_ablations
 from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.studies.ablations.comparing import make_ablations
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -1,6 +1,6 @@
 """Weigh accuracy against time, and mark the front."""
 
-from visuohaptic.cost.making import make_cost
+from visuohaptic.studies.cost.files import make_cost
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

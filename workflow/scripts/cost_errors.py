@@ -1,7 +1,7 @@
 """Measure the error rates of a family of settings."""
 
-from visuohaptic.cost.making import make_cost_errors
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.cost.files import make_cost_errors
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -1,7 +1,7 @@
 """Time every setting side by side."""
 
-from visuohaptic.cost.making import make_cost_seconds
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.cost.files import make_cost_seconds
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -1,12 +1,11 @@
 """Touch one object by every strategy, at length."""
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.curve_features import make_curve_features
-from visuohaptic.features import FeatureParameters
-from visuohaptic.rendering import RenderingParameters
-from visuohaptic.scene import Scene
+from visuohaptic.features.parameters import FeatureParameters
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.viewpoints import ViewpointParameters
+from visuohaptic.studies.curves.features import make_curve_features
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

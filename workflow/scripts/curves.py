@@ -1,7 +1,7 @@
 """Train and test one pipeline with 1, 2 and more touches by one strategy."""
 
-from visuohaptic.curves import make_curves
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.studies.curves.accuracy import make_curves
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -1,9 +1,9 @@
 """Measure how far each effect moves the accuracy."""
 
-from visuohaptic.effect_accuracy import make_effect_accuracy
-from visuohaptic.features import FeatureParameters
+from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.studies.effects.accuracy import make_effect_accuracy
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

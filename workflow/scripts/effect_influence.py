@@ -1,10 +1,9 @@
 """Measure what each effect costs, and how far it moves images."""
 
-from visuohaptic.effect_influence import make_effect_influence
-from visuohaptic.rendering import RenderingParameters
-from visuohaptic.scene import Scene
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.viewpoints import ViewpointParameters
+from visuohaptic.studies.effects.influence import make_effect_influence
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

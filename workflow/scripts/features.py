@@ -1,6 +1,7 @@
 """Describe the imprints of one object and a block of viewpoints."""
 
-from visuohaptic.features import FeatureParameters, make_features
+from visuohaptic.features.files import make_features
+from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -1,11 +1,13 @@
 """Look at one object from a block of viewpoints."""
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.fixations import make_fixations
-from visuohaptic.probing import ProbingParameters
-from visuohaptic.rendering import RenderingParameters
-from visuohaptic.scene import EffectModes
-from visuohaptic.viewpoints import ViewpointParameters
+from visuohaptic.fixations.files import make_fixations
+from visuohaptic.fixations.parameters import (
+    ProbingParameters,
+    RenderingParameters,
+    ViewpointParameters,
+)
+from visuohaptic.scene.parameters import EffectModes
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

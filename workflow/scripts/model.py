@@ -1,7 +1,7 @@
 """Fit and keep the model that names objects of which the run knows nothing."""
 
+from visuohaptic.model.files import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.trained_model import make_model
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -1,7 +1,7 @@
 """Train and test one pipeline on the touches of one strategy."""
 
+from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.scores import make_scores
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -1,7 +1,7 @@
 """Write the report of everything that was run."""
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.making import make_report
+from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
 from visuohaptic_workflow.jobs import job
 
@@ -16,6 +16,7 @@ with job(snakemake):
             features=snakemake.input.features,
             effects=snakemake.input.effects,
             meshes=snakemake.input.meshes,
+            credits=snakemake.input.credits,
             **snakemake.params.optional,
         ),
         output=snakemake.output[0],

@@ -1,8 +1,8 @@
 """Touch one object at the probing locations of a block of viewpoints."""
 
-from visuohaptic.scene import Scene
+from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.touches import make_touches
+from visuohaptic.touches.files import make_touches
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -1,7 +1,7 @@
 """Sum up the curves over touches."""
 
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.touches_needed import make_touches_needed
+from visuohaptic.studies.curves.touches_needed import make_touches_needed
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

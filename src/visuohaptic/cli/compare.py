@@ -31,7 +31,7 @@ def compare(
 
     Example: visuohaptic compare before/reports/metrics.json reports/metrics.json --out comparison
     """
-    from visuohaptic.run_comparison import compare_runs, read_measured_run, render_comparison
+    from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
 
     check_folder(out)
     found = compare_runs(read_measured_run(first), read_measured_run(second))

@@ -12,7 +12,7 @@ import typer
 from visuohaptic.cli.printing import check_folder, say, say_json, show_progress
 
 if TYPE_CHECKING:
-    from visuohaptic.exploration import Exploration, Recognition, TouchableObject
+    from visuohaptic.exploration.exploring import Exploration, Recognition, TouchableObject
     from visuohaptic.parameters import ExperimentParameters
 
 DEFAULT_MODEL = Path("results/models/best.skops")
@@ -76,8 +76,7 @@ def touch(
 
     Example: visuohaptic touch mug.obj --out mug
     """
-    from visuohaptic.exploration import read_parameters
-    from visuohaptic.parameters import ExperimentParameters
+    from visuohaptic.parameters import ExperimentParameters, read_parameters
 
     chosen = ExperimentParameters() if parameters is None else read_parameters(parameters)
     _check_strategy(strategy)
@@ -107,7 +106,7 @@ def recognise(
 
     Example: visuohaptic recognise mug.obj --model results/models/best.skops
     """
-    from visuohaptic.exploration import read_recogniser
+    from visuohaptic.exploration.exploring import read_recogniser
 
     viewpoints = _viewpoints(viewpoints, budget)
     recogniser = read_recogniser(model)
@@ -139,7 +138,7 @@ def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | No
             f"it stands for a number of viewpoints, and --viewpoints {viewpoints} is another.",
             param_hint="--budget",
         )
-    from visuohaptic.cost.budgets import budgets
+    from visuohaptic.studies.cost.budgets import budgets
 
     return budgets()[budget.value].viewpoints
 
@@ -147,7 +146,7 @@ def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | No
 def _check_strategy(strategy: str) -> None:
     """Refuse a wrong strategy before any work: it is wrong use."""
     from visuohaptic.errors import RegistryError
-    from visuohaptic.probing import STRATEGIES
+    from visuohaptic.fixations.probing import STRATEGIES
 
     try:
         STRATEGIES[strategy]
@@ -156,7 +155,7 @@ def _check_strategy(strategy: str) -> None:
 
 
 def _load(mesh: Path, up: UpAxis | None, parameters: ExperimentParameters) -> TouchableObject:
-    from visuohaptic.exploration import load
+    from visuohaptic.exploration.exploring import load
 
     chosen = parameters.meshes
     if up is not None:

@@ -9,9 +9,9 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.catalogue import Model, find_own_models, models_of_set
 from visuohaptic.cli.printing import say, say_json, show_progress
 from visuohaptic.errors import MeshError
+from visuohaptic.meshes.catalogue import Model, find_own_models, models_of_set
 
 app = typer.Typer(help="The models that objects come from.", no_args_is_help=True)
 
@@ -44,11 +44,12 @@ def fetch(
 
     Example: visuohaptic meshes fetch --set benchmark
     """
-    from visuohaptic.downloads import fetch_models
+    from visuohaptic.meshes.downloads import fetch_models, write_credits
 
     models = models_of_set(meshes / "catalogue.csv", object_set.value)
     missing = [model for model in models if not (meshes / "paper" / _packed(model)).exists()]
     fetch_models(missing, meshes / "downloaded", cache, jobs)
+    write_credits(missing, meshes / "downloaded" / "credits.csv")
     say(f"{len(missing)} models are in {meshes / 'downloaded'}.")
 
 
@@ -64,7 +65,8 @@ def check(
 
     Example: visuohaptic meshes check --set paper
     """
-    from visuohaptic.meshes import MeshParameters, prepare_object
+    from visuohaptic.meshes.parameters import MeshParameters
+    from visuohaptic.meshes.preparing import prepare_object
 
     models = models_of_set(meshes / "catalogue.csv", object_set.value)
     files = {model: _model_file(model, meshes) for model in models}

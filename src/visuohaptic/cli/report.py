@@ -27,8 +27,8 @@ def report(
 
     Example: visuohaptic report . --out report
     """
-    from visuohaptic.report import make_report
-    from visuohaptic.run_folder import find_run
+    from visuohaptic.report.files import make_report
+    from visuohaptic.report.run_folder import find_run
 
     check_folder(out)
     found = find_run(run)

@@ -21,7 +21,7 @@ from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
 from visuohaptic.recognition.splits import Split
 from visuohaptic.recognition.tuning import best_temperature
-from visuohaptic.tables import matrix
+from visuohaptic.tables.schema import matrix
 
 WORDS = 16
 """Kinds of imprint that a touch may turn out to be."""

@@ -24,13 +24,13 @@ from visuohaptic.recognition.sequences import (
 from visuohaptic.recognition.splits import Split, make_splits
 from visuohaptic.recognition.voting import soft_vote, vote_credit
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.tables import (
+from visuohaptic.tables.phases import (
     CONTOURLET_FEATURES,
     KINESTHETIC_FEATURES,
     PREDICTIONS,
     SCORES,
-    build_table,
 )
+from visuohaptic.tables.schema import build_table
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.tuning import FitMemory

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.descriptors import CONTACT_STATES
-from visuohaptic.tables import matrix
+from visuohaptic.tables.schema import matrix
 
 
 @dataclass(frozen=True)
@@ -200,3 +201,22 @@ def _check_finite(
             f"{'/'.join(owners[sequence])} has {names[feature]} = {values[tuple(bad[0])]} at touch "
             f"{touch}; only finite numbers are allowed."
         )
+
+
+def classes_of_two(features: pa.Table) -> pa.Table:
+    """Leave out the classes that have a single object: nothing could train while it is tested.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES`.
+
+    Returns
+    -------
+    pyarrow.Table
+        The rows of classes with two objects or more.
+    """
+    objects = features.group_by(["class", "object"]).aggregate([])
+    counts = objects.group_by("class").aggregate([("object", "count")])
+    enough = counts.filter(pc.greater_equal(counts.column("object_count"), 2)).column("class")
+    return features.filter(pc.is_in(features.column("class"), enough.combine_chunks()))

@@ -3,7 +3,3 @@
 It reads tables and writes HTML; nothing here computes a result that another
 phase could use.
 """
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.ablation_settings import ABLATIONS, WHOLE
 from visuohaptic.report.comparison import PAPER_PIPELINE, SIGNIFICANCE, holm
 from visuohaptic.report.wording import counted, listed, percent, points, probability, spaced
-from visuohaptic.tables import ABLATIONS as ABLATIONS_SCHEMA
-from visuohaptic.tables import read_table
+from visuohaptic.studies.ablations.settings import ABLATIONS, WHOLE
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import ABLATIONS as ABLATIONS_SCHEMA
 
 Row = Mapping[str, Any]
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.cost.front import advise, front_rows, read_costs
 from visuohaptic.report.wording import percent, spaced
+from visuohaptic.studies.cost.front import advise, front_rows, read_costs
 
 HEIGHT = 420
 """Of the part with the logarithmic axis, pixels."""

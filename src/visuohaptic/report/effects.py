@@ -9,7 +9,7 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.attention.parameters import CHANNELS
-from visuohaptic.scene import EffectModes
+from visuohaptic.scene.parameters import EffectModes
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ import pyarrow as pa
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.pictures import imprint_strip
-from visuohaptic.scene import PRESETS, VISUAL_EFFECTS, EffectModes
-from visuohaptic.tables import EFFECT_ACCURACY, EFFECT_INFLUENCE, read_table
+from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import EFFECT_ACCURACY, EFFECT_INFLUENCE
 
 NOTHING = "nothing"
 

@@ -11,7 +11,7 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.surface import Surface
+from visuohaptic.geometry.surface import Surface
 
 # Coordinates lie within the unit sphere; a step is 1/16384 of the object's radius.
 COORDINATE_STEPS = 16384
@@ -50,7 +50,7 @@ def thin(surface: Surface, faces: int) -> Surface:
     """
     if len(surface.faces) <= faces:
         return surface
-    from visuohaptic.compiled_open3d import open3d
+    from visuohaptic.geometry.compiled_open3d import open3d
 
     mesh = open3d.geometry.TriangleMesh(
         open3d.utility.Vector3dVector(surface.vertices),
@@ -109,7 +109,7 @@ def _steps(values: NDArray[np.float64]) -> NDArray[np.int16]:
 
 
 def _nearest_colours(surface: Surface, points: NDArray[np.float64]) -> NDArray[np.uint8]:
-    from visuohaptic.compiled_open3d import open3d
+    from visuohaptic.geometry.compiled_open3d import open3d
 
     scene = open3d.t.geometry.RaycastingScene(nthreads=1)
     tensor = open3d.core.Tensor

@@ -12,6 +12,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
+from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.geometry.surface import read_surface
 from visuohaptic.report.models import PackedModel, pack_model
 from visuohaptic.report.pictures import (
     data_uri,
@@ -23,9 +25,7 @@ from visuohaptic.report.pictures import (
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import anchor_of, listed, place_in_view, spaced
 from visuohaptic.sensor.frames import row_axes
-from visuohaptic.surface import read_surface
-from visuohaptic.tables import images, matrix
-from visuohaptic.viewpoints import Camera, place_cameras
+from visuohaptic.tables.schema import images, matrix
 
 _POINT = ("x", "y", "z")
 _NORMAL = ("normal_x", "normal_y", "normal_z")

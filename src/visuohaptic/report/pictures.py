@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from visuohaptic.viewpoints import Camera
+from visuohaptic.fixations.viewpoints import Camera
 
 WEBP_QUALITY = 75
 # Pillow's encoder effort; 4, its default, takes twice the time for 7 % fewer bytes.

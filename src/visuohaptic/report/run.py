@@ -13,9 +13,11 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.errors import ReportError
+from visuohaptic.geometry.surface import set_aside_reason
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
-from visuohaptic.tables import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS, read_table
+from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
+from visuohaptic.tables.schema import read_table
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,12 @@ class Run:
         """Mesh file of each object that has one."""
         paths = [Path(path) for path in self.files.meshes]
         return {f"{path.parent.name}/{path.stem}": path for path in paths if path.is_file()}
+
+    @cached_property
+    def set_aside(self) -> dict[str, str]:
+        """Why each object that can't be used was left out."""
+        reasons = {key: set_aside_reason(path) for key, path in self.meshes.items()}
+        return {key: reason for key, reason in reasons.items() if reason is not None}
 
     @cached_property
     def credits(self) -> dict[str, ObjectCredit]:

@@ -35,8 +35,9 @@ from visuohaptic.report.run import Run
 from visuohaptic.report.stability import read_precision, read_stability
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES
-from visuohaptic.scene import PRESETS, VISUAL_EFFECTS
-from visuohaptic.tables import CONTOURLET_FEATURES, KINESTHETIC_FEATURES, matrix
+from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
+from visuohaptic.tables.phases import CONTOURLET_FEATURES, KINESTHETIC_FEATURES
+from visuohaptic.tables.schema import matrix
 
 Values = Mapping[str, Any]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.probing import STRATEGIES
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.report.comparison import PAPER_PIPELINE, REFERENCE, SIGNIFICANCE, holm
 from visuohaptic.report.wording import (
     counted,
@@ -18,7 +18,8 @@ from visuohaptic.report.wording import (
     probability,
     strategy_name,
 )
-from visuohaptic.tables import TOUCH_CURVES, TOUCHES_NEEDED, read_table
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import TOUCH_CURVES, TOUCHES_NEEDED
 
 HEIGHT = 380
 """Of the curves, pixels."""

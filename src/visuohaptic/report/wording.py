@@ -6,7 +6,7 @@ import hashlib
 import re
 from collections.abc import Sequence
 
-from visuohaptic.probing import STRATEGIES
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 
 ADAPTIVE = "adaptive touching"

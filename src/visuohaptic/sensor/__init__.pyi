@@ -2,15 +2,12 @@ from .contact import CONTACT_STATES as CONTACT_STATES
 from .effects import EFFECTS as EFFECTS
 from .effects import simulate as simulate
 from .frames import column_axes as column_axes
-from .frames import orient_outwards as orient_outwards
 from .frames import row_axes as row_axes
 from .gallery import hard_probes as hard_probes
 from .gallery import touch_gallery as touch_gallery
 from .influence import image_shifts as image_shifts
 from .parameters import SensorParameters as SensorParameters
-from .planner import EffectRecord as EffectRecord
 from .planner import Situation as Situation
-from .planner import merge_records as merge_records
 from .random_fields import RandomFields as RandomFields
 from .touching import Touches as Touches
 from .touching import touch as touch
@@ -18,7 +15,6 @@ from .touching import touch as touch
 __all__ = [
     "CONTACT_STATES",
     "EFFECTS",
-    "EffectRecord",
     "RandomFields",
     "SensorParameters",
     "Situation",
@@ -26,8 +22,6 @@ __all__ = [
     "column_axes",
     "hard_probes",
     "image_shifts",
-    "merge_records",
-    "orient_outwards",
     "row_axes",
     "simulate",
     "touch",

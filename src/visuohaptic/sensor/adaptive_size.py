@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.raycasting import RayCaster
+from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.imprints import RAYS_IN_FLIGHT, Poses, sensing_offsets
 
 PERIMETER_RAYS = 128

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.registry import Registry
-from visuohaptic.scene import TACTILE_EFFECTS, Scene
+from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene
+from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
-from visuohaptic.sensor.planner import Call, Effect, EffectRecord, Signal, Situation, apply_effect
+from visuohaptic.sensor.planner import Call, Effect, Signal, Situation, apply_effect
 from visuohaptic.sensor.readout import (
     add_noise,
     break_cells,
@@ -262,5 +263,5 @@ EFFECTS = Registry(
 """Every effect of the sensor but `adaptive_size`, which is how it is placed."""
 
 EFFECTS.check_complete(
-    (name for name in TACTILE_EFFECTS if name != "adaptive_size"), "scene.TactileModes"
+    (name for name in TACTILE_EFFECTS if name != "adaptive_size"), "scene.parameters.TactileModes"
 )

@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from visuohaptic.raycasting import RayCaster
+    from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.sensor.parameters import Orientation
 
 # Moves the two directions in which `upright` must break off the exact poles, where
 # horizontal faces are, to 14.5 degrees beside them.
 _POLE_OFFSET = 0.25
-_STAND_OFF = 1e-5
 
 
 def column_axes(
@@ -110,33 +109,3 @@ def touched_normals(
     side = np.einsum("ij,ij->i", own, normals)[:, None]
     own = np.where(side < 0, -own, own)
     return np.where(own.any(axis=1, keepdims=True), own, normals)
-
-
-def orient_outwards(
-    caster: RayCaster, points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Turn normals to the side from which a sensor can come.
-
-    A ray is sent off each side. The side with the longer free way is outside; a ray that
-    leaves the object has an endless one. Where both sides are equally free (a single sheet), outside is
-    the side that faces away from the object's centre, whatever the face's winding.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    points : numpy.ndarray
-        Shape (n, 3), float64, on the surface, object frame.
-    normals : numpy.ndarray
-        Shape (n, 3), float64, unit normals of either sign.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64: each the given normal or its opposite.
-    """
-    facing_away = np.einsum("ij,ij->i", points, normals) >= 0
-    normals = np.where(facing_away[:, None], normals, -normals)
-    outside = caster.first_hits(points + _STAND_OFF * normals, normals).distance
-    inside = caster.first_hits(points - _STAND_OFF * normals, -normals).distance
-    return np.where((inside > outside)[:, None], -normals, normals)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import Scene
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.random_fields import RandomFields
 from visuohaptic.sensor.touching import touch

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import Mode
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import Mode
+from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.adaptive_size import (
     admissible_sizes,
     approach_distances,
@@ -19,7 +20,6 @@ from visuohaptic.sensor.adaptive_size import (
 )
 from visuohaptic.sensor.imprints import Poses, cast_heights
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.planner import EffectRecord
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import ParameterError
-from visuohaptic.scene import Mode, Scene
+from visuohaptic.scene.parameters import Mode, Scene
+from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.random_fields import RandomFields
 
 
@@ -119,31 +120,6 @@ class Effect:
     example: Mapping[str, object]
 
 
-@dataclass(frozen=True)
-class EffectRecord:
-    """What became of one effect over a batch of touches.
-
-    Attributes
-    ----------
-    effect, mode : str
-        The effect and when it may be simulated.
-    reason : str
-        Why it was called for, or why not; the same for every batch of the scene.
-    touches, called_for, runs : int
-        Touches of the batch, those that called for it, those it was simulated for.
-    seconds : float
-        Time spent on it, deciding included; no two runs have the same.
-    """
-
-    effect: str
-    mode: Mode
-    reason: str
-    touches: int
-    called_for: int
-    runs: int
-    seconds: float
-
-
 def apply_effect(
     effect: Effect, mode: Mode, situation: Situation, signal: Signal
 ) -> tuple[Signal, EffectRecord]:
@@ -186,31 +162,6 @@ def apply_effect(
         time.perf_counter() - started,
     )
     return signal, record
-
-
-def merge_records(batches: Sequence[Sequence[EffectRecord]]) -> tuple[EffectRecord, ...]:
-    """Add up the records of several batches of one scene.
-
-    Parameters
-    ----------
-    batches : sequence of sequence of EffectRecord
-        The same effects in the same order in each.
-
-    Returns
-    -------
-    tuple of EffectRecord
-        One for each effect.
-    """
-    return tuple(
-        replace(
-            records[0],
-            touches=sum(record.touches for record in records),
-            called_for=sum(record.called_for for record in records),
-            runs=sum(record.runs for record in records),
-            seconds=sum(record.seconds for record in records),
-        )
-        for records in zip(*batches, strict=True)
-    )
 
 
 def _put(

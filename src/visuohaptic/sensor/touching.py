@@ -8,15 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.raycasting import RayCaster
-from visuohaptic.scene import Scene
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import Scene
+from visuohaptic.scene.records import EffectRecord, merge_records
 from visuohaptic.sensor.contact import contact_states
 from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.frames import touched_normals
 from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import place
-from visuohaptic.sensor.planner import EffectRecord, Situation, merge_records
+from visuohaptic.sensor.planner import Situation
 from visuohaptic.sensor.random_fields import RandomFields
 
 # Bounds the memory: intermediate arrays live for so many touches at a time.

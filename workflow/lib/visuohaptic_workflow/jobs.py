@@ -13,6 +13,8 @@ from typing import Any
 
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.job_logs import SECONDS
+from visuohaptic_workflow.one_run import hold_job_lock
+from visuohaptic_workflow.records import write_record
 
 
 def set_job_environment(*folders: str | Path) -> None:
@@ -24,9 +26,12 @@ def set_job_environment(*folders: str | Path) -> None:
     Parameters
     ----------
     *folders : path
-        Where they look for modules first; one of them holds the package.
+        Where they look for modules first, before what the caller's PYTHONPATH names.
     """
-    os.environ["PYTHONPATH"] = os.pathsep.join(map(str, folders))
+    inherited = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    ours = [str(folder) for folder in folders]
+    paths = [*ours, *(path for path in inherited if path and path not in ours)]
+    os.environ["PYTHONPATH"] = os.pathsep.join(paths)
     for library in ("OMP", "OPENBLAS", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
@@ -48,12 +53,14 @@ def job(snakemake: Any) -> Iterator[None]:
         the log; the log alone gets a traceback where the error was not foreseen.
     """
     path = Path(snakemake.log[0])
+    hold_job_lock()
     path.parent.mkdir(parents=True, exist_ok=True)
     _keep_pandas_out()
     imports = _seconds_since_start()
     started = time.time()
     try:
         yield
+        write_record(snakemake)
     except VisuohapticError as error:
         _end_with(path, f"error: {error}", "")
     except Exception as error:  # noqa: BLE001 - the job ends here, and says why

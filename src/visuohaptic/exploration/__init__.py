@@ -1,0 +1,1 @@
+"""One object from its mesh file to its name, without the workflow."""

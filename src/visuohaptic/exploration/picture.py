@@ -1,0 +1,156 @@
+"""A picture of an exploration: what was looked at, where the sensor was set down, what it felt."""
+
+from __future__ import annotations
+
+import io
+import math
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.report.pictures import project, square_corners
+from visuohaptic.sensor.frames import row_axes
+from visuohaptic.tables.schema import images, matrix
+
+VIEW_PIXELS = 320
+IMPRINT_PIXELS = 84
+IMPRINTS_ACROSS = 3
+GAP = 8
+HIDDEN_BEHIND = 0.01
+"""A point is hidden where something is nearer to the eye by more than this, object radii."""
+
+_BACK, _INK, _MARK, _SQUARE = (255, 255, 255), (30, 34, 40), (255, 214, 0), (0, 92, 200)
+_POINT = ("x", "y", "z")
+_NORMAL = ("normal_x", "normal_y", "normal_z")
+_TANGENT = ("tangent_x", "tangent_y", "tangent_z")
+_LABEL = 16
+
+
+def draw_exploration(
+    surface: Surface, parameters: ExperimentParameters, views: pa.Table, touches: pa.Table
+) -> Image.Image:
+    """Draw every view with its touches, and the imprints beside it.
+
+    Parameters
+    ----------
+    surface : Surface
+        The object.
+    parameters : ExperimentParameters
+        Where the cameras stand.
+    views, touches : pyarrow.Table
+        Of one object and strategy.
+
+    Returns
+    -------
+    PIL.Image.Image
+        A cell a viewpoint. A filled number is a touch that the eye sees, a hollow one lies
+        behind the object; the square is the sensor at its true size. Beside the view each
+        imprint, contact white, with the edge of its square in object radii and the contact's state.
+    """
+    caster = RayCaster(surface)
+    cameras = place_cameras(parameters.viewpoints)
+    owner = touches.column("viewpoint").to_numpy()
+    cells = []
+    for row in views.to_pylist():
+        mine = touches.filter(pa.array(owner == row["viewpoint"]))
+        with Image.open(io.BytesIO(row["view"])) as picture:
+            view = picture.convert("RGB").resize((VIEW_PIXELS, VIEW_PIXELS))
+        _mark_touches(view, caster, cameras[row["viewpoint"]], mine)
+        cells.append(_cell(f"viewpoint {row['viewpoint']}", view, mine))
+    return _grid(cells)
+
+
+def find_visible(
+    caster: RayCaster, camera: Camera, points: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Tell which points of a surface a camera sees.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    camera : Camera
+        The viewpoint.
+    points : numpy.ndarray
+        Shape (n, 3), float64, on the surface.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), bool.
+    """
+    if camera.projection == "orthographic":
+        towards = np.broadcast_to(camera.distance * camera.axes[2], points.shape)
+    else:
+        towards = camera.eye - points
+    far = np.linalg.norm(towards, axis=1)
+    directions = -towards / far[:, None]
+    return caster.first_hits(points + towards, directions).distance > far - HIDDEN_BEHIND
+
+
+def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches: pa.Table) -> None:
+    points, tangents = matrix(touches, _POINT), matrix(touches, _TANGENT)
+    rows = row_axes(matrix(touches, _NORMAL), tangents)
+    corners = square_corners(points, tangents, rows, touches.column("sensor_size").to_numpy())
+    outlines = project(camera, corners.reshape(-1, 3), VIEW_PIXELS).reshape(-1, 4, 2)
+    places = project(camera, points, VIEW_PIXELS)
+    visible = find_visible(caster, camera, points)
+    draw = ImageDraw.Draw(view)
+    for outline in outlines[visible]:
+        draw.polygon([tuple(corner) for corner in outline], outline=_SQUARE, width=2)
+    # The first touches last, for they matter most.
+    for number in reversed(range(len(places))):
+        _mark(draw, places[number], str(number + 1), bool(visible[number]))
+
+
+def _mark(draw: ImageDraw.ImageDraw, place: NDArray[np.float64], text: str, seen: bool) -> None:  # noqa: FBT001
+    column, row = place
+    box = (column - 9, row - 9, column + 9, row + 9)
+    draw.ellipse(box, fill=_MARK if seen else None, outline=_INK, width=1)
+    draw.text((column, row), text, fill=_INK, font=_font(12), anchor="mm")
+
+
+def _cell(title: str, view: Image.Image, touches: pa.Table) -> Image.Image:
+    imprints = images(touches)
+    sizes = touches.column("sensor_size").to_pylist()
+    states = touches.column("contact_state").to_pylist()
+    pitch = IMPRINT_PIXELS + _LABEL + GAP
+    deep = math.ceil(len(imprints) / IMPRINTS_ACROSS) * pitch
+    width = VIEW_PIXELS + IMPRINTS_ACROSS * (IMPRINT_PIXELS + GAP) + GAP
+    cell = Image.new("RGB", (width, _LABEL + max(VIEW_PIXELS, deep)), _BACK)
+    draw = ImageDraw.Draw(cell)
+    draw.text((0, 0), title, fill=_INK, font=_font(12))
+    cell.paste(view, (0, _LABEL))
+    for number, imprint in enumerate(imprints):
+        down, across = divmod(number, IMPRINTS_ACROSS)
+        left = VIEW_PIXELS + GAP + across * (IMPRINT_PIXELS + GAP)
+        top = _LABEL + down * pitch
+        grey = Image.fromarray(np.rint(255.0 * imprint).astype(np.uint8)).convert("RGB")
+        square = grey.resize((IMPRINT_PIXELS, IMPRINT_PIXELS), Image.Resampling.NEAREST)
+        cell.paste(square, (left, top))
+        draw.rectangle(
+            (left, top, left + IMPRINT_PIXELS - 1, top + IMPRINT_PIXELS - 1), outline=_INK
+        )
+        label = f"{number + 1}: {sizes[number]:.2f} {states[number].replace('_', ' ')}"
+        draw.text((left, top + IMPRINT_PIXELS + 1), label, fill=_INK, font=_font(10))
+    return cell
+
+
+def _grid(cells: list[Image.Image]) -> Image.Image:
+    across = 1 if len(cells) < 3 else 2
+    width, height = cells[0].width + 2 * GAP, cells[0].height + 2 * GAP
+    picture = Image.new("RGB", (across * width, math.ceil(len(cells) / across) * height), _BACK)
+    for number, cell in enumerate(cells):
+        down, right = divmod(number, across)
+        picture.paste(cell, (right * width + GAP, down * height + GAP))
+    return picture
+
+
+def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size)

@@ -1,0 +1,1 @@
+"""Phase `fixations`: from surfaces to views, saliency and ordered probing locations."""

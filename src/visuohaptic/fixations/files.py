@@ -1,0 +1,125 @@
+"""From a mesh to the view and fixation tables of a block of viewpoints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.attention.model import Attention
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.fixations.locations import locate, look
+from visuohaptic.fixations.parameters import (
+    ProbingParameters,
+    RenderingParameters,
+    ViewpointParameters,
+)
+from visuohaptic.fixations.rendering import Views
+from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import read_surface, set_aside_reason
+from visuohaptic.scene.effect_log import effect_table
+from visuohaptic.scene.parameters import EffectModes
+from visuohaptic.tables.phases import EFFECTS, FIXATIONS, VIEWS
+from visuohaptic.tables.schema import build_table, write_table
+
+MAP_PIXELS = 64
+"""Longer edge, in pixels, of the conspicuity maps that are kept."""
+
+
+def make_fixations(
+    key: str,
+    mesh: str | Path,
+    fixations: str | Path,
+    views: str | Path,
+    effects: str | Path,
+    block: Sequence[int],
+    viewpoints: ViewpointParameters,
+    rendering: RenderingParameters,
+    attention: AttentionParameters,
+    probing: ProbingParameters,
+    modes: EffectModes,
+    seed: int,
+) -> None:
+    """Make the view and fixation tables of one object and a block of its viewpoints.
+
+    The books of the effects of the view come with them.
+
+    Parameters
+    ----------
+    key : str
+        `class/name` of the object.
+    mesh : path
+        Its surface.
+    fixations, views, effects : path
+        The Parquet files to write.
+    block : sequence of int
+        Numbers of the viewpoints; what a viewpoint gives does not depend on the others.
+    viewpoints, rendering, attention, probing
+        Sections of the parameters.
+    modes : EffectModes
+        When the effects of the view are simulated; all others have no say.
+    seed : int
+        The experiment's seed.
+    """
+    if set_aside_reason(mesh):
+        for schema, path in ((VIEWS, views), (EFFECTS, effects), (FIXATIONS, fixations)):
+            write_table(schema, schema.arrow.empty_table(), path)
+        return
+    caster = RayCaster(read_surface(mesh))
+    placed = place_cameras(viewpoints)
+    cameras = {number: placed[number] for number in block}
+    looks = look(caster, key, cameras, rendering, attention, modes)
+    seen, attentions = looks[0].seen, [one.attended for one in looks]
+    write_table(VIEWS, _view_table(key, cameras, seen, attentions), views)
+    write_table(EFFECTS, effect_table(key, block[0], "any", seen.effects), effects)
+    tables = [
+        locate(one, strategy, attention, seed) for one in looks for strategy in probing.strategies
+    ]
+    write_table(FIXATIONS, pa.concat_tables(tables), fixations)
+
+
+def _view_table(
+    key: str, cameras: dict[int, Camera], seen: Views, attentions: Sequence[Attention]
+) -> pa.Table:
+    category, name = key.split("/")
+    eyes = np.stack([camera.eye for camera in cameras.values()])
+    columns: dict[str, object] = {
+        "class": category,
+        "object": name,
+        "viewpoint": np.array(list(cameras)),
+        "view": [_encode_png(np.rint(view * 255.0)) for view in seen.colour],
+        "saliency": [_encode_png(np.rint(attended.saliency * 255.0)) for attended in attentions],
+        "conspicuity": [
+            [(channel, _encode_map(plane)) for channel, plane in attended.conspicuity.items()]
+            for attended in attentions
+        ],
+        "skipped": [list(attended.skipped.items()) for attended in attentions],
+        "distinct_fixations": np.array([attended.scanpath.distinct for attended in attentions]),
+    }
+    columns |= {f"eye_{axis}": eyes[:, index] for index, axis in enumerate("xyz")}
+    return build_table(VIEWS, columns)
+
+
+def _encode_map(plane: NDArray[np.float32]) -> bytes:
+    """Encode a conspicuity map small, its own maximum white."""
+    import cv2
+
+    scale = MAP_PIXELS / max(plane.shape)
+    small = cv2.resize(plane, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    peak = float(small.max())
+    return _encode_png(np.rint(small * (255.0 / peak)) if peak > 0 else small)
+
+
+def _encode_png(image: NDArray[np.floating]) -> bytes:
+    """Encode grey (h, w) or colour (h, w, 3) values of 0 to 255 as PNG."""
+    import cv2
+
+    pixels = np.clip(image, 0, 255).astype(np.uint8)
+    if pixels.ndim == 3:
+        pixels = pixels[..., ::-1]
+    _, encoded = cv2.imencode(".png", pixels)
+    return bytes(encoded)

@@ -1,0 +1,185 @@
+"""The eye's part: views of an object, what draws attention in them, and where to touch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from visuohaptic.attention.model import Attention, attend
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.attention.scanpath import Scanpath
+from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.probing import (
+    STRATEGIES,
+    ProbingLocations,
+    sees,
+    turn_towards,
+)
+from visuohaptic.fixations.rendering import Views, render_views
+from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import EffectModes
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.schema import build_table
+
+
+@dataclass(frozen=True)
+class Look:
+    """One viewpoint of an object, and what the eye makes of it.
+
+    Attributes
+    ----------
+    key : str
+        `class/name` of the object.
+    viewpoint : int
+        Number of the viewpoint.
+    caster : RayCaster
+        The object.
+    camera : Camera
+        The viewpoint.
+    seen : Views
+        The views of all viewpoints that were looked from together.
+    place : int
+        Which of these views is this one's.
+    attended : Attention
+        What drew the eye.
+    """
+
+    key: str
+    viewpoint: int
+    caster: RayCaster
+    camera: Camera
+    seen: Views
+    place: int
+    attended: Attention
+
+
+def look(
+    caster: RayCaster,
+    key: str,
+    cameras: Mapping[int, Camera],
+    rendering: RenderingParameters,
+    attention: AttentionParameters,
+    modes: EffectModes,
+) -> list[Look]:
+    """Look at an object from several viewpoints.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    key : str
+        `class/name` of the object.
+    cameras : mapping of int to Camera
+        Viewpoints by their numbers; none changes what another gives.
+    rendering, attention
+        Sections of the parameters.
+    modes : EffectModes
+        When the effects of the view are simulated.
+
+    Returns
+    -------
+    list of Look
+        One a viewpoint.
+    """
+    seen = render_views(caster, list(cameras.values()), rendering, modes)
+    attentions = attend(
+        colour=seen.colour,
+        mask=seen.mask,
+        point=seen.point,
+        normal=seen.normal,
+        face=seen.face,
+        curvature=seen.curvature,
+        parameters=attention,
+    )
+    return [
+        Look(key, number, caster, camera, seen, place, attentions[place])
+        for place, (number, camera) in enumerate(cameras.items())
+    ]
+
+
+def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
+    """Choose where to touch.
+
+    Parameters
+    ----------
+    one : Look
+        The viewpoint.
+    strategy : str
+        One of `probing.STRATEGIES`.
+    attention : AttentionParameters
+        How many touches, and how far apart the eye keeps them.
+    seed : int
+        The experiment's seed; what is drawn depends on it, the strategy, the object and the
+        viewpoint alone.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.FIXATIONS`: as many as fixations are asked for, or fewer where
+        the view has no more.
+
+    Raises
+    ------
+    RegistryError
+        If there is no such strategy.
+    """
+    chosen = STRATEGIES[strategy].choose(
+        one, attention, spawn_generator(seed, strategy, one.key, one.viewpoint)
+    )
+    if isinstance(chosen, ProbingLocations):
+        return _location_table(one, strategy, chosen, _blind(chosen))
+    return _path_table(one, strategy, chosen)
+
+
+def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:
+    """List those of an object's points that a viewpoint sees, for `adaptive` to choose among.
+
+    Parameters
+    ----------
+    one : Look
+        The viewpoint.
+    crowd : ProbingLocations
+        Points of the object, the same for all its viewpoints.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.FIXATIONS` of strategy ``adaptive``, in the crowd's order.
+    """
+    shown = crowd.take(np.flatnonzero(sees(one.caster, one.camera, crowd.points)))
+    return _location_table(one, "adaptive", turn_towards(shown, one.camera), _blind(shown))
+
+
+def _path_table(one: Look, strategy: str, path: Scanpath) -> pa.Table:
+    pixels = {"pixel_row": path.rows, "pixel_column": path.columns, "saliency": path.saliency}
+    locations = ProbingLocations(path.points, path.normals, path.faces)
+    return _location_table(one, strategy, locations, pixels)
+
+
+def _blind(drawn: ProbingLocations) -> dict[str, object]:
+    """No pixel was chosen, so there is none to name."""
+    return {name: [None] * len(drawn.faces) for name in ("pixel_row", "pixel_column", "saliency")}
+
+
+def _location_table(
+    one: Look, strategy: str, locations: ProbingLocations, looked: Mapping[str, object]
+) -> pa.Table:
+    category, name = one.key.split("/")
+    columns: dict[str, object] = {
+        "class": category,
+        "object": name,
+        "viewpoint": one.viewpoint,
+        "strategy": strategy,
+        "touch": np.arange(len(locations.points)),
+        "face": locations.faces,
+        **looked,
+    }
+    for index, axis in enumerate("xyz"):
+        columns[axis] = locations.points[:, index]
+        columns[f"normal_{axis}"] = locations.normals[:, index]
+    return build_table(FIXATIONS, columns)

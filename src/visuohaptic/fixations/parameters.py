@@ -1,0 +1,112 @@
+"""Sections `viewpoints`, `rendering` and `probing` of `params.yaml`; `attention` has its own package."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from visuohaptic.fixations.probing import StrategyName
+
+
+class ViewpointParameters(BaseModel):
+    """Arrangement of the viewpoints and the lens that all of them share.
+
+    The object frame has y up; its bounding sphere has radius 1 about the origin,
+    at which every camera looks.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    arrangement: Literal["rings", "fibonacci"] = Field(
+        "rings",
+        description="rings: circles around the vertical axis, one for each elevation; "
+        "fibonacci: evenly over the whole sphere.",
+    )
+    count: int = Field(
+        16, gt=0, description="Viewpoints on each ring, or on the whole Fibonacci sphere."
+    )
+    elevations_degrees: tuple[float, ...] = Field(
+        (20.0,),
+        min_length=1,
+        description="Height of each ring above the horizon, degrees; not used by fibonacci.",
+    )
+    first_azimuth_degrees: float = Field(
+        0.0,
+        description="Azimuth of the first viewpoint, degrees from +z towards +x.",
+    )
+    distance: float = Field(
+        3.0, gt=1.0, description="From the object's centre to the eye, object radii."
+    )
+    projection: Literal["perspective", "orthographic"] = Field(
+        "perspective", description="How rays leave the camera: from one eye, or parallel."
+    )
+    field_of_view_degrees: float = Field(
+        40.0,
+        gt=0.0,
+        lt=170.0,
+        description="Angle between the view's top and bottom edge, degrees; for an orthographic "
+        "camera the view is as tall as this angle spans at the object's centre.",
+    )
+    roll_degrees: float = Field(
+        0.0, description="Turn of every camera about its own axis, degrees counter-clockwise."
+    )
+
+    @property
+    def total(self) -> int:
+        """Number of viewpoints in the whole arrangement."""
+        rings = len(self.elevations_degrees) if self.arrangement == "rings" else 1
+        return self.count * rings
+
+    @field_validator("elevations_degrees")
+    @classmethod
+    def _within_the_poles(cls, values: tuple[float, ...]) -> tuple[float, ...]:
+        outside = [value for value in values if not -90.0 <= value <= 90.0]
+        if outside:
+            raise ValueError(f"elevations are {outside}; -90 to 90 degrees is allowed.")
+        return values
+
+
+class RenderingParameters(BaseModel):
+    """How views are rendered."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    resolution: int = Field(256, ge=16, description="Rows and columns of a view, pixels.")
+    ambient: float = Field(
+        0.4, ge=0.0, le=1.0, description="Share of light that comes evenly from everywhere."
+    )
+    light_elevation_degrees: float = Field(
+        25.0,
+        ge=-90.0,
+        le=90.0,
+        description="Height of the light above the viewing axis, degrees; it moves with the camera.",
+    )
+    light_azimuth_degrees: float = Field(
+        0.0,
+        description="Turn of the light to the camera's right, degrees; 0 lights both sides alike.",
+    )
+    crease_angle_degrees: float = Field(
+        40.0,
+        ge=0.0,
+        le=180.0,
+        description="Faces that meet at a larger angle have an edge, not a rounding, degrees.",
+    )
+    crease_width: float = Field(
+        0.03,
+        gt=0.0,
+        description="Reach of an edge's curvature to either side, object radii.",
+    )
+    background: float = Field(
+        0.85, ge=0.0, le=1.0, description="Grey level where no surface is; no channel looks at it."
+    )
+
+
+class ProbingParameters(BaseModel):
+    """Section `probing` of `params.yaml`."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    strategies: tuple[StrategyName, ...] = Field(
+        ("fixation", "random"), min_length=1, description="how probing locations are chosen"
+    )

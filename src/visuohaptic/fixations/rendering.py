@@ -1,0 +1,302 @@
+"""Views of a surface: what a camera sees of it, pixel by pixel, by ray casting."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.fixations.visual_effects import VisualPlan, plan_visual, seen_colours
+from visuohaptic.geometry.curvature import SurfaceShape, measure_shape
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import EffectModes
+from visuohaptic.scene.records import EffectRecord
+
+# How far a shadow ray starts above the surface, object radii; float32 rays need some 1e-5.
+SHADOW_OFFSET = 1e-4
+
+
+@dataclass(frozen=True)
+class Views:
+    """What n cameras see, each over h rows and w columns.
+
+    Attributes
+    ----------
+    colour : numpy.ndarray
+        Shape (n, h, w, 3), float32: sRGB, 0 to 1.
+    mask : numpy.ndarray
+        Shape (n, h, w), bool: whether a pixel sees the surface.
+    depth : numpy.ndarray
+        Shape (n, h, w), float32: along the viewing axis from the camera's
+        plane, object radii; infinite on the background.
+    point : numpy.ndarray
+        Shape (n, h, w, 3), float64: seen point, object frame; zero on the background.
+    normal : numpy.ndarray
+        Shape (n, h, w, 3), float64: interpolated unit normal on the side of
+        the camera, object frame; zero on the background.
+    face : numpy.ndarray
+        Shape (n, h, w), int64: seen face; -1 on the background.
+    curvature : numpy.ndarray
+        Shape (n, h, w), float32: curvedness of the surface, at least 0, per
+        object radius; zero on the background.
+    lit : numpy.ndarray
+        Shape (n, h, w), bool: whether no cast shadow falls on the pixel; true where none is
+        simulated or called for.
+    effects : tuple of EffectRecord
+        What became of each visual effect; its touches are views.
+    """
+
+    colour: NDArray[np.float32]
+    mask: NDArray[np.bool_]
+    depth: NDArray[np.float32]
+    point: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    face: NDArray[np.int64]
+    curvature: NDArray[np.float32]
+    lit: NDArray[np.bool_]
+    effects: tuple[EffectRecord, ...]
+
+    def __len__(self) -> int:
+        return len(self.mask)
+
+
+def render_views(
+    caster: RayCaster,
+    cameras: Sequence[Camera],
+    parameters: RenderingParameters,
+    modes: EffectModes | None = None,
+) -> Views:
+    """Render a surface from several cameras.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The surface, prepared for rays.
+    cameras : sequence of Camera
+        n cameras; each view depends on its own camera alone.
+    parameters : RenderingParameters
+        How to render.
+    modes : EffectModes, optional
+        When colour, texture, shading and cast shadows are simulated; by default as in a
+        scene where nothing is given.
+
+    Returns
+    -------
+    Views
+        n views of ``resolution`` rows and columns. An effect that is simulated where it is
+        not called for moves no bit of them.
+
+    Notes
+    -----
+    One ray goes through the centre of each pixel. The light stands fixed to
+    the camera, so turning the object and turning the camera are one and the same.
+    """
+    modes = modes or EffectModes()
+    books = _Books(plan_visual(modes, caster.surface.face_colours, parameters.ambient))
+    colours = _seen_colours(caster, modes, books)
+    shape = measure_shape(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
+    views = [_render_view(caster, shape, colours, camera, parameters, books) for camera in cameras]
+    if not views:
+        views = [_background((0, parameters.resolution, parameters.resolution), parameters)]
+    joined = {name: np.concatenate([view[name] for view in views]) for name in views[0]}
+    return Views(**joined, effects=books.records(len(cameras)))
+
+
+def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[np.float64]:
+    """Give the unit vector towards the light, which is infinitely far.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera that the light is fixed to.
+    parameters : RenderingParameters
+        Where the light stands.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (3,), object frame.
+    """
+    elevation = np.radians(parameters.light_elevation_degrees)
+    azimuth = np.radians(parameters.light_azimuth_degrees)
+    right, up, back = camera.axes
+    level = np.sin(azimuth) * right + np.cos(azimuth) * back
+    return np.cos(elevation) * level + np.sin(elevation) * up
+
+
+def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Encode linear light as sRGB (IEC 61966-2-1).
+
+    Parameters
+    ----------
+    linear : numpy.ndarray
+        Any shape, 0 to 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        The same shape, 0 to 1.
+    """
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def decode_srgb(encoded: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Decode sRGB to linear light (IEC 61966-2-1).
+
+    Parameters
+    ----------
+    encoded : numpy.ndarray
+        Any shape, 0 to 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        The same shape, 0 to 1.
+    """
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+class _Books:
+    """Which visual effects are simulated, and the time that each takes."""
+
+    def __init__(self, plans: Sequence[VisualPlan]) -> None:
+        self._plans = {plan.effect: plan for plan in plans}
+        self._seconds = dict.fromkeys(self._plans, 0.0)
+
+    def called_for(self, effect: str) -> bool:
+        return self._plans[effect].called_for
+
+    def simulates(self, effect: str) -> bool:
+        return self._plans[effect].simulated
+
+    @contextmanager
+    def clock(self, effect: str) -> Iterator[None]:
+        started = time.perf_counter()
+        yield
+        self._seconds[effect] += time.perf_counter() - started
+
+    def records(self, views: int) -> tuple[EffectRecord, ...]:
+        return tuple(
+            EffectRecord(
+                plan.effect,
+                plan.mode,
+                plan.reason,
+                views,
+                views * plan.called_for,
+                views * plan.simulated,
+                self._seconds[plan.effect],
+            )
+            for plan in self._plans.values()
+        )
+
+
+def _seen_colours(caster: RayCaster, modes: EffectModes, books: _Books) -> NDArray[np.uint8]:
+    with books.clock("texture" if modes.texture == "never" else "colour"):
+        return seen_colours(caster.surface.face_colours, caster.surface.face_areas, modes)
+
+
+_View = dict[str, NDArray[Any]]
+
+
+def _background(shape: tuple[int, int, int], parameters: RenderingParameters) -> _View:
+    return {
+        "colour": np.full((*shape, 3), parameters.background, dtype=np.float32),
+        "mask": np.zeros(shape, dtype=bool),
+        "depth": np.full(shape, np.inf, dtype=np.float32),
+        "point": np.zeros((*shape, 3)),
+        "normal": np.zeros((*shape, 3)),
+        "face": np.full(shape, -1, dtype=np.int64),
+        "curvature": np.zeros(shape, dtype=np.float32),
+        "lit": np.ones(shape, dtype=bool),
+    }
+
+
+def _render_view(
+    caster: RayCaster,
+    shape: SurfaceShape,
+    face_colours: NDArray[np.uint8],
+    camera: Camera,
+    parameters: RenderingParameters,
+    books: _Books,
+) -> _View:
+    size = parameters.resolution
+    origins, directions = camera.rays(size)
+    hits = caster.first_hits(origins, directions)
+    seen = np.flatnonzero(hits.hit)
+    faces, barycentric = hits.face[seen], hits.barycentric[seen]
+    weights = np.column_stack([1.0 - barycentric.sum(axis=1), barycentric])
+    points = np.einsum("nk,nkd->nd", weights, caster.surface.triangles[faces])
+    normals = _normals_towards(shape, caster, faces, weights, directions[seen])
+
+    light = light_direction(camera, parameters)
+    colours = face_colours[faces] / 255.0
+    lit = np.ones(len(seen), dtype=bool)
+    if books.simulates("cast_shadows"):
+        with books.clock("cast_shadows"):
+            lit = _lit(caster, points, normals, light)
+    if books.simulates("shading"):
+        with books.clock("shading"):
+            colours = _shade(colours, normals, lit, light, parameters.ambient)
+    view = _background((1, size, size), parameters)
+    found: _View = {
+        "colour": colours,
+        "mask": np.ones(len(seen), dtype=bool),
+        "depth": (camera.eye - points) @ camera.axes[2],
+        "point": points,
+        "normal": normals,
+        "face": faces,
+        "curvature": shape.curvature(faces, weights),
+        "lit": lit | (not books.called_for("cast_shadows")),
+    }
+    for name, values in found.items():
+        view[name].reshape(size * size, *values.shape[1:])[seen] = values
+    return view
+
+
+def _normals_towards(
+    shape: SurfaceShape,
+    caster: RayCaster,
+    faces: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    directions: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    flat = caster.surface.face_normals[faces]
+    away = np.where(np.einsum("nd,nd->n", flat, directions) > 0.0, -1.0, 1.0)[:, None]
+    flat, smooth = away * flat, away * shape.normals(faces, weights)
+    # Close to its outline a facet can be seen while the rounding that it stands for turns away.
+    beyond = np.einsum("nd,nd->n", smooth, directions) >= 0.0
+    return np.where(beyond[:, None], flat, smooth)
+
+
+def _lit(
+    caster: RayCaster,
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    light: NDArray[np.float64],
+) -> NDArray[np.bool_]:
+    towards = normals @ light > 0.0
+    origins = points[towards] + SHADOW_OFFSET * normals[towards]
+    blocked = caster.first_hits(origins, np.broadcast_to(light, origins.shape)).hit
+    lit = np.ones(len(points), dtype=bool)
+    lit[towards] = ~blocked
+    return lit
+
+
+def _shade(
+    colours: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    lit: NDArray[np.bool_],
+    light: NDArray[np.float64],
+    ambient: float,
+) -> NDArray[np.float64]:
+    lambert = np.maximum(normals @ light, 0.0) * lit
+    irradiance = (ambient + (1.0 - ambient) * lambert)[:, None]
+    # Full light leaves a colour as it is; going to linear light and back would move last digits.
+    return np.where(irradiance == 1.0, colours, encode_srgb(decode_srgb(colours) * irradiance))

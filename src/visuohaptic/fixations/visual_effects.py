@@ -1,0 +1,124 @@
+"""The visual effects: what calls for each, and what the eye sees without it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RegistryError
+from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes, Mode
+
+
+@dataclass(frozen=True)
+class VisualPlan:
+    """Whether a visual effect is simulated, and why or why not.
+
+    Attributes
+    ----------
+    effect : str
+        Its name among the effect modes.
+    mode : {"auto", "always", "never"}
+        When it may be simulated.
+    called_for, simulated : bool
+        Whether the object or the light calls for it, and whether it is simulated.
+    reason : str
+        Why it is called for, or why not.
+    """
+
+    effect: str
+    mode: Mode
+    called_for: bool
+    simulated: bool
+    reason: str
+
+
+def plan_visual(
+    modes: EffectModes, face_colours: NDArray[np.uint8], ambient: float
+) -> tuple[VisualPlan, ...]:
+    """Decide which visual effects the views of an object need.
+
+    Parameters
+    ----------
+    modes : EffectModes
+        When each effect may be simulated.
+    face_colours : numpy.ndarray
+        Shape (f, 3), uint8, sRGB.
+    ambient : float
+        Share of light that comes evenly from everywhere, 0 to 1.
+
+    Returns
+    -------
+    tuple of VisualPlan
+        One for each of `VISUAL_EFFECTS`. Simulating an effect that is not called for changes no
+        view.
+
+    Raises
+    ------
+    RegistryError
+        If an effect is declared and has no plan.
+    """
+    coloured = bool((face_colours != face_colours[:, :1]).any())
+    patterned = bool((face_colours != face_colours[:1]).any())
+    slanted = ambient < 1
+    shaded = slanted and modes.shading != "never"
+    light = "part of the light has a direction" if slanted else "all light is ambient"
+    shadow = light if shaded or not slanted else "without shading no light is blocked"
+    plans = (
+        _plan(modes, "colour", coloured, "faces have hues" if coloured else "all faces are grey"),
+        _plan(
+            modes,
+            "texture",
+            patterned,
+            "faces differ in colour" if patterned else "all faces have one colour",
+        ),
+        _plan(modes, "shading", slanted, light),
+        _plan(modes, "cast_shadows", shaded, shadow),
+    )
+    planned = tuple(plan.effect for plan in plans)
+    if planned != VISUAL_EFFECTS:
+        raise RegistryError(
+            f"{', '.join(planned)} are planned; each of {', '.join(VISUAL_EFFECTS)} needs a plan."
+        )
+    return plans
+
+
+def seen_colours(
+    face_colours: NDArray[np.uint8], face_areas: NDArray[np.float64], modes: EffectModes
+) -> NDArray[np.uint8]:
+    """Give the faces' colours without the effects that are never simulated.
+
+    Without texture all faces have the mean colour by area; without colour each face
+    has the grey of its luma (ITU-R BT.601).
+
+    Parameters
+    ----------
+    face_colours : numpy.ndarray
+        Shape (f, 3), uint8, sRGB.
+    face_areas : numpy.ndarray
+        Shape (f,), float64, any unit.
+    modes : EffectModes
+        When each effect may be simulated.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (f, 3), uint8.
+    """
+    if "never" not in (modes.texture, modes.colour):
+        return face_colours
+    colours = face_colours.astype(np.float64)
+    if modes.texture == "never":
+        mean = (colours * face_areas[:, None]).sum(axis=0) / face_areas.sum()
+        colours = np.repeat(mean[None], len(colours), axis=0)
+    if modes.colour == "never":
+        luma = colours @ np.array([0.299, 0.587, 0.114])
+        colours = np.repeat(luma[:, None], 3, axis=1)
+    return np.round(colours).astype(np.uint8)
+
+
+def _plan(modes: EffectModes, effect: str, called_for: bool, reason: str) -> VisualPlan:  # noqa: FBT001
+    mode: Mode = getattr(modes, effect)
+    simulated = mode == "always" or (mode == "auto" and called_for)
+    return VisualPlan(effect, mode, called_for, simulated, reason)

@@ -1,0 +1,1 @@
+"""Surfaces, rays that meet them, and how they bend."""

@@ -1,0 +1,455 @@
+"""Normals and curvature of a triangle surface that may be open, folded and in many parts.
+
+Both follow the same reading of a mesh: faces that meet at less than the crease
+angle approximate one smooth surface, faces that meet at more are folded there.
+The smooth part has a shape operator, the fold a curvature that is concentrated
+on its edge. Together they are the mean curvature measure of the normal cycle
+(Cohen-Steiner & Morvan 2003, "Restricted Delaunay triangulations and normal
+cycle"), which is finite on any triangulation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.geometry.surface import Surface
+
+# Twice the area of a triangle in object radii squared, below which its normal is rounding.
+SMALLEST_CROSS = 1e-12
+
+
+@dataclass(frozen=True)
+class FaceAdjacency:
+    """Pairs of faces that share an edge.
+
+    Attributes
+    ----------
+    faces : numpy.ndarray
+        Shape (e, 2), int64: the two faces.
+    edges : numpy.ndarray
+        Shape (e, 2), int64: number of the shared edge within each face, 0 to 2;
+        edge k runs from corner k to corner k + 1.
+    aligned : numpy.ndarray
+        Shape (e,), bool: the two faces are wound alike, as they run along the
+        edge in opposite directions.
+    """
+
+    faces: NDArray[np.int64]
+    edges: NDArray[np.int64]
+    aligned: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class SurfaceShape:
+    """Normals and curvature of a surface, ready to be looked up at any point of it.
+
+    Attributes
+    ----------
+    corner_normals : numpy.ndarray
+        Shape (f, 3, 3), float64: unit normal at each face's three corners, on
+        the side that the face's winding gives.
+    corner_curvature : numpy.ndarray
+        Shape (f, 3), float64: curvedness of the smooth surface at each corner,
+        per object radius.
+    crease_angles : numpy.ndarray
+        Shape (f, 3), float64: angle of the fold along each edge, radians; zero
+        where the surface is smooth or ends.
+    crease_scales : numpy.ndarray
+        Shape (f, 3), float64: density of a fold's curvature on its own edge.
+    heights : numpy.ndarray
+        Shape (f, 3), float64: distance of each edge from the corner across.
+    crease_width : float
+        How far a fold's curvature reaches to either side, object radii.
+    """
+
+    corner_normals: NDArray[np.float64]
+    corner_curvature: NDArray[np.float64]
+    crease_angles: NDArray[np.float64]
+    crease_scales: NDArray[np.float64]
+    heights: NDArray[np.float64]
+    crease_width: float
+
+    @property
+    def largest(self) -> float:
+        """The curvedness at which the measure stops, per object radius.
+
+        A face thinner than rounding could hold any density; three folds by a
+        right angle reach this one.
+        """
+        return 3.0 / self.crease_width
+
+    def normals(
+        self, faces: NDArray[np.int64], weights: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Interpolate the unit normal at points of the surface.
+
+        Parameters
+        ----------
+        faces : numpy.ndarray
+            Shape (n,), the face of each point.
+        weights : numpy.ndarray
+            Shape (n, 3), barycentric weights of the face's corners.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, 3), on the side of each face's winding.
+        """
+        blend = np.einsum("nk,nkd->nd", weights, self.corner_normals[faces])
+        return unit_vectors(blend)
+
+    def curvature(
+        self, faces: NDArray[np.int64], weights: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Give the curvedness at points of the surface, folds included.
+
+        Parameters
+        ----------
+        faces : numpy.ndarray
+            Shape (n,), the face of each point.
+        weights : numpy.ndarray
+            Shape (n, 3), barycentric weights of the face's corners.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n,), at least 0, per object radius: 1/R on a sphere of radius R.
+        """
+        smooth = np.einsum("nk,nk->n", weights, self.corner_curvature[faces])
+        # The corner across edge k is k + 2, and its weight is the distance from the edge
+        # in units of the triangle's height.
+        distances = weights[:, [2, 0, 1]] * self.heights[faces]
+        reach = np.maximum(1.0 - distances / self.crease_width, 0.0)
+        folds = np.einsum("nk,nk->n", reach, self.crease_scales[faces])
+        return np.minimum(smooth + folds, self.largest)
+
+
+def measure_shape(
+    surface: Surface, crease_angle_degrees: float = 40.0, crease_width: float = 0.03
+) -> SurfaceShape:
+    """Measure the normals and the curvature of a surface.
+
+    Parameters
+    ----------
+    surface : Surface
+        Any triangle surface: open sheets, loose parts, mixed windings and edges
+        of more than two faces are allowed. Vertices at the same place are taken
+        as one.
+    crease_angle_degrees : float
+        Faces whose normals differ by more than this are folded, not curved.
+    crease_width : float
+        How far the curvature of a fold is spread to either side, object radii.
+
+    Returns
+    -------
+    SurfaceShape
+        Normals and curvature; a free edge has no curvature across it.
+    """
+    faces = weld_vertices(surface)
+    normals = unit_vectors(surface.face_crosses)
+    adjacency = face_adjacency(faces)
+    signs = consistent_sides(len(faces), adjacency)
+    angles = fold_angles(normals, adjacency)
+    smooth = angles <= np.radians(crease_angle_degrees)
+    groups = corner_groups(faces, adjacency, smooth)
+    corner_normals = smooth_normals(surface, signs, groups)
+    heights, lengths = _heights_and_lengths(surface)
+    crease_angles = np.zeros((len(faces), 3))
+    np.maximum.at(
+        crease_angles, (adjacency.faces[~smooth], adjacency.edges[~smooth]), angles[~smooth, None]
+    )
+    return SurfaceShape(
+        corner_normals,
+        smooth_curvature(surface, corner_normals, groups, 1.0 / crease_width),
+        crease_angles,
+        _crease_scales(crease_angles, heights, crease_width) * (lengths > 0),
+        heights,
+        crease_width,
+    )
+
+
+def weld_vertices(surface: Surface) -> NDArray[np.int64]:
+    """Give each face's corners numbers by place, so that equal vertices are one.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface; places are compared in float32, as meshes are stored.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (f, 3), int64.
+    """
+    # Adding zero makes one of the two signs of zero.
+    places = np.ascontiguousarray(surface.vertices, dtype=np.float32) + np.float32(0.0)
+    keys = places.view(np.dtype((np.void, 12))).reshape(-1)
+    _, index = np.unique(keys, return_inverse=True)
+    return index.reshape(-1)[surface.faces].astype(np.int64)
+
+
+def face_adjacency(faces: NDArray[np.int64]) -> FaceAdjacency:
+    """Find the pairs of faces that share an edge.
+
+    Parameters
+    ----------
+    faces : numpy.ndarray
+        Shape (f, 3), welded vertex numbers.
+
+    Returns
+    -------
+    FaceAdjacency
+        An edge of m faces gives m - 1 pairs; edges without length give none.
+    """
+    start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    order = np.lexsort((high, low))
+    low, high, forward = low[order], high[order], (start < end)[order]
+    pair = (low[1:] == low[:-1]) & (high[1:] == high[:-1]) & (low[1:] != high[1:])
+    first, second = order[:-1][pair], order[1:][pair]
+    return FaceAdjacency(
+        np.stack([first // 3, second // 3], axis=1),
+        np.stack([first % 3, second % 3], axis=1),
+        (forward[1:] != forward[:-1])[pair],
+    )
+
+
+def consistent_sides(count: int, adjacency: FaceAdjacency) -> NDArray[np.float64]:
+    """Tell which faces to turn over so that neighbours are wound alike.
+
+    Every face gets two nodes, one for each side; neighbours link equal sides
+    where they are wound alike and opposite sides where they are not. A part
+    whose two sides fall apart is orientable, and all its faces take one side.
+
+    Parameters
+    ----------
+    count : int
+        Number of faces.
+    adjacency : FaceAdjacency
+        Pairs of faces that share an edge.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (count,): 1 to keep, -1 to turn over; the first face of each part
+        is kept, and so is every face of a one-sided part.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    first, second = adjacency.faces.T
+    across = np.where(adjacency.aligned, 0, count)
+    rows = np.concatenate([first, first + count])
+    columns = np.concatenate([second + across, second + count - across])
+    graph = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * count, 2 * count))
+    labels = connected_components(graph, directed=False)[1]
+    front, back = labels[:count], labels[count:]
+    first_face = np.full(labels.max(initial=-1) + 1, 2 * count)
+    np.minimum.at(first_face, labels, np.arange(2 * count))
+    return np.where(first_face[front] <= first_face[back], 1.0, -1.0)
+
+
+def fold_angles(normals: NDArray[np.float64], adjacency: FaceAdjacency) -> NDArray[np.float64]:
+    """Give the angle by which the surface turns along each shared edge.
+
+    Parameters
+    ----------
+    normals : numpy.ndarray
+        Shape (f, 3), unit normals by winding; zero for a face without area.
+    adjacency : FaceAdjacency
+        Pairs of faces, e of them.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (e,), radians, 0 (flat) to pi (folded back); 0 beside a face without area.
+    """
+    first, second = normals[adjacency.faces[:, 0]], normals[adjacency.faces[:, 1]]
+    second = np.where(adjacency.aligned[:, None], second, -second)
+    sine = np.linalg.norm(np.cross(first, second), axis=1)
+    return np.arctan2(sine, np.einsum("nd,nd->n", first, second))
+
+
+def corner_groups(
+    faces: NDArray[np.int64], adjacency: FaceAdjacency, smooth: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Join the corners around each vertex that no fold parts.
+
+    Parameters
+    ----------
+    faces : numpy.ndarray
+        Shape (f, 3), welded vertex numbers.
+    adjacency : FaceAdjacency
+        Pairs of faces, e of them.
+    smooth : numpy.ndarray
+        Shape (e,), whether the surface runs on smoothly across the pair.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (f, 3), int64: number of the group of each corner, from 0.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    face_pairs, edge_pairs = adjacency.faces[smooth], adjacency.edges[smooth]
+    starts = 3 * face_pairs + edge_pairs
+    ends = 3 * face_pairs + (edge_pairs + 1) % 3
+    # Faces wound alike run along the edge in opposite directions: start meets end.
+    opposite = adjacency.aligned[smooth]
+    rows = np.concatenate([starts[:, 0], ends[:, 0]])
+    columns = np.concatenate(
+        [
+            np.where(opposite, ends[:, 1], starts[:, 1]),
+            np.where(opposite, starts[:, 1], ends[:, 1]),
+        ]
+    )
+    graph = coo_array(
+        (np.ones(len(rows), np.int8), (rows, columns)), shape=(faces.size, faces.size)
+    )
+    return connected_components(graph, directed=False)[1].reshape(-1, 3).astype(np.int64)
+
+
+def smooth_normals(
+    surface: Surface, signs: NDArray[np.float64], groups: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Average face normals over each corner group, weighted by angle.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface, f faces.
+    signs : numpy.ndarray
+        Shape (f,), -1 for faces wound against their part.
+    groups : numpy.ndarray
+        Shape (f, 3), the group of each corner.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (f, 3, 3), unit normals by each face's own winding (Thürmer &
+        Wüthrich 1998 for the weighting, which no triangulation of a flat corner
+        changes). The face's own normal stands in where the average vanishes.
+    """
+    face_normals = unit_vectors(surface.face_crosses)
+    turned = (signs[:, None] * face_normals)[:, None, :] * _corner_angles(surface)[:, :, None]
+    sums = np.zeros((groups.max(initial=-1) + 1, 3))
+    for axis in range(3):
+        sums[:, axis] = np.bincount(
+            groups.reshape(-1), turned[..., axis].reshape(-1), minlength=len(sums)
+        )
+    normals = signs[:, None, None] * unit_vectors(sums)[groups]
+    lost = ~np.any(normals, axis=2)
+    return np.where(lost[:, :, None], face_normals[:, None, :], normals)
+
+
+def smooth_curvature(
+    surface: Surface,
+    corner_normals: NDArray[np.float64],
+    groups: NDArray[np.int64],
+    largest: float,
+) -> NDArray[np.float64]:
+    """Give the curvedness of the smooth surface at each corner.
+
+    Each face's shape operator is the derivative of its interpolated normal
+    (Rusinkiewicz 2004, "Estimating curvatures and their derivatives on triangle
+    meshes"); its curvedness is the root mean square of the principal curvatures
+    (Koenderink & van Doorn 1992), averaged over each corner group by area.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface, f faces.
+    corner_normals : numpy.ndarray
+        Shape (f, 3, 3), unit normals at the corners.
+    groups : numpy.ndarray
+        Shape (f, 3), the group of each corner.
+    largest : float
+        Curvature to stop at, per object radius; a sliver's may be any number.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (f, 3), float64, 0 to `largest`.
+    """
+    crosses = surface.face_crosses
+    double_area = np.linalg.norm(crosses, axis=1)
+    solid = double_area > SMALLEST_CROSS
+    corners = surface.triangles
+    first = corners[:, 1] - corners[:, 0]
+    tangent = unit_vectors(first)
+    side = np.cross(unit_vectors(crosses), tangent)
+    basis = np.stack([tangent, side], axis=1)
+    steps = np.einsum(
+        "fad,fbd->fab", basis, np.stack([first, corners[:, 2] - corners[:, 0]], axis=1)
+    )
+    turns = np.einsum(
+        "fad,fbd->fab",
+        basis,
+        np.stack(
+            [
+                corner_normals[:, 1] - corner_normals[:, 0],
+                corner_normals[:, 2] - corner_normals[:, 0],
+            ],
+            axis=1,
+        ),
+    )
+    steps[~solid] = np.eye(2)
+    operator = np.where(solid[:, None, None], turns @ np.linalg.inv(steps), 0.0)
+    symmetric = 0.5 * (operator + operator.transpose(0, 2, 1))
+    curvedness = np.minimum(np.sqrt(0.5 * np.sum(symmetric**2, axis=(1, 2))), largest)
+    weights = np.repeat(np.where(solid, double_area, 0.0), 3)
+    flat_groups = groups.reshape(-1)
+    mass = np.bincount(flat_groups, weights)
+    total = np.bincount(flat_groups, weights * np.repeat(curvedness, 3))
+    return np.divide(total, mass, out=np.zeros_like(total), where=mass > 0)[groups]
+
+
+def unit_vectors(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Scale vectors to length 1.
+
+    Parameters
+    ----------
+    vectors : numpy.ndarray
+        Shape (..., d).
+
+    Returns
+    -------
+    numpy.ndarray
+        The same shape; a vector shorter than rounding stays zero.
+    """
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > SMALLEST_CROSS)
+
+
+def _heights_and_lengths(
+    surface: Surface,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    corners = surface.triangles
+    lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    double_area = np.linalg.norm(surface.face_crosses, axis=1)[:, None]
+    return np.divide(double_area, lengths, out=np.zeros_like(lengths), where=lengths > 0), lengths
+
+
+def _corner_angles(surface: Surface) -> NDArray[np.float64]:
+    corners = surface.triangles
+    onward = np.roll(corners, -1, axis=1) - corners
+    backward = np.roll(corners, 1, axis=1) - corners
+    sine = np.linalg.norm(np.cross(onward, backward), axis=2)
+    return np.arctan2(sine, np.einsum("fkd,fkd->fk", onward, backward))
+
+
+def _crease_scales(
+    angles: NDArray[np.float64], heights: NDArray[np.float64], width: float
+) -> NDArray[np.float64]:
+    # Half of the fold's mean curvature, angle / 2 for each unit of its length, belongs to
+    # either face. The tent max(1 - d / width, 0) over a triangle that narrows from its edge
+    # integrates to `share` for each unit of length, so the whole half lies on the face
+    # however small it is.
+    reach = np.minimum(heights, width)
+    share = reach - 0.5 * reach**2 * (1.0 / np.maximum(heights, 1e-12) + 1.0 / width)
+    share += reach**3 / (3.0 * np.maximum(heights, 1e-12) * width)
+    return np.divide(0.25 * angles, share, out=np.zeros_like(angles), where=share > 1e-9)

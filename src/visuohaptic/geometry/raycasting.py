@@ -1,0 +1,249 @@
+"""Rays against a triangle surface, many at once, through Open3D's Embree scene.
+
+Embree finds the face in float32; the distance to that face's plane is computed
+anew in float64. What is left of float32 is the choice of the face, which can be
+wrong within about 1e-7 of an edge: `RayCaster.settled_hits` looks at such rays again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.geometry.surface import Surface
+
+MISS = -1
+
+Suspects = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+
+# Embree's float32 may take a ray this far (in the surface's unit) to the wrong side of an edge:
+# eight roundings of coordinates of size 3.
+LATERAL_ERROR = 2e-6
+# Rays that look for candidate faces around a doubtful ray stand this far off it.
+_BUNDLE_RADIUS = 3e-6
+_BUNDLE = np.array(
+    [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
+)
+# Rounding of a triple product of float64 vectors, relative to their lengths.
+_ROUNDING = 2e-15
+
+
+@dataclass(frozen=True)
+class Hits:
+    """Where each of n rays first meets the surface.
+
+    Attributes
+    ----------
+    distance : numpy.ndarray
+        Shape (n,), float64: along the ray in lengths of its direction; infinite for a miss.
+    face : numpy.ndarray
+        Shape (n,), int64: the face that was hit, or `MISS`.
+    barycentric : numpy.ndarray
+        Shape (n, 2), float64: weights of the face's second and third corner; zero for a miss.
+    """
+
+    distance: NDArray[np.float64]
+    face: NDArray[np.int64]
+    barycentric: NDArray[np.float64]
+
+    @property
+    def hit(self) -> NDArray[np.bool_]:
+        """Whether each ray met the surface, shape (n,)."""
+        return self.face != MISS
+
+
+class RayCaster:
+    """A surface prepared for rays.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface; keep it near the origin and near unit size, for faces are
+        found in float32.
+
+    Attributes
+    ----------
+    surface : Surface
+        The same surface.
+    bounds : numpy.ndarray
+        Shape (2, 3), float64: lower and upper corner of its bounding box.
+    """
+
+    def __init__(self, surface: Surface) -> None:
+        from visuohaptic.geometry.compiled_open3d import open3d
+
+        self.surface = surface
+        self.bounds = np.stack([surface.vertices.min(axis=0), surface.vertices.max(axis=0)])
+        self._corners = surface.triangles
+        self._planes = _face_planes(surface)
+        self._tensor = open3d.core.Tensor
+        self._miss = open3d.t.geometry.RaycastingScene.INVALID_ID
+        self._scene = open3d.t.geometry.RaycastingScene(nthreads=1)
+        self._scene.add_triangles(
+            self._tensor(np.ascontiguousarray(surface.vertices, dtype=np.float32)),
+            self._tensor(np.ascontiguousarray(surface.faces, dtype=np.uint32)),
+        )
+
+    @property
+    def reach(self) -> float:
+        """A length that no two points of the surface are farther apart than."""
+        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
+
+    def first_hits(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> Hits:
+        """Cast rays and give the first hit of each.
+
+        Parameters
+        ----------
+        origins, directions : numpy.ndarray
+            Shape (n, 3) each; the frame and unit of the surface's vertices.
+
+        Returns
+        -------
+        Hits
+            One entry a ray; independent of what else is in the batch. Faces are
+            found in float32, distances are to the face's plane in float64.
+        """
+        hits, _ = self._cast(origins, directions)
+        return hits
+
+    def settled_hits(
+        self,
+        origins: NDArray[np.float64],
+        directions: NDArray[np.float64],
+        suspects: Suspects | None = None,
+    ) -> Hits:
+        """Cast rays, and cast the doubtful ones again in float64.
+
+        Doubtful is a ray that meets its face so near an edge or vertex, or so
+        grazing, that float32 may have taken the wrong face; and whatever `suspects` names,
+        such as a miss between hits.
+
+        Parameters
+        ----------
+        origins, directions : numpy.ndarray
+            Shape (n, 3) each; the frame and unit of the surface's vertices.
+        suspects : callable, optional
+            Takes the distances of the first cast, shape (n,), and gives further doubtful
+            rays, shape (n,), bool.
+
+        Returns
+        -------
+        Hits
+            One entry a ray; independent of what else is in the batch as far as `suspects` is.
+        """
+        hits, doubtful = self._cast(origins, directions)
+        if suspects is not None:
+            doubtful |= suspects(hits.distance)
+        again = np.flatnonzero(doubtful)
+        if not len(again):
+            return hits
+        first = Hits(hits.distance[again], hits.face[again], hits.barycentric[again])
+        settled = self._settle(origins[again], directions[again], first)
+        hits.distance[again] = settled.distance
+        hits.face[again] = settled.face
+        hits.barycentric[again] = settled.barycentric
+        return hits
+
+    def _cast(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> tuple[Hits, NDArray[np.bool_]]:
+        rays = np.zeros((len(origins), 6), dtype=np.float32)
+        rays[:, :3] = origins
+        rays[:, 3:] = directions
+        answer = self._scene.cast_rays(self._tensor(rays))
+        faces = answer["primitive_ids"].numpy()
+        hit = faces != self._miss
+        faces = faces.astype(np.int64)
+        faces[~hit] = MISS
+        weights = answer["primitive_uvs"].numpy()
+        distance = answer["t_hit"].numpy().astype(np.float64)
+
+        planes = self._planes.take(faces, axis=0)
+        along = _dot(planes, directions)
+        exact = hit & (along != 0)
+        np.divide(planes[:, 3] - _dot(planes, origins), along, out=distance, where=exact)
+        u, v = weights[:, 0], weights[:, 1]
+        least_weight = np.minimum(np.minimum(u, v), 1 - u - v)
+        length = np.sqrt(_dot(directions, directions))
+        doubtful = hit & (least_weight * np.abs(along) < planes[:, 4] * length)
+        hits = Hits(distance, faces, weights.astype(np.float64))
+        return hits, doubtful
+
+    def _settle(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64], first: Hits
+    ) -> Hits:
+        """Choose each ray's face in float64, among those that rays close by meet."""
+        candidates = self._faces_around(origins, directions)
+        corners = self._corners[candidates] - origins[:, None, None, :]
+        # Two faces at an edge have exactly opposite numbers for it, so no ray slips between;
+        # at a vertex rounding alone decides, and every face that it may have cut off counts.
+        sides = np.cross(corners, np.roll(corners, -1, axis=2))
+        sides = np.einsum("mckd,md->mck", sides, directions)
+        farthest = np.einsum("mckd,mckd->mck", corners, corners).max(axis=2, keepdims=True)
+        slack = _ROUNDING * farthest * np.linalg.norm(directions, axis=1)[:, None, None]
+        planes = self._planes[candidates]
+        above = planes[:, :, 3] - np.einsum("mcd,md->mc", planes[:, :, :3], origins)
+        along = np.einsum("mcd,md->mc", planes[:, :, :3], directions)
+        inside = (sides >= -slack).all(axis=2) | (sides <= slack).all(axis=2)
+        inside &= (candidates != MISS) & (along != 0)
+        distances = np.divide(above, along, out=np.full(above.shape, np.inf), where=inside)
+        distances[distances < 0] = np.inf
+
+        # Equal distances go to the lower face, so that the answer depends on the ray alone.
+        nearest = np.lexsort((candidates, distances), axis=1)[:, :1]
+        distance = np.take_along_axis(distances, nearest, axis=1)[:, 0]
+        face = np.take_along_axis(candidates, nearest, axis=1)[:, 0]
+        weights = np.take_along_axis(sides, nearest[:, :, None], axis=1)[:, 0]
+        found = np.isfinite(distance)
+        weights = np.divide(
+            weights, weights.sum(axis=1, keepdims=True), out=weights, where=found[:, None]
+        )
+        # Among faces smaller than the bundle none may be found, though no ray gets through.
+        kept = ~found & first.hit & (candidates != MISS).all(axis=1)
+        return Hits(
+            np.where(kept, first.distance, distance),
+            np.where(kept, first.face, np.where(found, face, MISS)),
+            np.where(
+                kept[:, None], first.barycentric, np.where(found[:, None], weights[:, [2, 0]], 0.0)
+            ),
+        )
+
+    def _faces_around(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> NDArray[np.int64]:
+        least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
+        first = _unit(np.cross(directions, least))
+        second = _unit(np.cross(directions, first))
+        spread = _BUNDLE_RADIUS * (
+            _BUNDLE[:, 0, None] * first[:, None, :] + _BUNDLE[:, 1, None] * second[:, None, :]
+        )
+        around = (origins[:, None, :] + spread).reshape(-1, 3)
+        hits, _ = self._cast(around, np.repeat(directions, len(_BUNDLE), axis=0))
+        return hits.face.reshape(-1, len(_BUNDLE))
+
+
+def _face_planes(surface: Surface) -> NDArray[np.float64]:
+    """Give normal (not unit), offset, and the edge band of each face, shape (f, 5).
+
+    The distance from a point to a face's nearest edge is at least its least
+    barycentric weight × twice the area / the longest edge; `RayCaster` compares that with
+    `LATERAL_ERROR` without dividing.
+    """
+    corners, crosses = surface.triangles, surface.face_crosses
+    edges = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+    offsets = _dot(crosses, corners[:, 0])
+    return np.column_stack([crosses, offsets, LATERAL_ERROR * edges.max(axis=1)])
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    # A ray without direction goes nowhere; dividing by zero would make it NaN.
+    return vectors / np.where(lengths > 0, lengths, 1.0)
+
+
+def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Dot products of rows of three; written out, for BLAS may order sums by the batch."""
+    return first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1] + first[:, 2] * second[:, 2]

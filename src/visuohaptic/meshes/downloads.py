@@ -1,0 +1,371 @@
+"""Bring catalogued models from where they are published, and pack each as a coloured surface.
+
+The Debian package is asked first, where apt is there; otherwise the upstream
+archives. Nothing of an archive is unpacked to disk: members are read by the exact
+names of the catalogue, bounded in size, and checked against its hashes.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import re
+import shutil
+import subprocess
+import tarfile
+import zipfile
+from collections.abc import Iterable, Sequence
+from contextlib import closing
+from pathlib import Path
+
+from visuohaptic.errors import DownloadError
+from visuohaptic.geometry.surface import write_surface
+from visuohaptic.meshes.catalogue import Model
+
+DEBIAN_PACKAGE = "sweethome3d-furniture"
+DEBIAN_SHA256 = "3ccb90c63f9525e887a767b9cd5c8b6933b8b6b2973a615a5359ee68a2118668"
+UPSTREAM = (
+    "https://sourceforge.net/projects/sweethome3d/files/SweetHome3D-models/"
+    "3DModels-1.8/3DModels-{library}-1.8.zip/download"
+)
+LIBRARY_FOLDER = "usr/share/sweethome3d/furniture"
+
+_LARGEST_ARCHIVE_BYTES = 400 * 10**6
+_LARGEST_MEMBER_BYTES = 100 * 10**6
+_CHUNK_BYTES = 1 << 18
+
+
+def fetch_models(
+    models: Sequence[Model], folder: str | Path, cache: str | Path, jobs: int = 1
+) -> None:
+    """Download models and write each as `<folder>/<class>/<name>.ply.gz`.
+
+    What has come stays, in the cache and in the folder, also when the download
+    breaks off; a second call goes on from there.
+
+    Parameters
+    ----------
+    models : sequence of Model
+        Catalogued models.
+    folder : path
+        Where the packed models go.
+    cache : path
+        Where archives are kept.
+    jobs : int
+        Processes that pack.
+
+    Raises
+    ------
+    DownloadError
+        If an archive can't be had or a model is not the one that is pinned.
+    """
+    from joblib import Parallel, delayed
+    from tqdm import tqdm
+
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    missing = [model for model in models if not (folder / f"{model.key}.ply.gz").exists()]
+    libraries = fetch_libraries(sorted({model.library for model in missing}), cache)
+    tasks = (delayed(pack_model)(model, libraries[model.library], folder) for model in missing)
+    packed = Parallel(n_jobs=jobs, return_as="generator")(tasks)
+    for _ in tqdm(packed, total=len(missing), desc="packing models", unit="model", disable=None):
+        pass
+
+
+def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Path]:
+    """Bring furniture libraries into a cache folder.
+
+    Parameters
+    ----------
+    libraries : sequence of str
+        File names, such as ``Scopia.sh3f``.
+    cache : path
+        Where they are kept; libraries that are there already are not asked for.
+
+    Returns
+    -------
+    dict of str to pathlib.Path
+        Each library and its file.
+
+    Raises
+    ------
+    DownloadError
+        If one can't be had.
+    """
+    cache = Path(cache)
+    cache.mkdir(parents=True, exist_ok=True)
+    paths = {library: cache / Path(library).name for library in libraries}
+    missing = {library: path for library, path in paths.items() if not path.exists()}
+    if not missing:
+        return paths
+    address = _debian_address()
+    if address is not None:
+        package = download(address, cache / f"{DEBIAN_PACKAGE}.deb", DEBIAN_SHA256)
+        extract_libraries(package, missing)
+        return paths
+    for library, path in missing.items():
+        stem = library.removesuffix(".sh3f")
+        archive = download(UPSTREAM.format(library=stem), cache / f"{stem}.zip")
+        _replace_with(path, read_member(archive, library, _LARGEST_ARCHIVE_BYTES))
+    return paths
+
+
+def download(address: str, path: Path, sha256: str | None = None) -> Path:
+    """Download a file, going on where an earlier try broke off.
+
+    Parameters
+    ----------
+    address : str
+        HTTP or HTTPS address.
+    path : pathlib.Path
+        The file; it appears only when it is whole and its hash is right. A part
+        is kept as `<path>.part`.
+    sha256 : str, optional
+        What its content must hash to.
+
+    Returns
+    -------
+    pathlib.Path
+        `path`.
+
+    Raises
+    ------
+    DownloadError
+        If the server can't be reached or refuses, the file is too large, or the
+        hash is another; a part with a wrong hash is deleted.
+    """
+    import requests
+
+    if path.exists() and (sha256 is None or file_sha256(path) == sha256):
+        return path
+    part = path.with_name(f"{path.name}.part")
+    try:
+        _append(address, part)
+    except requests.RequestException as error:
+        raise DownloadError(
+            f"{address} can't be downloaded: {error}; run again to go on, {part} keeps what came."
+        ) from error
+    found = file_sha256(part)
+    if sha256 is not None and found != sha256:
+        part.unlink()
+        raise DownloadError(
+            f"{address} has the SHA-256 {found}; {sha256} is pinned; nothing of it was used, run again."
+        )
+    part.replace(path)
+    return path
+
+
+def extract_libraries(package: Path, libraries: dict[str, Path]) -> None:
+    """Copy furniture libraries out of a Debian package.
+
+    Parameters
+    ----------
+    package : pathlib.Path
+        A ``.deb`` file.
+    libraries : dict of str to pathlib.Path
+        Name within `LIBRARY_FOLDER` and the file to write, each in one step.
+
+    Raises
+    ------
+    DownloadError
+        If the package is not one, or lacks a library.
+    """
+    wanted = {f"./{LIBRARY_FOLDER}/{library}": path for library, path in libraries.items()}
+    try:
+        with tarfile.open(fileobj=io.BytesIO(_debian_data(package)), mode="r:*") as data:
+            for member in data:
+                stream = (
+                    data.extractfile(member) if member.isreg() and member.name in wanted else None
+                )
+                if stream is not None and member.size <= _LARGEST_ARCHIVE_BYTES:
+                    _replace_with(wanted.pop(member.name), stream.read())
+    except (tarfile.TarError, OSError, EOFError) as error:
+        raise DownloadError(
+            f"{package} can't be unpacked: {error}; delete it and run again."
+        ) from error
+    if wanted:
+        raise DownloadError(
+            f"{package} lacks {', '.join(sorted(wanted))}; another version is needed."
+        )
+
+
+def pack_model(model: Model, library: Path, folder: Path) -> Path:
+    """Read one model from its library, check it, and write it as a coloured surface.
+
+    Parameters
+    ----------
+    model : Model
+        Names the member and its SHA-256.
+    library : pathlib.Path
+        The zip archive.
+    folder : pathlib.Path
+        Holds the result as `<class>/<name>.ply.gz`.
+
+    Returns
+    -------
+    pathlib.Path
+        The file.
+
+    Raises
+    ------
+    DownloadError
+        If the member is not there or not the pinned one.
+    MeshError
+        If it is no mesh.
+    """
+    from visuohaptic.meshes.model_files import surface_from_stream
+
+    data = read_member(library, model.member, _LARGEST_MEMBER_BYTES)
+    found = hashlib.sha256(data).hexdigest()
+    if found != model.sha256:
+        raise DownloadError(
+            f"{library}: {model.member} has the SHA-256 {found}; {model.sha256} is pinned."
+        )
+    with zipfile.ZipFile(library) as archive:
+        surface = surface_from_stream(io.BytesIO(data), model.member, archive)
+    path = folder / f"{model.key}.ply.gz"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}")
+    write_surface(surface, part)
+    part.replace(path)
+    return path
+
+
+def read_member(archive: Path, member: str, largest_bytes: int) -> bytes:
+    """Read one member of a zip archive into memory.
+
+    Parameters
+    ----------
+    archive : pathlib.Path
+        The archive.
+    member : str
+        Its exact name there.
+    largest_bytes : int
+        Members that unpack to more are refused.
+
+    Returns
+    -------
+    bytes
+        The content.
+
+    Raises
+    ------
+    DownloadError
+        If the archive is none, lacks the member, or it is too large.
+    """
+    try:
+        with zipfile.ZipFile(archive) as opened:
+            if opened.getinfo(member).file_size > largest_bytes:
+                raise DownloadError(
+                    f"{archive}: {member} unpacks to more than {largest_bytes / 1e6:.0f} MB."
+                )
+            return opened.read(member)
+    except KeyError as error:
+        raise DownloadError(f"{archive} has no member {member}.") from error
+    except (zipfile.BadZipFile, OSError) as error:
+        raise DownloadError(
+            f"{archive} can't be read: {error}; delete it and run again."
+        ) from error
+
+
+def write_credits(models: Iterable[Model], path: str | Path) -> None:
+    """Write who made each model and under which licence.
+
+    Parameters
+    ----------
+    models : iterable of Model
+        Models; those without a credit are left out.
+    path : path
+        The CSV file.
+    """
+    with Path(path).open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(("class", "object", "author", "licence", "source_url"))
+        for model in models:
+            if model.credit is not None:
+                credit = model.credit
+                writer.writerow(
+                    (model.category, model.name, credit.author, credit.licence, credit.source_url)
+                )
+
+
+def file_sha256(path: Path) -> str:
+    """Hash a file.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The file.
+
+    Returns
+    -------
+    str
+        SHA-256, hexadecimal.
+    """
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _debian_address() -> str | None:
+    """Ask apt where the package lies; None where there is no apt, or it doesn't know the package."""
+    apt = shutil.which("apt-get")
+    if apt is None:
+        return None
+    answer = subprocess.run(  # noqa: S603 - a fixed command
+        [apt, "--print-uris", "download", DEBIAN_PACKAGE],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    address = re.search(r"^'(https?://[^']+)'.*SHA256:(\w+)", answer.stdout, re.MULTILINE)
+    return address[1] if address and address[2] == DEBIAN_SHA256 else None
+
+
+def _debian_data(package: Path) -> bytes:
+    """Give the data archive of a ``.deb``: an ar archive, whose headers are 60 bytes each."""
+    with package.open("rb") as stream:
+        if stream.read(8) != b"!<arch>\n":
+            raise DownloadError(f"{package} is no Debian package; delete it and run again.")
+        while len(header := stream.read(60)) == 60:
+            name, size = header[:16].strip(), int(header[48:58])
+            if name.startswith(b"data.tar"):
+                return stream.read(size)
+            stream.seek(size + size % 2, io.SEEK_CUR)
+    raise DownloadError(f"{package} has no data; delete it and run again.")
+
+
+def _append(address: str, part: Path) -> None:
+    import requests
+    from tqdm import tqdm
+
+    have = part.stat().st_size if part.exists() else 0
+    headers = {"Range": f"bytes={have}-"} if have else {}
+    with closing(requests.get(address, headers=headers, stream=True, timeout=60)) as answer:
+        if answer.status_code == requests.codes.requested_range_not_satisfiable:
+            return
+        answer.raise_for_status()
+        resumed = answer.status_code == requests.codes.partial_content
+        total = int(answer.headers.get("content-length", 0)) + (have if resumed else 0)
+        if total > _LARGEST_ARCHIVE_BYTES:
+            raise DownloadError(
+                f"{address} has {total / 1e6:.0f} MB; that is not the pinned archive."
+            )
+        with (
+            part.open("ab" if resumed else "wb") as stream,
+            tqdm(
+                desc=part.stem, total=total, initial=have if resumed else 0,
+                unit="B", unit_scale=True, disable=None,
+            ) as bar,
+        ):  # fmt: skip
+            for chunk in answer.iter_content(_CHUNK_BYTES):
+                stream.write(chunk)
+                bar.update(len(chunk))
+                if stream.tell() > _LARGEST_ARCHIVE_BYTES:
+                    raise DownloadError(f"{address} does not end; that is not the pinned archive.")
+
+
+def _replace_with(path: Path, data: bytes) -> None:
+    part = path.with_name(f"{path.name}.part")
+    part.write_bytes(data)
+    part.replace(path)

@@ -1,0 +1,52 @@
+"""From a model's file to a mesh file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from visuohaptic.errors import MeshError
+from visuohaptic.geometry.surface import write_set_aside, write_surface
+from visuohaptic.meshes.catalogue import Model
+from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.meshes.preparing import prepare_object
+
+
+def make_mesh(
+    key: str,
+    model: Model | None,
+    source: str | Path,
+    output: str | Path,
+    parameters: MeshParameters,
+) -> None:
+    """Make the mesh file of one object.
+
+    Parameters
+    ----------
+    key : str
+        `class/name` of the object.
+    model : Model or None
+        Its entry in the catalogue; None for a user's own file.
+    source : path
+        The model's file.
+    output : path
+        The PLY file to write.
+    parameters : MeshParameters
+        Section `meshes`.
+
+    A user's own model that can't be used is set aside: its mesh file is empty and says why, and
+    the other objects go on without it.
+
+    Raises
+    ------
+    MeshError
+        If a catalogued model can't be read or has nothing to touch; nothing is written then.
+    """
+    category, name = key.split("/")
+    try:
+        surface = prepare_object(model or Model(category, name), source, parameters)
+    except MeshError as error:
+        if model is not None:
+            raise
+        write_set_aside(output, str(error))
+    else:
+        write_surface(surface, output)

@@ -1,0 +1,1 @@
+"""Phase `model`: from the features of a run to the model that it leaves behind."""

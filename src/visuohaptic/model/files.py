@@ -1,0 +1,65 @@
+"""The recognition model that a run leaves behind, and how its touches were made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pyarrow.compute as pc
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.classifiers import ClassifierName
+from visuohaptic.recognition.model import fit_model, save_model
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.sequences import classes_of_two
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table
+
+
+def make_model(
+    features: Sequence[str | Path],
+    model: str | Path,
+    touching: str | Path,
+    pipeline: str,
+    classifier: ClassifierName,
+    strategy: str,
+    recognition: RecognitionParameters,
+    touching_parameters: Mapping[str, object],
+    seed: int,
+) -> None:
+    """Fit a model on every object of a run, and write it with the parameters of its touches.
+
+    Parameters
+    ----------
+    features : sequence of path
+        The whole feature table, in any order.
+    model : path
+        The ``.skops`` file to write.
+    touching : path
+        The YAML file to write; in the format of `params.yaml`, so that another object can
+        be touched in the same way.
+    pipeline, classifier, strategy : str
+        Which model, from touches by whom.
+    recognition : RecognitionParameters
+        Section `recognition`.
+    touching_parameters : mapping
+        Every section that has a say in the features, and the seed.
+    seed : int
+        The experiment's seed.
+
+    Raises
+    ------
+    RecognitionError
+        If the table has no touch of the strategy, or not what training needs.
+    """
+    import yaml
+
+    table = read_table(FEATURES, features)
+    chosen = table.filter(pc.equal(table.column("strategy"), strategy))
+    if not chosen.num_rows:
+        found = sorted(pc.unique(table.column("strategy")).to_pylist())
+        raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
+    fitted = fit_model(classes_of_two(chosen), pipeline, classifier, recognition, seed)
+    save_model(fitted, model)
+    text = yaml.safe_dump(dict(touching_parameters), sort_keys=False, allow_unicode=True)
+    Path(touching).write_text(text, encoding="utf-8")

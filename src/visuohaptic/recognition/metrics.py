@@ -1,0 +1,99 @@
+"""The numbers behind the report: `reports/metrics.json`, and tables that DVC can plot."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.recognition.summary import summarise
+from visuohaptic.tables.phases import PREDICTIONS, SCORES
+from visuohaptic.tables.schema import read_table
+
+SIGNIFICANT_DIGITS = 6
+
+
+def make_metrics(
+    scores: Sequence[str | Path],
+    predictions: Sequence[str | Path],
+    metrics: str | Path,
+    accuracy: str | Path,
+    confusion: str | Path,
+    intervals: IntervalParameters,
+    seed: int,
+) -> None:
+    """Sum up scores and predictions into the metrics file and two plot tables.
+
+    Parameters
+    ----------
+    scores, predictions : sequence of path
+        Tables of the recognition phase.
+    metrics : path
+        JSON file: every headline figure with its interval. It holds no seconds:
+        the same tables give the same bytes.
+    accuracy : path
+        CSV file: pipeline, strategy, classifier, mean accuracy and its interval.
+    confusion : path
+        CSV file: one row a tested sequence, its class and what it was named.
+    intervals : IntervalParameters
+        Resampling over objects.
+    seed : int
+        The experiment's seed.
+    """
+    predicted = read_table(PREDICTIONS, predictions)
+    summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, seed))
+    Path(metrics).parent.mkdir(parents=True, exist_ok=True)
+    Path(metrics).write_text(json.dumps(summary, indent=2, sort_keys=True) + "\n", encoding="utf-8")
+    _write_csv(accuracy, _accuracy_rows(summary))
+    _write_csv(confusion, _confusion_rows(predicted))
+
+
+def round_numbers(value: Any) -> Any:
+    """Round every number to `SIGNIFICANT_DIGITS`, however deep it lies.
+
+    Parameters
+    ----------
+    value : object
+        Anything that JSON can hold.
+
+    Returns
+    -------
+    object
+        The same with rounded numbers: digits that differ between processors say nothing.
+    """
+    if isinstance(value, dict):
+        return {key: round_numbers(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [round_numbers(item) for item in value]
+    if isinstance(value, float):
+        return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
+    return value
+
+
+def _accuracy_rows(summary: dict[str, Any]) -> Iterable[Sequence[object]]:
+    yield ("label", "pipeline", "strategy", "classifier", "accuracy", "low", "high")
+    for pipeline, strategies in summary["results"].items():
+        for strategy, classifiers in strategies.items():
+            for classifier, figures in classifiers.items():
+                interval = figures["accuracy"]
+                ends = (interval["mean"], interval["low"], interval["high"])
+                label = f"{classifier} by {strategy}, {pipeline}".replace("_", " ")
+                yield (label, pipeline, strategy, classifier, *ends)
+
+
+def _confusion_rows(predictions: pa.Table) -> Iterable[Sequence[object]]:
+    names = ("pipeline", "strategy", "classifier", "class", "predicted")
+    yield names
+    yield from zip(*(predictions.column(name).to_pylist() for name in names), strict=True)
+
+
+def _write_csv(path: str | Path, rows: Iterable[Sequence[object]]) -> None:
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        csv.writer(stream, lineterminator="\n").writerows(rows)

@@ -1,3 +1,0 @@
-from .making import make_report as make_report
-
-__all__ = ["make_report"]

@@ -1,0 +1,115 @@
+"""The page of a run: its sections and their templates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.resources import files as package_files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from visuohaptic.report import wording
+from visuohaptic.report.archive import summarise_run
+from visuohaptic.report.cautions import find_warnings
+from visuohaptic.report.extras import EXTRAS, ExtraTable, read_extra
+from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
+from visuohaptic.report.objects import Track, describe_objects
+from visuohaptic.report.provenance import phase_seconds
+from visuohaptic.report.run import Run
+from visuohaptic.report.sections import SECTIONS, Story
+
+
+def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
+    """Give the page of a run.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    processes : int
+        Processes to work on, at most.
+    track : callable
+        As for `make_report`.
+
+    Returns
+    -------
+    str
+        HTML that asks the network for nothing.
+    """
+    seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
+    story = Story(run, describe_objects(run, processes, track), seconds)
+    environment = make_environment()
+    shared = {
+        "parameters": run.parameters,
+        "pipeline": run.pipelines[0],
+        "several": len(run.pipelines) > 1,
+    }
+    bodies = []
+    for section in SECTIONS:
+        values = section.values(story)
+        if values is not None:
+            template = environment.get_template(f"{section.name}.html.jinja")
+            bodies.append((section.name, section.title, template.render({**shared, **values})))
+        bodies += _extra_bodies(environment, run, section.name)
+    has_models = any(page.model is not None for page in story.pages)
+    return environment.get_template("page.html.jinja").render(
+        bodies=bodies,
+        pages=story.pages,
+        marks=_most_marks(story),
+        warnings=find_warnings(run, seconds),
+        summary=summarise_run(run, story.pages, seconds),
+        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        style=_text("style.css"),
+        script=_text("page.js"),
+        plotly=plotly_library() if has_models else "",
+        coordinate_steps=COORDINATE_STEPS,
+    )
+
+
+def make_environment() -> Environment:
+    """Give the templates, with everything escaped that is not marked as safe."""
+    environment = Environment(
+        loader=PackageLoader("visuohaptic.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "percent": wording.percent,
+        "points": wording.points,
+        "probability": wording.probability,
+        "listed": wording.listed,
+        "counted": wording.counted,
+        "spaced": wording.spaced,
+        "titled": wording.titled,
+        "anchor": wording.anchor_of,
+        "classifier": wording.classifier_name,
+        "strategy": wording.strategy_name,
+    }
+    return environment
+
+
+def _most_marks(story: Story) -> int:
+    numbers = (mark.number for page in story.pages for view in page.views for mark in view.marks)
+    return max(numbers, default=0)
+
+
+def _extra_bodies(environment: Environment, run: Run, place: str) -> list[tuple[str, str, str]]:
+    tables: Mapping[str, ExtraTable | None] = {
+        extra.name: read_extra(extra, Path(run.files.extras[extra.name]))
+        for extra in EXTRAS
+        if extra.after == place and extra.name in run.files.extras
+    }
+    template: Any = environment.get_template("extra.html.jinja")
+    return [
+        (table.extra.name, table.extra.title, template.render(table=table))
+        for table in tables.values()
+        if table is not None
+    ]
+
+
+def _text(name: str) -> str:
+    return package_files("visuohaptic.report").joinpath("templates", name).read_text("utf-8")

@@ -1,0 +1,116 @@
+"""Where a run left what it made: the folder of an experiment, as the workflow lays it out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from visuohaptic.errors import ReportError
+from visuohaptic.meshes.catalogue import find_own_models, models_of_set
+from visuohaptic.parameters import ExperimentParameters, read_parameters
+from visuohaptic.report.run import RunFiles
+
+METRICS = "reports/metrics.json"
+PARAMETERS = "params.yaml"
+REPORT = "reports/report.html"
+
+_TABLES = ("predictions", "views", "fixations", "touches", "features")
+EXTRAS = {
+    "effect_influence": "results/effect_influence.parquet",
+    "effect_accuracy": "results/effect_accuracy.parquet",
+    "touch_curves": "results/touch_curves.parquet",
+    "touches_needed": "results/touches_needed.parquet",
+    "resolution": "benchmarks/resolution.json",
+    "cost": "results/cost.parquet",
+    "stability": "reports/stability.json",
+    "precision": "reports/precision.json",
+    "ablations": "results/ablations.parquet",
+}
+"""Tables of phases that not every run has, by section; as in `workflow/rules/report.smk`."""
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """A finished run.
+
+    Attributes
+    ----------
+    files : RunFiles
+        Where its tables lie.
+    parameters : ExperimentParameters
+        What the folder's ``params.yaml`` says.
+    objects : tuple of str
+        Objects that were to take part, `class/name`.
+    """
+
+    files: RunFiles
+    parameters: ExperimentParameters
+    objects: tuple[str, ...]
+
+
+def find_run(folder: str | Path) -> RunFolder:
+    """Find the tables of a run.
+
+    Parameters
+    ----------
+    folder : path
+        Holds ``params.yaml``, ``results`` and ``reports/metrics.json``.
+
+    Returns
+    -------
+    RunFolder
+        The run. A table with no file is left to its reader, who names it.
+
+    Raises
+    ------
+    ReportError
+        If the parameters, the metrics or a table is missing.
+    ParameterError
+        If the parameters are not allowed.
+    """
+    folder = Path(folder)
+    tables = {name: _parts(folder / "results" / name) for name in _TABLES}
+    missing = [
+        name
+        for name, there in (
+            (PARAMETERS, (folder / PARAMETERS).is_file()),
+            *((f"results/{table}", bool(parts)) for table, parts in tables.items()),
+            (METRICS, (folder / METRICS).is_file()),
+        )
+        if not there
+    ]
+    if missing:
+        raise ReportError(
+            f"{folder / missing[0]} is not there, and the report tells of it; name the folder of a "
+            "finished run, or run `snakemake -j2` there first."
+        )
+    parameters = read_parameters(folder / PARAMETERS)
+    effects = [
+        *_parts(folder / "results/effects/views"),
+        *_parts(folder / "results/effects/touches"),
+    ]
+    logs = folder / "logs"
+    files = RunFiles(
+        metrics=folder / METRICS,
+        **tables,
+        effects=effects,
+        meshes=sorted((folder / "results/meshes").glob("*/*.ply")),
+        credits=[folder / "meshes/catalogue.csv", folder / "meshes/paper/credits.csv"],
+        logs=logs if logs.is_dir() else None,
+        checkout=folder,
+        extras={name: folder / path for name, path in EXTRAS.items()},
+    )
+    return RunFolder(files, parameters, _objects(folder, parameters, files))
+
+
+def _parts(folder: Path) -> list[Path]:
+    return sorted(folder.rglob("*.parquet"))
+
+
+def _objects(folder: Path, parameters: ExperimentParameters, files: RunFiles) -> tuple[str, ...]:
+    catalogue = folder / "meshes/catalogue.csv"
+    if not catalogue.is_file():
+        return tuple(f"{Path(path).parent.name}/{Path(path).stem}" for path in files.meshes)
+    catalogued = {model.key for model in models_of_set(catalogue, parameters.meshes.set)}
+    own = find_own_models(folder / "meshes/own", catalogued)
+    return tuple(sorted({*catalogued, *(model.key for model in own)}))

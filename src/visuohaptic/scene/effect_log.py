@@ -1,0 +1,47 @@
+"""The log of the effects: why each was triggered, how often it ran, and how long it took."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pyarrow as pa
+
+from visuohaptic.scene.records import EffectRecord
+from visuohaptic.tables.phases import EFFECTS
+from visuohaptic.tables.schema import build_table
+
+_COPIED = ("effect", "mode", "reason", "touches", "called_for", "runs", "seconds")
+
+
+def effect_table(
+    key: str, first_viewpoint: int, scene: str, records: Sequence[EffectRecord]
+) -> pa.Table:
+    """Give the records of one job as a table.
+
+    Parameters
+    ----------
+    key : str
+        `class/name` of the object.
+    first_viewpoint : int
+        The first viewpoint of the job.
+    scene : str
+        Name of the scene's preset, or `any` for effects that no preset sets.
+    records : sequence of EffectRecord
+        One for each effect.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.EFFECTS`, one for each effect.
+    """
+    category, name = key.split("/")
+    columns: dict[str, object] = {
+        column: [getattr(record, column) for record in records] for column in _COPIED
+    }
+    columns |= {
+        "class": category,
+        "object": name,
+        "first_viewpoint": first_viewpoint,
+        "scene": scene,
+    }
+    return build_table(EFFECTS, columns)

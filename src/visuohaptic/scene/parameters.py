@@ -1,0 +1,196 @@
+"""The world that a touch happens in: what is simulated, and how strongly.
+
+A scene is data alone. Each effect has a mode: `auto` simulates it only
+where something calls for it, `always` everywhere, `never` nowhere. What calls for a tactile
+effect stands beside the effect in `visuohaptic.sensor`; what calls for a visual one stands in `visuohaptic.fixations.visual_effects`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Mode = Literal["auto", "always", "never"]
+Cover = Literal["none", "winkler", "half_space"]
+Readout = Literal["ideal", "grounded", "floating"]
+PresetName = Literal["ideal", "fsr400", "worn_fsr"]
+
+
+class TactileModes(BaseModel):
+    """When each effect of the sensor is simulated, in the order in which a touch goes through them.
+
+    Each has an entry in `visuohaptic.sensor.effects`, except for `adaptive_size`, which is how
+    the sensor is placed.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    adaptive_size: Mode = Field("auto", description="the square shrinks until nothing penetrates")
+    elastic_cover: Mode = Field("auto", description="an elastic layer turns gaps into pressure")
+    force_response: Mode = Field(
+        "auto", description="pressure to conductance, break and saturation"
+    )
+    gain_scatter: Mode = Field("auto", description="each cell has its own gain")
+    hysteresis: Mode = Field("auto", description="more output on release than on pressing")
+    drift: Mode = Field("auto", description="output creeps with the logarithm of time")
+    dead_cells: Mode = Field("auto", description="broken cells conduct nothing")
+    crosstalk: Mode = Field("auto", description="sneak paths between rows and columns")
+    noise: Mode = Field("auto", description="additive noise of the amplifier")
+    quantisation: Mode = Field("auto", description="rounding to the converter's levels")
+
+
+class VisualModes(BaseModel):
+    """When each effect of the view is simulated; no preset sets them."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    colour: Mode = Field("auto", description="the object's colours in the view")
+    texture: Mode = Field("auto", description="colours that change within one part")
+    shading: Mode = Field("auto", description="brightness by the surface's slope to the light")
+    cast_shadows: Mode = Field("never", description="parts that stand in each other's light")
+
+
+class EffectModes(VisualModes, TactileModes):
+    """When each effect is simulated."""
+
+
+TACTILE_EFFECTS = tuple(TactileModes.model_fields)
+VISUAL_EFFECTS = tuple(VisualModes.model_fields)
+
+
+class Scene(BaseModel):
+    """What world the touch happens in; a preset fills whatever is not given.
+
+    The image of a touch is in units of full scale: 1 is the output at
+    `full_scale_pressure_pa`, without a cover the output in contact.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    preset: PresetName = Field(
+        "ideal",
+        description="`ideal`: geometry only, as in the paper; `fsr400`: a new array of force sensing resistors under a rubber cover; `worn_fsr`: the same after long use",
+    )
+    object_radius_m: float = Field(
+        0.05, gt=0, le=100, description="real length of one object radius (metres)"
+    )
+    press_depths_m: tuple[float, ...] = Field(
+        (0.0005,),
+        min_length=1,
+        description="how far the cover is pressed in, one after another (metres); the image is taken at the last",
+    )
+    hold_time_s: float = Field(
+        1.0, gt=0, description="time from reaching the last depth to the reading (seconds)"
+    )
+    cover: Cover = Field(
+        "none",
+        description="`none`: a rigid plane that measures gaps; `winkler`: independent springs; `half_space`: an elastic half-space",
+    )
+    cover_modulus_pa: float = Field(
+        1.5e5, gt=0, description="Young's modulus of the cover (pascal)"
+    )
+    cover_poisson_ratio: float = Field(
+        0.45, ge=0, lt=0.5, description="Poisson's ratio of the cover (1)"
+    )
+    cover_thickness_m: float = Field(
+        0.003, gt=0, description="thickness of the cover, for `winkler` (metres)"
+    )
+    full_scale_pressure_pa: float = Field(
+        1e5, gt=0, description="pressure at which the output is 1 (pascal)"
+    )
+    break_pressure_pa: float = Field(
+        0.0, ge=0, description="pressure below which a cell does not conduct (pascal)"
+    )
+    saturation_pressure_pa: float | None = Field(
+        None,
+        gt=0,
+        description="pressure at which conductance is half of linear (pascal); none: linear",
+    )
+    gain_scatter: float = Field(
+        0.0, ge=0, lt=0.3, description="standard deviation of the cells' gains (1)"
+    )
+    hysteresis: float = Field(
+        0.0, ge=0, le=0.5, description="excess on release at half of the peak output (1)"
+    )
+    drift_per_decade: float = Field(
+        0.0, ge=-0.5, le=0.5, description="change of output over ten times the time (1)"
+    )
+    drift_reference_s: float = Field(
+        1.0, gt=0, description="time after loading at which drift counts as none (seconds)"
+    )
+    dead_fraction: float = Field(
+        0.0, ge=0, le=1, description="probability of a cell being dead (1)"
+    )
+    readout: Readout = Field(
+        "ideal",
+        description="`ideal`: each cell alone; `grounded`: other lines held at zero through `line_resistance_ohm`; `floating`: other lines left open",
+    )
+    line_resistance_ohm: float = Field(
+        0.0, ge=0, description="resistance of each driven or read line (ohm)"
+    )
+    full_scale_conductance_s: float = Field(
+        1e-4, gt=0, description="conductance of a cell at output 1 (siemens)"
+    )
+    stand_off_conductance_s: float = Field(
+        1e-7, ge=1e-12, description="conductance of an untouched cell, for `floating` (siemens)"
+    )
+    noise: float = Field(
+        0.0, ge=0, le=1, description="standard deviation of additive noise (of full scale)"
+    )
+    bits: int | None = Field(
+        None, ge=1, le=24, description="resolution of the converter (bits); none: no rounding"
+    )
+    effects: EffectModes = Field(EffectModes(), description="when each effect is simulated")
+
+    def with_effects(self, mode: Mode) -> Scene:
+        """Give the same scene with one mode for every effect.
+
+        Parameters
+        ----------
+        mode : {"auto", "always", "never"}
+            When each effect is simulated.
+
+        Returns
+        -------
+        Scene
+            Fit to measure what `auto` saves against `always`.
+        """
+        modes = EffectModes.model_validate(dict.fromkeys(EffectModes.model_fields, mode))
+        return self.model_copy(update={"effects": modes})
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_from_preset(cls, values: Any) -> Any:
+        if not isinstance(values, dict):
+            return values
+        return {**PRESETS.get(values.get("preset", "ideal"), {}), **values}
+
+
+_FSR400: dict[str, object] = {
+    "press_depths_m": (0.0005,),
+    "cover": "winkler",
+    # 0.2 N on the 20.3 mm² of the Interlink FSR 400; half of linear within 0.7 to 1.4 MPa.
+    "break_pressure_pa": 1e4,
+    "saturation_pressure_pa": 1e6,
+    "gain_scatter": 0.06,
+    "hysteresis": 0.1,
+    "drift_per_decade": 0.05,
+    "readout": "grounded",
+    "line_resistance_ohm": 10.0,
+    "noise": 0.005,
+    "bits": 8,
+}
+PRESETS: dict[str, dict[str, object]] = {
+    "ideal": {},
+    "fsr400": _FSR400,
+    "worn_fsr": {
+        **_FSR400,
+        "press_depths_m": (0.0008, 0.0005),
+        "hold_time_s": 100.0,
+        "gain_scatter": 0.12,
+        "dead_fraction": 0.02,
+        "line_resistance_ohm": 50.0,
+        "noise": 0.02,
+    },
+}

@@ -1,0 +1,58 @@
+"""What became of an effect: when it was called for, how often it ran, and how long it took."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from visuohaptic.scene.parameters import Mode
+
+
+@dataclass(frozen=True)
+class EffectRecord:
+    """What became of one effect over a batch of touches.
+
+    Attributes
+    ----------
+    effect, mode : str
+        The effect and when it may be simulated.
+    reason : str
+        Why it was called for, or why not; the same for every batch of the scene.
+    touches, called_for, runs : int
+        Touches of the batch, those that called for it, those it was simulated for.
+    seconds : float
+        Time spent on it, deciding included; no two runs have the same.
+    """
+
+    effect: str
+    mode: Mode
+    reason: str
+    touches: int
+    called_for: int
+    runs: int
+    seconds: float
+
+
+def merge_records(batches: Sequence[Sequence[EffectRecord]]) -> tuple[EffectRecord, ...]:
+    """Add up the records of several batches of one scene.
+
+    Parameters
+    ----------
+    batches : sequence of sequence of EffectRecord
+        The same effects in the same order in each.
+
+    Returns
+    -------
+    tuple of EffectRecord
+        One for each effect.
+    """
+    return tuple(
+        replace(
+            records[0],
+            touches=sum(record.touches for record in records),
+            called_for=sum(record.called_for for record in records),
+            runs=sum(record.runs for record in records),
+            seconds=sum(record.seconds for record in records),
+        )
+        for records in zip(*batches, strict=True)
+    )

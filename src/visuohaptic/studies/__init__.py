@@ -1,0 +1,1 @@
+"""Experiments on the method: what each part, effect, touch and second is worth."""

@@ -1,0 +1,1 @@
+"""What the accuracy loses when one part is left out or exchanged."""

@@ -1,0 +1,127 @@
+"""Presets for the command line, derived from a measured line of settings by one rule.
+
+The rule: of family ``viewpoints``, whose settings one trained model serves, for they differ in
+the number of viewpoints alone,
+
+- ``fast`` is the quickest on that family's own front;
+- ``accurate`` is the last on it, the one with the least error rate;
+- ``balanced`` is the quickest on it whose error rate is at most the geometric mean of the other
+  two's, an error rate of 0 counting as half the least one above it.
+
+``budgets.json`` beside this file holds the line as it was measured, on which set, and what the rule
+makes of it; `python -m visuohaptic.studies.cost.budgets results/cost.parquet` writes it anew.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+BudgetName = Literal["fast", "balanced", "accurate"]
+
+FAMILY = "viewpoints"
+KEPT = ("setting", "viewpoints", "objects", "seconds", "error", "error_low", "error_high")
+
+
+@dataclass(frozen=True)
+class Budget:
+    """A preset.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    viewpoints : int
+        Viewpoints that vote for the object.
+    seconds, error : float
+        What a recognition took, and the error rate, where it was measured.
+    """
+
+    name: BudgetName
+    viewpoints: int
+    seconds: float
+    error: float
+
+
+@cache
+def budgets() -> dict[BudgetName, Budget]:
+    """Give the presets, the quickest first."""
+    held = json.loads(files("visuohaptic.studies.cost").joinpath("budgets.json").read_text("utf-8"))
+    return {name: Budget(name, **held["budgets"][name]) for name in get_args(BudgetName)}
+
+
+def choose_budgets(line: Sequence[Mapping[str, Any]]) -> dict[BudgetName, Budget]:
+    """Apply the rule.
+
+    Parameters
+    ----------
+    line : sequence of mapping
+        The family's settings with ``viewpoints``, ``seconds`` and ``error``, none of them failed.
+
+    Returns
+    -------
+    dict of str to Budget
+        The presets, the quickest first.
+    """
+    from visuohaptic.studies.cost.front import pareto_front
+
+    seconds = np.array([row["seconds"] for row in line], dtype=np.float64)
+    errors = np.array([row["error"] for row in line], dtype=np.float64)
+    on_front = pareto_front(seconds, errors)
+    front = sorted(
+        (row for row, on in zip(line, on_front, strict=True) if on),
+        key=lambda row: float(row["seconds"]),
+    )
+    fast, accurate = front[0], front[-1]
+    least = min((row["error"] for row in front if row["error"] > 0), default=1.0) / 2
+    middle = np.sqrt(max(fast["error"], least) * max(accurate["error"], least))
+    balanced = next(row for row in front if max(row["error"], least) <= middle * (1 + 1e-9))
+    chosen: dict[BudgetName, Mapping[str, Any]] = {
+        "fast": fast,
+        "balanced": balanced,
+        "accurate": accurate,
+    }
+    return {
+        name: Budget(name, row["viewpoints"], row["seconds"], row["error"])
+        for name, row in chosen.items()
+    }
+
+
+def write_budgets(cost: str | Path, output: str | Path, measured_on: str) -> None:
+    """Derive the presets from a measured table, and write them with what they come from.
+
+    Parameters
+    ----------
+    cost : path
+        `tables.COST`.
+    output : path
+        The JSON file.
+    measured_on : str
+        The set of objects, and the like.
+    """
+    from visuohaptic.recognition.metrics import round_numbers
+    from visuohaptic.studies.cost.front import read_costs
+
+    line = [
+        round_numbers({name: row[name] for name in KEPT})
+        for row in read_costs(cost)
+        if row["family"] == FAMILY and row["failed"] is None
+    ]
+    chosen = {
+        name: {"viewpoints": one.viewpoints, "seconds": one.seconds, "error": one.error}
+        for name, one in choose_budgets(line).items()
+    }
+    values = {"measured_on": measured_on, "line": line, "budgets": chosen}
+    Path(output).write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write_budgets(sys.argv[1], Path(__file__).with_name("budgets.json"), sys.argv[2])

@@ -1,0 +1,183 @@
+"""What one recognition takes under each setting, imports and files apart."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from visuohaptic.features.describing import describe_touches
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.model import RecognitionModel, fit_model
+from visuohaptic.recognition.sequences import classes_of_two
+from visuohaptic.studies.cost.errors import REFUSALS, features_of, find_fixations
+from visuohaptic.studies.cost.settings import Changes, Setting
+from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.studies import COST_SECONDS
+from visuohaptic.touches.touching import touch_locations, touch_table
+
+PHASES = ("look", "touch", "describe", "name")
+
+
+@dataclass(frozen=True)
+class Ready:
+    """A setting with its parameters and a model that was trained for it."""
+
+    setting: Setting
+    parameters: ExperimentParameters
+    model: RecognitionModel
+
+
+def recognise_once(
+    surface: Surface, key: str, viewpoints: Sequence[int], ready: Ready
+) -> dict[str, float]:
+    """Name one object once, from its surface in memory to its class.
+
+    Parameters
+    ----------
+    surface : Surface
+        The object.
+    key : str
+        `class/name` of the object; chance comes from it, not the answer.
+    viewpoints : sequence of int
+        Numbers of the viewpoints.
+    ready : Ready
+        How.
+
+    Returns
+    -------
+    dict of str to float
+        Processor seconds of each of `PHASES`, which on one thread of an idle machine are what the
+        clock on the wall shows, and on a busy one hardly more. Making the surface ready for
+        rays is a part of ``look``.
+    """
+    parameters = ready.parameters
+    clock = [time.process_time()]
+    caster = RayCaster(surface)
+    fixations = find_fixations(caster, key, parameters, viewpoints)
+    clock.append(time.process_time())
+    felt = touch_locations(caster, fixations, parameters.sensor, parameters.scene, parameters.seed)
+    clock.append(time.process_time())
+    features = describe_touches(touch_table(fixations, felt), parameters.features)
+    clock.append(time.process_time())
+    ready.model.recognise(features)
+    clock.append(time.process_time())
+    return dict(zip(PHASES, np.diff(clock).tolist(), strict=True))
+
+
+def make_ready(
+    setting: Setting, found: Mapping[Changes, pa.Table | str], run: ExperimentParameters
+) -> Ready | str:
+    """Train the model of a setting on every object.
+
+    Parameters
+    ----------
+    setting : Setting
+        The setting.
+    found : mapping
+        What `errors.setting_features` gives for it.
+    run : ExperimentParameters
+        The run's parameters.
+
+    Returns
+    -------
+    Ready or str
+        The sentence by which it was refused, where it was.
+    """
+    features = features_of(found, setting)
+    if isinstance(features, str):
+        return features
+    try:
+        parameters = setting.parameters(run)
+        model = fit_model(
+            classes_of_two(features),
+            setting.pipeline,
+            setting.classifier,
+            parameters.recognition,
+            run.seed,
+        )
+    except REFUSALS as refusal:
+        return str(refusal)
+    return Ready(setting, parameters, model)
+
+
+def measure_seconds(
+    surfaces: Mapping[str, Surface],
+    settings: Sequence[Ready],
+    rounds: int,
+) -> pa.Table:
+    """Time settings on the same objects, all of them in turn, again and again.
+
+    Parameters
+    ----------
+    surfaces : mapping of str to Surface
+        The objects by their keys.
+    settings : sequence of Ready
+        The settings.
+    rounds : int
+        How often each names each object. Whatever else the machine does meanwhile hurts all alike,
+        for no setting comes twice before every other one has come once.
+
+    Returns
+    -------
+    pyarrow.Table
+        `tables.COST_SECONDS`, a row a setting.
+    """
+    from threadpoolctl import threadpool_limits
+
+    taken: list[list[dict[str, float]]] = [[] for _ in settings]
+    with threadpool_limits(limits=1), _one_thread():
+        first = next(iter(surfaces.items()))
+        for ready in settings:  # what is made once for all, such as operators, is made here
+            _time(ready, first[0], first[1], 0)
+        for turn in range(rounds):
+            for key, surface in surfaces.items():
+                for place, ready in enumerate(settings):
+                    taken[place].append(_time(ready, key, surface, turn))
+    return build_table(COST_SECONDS, _columns(settings, taken))
+
+
+def _time(ready: Ready, key: str, surface: Surface, turn: int) -> dict[str, float]:
+    total, count = ready.parameters.viewpoints.total, ready.setting.viewpoints
+    # Another side of the object in each round.
+    numbers = (np.arange(count) * total // count + 3 * turn) % total
+    return recognise_once(surface, key, sorted(numbers.tolist()), ready)
+
+
+def _columns(
+    settings: Sequence[Ready], taken: Sequence[Sequence[Mapping[str, float]]]
+) -> dict[str, object]:
+    whole = np.array([[sum(once.values()) for once in each] for each in taken])
+    low, middle, high = np.quantile(whole, [0.25, 0.5, 0.75], axis=1)
+    columns: dict[str, object] = {
+        "family": [ready.setting.family for ready in settings],
+        "setting": [ready.setting.name for ready in settings],
+        "seconds": middle,
+        "seconds_low": low,
+        "seconds_high": high,
+        "recognitions": np.full(len(settings), whole.shape[1]),
+    }
+    for phase in PHASES:
+        columns[f"seconds_{phase}"] = [
+            float(np.median([once[phase] for once in each])) for each in taken
+        ]
+    return columns
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Keep OpenCV to one thread meanwhile."""
+    import cv2
+
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(threads)

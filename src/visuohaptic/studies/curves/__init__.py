@@ -1,0 +1,1 @@
+"""Accuracy over the number of touches, by every strategy."""

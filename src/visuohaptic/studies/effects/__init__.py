@@ -1,0 +1,1 @@
+"""What each effect costs, and how far it moves images and accuracy."""

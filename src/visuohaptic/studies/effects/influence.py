@@ -1,0 +1,256 @@
+"""What each effect costs under `auto` and `always`, and how far it moves images."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.rendering import Views, render_views
+from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import read_surface
+from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
+from visuohaptic.scene.records import EffectRecord
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.sensor.touching import Touches
+from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.studies import EFFECT_INFLUENCE
+from visuohaptic.touches.touching import touch_locations
+
+ROUNDS = 3
+"""Times are medians over so many rounds, modes in turn."""
+
+VIEWS = 2
+"""The first so many viewpoints of each object measure the effects of the view."""
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What one effect costs on a sample, and how far it moves the images.
+
+    Attributes
+    ----------
+    scene, effect : str
+        The scene's name and the effect's.
+    touches : int
+        Touches of the sample; views, for effects of the view.
+    seconds, seconds_always : float
+        Time spent on it under the scene's own mode, and under `always`.
+    image_shift : float
+        Mean absolute difference of an image's values, 0 to 1, between the scene and the
+        scene without the effect; for an effect of the view, of the pixels that see the object,
+        between `auto` and `never`.
+    """
+
+    scene: str
+    effect: str
+    touches: int
+    seconds: float
+    seconds_always: float
+    image_shift: float
+
+
+def measured_scenes(scene: Scene) -> dict[str, Scene]:
+    """Give the scenes to measure: every preset, and the run's own in place of its preset.
+
+    Parameters
+    ----------
+    scene : Scene
+        The run's.
+
+    Returns
+    -------
+    dict of str to Scene
+        By the preset's name.
+    """
+    presets = {name: Scene.model_validate({"preset": name}) for name in PRESETS}
+    return {**presets, scene.preset: scene}
+
+
+def touch_influence(
+    caster: RayCaster,
+    fixations: pa.Table,
+    sensor: SensorParameters,
+    scenes: Mapping[str, Scene],
+    seed: int,
+) -> list[Influence]:
+    """Measure the sensor's effects at an object's probing locations.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    fixations : pyarrow.Table
+        Rows of `tables.FIXATIONS`, at least one.
+    sensor : SensorParameters
+        Section `sensor`.
+    scenes : mapping of str to Scene
+        Scenes by their names.
+    seed : int
+        The experiment's seed; noise is the same with and without an effect.
+
+    Returns
+    -------
+    list of Influence
+        For every scene and effect.
+    """
+
+    def felt(scene: Scene) -> Touches:
+        return touch_locations(caster, fixations, sensor, scene, seed)
+
+    return [
+        influence
+        for name, scene in scenes.items()
+        for influence in _scene_influence(name, scene, felt)
+    ]
+
+
+def view_influence(
+    caster: RayCaster,
+    cameras: Sequence[Camera],
+    rendering: RenderingParameters,
+    modes: EffectModes,
+) -> list[Influence]:
+    """Measure the effects of the view.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    cameras : sequence of Camera
+        Where it is looked at from, at least one.
+    rendering : RenderingParameters
+        Section `rendering`.
+    modes : EffectModes
+        When effects are simulated.
+
+    Returns
+    -------
+    list of Influence
+        For every effect of the view.
+    """
+
+    def seen(modes: EffectModes) -> Views:
+        return render_views(caster, cameras, rendering, modes)
+
+    always = Scene().with_effects("always").effects
+    seconds, seconds_always = _seconds(lambda: seen(modes).effects, lambda: seen(always).effects)
+    found = []
+    for effect in VISUAL_EFFECTS:
+        with_it, without = (
+            seen(modes.model_copy(update={effect: mode})) for mode in ("auto", "never")
+        )
+        change = np.abs(with_it.colour - without.colour)[with_it.mask]
+        shift = float(change.mean()) if change.size else 0.0
+        found.append(
+            Influence("any", effect, len(cameras), seconds[effect], seconds_always[effect], shift)
+        )
+    return found
+
+
+def sum_influences(parts: Sequence[Influence]) -> pa.Table:
+    """Add up what was measured on several objects.
+
+    Parameters
+    ----------
+    parts : sequence of Influence
+        Of any objects.
+
+    Returns
+    -------
+    pyarrow.Table
+        `tables.EFFECT_INFLUENCE`: seconds and touches are sums, shifts means over touches.
+    """
+    groups: dict[tuple[str, str], list[Influence]] = {}
+    for part in parts:
+        groups.setdefault((part.scene, part.effect), []).append(part)
+    touches = [sum(part.touches for part in group) for group in groups.values()]
+    return build_table(
+        EFFECT_INFLUENCE,
+        {
+            "scene": [scene for scene, _ in groups],
+            "effect": [effect for _, effect in groups],
+            "touches": touches,
+            "seconds": [sum(part.seconds for part in group) for group in groups.values()],
+            "seconds_always": [
+                sum(part.seconds_always for part in group) for group in groups.values()
+            ],
+            "image_shift": [
+                sum(part.touches * part.image_shift for part in group) / count
+                for group, count in zip(groups.values(), touches, strict=True)
+            ],
+        },
+    )
+
+
+def make_effect_influence(
+    meshes: Sequence[str | Path],
+    fixations: Sequence[str | Path],
+    output: str | Path,
+    viewpoints: ViewpointParameters,
+    rendering: RenderingParameters,
+    sensor: SensorParameters,
+    scene: Scene,
+    seed: int,
+) -> None:
+    """Measure the effects on a sample of objects, under every preset.
+
+    Parameters
+    ----------
+    meshes, fixations : sequence of path
+        The sample's surfaces and probing locations, object by object.
+    output : path
+        The Parquet file to write.
+    viewpoints, rendering, sensor, scene
+        Sections of the parameters.
+    seed : int
+        The experiment's seed.
+    """
+    parts: list[Influence] = []
+    for mesh, locations in zip(meshes, fixations, strict=True):
+        caster = RayCaster(read_surface(mesh))
+        table = read_table(FIXATIONS, locations)
+        seen_from = sorted(set(table.column("viewpoint").to_pylist()))
+        placed = place_cameras(viewpoints)
+        cameras = [placed[number] for number in seen_from[:VIEWS]]
+        parts += view_influence(caster, cameras, rendering, scene.effects)
+        parts += touch_influence(caster, table, sensor, measured_scenes(scene), seed)
+    write_table(EFFECT_INFLUENCE, sum_influences(parts), output)
+
+
+def _scene_influence(
+    name: str, scene: Scene, felt: Callable[[Scene], Touches]
+) -> Iterator[Influence]:
+    whole, always = felt(scene), scene.with_effects("always")
+    seconds, seconds_always = _seconds(lambda: felt(scene).effects, lambda: felt(always).effects)
+    for record in whole.effects:
+        shift = 0.0
+        # What nothing called for moves no bit, so there is no need to touch again.
+        if record.runs and record.called_for:
+            part = felt(_without(scene, record.effect))
+            shift = float(np.abs(part.images - whole.images).mean())
+        effect = record.effect
+        yield Influence(
+            name, effect, record.touches, seconds[effect], seconds_always[effect], shift
+        )
+
+
+def _without(scene: Scene, effect: str) -> Scene:
+    modes = scene.effects.model_copy(update={effect: "never"})
+    return scene.model_copy(update={"effects": modes})
+
+
+def _seconds(*runs: Callable[[], Sequence[EffectRecord]]) -> Iterator[dict[str, float]]:
+    """Give the median seconds of each effect for each way to run, the ways taken in turn."""
+    rounds = [[run() for run in runs] for _ in range(ROUNDS)]
+    for ways in zip(*rounds, strict=True):
+        yield {
+            records[0].effect: float(np.median([record.seconds for record in records]))
+            for records in zip(*ways, strict=True)
+        }

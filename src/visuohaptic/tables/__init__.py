@@ -1,0 +1,1 @@
+"""The schema of every table, and how tables are checked, written and read."""

@@ -1,0 +1,225 @@
+"""The tables that the phases make, in the order of the flow."""
+
+from __future__ import annotations
+
+import pyarrow as pa
+
+from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
+
+OBJECT_KEYS = (
+    Column("class", TEXT, "class of the object"),
+    Column("object", TEXT, "name of the object within its class"),
+)
+
+VIEW_KEYS = (
+    *OBJECT_KEYS,
+    Column("viewpoint", COUNT, "number of the viewpoint, or of the random sequence", minimum=0),
+)
+
+TOUCH_KEYS = (
+    *VIEW_KEYS,
+    Column("strategy", TEXT, "how the probing locations were chosen"),
+    Column("touch", COUNT, "place in the sequence of touches, 0 first", minimum=0),
+)
+
+POINT = tuple(
+    Column(axis, REAL, f"probing location, {axis}", "object frame, unit sphere", -1.0001, 1.0001)
+    for axis in "xyz"
+)
+
+NORMAL = tuple(
+    Column(f"normal_{axis}", REAL, f"outward unit normal, {axis}", "object frame", -1.0001, 1.0001)
+    for axis in "xyz"
+)
+
+TANGENT = tuple(
+    Column(
+        f"tangent_{axis}",
+        REAL,
+        f"the imprint's +column axis, {axis}",
+        "object frame",
+        -1.0001,
+        1.0001,
+    )
+    for axis in "xyz"
+)
+
+SENSOR_SIZE = Column("sensor_size", REAL, "edge of the sensor's square", "object radii", 0)
+
+CONTACT_STATE = Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked or partial")
+
+VIEWS = Schema(
+    "views",
+    (
+        *VIEW_KEYS,
+        Column("eye_x", REAL, "camera centre, x", "object frame"),
+        Column("eye_y", REAL, "camera centre, y", "object frame"),
+        Column("eye_z", REAL, "camera centre, z", "object frame"),
+        Column("view", pa.binary(), "the rendered view, PNG"),
+        Column(
+            "saliency", pa.binary(), "the saliency map, 8-bit grey PNG, the view's maximum white"
+        ),
+        Column(
+            "conspicuity", pa.map_(TEXT, pa.binary()), "conspicuity map of each channel that ran"
+        ),
+        Column("skipped", pa.map_(TEXT, TEXT), "reason for each channel that did not run"),
+        Column(
+            "distinct_fixations", COUNT, "fixations found before the view was exhausted", minimum=0
+        ),
+    ),
+    names_of(VIEW_KEYS),
+)
+
+FIXATIONS = Schema(
+    "fixations",
+    (
+        *TOUCH_KEYS,
+        Column("pixel_row", COUNT, "row in the view, 0 at the top", "pixel", 0, nullable=True),
+        Column(
+            "pixel_column", COUNT, "column in the view, 0 at the left", "pixel", 0, nullable=True
+        ),
+        *POINT,
+        *NORMAL,
+        Column("face", COUNT, "triangle of the object's mesh", minimum=0),
+        Column(
+            "saliency",
+            REAL,
+            "saliency where the eye rests",
+            "of the view's maximum",
+            0,
+            1,
+            nullable=True,
+        ),
+    ),
+    names_of(TOUCH_KEYS),
+)
+
+TOUCHES = Schema(
+    "touches",
+    (
+        *TOUCH_KEYS,
+        Column(
+            "image",
+            pa.list_(pa.float32()),
+            "tactile imprint, row by row",
+            "1 contact, 0 out of reach",
+            0,
+            1,
+        ),
+        SENSOR_SIZE,
+        CONTACT_STATE,
+        Column("penetration", REAL, "deepest penetration left", "object radii", 0),
+        *POINT,
+        *NORMAL,
+        *TANGENT,
+    ),
+    names_of(TOUCH_KEYS),
+)
+
+EFFECT_KEYS = (
+    *OBJECT_KEYS,
+    Column("first_viewpoint", COUNT, "first viewpoint of the job", minimum=0),
+    Column("effect", TEXT, "what may be simulated"),
+)
+
+EFFECTS = Schema(
+    "effects",
+    (
+        *EFFECT_KEYS,
+        Column(
+            "scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"
+        ),
+        Column("mode", TEXT, "auto, always or never"),
+        Column("reason", TEXT, "why it was called for, or why not"),
+        Column("touches", COUNT, "touches of the job; views, for effects of the view", minimum=0),
+        Column("called_for", COUNT, "touches or views that called for it", minimum=0),
+        Column("runs", COUNT, "touches or views that it was simulated for", minimum=0),
+        Column("seconds", REAL, "time spent on it; differs from run to run", "s", 0),
+    ),
+    names_of(EFFECT_KEYS),
+)
+
+CONTOURLET_FEATURES = tuple(f"contourlet_{band:02d}" for band in range(1, 17))
+
+IMPRINT_FEATURES = {
+    "imprint_mean": "mean of the imprint",
+    "imprint_deviation": "its standard deviation",
+    "imprint_skewness": "its skewness",
+    "imprint_empty": "share of sensing points out of reach",
+    "imprint_contact": "share of sensing points in contact",
+    "imprint_bending": "sum of the best quadric's second derivatives",
+    "imprint_saddle": "their difference, whatever the direction",
+    "imprint_upright_bending": "their difference between columns and rows",
+    "imprint_tilt_columns": "size of the slope along the columns",
+    "imprint_tilt_rows": "size of the slope along the rows",
+    "imprint_roughness": "standard deviation that the best quadric leaves",
+    "imprint_step_columns": "mean step between neighbours along the columns",
+    "imprint_step_rows": "mean step between neighbours along the rows",
+}
+
+KINESTHETIC_FEATURES = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
+
+FEATURES = Schema(
+    "features",
+    (
+        *TOUCH_KEYS,
+        *(
+            Column(name, REAL, "standard deviation of one directional sub-band", minimum=0)
+            for name in CONTOURLET_FEATURES
+        ),
+        *POINT,
+        *NORMAL,
+        SENSOR_SIZE,
+        CONTACT_STATE,
+        *(Column(name, REAL, description) for name, description in IMPRINT_FEATURES.items()),
+    ),
+    names_of(TOUCH_KEYS),
+)
+
+SCORE_KEYS = (
+    Column("pipeline", TEXT, "how features become an answer"),
+    Column("strategy", TEXT, "how the probing locations were chosen"),
+    Column("classifier", TEXT, "the classifier"),
+    Column("split", COUNT, "number of the train and test split", minimum=0),
+    Column("seed", COUNT, "repeat of everything that is random in training", minimum=0),
+)
+
+SCORES = Schema(
+    "scores",
+    (
+        *SCORE_KEYS,
+        Column("accuracy", REAL, "share of test sequences named rightly", "1", 0, 1),
+        Column("object_accuracy", REAL, "share of test objects named rightly by vote", "1", 0, 1),
+        Column("sequences", COUNT, "test sequences", minimum=1),
+        Column(
+            "note",
+            TEXT,
+            "what the classifier needed, such as a regularised covariance",
+            nullable=True,
+        ),
+    ),
+    names_of(SCORE_KEYS),
+)
+
+PREDICTION_KEYS = (*SCORE_KEYS, *VIEW_KEYS)
+
+PREDICTIONS = Schema(
+    "predictions",
+    (
+        *PREDICTION_KEYS,
+        Column("predicted", TEXT, "the class that the classifier named"),
+        Column(
+            "probability",
+            REAL,
+            "what the classifier gives that class",
+            "1",
+            0,
+            1.0001,
+            nullable=True,
+        ),
+        Column("voted", TEXT, "the class that all sequences of the object name", nullable=True),
+    ),
+    names_of(PREDICTION_KEYS),
+)
+
+PHASES = (VIEWS, FIXATIONS, TOUCHES, EFFECTS, FEATURES, SCORES, PREDICTIONS)

@@ -1,0 +1,334 @@
+"""What a schema is: columns, their types, units and ranges; and tables that hold to one.
+
+A table is one Parquet file, or a folder of them that reads as one. It is checked
+before it is written, and written whole or not at all.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from visuohaptic.errors import TableError
+
+_SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column: what it holds and what it may hold.
+
+    Attributes
+    ----------
+    name : str
+        The column's name.
+    dtype : pyarrow.DataType
+        Its exact type.
+    description : str
+        What it means, in a few words.
+    unit : str
+        Unit or frame of reference; empty for plain counts and names.
+    minimum, maximum : float or None
+        Closed range of every value (of every element, for lists).
+    nullable : bool
+        Whether a value may be missing.
+    """
+
+    name: str
+    dtype: pa.DataType
+    description: str
+    unit: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    nullable: bool = False
+
+
+@dataclass(frozen=True)
+class Schema:
+    """A table's name, its columns in order, and the columns that identify a row."""
+
+    name: str
+    columns: tuple[Column, ...]
+    keys: tuple[str, ...]
+
+    @property
+    def arrow(self) -> pa.Schema:
+        """The same schema for pyarrow, descriptions and units as metadata."""
+        return pa.schema(
+            [
+                pa.field(
+                    column.name,
+                    column.dtype,
+                    column.nullable,
+                    {"description": column.description, "unit": column.unit},
+                )
+                for column in self.columns
+            ],
+            {"table": self.name},
+        )
+
+
+TEXT = pa.string()
+COUNT = pa.int32()
+REAL = pa.float64()
+
+
+def names_of(columns: Iterable[Column]) -> tuple[str, ...]:
+    """Give the names of columns."""
+    return tuple(column.name for column in columns)
+
+
+def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
+    """Make a table of a schema from arrays, one a column.
+
+    Parameters
+    ----------
+    schema : Schema
+        The table's schema.
+    columns : mapping of str to array_like
+        Every column by its name, all of one length; a scalar string or number
+        is repeated. Two-dimensional arrays become lists.
+
+    Returns
+    -------
+    pyarrow.Table
+        The checked table.
+
+    Raises
+    ------
+    TableError
+        If the columns break the schema.
+    """
+    expected = {column.name for column in schema.columns}
+    if expected != set(columns):
+        missing, extra = sorted(expected - set(columns)), sorted(set(columns) - expected)
+        raise TableError(
+            f"table {schema.name}: columns missing {missing}, not in the schema {extra}."
+        )
+    lengths = {len(value) for value in columns.values() if isinstance(value, _SEQUENCES)}
+    if len(lengths) > 1:
+        raise TableError(
+            f"table {schema.name}: columns have lengths {sorted(lengths)}; one is allowed."
+        )
+    length = lengths.pop() if lengths else 1
+    arrays = [
+        _arrow_array(schema, column, columns[column.name], length) for column in schema.columns
+    ]
+    table = pa.Table.from_arrays(arrays, schema=schema.arrow)
+    check_table(schema, table)
+    return table
+
+
+def check_table(schema: Schema, table: pa.Table) -> None:
+    """Refuse a table that breaks its schema.
+
+    Parameters
+    ----------
+    schema : Schema
+        What the table must be.
+    table : pyarrow.Table
+        The table.
+
+    Raises
+    ------
+    TableError
+        If columns, types, missing values, ranges or keys are not as declared;
+        NaN and infinite numbers count as out of range.
+    """
+    if not table.schema.equals(schema.arrow):
+        raise TableError(
+            f"table {schema.name}: columns are {_signature(table.schema)}; "
+            f"{_signature(schema.arrow)} is what the schema names."
+        )
+    for column in schema.columns:
+        _check_column(schema, column, table.column(column.name))
+    unique = table.select(list(schema.keys)).group_by(list(schema.keys)).aggregate([])
+    if unique.num_rows != table.num_rows:
+        repeated = table.num_rows - unique.num_rows
+        raise TableError(
+            f"table {schema.name}: {repeated} rows repeat the key ({', '.join(schema.keys)})."
+        )
+
+
+def write_table(schema: Schema, table: pa.Table, path: str | Path) -> None:
+    """Check a table and write it as Parquet, whole or not at all.
+
+    Parameters
+    ----------
+    schema : Schema
+        What the table must be.
+    table : pyarrow.Table
+        The table.
+    path : path
+        The file; its folder is made where missing. It is replaced in one step,
+        so a reader never meets half a table.
+
+    Raises
+    ------
+    TableError
+        If the table breaks its schema; nothing is written then.
+    """
+    check_table(schema, table)
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
+    os.close(handle)
+    try:
+        pq.write_table(table, temporary, compression="zstd")
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.Table:
+    """Read a table from one file, a folder, or several files, sorted by its keys.
+
+    Parameters
+    ----------
+    schema : Schema
+        What the table must be.
+    paths : path or sequence of path
+        Where it lies. The order of the files changes nothing.
+
+    Returns
+    -------
+    pyarrow.Table
+        The checked table.
+
+    Raises
+    ------
+    TableError
+        If there is no such file, or the table breaks its schema.
+    """
+    files = _parquet_files([paths] if isinstance(paths, str | Path) else paths)
+    if not files:
+        raise TableError(
+            f"table {schema.name}: no Parquet file at {paths}; run the workflow first."
+        )
+    parts = [_read_part(schema, file) for file in files]
+    table = pa.concat_tables(parts).sort_by([(key, "ascending") for key in schema.keys])
+    check_table(schema, table)
+    return table.combine_chunks()
+
+
+def matrix(table: pa.Table, names: Sequence[str]) -> np.ndarray:
+    """Give numeric columns side by side.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        A table of n rows.
+    names : sequence of str
+        The columns, k of them.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, k), float64.
+    """
+    return np.column_stack([table.column(name).to_numpy().astype(np.float64) for name in names])
+
+
+def images(table: pa.Table, name: str = "image") -> np.ndarray:
+    """Give a column of square images as one array.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        A table of m rows.
+    name : str
+        A column of lists of n² numbers each.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (m, n, n), in the column's own float type.
+
+    Raises
+    ------
+    TableError
+        If the lists differ in length, or their length is no square.
+    """
+    column = table.column(name).combine_chunks()
+    lengths = np.unique(pc.list_value_length(column).to_numpy(zero_copy_only=False))
+    side = round(float(lengths[0]) ** 0.5) if len(lengths) == 1 else 0
+    if len(lengths) != 1 or side * side != lengths[0]:
+        raise TableError(
+            f"column {name}: images have {lengths.tolist()} points; one square number is allowed."
+        )
+    return np.asarray(column.flatten()).reshape(-1, side, side)
+
+
+def _arrow_array(schema: Schema, column: Column, value: object, length: int) -> pa.Array:
+    if not isinstance(value, _SEQUENCES):
+        value = [value] * length
+    if isinstance(value, np.ndarray) and value.ndim > 1:
+        value = list(value.reshape(len(value), -1))
+    try:
+        return pa.array(value, type=column.dtype)
+    except (pa.ArrowInvalid, pa.ArrowTypeError, pa.ArrowNotImplementedError) as error:
+        raise TableError(
+            f"table {schema.name}: column {column.name} does not fit {column.dtype}: {error}."
+        ) from error
+
+
+def _check_column(schema: Schema, column: Column, values: pa.ChunkedArray) -> None:
+    if values.null_count and not column.nullable:
+        raise TableError(
+            f"table {schema.name}: column {column.name} has {values.null_count} missing values; none is allowed."
+        )
+    if pa.types.is_list(column.dtype):
+        values = pc.list_flatten(values)
+    if not pa.types.is_floating(values.type) and not pa.types.is_integer(values.type):
+        return
+    if pa.types.is_floating(values.type) and pc.any(pc.invert(pc.is_finite(values))).as_py():
+        raise TableError(f"table {schema.name}: column {column.name} has NaN or infinite values.")
+    extremes = pc.min_max(values).as_py()
+    if extremes["min"] is None:
+        return
+    below = column.minimum is not None and extremes["min"] < column.minimum
+    above = column.maximum is not None and extremes["max"] > column.maximum
+    if below or above:
+        raise TableError(
+            f"table {schema.name}: column {column.name} spans {extremes['min']} to {extremes['max']}; "
+            f"{_bound(column.minimum)} to {_bound(column.maximum)} is allowed."
+        )
+
+
+def _bound(value: float | None) -> str:
+    return "anything" if value is None else f"{value:g}"
+
+
+def _signature(schema: pa.Schema) -> str:
+    return ", ".join(f"{field.name} {field.type}" for field in schema)
+
+
+def _parquet_files(paths: Sequence[str | Path]) -> list[Path]:
+    files: list[Path] = []
+    for path in map(Path, paths):
+        files.extend(sorted(path.rglob("[!._]*.parquet")) if path.is_dir() else [path])
+    return files
+
+
+def _read_part(schema: Schema, file: Path) -> pa.Table:
+    try:
+        part = pq.ParquetFile(file).read()
+    except (OSError, pa.ArrowInvalid) as error:
+        raise TableError(
+            f"{file} can't be read as Parquet ({error}); delete it and run again."
+        ) from error
+    if part.schema.names != schema.arrow.names:
+        raise TableError(
+            f"{file} has the columns {_signature(part.schema)}; table {schema.name} has {_signature(schema.arrow)}."
+        )
+    return part.cast(schema.arrow)

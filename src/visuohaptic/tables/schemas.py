@@ -1,0 +1,6 @@
+"""Every table by its name."""
+
+from visuohaptic.tables.phases import PHASES
+from visuohaptic.tables.studies import STUDIES
+
+SCHEMAS = {schema.name: schema for schema in (*PHASES, *STUDIES)}

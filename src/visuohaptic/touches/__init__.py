@@ -1,0 +1,4 @@
+"""Phase `touches`: from probing locations to imprints.
+
+Its parameters are those of `visuohaptic.sensor` and `visuohaptic.scene`.
+"""

@@ -1,0 +1,79 @@
+"""The hand's part: the sensor is set down at every probing location of an object."""
+
+from __future__ import annotations
+
+import pyarrow as pa
+
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.parameters import Scene
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.sensor.random_fields import RandomFields
+from visuohaptic.sensor.touching import Touches, touch
+from visuohaptic.tables.phases import FIXATIONS, TOUCHES
+from visuohaptic.tables.schema import build_table, matrix
+
+_POINT = ("x", "y", "z")
+_NORMAL = ("normal_x", "normal_y", "normal_z")
+_TANGENT = ("tangent_x", "tangent_y", "tangent_z")
+
+
+def touch_locations(
+    caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, scene: Scene, seed: int
+) -> Touches:
+    """Touch an object at its probing locations.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    fixations : pyarrow.Table
+        n rows of `tables.FIXATIONS`; each touch depends on its own row alone.
+    sensor : SensorParameters
+        Section `sensor`.
+    scene : Scene
+        Section `scene`.
+    seed : int
+        The experiment's seed.
+
+    Returns
+    -------
+    Touches
+        n touches.
+    """
+    keys = [fixations.column(name).to_pylist() for name in FIXATIONS.keys]
+    return touch(
+        caster,
+        matrix(fixations, _POINT),
+        matrix(fixations, _NORMAL),
+        sensor,
+        scene,
+        RandomFields(seed, list(zip(*keys, strict=True))),
+        fixations.column("face").to_numpy(),
+    )
+
+
+def touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
+    """Give touches as a table.
+
+    Parameters
+    ----------
+    fixations : pyarrow.Table
+        n rows of `tables.FIXATIONS`.
+    felt : Touches
+        Their touches.
+
+    Returns
+    -------
+    pyarrow.Table
+        n rows of `tables.TOUCHES`.
+    """
+    columns: dict[str, object] = {name: fixations.column(name) for name in (*TOUCHES.keys, *_POINT)}
+    columns |= dict(zip(_NORMAL, felt.normals.T, strict=True))
+    columns |= dict(zip(_TANGENT, felt.tangents.T, strict=True))
+    columns |= {
+        "image": felt.images,
+        "sensor_size": felt.size,
+        "contact_state": felt.contact_state.tolist(),
+        "penetration": felt.penetration,
+    }
+    return build_table(TOUCHES, columns)

@@ -1,0 +1,174 @@
+"""An object from its file to its name, the same as the workflow finds."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+import visuohaptic as vh
+from visuohaptic.errors import MeshError, ParameterError, RecognitionError
+from visuohaptic.exploration.picture import find_visible
+from visuohaptic.features.files import make_features
+from visuohaptic.fixations.files import make_fixations
+from visuohaptic.fixations.parameters import ViewpointParameters
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.meshes.catalogue import read_catalogue
+from visuohaptic.meshes.files import make_mesh
+from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table
+from visuohaptic.touches.files import make_touches
+
+ROOT = Path(__file__).parents[2]
+SMALL = ExperimentParameters.from_mapping(
+    {"rendering": {"resolution": 64}, "viewpoints": {"count": 10}, "scene": {"preset": "worn_fsr"}}
+)
+
+
+@pytest.fixture(scope="module")
+def ring_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("ring") / "ring.obj"
+    trimesh.creation.torus(1, 0.4, 16, 8).export(path)
+    return path
+
+
+def features_of_the_workflow(key, source, folder, parameters):
+    model = next(
+        model for model in read_catalogue(ROOT / "meshes/catalogue.csv") if model.key == key
+    )
+    make_mesh(key, model, source, folder / "mesh.ply", parameters.meshes)
+    make_fixations(
+        key=key,
+        mesh=folder / "mesh.ply",
+        fixations=folder / "fixations.parquet",
+        views=folder / "views.parquet",
+        effects=folder / "effects_of_view.parquet",
+        block=range(parameters.viewpoints.total),
+        viewpoints=parameters.viewpoints,
+        rendering=parameters.rendering,
+        attention=parameters.attention,
+        probing=parameters.probing,
+        modes=parameters.scene.effects,
+        seed=parameters.seed,
+    )
+    make_touches(
+        folder / "mesh.ply",
+        folder / "fixations.parquet",
+        folder / "touches.parquet",
+        folder / "effects.parquet",
+        parameters.sensor,
+        parameters.scene,
+        parameters.seed,
+    )
+    make_features(folder / "touches.parquet", folder / "features.parquet", parameters.features)
+    return read_table(FEATURES, folder / "features.parquet")
+
+
+def test_features_of_a_shipped_object_are_those_of_the_workflow(tmp_path):
+    """With a worn sensor too, whose chance hangs on the object's key."""
+    key = "bottle/sc_com_bath2_jabon_pijo"
+    source = ROOT / "meshes" / "paper" / f"{key}.ply.gz"
+    expected = features_of_the_workflow(key, source, tmp_path, SMALL).to_pandas()
+    for strategy in ("fixation", "random"):
+        found = vh.load(source).touch(strategy=strategy, parameters=SMALL)
+        assert found.key == key
+        mine = expected[expected.strategy == strategy].reset_index(drop=True)
+        assert found.features.to_pandas().equals(mine)
+
+
+def test_one_line_from_a_file_to_a_table(ring_file):
+    found = vh.load(ring_file).touch(viewpoints=3, parameters=SMALL)
+    assert found.key == "unknown/ring"
+    assert found.features.num_rows == 15
+    assert found.parameters.viewpoints.count == 3
+    assert set(found.seconds) == {"prepare", "look", "touch", "describe"}
+
+
+def test_progress_follows_every_step(ring_file):
+    seen = []
+
+    def track(steps):
+        for step in steps:
+            yield step
+            seen.append(step)
+
+    vh.load(ring_file).touch(parameters=SMALL, track=track)
+    assert len(seen) == 6
+
+
+def test_wrong_choices_are_named(ring_file):
+    ready = vh.load(ring_file)
+    with pytest.raises(ParameterError, match=r"viewpoints.count is 0"):
+        ready.touch(viewpoints=0)
+    with pytest.raises(ParameterError, match="strategies"):
+        ready.touch(strategy="guess")
+    with pytest.raises(MeshError, match="'class/name' is allowed"):
+        vh.load(ring_file, key="ring")
+
+
+def test_up_axis_is_a_parameter(tmp_path):
+    trimesh.creation.cone(0.3, 2).export(tmp_path / "cone.stl")
+    upright = vh.load(tmp_path / "cone.stl", parameters=MeshParameters(own_up_axis="z"))
+    assert np.argmax(np.ptp(upright.surface.vertices, axis=0)) == 1
+
+
+class ModelOfFixations:
+    strategy = "fixation"
+
+
+def test_touches_of_another_kind_than_the_model_learnt_are_refused(ring_file):
+    there = ExperimentParameters.from_mapping({"sensor": {"resolution": 16}})
+    recogniser = vh.Recogniser(ModelOfFixations(), there)
+    by_chance = vh.load(ring_file).touch(1, "random", SMALL)
+    with pytest.raises(RecognitionError, match=r"touched by random .* learnt from touches by fix"):
+        by_chance.recognise(recogniser)
+    looked = vh.load(ring_file).touch(1, "fixation", SMALL)
+    with pytest.raises(RecognitionError, match=r"sensor.resolution 32 \(the model's is 16\)"):
+        looked.recognise(recogniser)
+
+
+def test_a_model_without_its_parameters_is_refused(tmp_path):
+    (tmp_path / "best.skops").write_bytes(b"")
+    with pytest.raises(RecognitionError, match=r"best.yaml is not there"):
+        vh.read_recogniser(tmp_path / "best.skops")
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_the_far_side_of_an_object_is_hidden(projection, tmp_path):
+    trimesh.creation.icosphere(3).export(tmp_path / "ball.ply")
+    caster = RayCaster(vh.load(tmp_path / "ball.ply").surface)
+    camera = place_cameras(ViewpointParameters(projection=projection))[0]
+    near = caster.first_hits(np.zeros((1, 3)), camera.axes[2:])
+    point = near.distance[:, None] * camera.axes[2:]
+    assert find_visible(caster, camera, np.vstack([point, -point])).tolist() == [True, False]
+
+
+def test_what_the_package_offers_is_what_its_stub_names():
+    stub = ast.parse((ROOT / "src/visuohaptic/__init__.pyi").read_text())
+    names = {
+        alias.asname
+        for node in stub.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert names == set(vh.__all__)
+    assert all(getattr(vh, name) for name in names)
+
+
+def test_importing_the_package_is_cheap():
+    program = (
+        "import sys, visuohaptic; "
+        "print(sorted({name.split('.')[0] for name in sys.modules} & "
+        "{'numpy', 'pandas', 'pyarrow', 'pydantic', 'cv2', 'open3d', 'trimesh', 'sklearn', 'typer'}))"
+    )
+    output = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True, text=True, check=True, env={"PYTHONPATH": str(ROOT / "src")},
+    ).stdout  # fmt: skip
+    assert output == "[]\n"

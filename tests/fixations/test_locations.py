@@ -1,0 +1,121 @@
+"""Every strategy gives locations on the surface, outwards, the same whatever else is asked for."""
+
+import numpy as np
+import pyarrow as pa
+import pytest
+import trimesh
+
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.errors import RegistryError
+from visuohaptic.fixations.locations import candidate_table, locate, look
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.probing import STRATEGIES, spread_far
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.scene.parameters import EffectModes
+from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.schema import check_table, matrix
+
+ATTENTION = AttentionParameters(fixations=6)
+RENDERING = RenderingParameters(resolution=64)
+
+
+@pytest.fixture(scope="module")
+def caster():
+    mesh = trimesh.creation.box((1.2, 0.8, 0.6)).subdivide()
+    faces = np.asarray(mesh.faces, dtype=np.int64)
+    colours = np.random.default_rng(0).integers(0, 255, (len(faces), 3)).astype(np.uint8)
+    return RayCaster(Surface(np.asarray(mesh.vertices), faces, colours))
+
+
+def looks_of(caster, block=(0, 1, 2), **changes):
+    placed = place_cameras(ViewpointParameters(count=4, **changes))
+    cameras = {number: placed[number] for number in block}
+    return look(caster, "box/brick", cameras, RENDERING, ATTENTION, EffectModes())
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
+def test_locations_lie_on_their_faces_and_face_outwards(caster, strategy):
+    table = pa.concat_tables(
+        [locate(one, strategy, ATTENTION, 3) for one in looks_of(caster)]
+    ).combine_chunks()
+    check_table(FIXATIONS, table)
+    assert table.num_rows == 18
+    points, normals = (
+        matrix(table, [f"{prefix}{axis}" for axis in "xyz"]) for prefix in ("", "normal_")
+    )
+    flat = caster.surface.face_normals[table.column("face").to_numpy()]
+    corners = caster.surface.triangles[table.column("face").to_numpy()]
+    offsets = np.einsum("nk,nk->n", points - corners[:, 0], flat)
+    np.testing.assert_allclose(offsets, 0, atol=1e-6)
+    # A convex box: outwards is away from its centre.
+    assert (np.sum(flat * normals, axis=1) > 0.7).all()
+    assert (np.sum(points * normals, axis=1) > 0).all()
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
+def test_locations_depend_on_their_own_viewpoint_alone(caster, strategy):
+    together = locate(looks_of(caster)[2], strategy, ATTENTION, 3)
+    alone = locate(looks_of(caster, block=(2,))[0], strategy, ATTENTION, 3)
+    assert together.equals(alone)
+
+
+@pytest.mark.parametrize("strategy", list(STRATEGIES), ids=lambda strategy: strategy.name)
+def test_the_seed_changes_the_places_of_random_strategies_alone(caster, strategy):
+    one = looks_of(caster)[0]
+    first, second = (locate(one, strategy.name, ATTENTION, seed) for seed in (3, 4))
+    assert first.equals(second) != strategy.random
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
+def test_the_same_seed_gives_other_places_from_another_viewpoint(caster, strategy):
+    first, second, _ = looks_of(caster)
+    xs = [locate(one, strategy, ATTENTION, 3).column("x").to_pylist() for one in (first, second)]
+    assert xs[0] != xs[1]
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
+def test_fewer_touches_are_the_first_of_more(caster, strategy):
+    one = looks_of(caster, block=(1,))[0]
+    shorter = AttentionParameters(fixations=3)
+    placed = place_cameras(ViewpointParameters(count=4))
+    again = look(caster, "box/brick", {1: placed[1]}, RENDERING, shorter, EffectModes())[0]
+    few, many = locate(again, strategy, shorter, 3), locate(one, strategy, ATTENTION, 3)
+    assert few.equals(many.slice(0, 3))
+
+
+def test_the_most_curved_places_of_a_box_are_its_edges(caster):
+    for one in looks_of(caster):
+        points = matrix(locate(one, "curvature", ATTENTION, 3), ["x", "y", "z"])
+        at_border = np.sum(np.abs(np.abs(points) - [0.6, 0.4, 0.3]) < 0.05, axis=1)
+        assert (at_border >= 2).all()
+        apart = np.linalg.norm(points[:, None] - points, axis=2) + 9 * np.eye(len(points))
+        assert apart.min() > ATTENTION.focus_radius
+
+
+def test_a_surface_without_curvature_has_places_too():
+    flat = Surface(
+        np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]]),
+        np.array([[0, 1, 2]]),
+        np.full((1, 3), 90, np.uint8),
+    )
+    one = looks_of(RayCaster(flat), block=(0,))[0]
+    assert locate(one, "curvature", ATTENTION, 3).num_rows == 6
+
+
+def test_candidates_are_what_the_viewpoint_sees(caster):
+    crowd = spread_far(caster.surface, 60, np.random.default_rng(0))
+    for one in looks_of(caster):
+        table = candidate_table(one, crowd)
+        points, normals = (
+            matrix(table, [f"{prefix}{axis}" for axis in "xyz"]) for prefix in ("", "normal_")
+        )
+        assert 0 < len(points) < 60
+        assert (np.sum(normals * (one.camera.eye - points), axis=1) > 0).all()
+        assert table.column("touch").to_pylist() == list(range(len(points)))
+
+
+def test_an_unknown_strategy_is_refused(caster):
+    with pytest.raises(RegistryError, match="'drawn' is no probing strategy; fixation, random,"):
+        locate(looks_of(caster)[0], "drawn", ATTENTION, 3)

@@ -1,0 +1,193 @@
+"""Probing without the eye: by area, by what is seen, and spread out; repeatable."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.fixations.probing import (
+    draw_by_area,
+    draw_visible,
+    farthest_order,
+    sees,
+    spread_far,
+)
+from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+
+
+def surface_of(mesh):
+    faces = np.asarray(mesh.faces, dtype=np.int64)
+    return Surface(np.asarray(mesh.vertices), faces, np.zeros((len(faces), 3), np.uint8))
+
+
+@pytest.fixture(scope="module")
+def uneven():
+    """A box with one face cut into many triangles, so that counts of faces mislead."""
+    box = trimesh.creation.box((1, 2, 3))
+    return surface_of(box.subdivide(face_index=[0, 1]).subdivide(face_index=[0, 1, 2, 3]))
+
+
+def test_points_fall_on_faces_by_their_area(uneven):
+    drawn = draw_by_area(uneven, 200_000, np.random.default_rng(0))
+    shares = np.bincount(drawn.faces, minlength=len(uneven.faces)) / 200_000
+    expected = uneven.face_areas / uneven.face_areas.sum()
+    # Five standard deviations of a binomial share.
+    assert (np.abs(shares - expected) <= 5 * np.sqrt(expected * (1 - expected) / 200_000)).all()
+
+
+def test_points_are_uniform_within_a_triangle():
+    triangle = Surface(
+        np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]),
+        np.array([[0, 1, 2]]),
+        np.zeros((1, 3), np.uint8),
+    )
+    points = draw_by_area(triangle, 100_000, np.random.default_rng(1)).points
+    np.testing.assert_allclose(points.mean(axis=0), [1 / 3, 1 / 3, 0], atol=0.005)
+    # A quarter of the area lies in the triangle that is cut off at each corner.
+    assert abs((points[:, 0] > 0.5).mean() - 0.25) < 0.007
+    assert abs((points[:, 1] > 0.5).mean() - 0.25) < 0.007
+    assert abs((points[:, 0] + points[:, 1] < 0.5).mean() - 0.25) < 0.007
+
+
+def test_points_lie_on_their_faces_with_unit_normals(uneven):
+    drawn = draw_by_area(uneven, 1000, np.random.default_rng(2))
+    corners = uneven.triangles[drawn.faces]
+    offsets = np.einsum("nk,nk->n", drawn.points - corners[:, 0], drawn.normals)
+    np.testing.assert_allclose(offsets, 0, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(drawn.normals, axis=1), 1)
+
+
+def test_the_same_generator_draws_the_same_points(uneven):
+    one = draw_by_area(uneven, 5, np.random.default_rng(3))
+    two = draw_by_area(uneven, 5, np.random.default_rng(3))
+    np.testing.assert_array_equal(one.points, two.points)
+
+
+def test_faces_without_area_are_never_drawn():
+    surface = Surface(
+        np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]]),
+        np.array([[0, 1, 3], [0, 1, 2], [0, 1, 3]]),
+        np.zeros((3, 3), np.uint8),
+    )
+    assert (draw_by_area(surface, 1000, np.random.default_rng(4)).faces == 1).all()
+
+
+def camera(**changes):
+    return Camera(**{
+        "azimuth_degrees": 30.0, "elevation_degrees": 20.0, "distance": 3.0, "field_of_view_degrees": 40.0,
+        **changes,
+    })  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def box():
+    return RayCaster(surface_of(trimesh.creation.box((1, 1, 1)).subdivide()))
+
+
+def test_fewer_drawn_points_are_the_first_of_more(uneven):
+    few, many = (draw_by_area(uneven, count, np.random.default_rng(5)) for count in (5, 16))
+    np.testing.assert_array_equal(few.points, many.points[:5])
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_a_box_shows_the_sides_that_face_the_camera(box, projection):
+    one = camera(projection=projection)
+    drawn = draw_by_area(box.surface, 2000, np.random.default_rng(0))
+    towards = one.eye - drawn.points if projection == "perspective" else one.axes[2]
+    facing = np.sum(drawn.normals * towards, axis=1) > 0
+    np.testing.assert_array_equal(sees(box, one, drawn.points), facing)
+
+
+def test_what_stands_in_front_hides_what_is_behind():
+    plates = trimesh.util.concatenate(
+        [trimesh.creation.box((size, size, 0.02)) for size in (0.2, 1.0)]
+    )
+    plates.vertices[:8, 2] += 0.5
+    caster = RayCaster(surface_of(plates))
+    points = np.array([[0.0, 0, 0.51], [0, 0, 0.01], [0.4, 0, 0.01]])
+    ahead = camera(azimuth_degrees=0.0, elevation_degrees=0.0)
+    assert sees(caster, ahead, points).tolist() == [True, False, True]
+    assert sees(caster, camera(azimuth_degrees=180.0, elevation_degrees=0.0), points).sum() == 0
+
+
+def test_what_is_outside_the_view_is_not_seen(box):
+    narrow = camera(field_of_view_degrees=5.0, azimuth_degrees=0.0, elevation_degrees=0.0)
+    points = np.array([[0.0, 0, 0.5], [0.4, 0, 0.5], [0, 0.4, 0.5]])
+    assert sees(box, narrow, points).tolist() == [True, False, False]
+    parallel = camera(
+        field_of_view_degrees=5.0,
+        azimuth_degrees=0.0,
+        elevation_degrees=0.0,
+        projection="orthographic",
+    )
+    assert sees(box, parallel, points).tolist() == [True, False, False]
+
+
+def test_visible_points_are_uniform_over_the_visible_faces(box):
+    one = camera(azimuth_degrees=45.0, elevation_degrees=20.0)
+    drawn = draw_visible(box, one, 12_000, np.random.default_rng(1))
+    seen = (drawn.points >= 0.5 - 1e-9).argmax(axis=1)
+    # Three faces of one area are seen, one along each axis, however slanted.
+    assert np.abs(np.bincount(seen, minlength=3) / 12_000 - 1 / 3).max() < 0.02
+    assert (np.sum(drawn.normals * (one.eye - drawn.points), axis=1) > 0).all()
+
+
+def test_visible_points_face_the_camera_whatever_the_winding(box):
+    flipped = RayCaster(
+        Surface(box.surface.vertices, box.surface.faces[:, ::-1].copy(), box.surface.face_colours)
+    )
+    drawn = draw_visible(flipped, camera(), 50, np.random.default_rng(2))
+    assert (np.sum(drawn.normals * drawn.points, axis=1) > 0).all()
+    corners = flipped.surface.triangles[drawn.faces]
+    offsets = np.einsum("nk,nk->n", drawn.points - corners[:, 0], drawn.normals)
+    np.testing.assert_allclose(offsets, 0, atol=1e-12)
+
+
+def test_turning_the_camera_about_its_axis_changes_no_visible_point(box):
+    upright, rolled = (
+        draw_visible(box, camera(roll_degrees=roll), 20, np.random.default_rng(3))
+        for roll in (0.0, 137.0)
+    )
+    np.testing.assert_array_equal(upright.points, rolled.points)
+    np.testing.assert_array_equal(upright.normals, rolled.normals)
+
+
+def test_a_camera_that_sees_nothing_gives_no_point():
+    far = Surface(
+        np.array([[9.0, 0, 0], [9, 0.1, 0], [9, 0, 0.1]]),
+        np.array([[0, 1, 2]]),
+        np.zeros((1, 3), np.uint8),
+    )
+    drawn = draw_visible(RayCaster(far), camera(azimuth_degrees=0.0), 5, np.random.default_rng(4))
+    assert drawn.points.shape == (0, 3)
+
+
+def test_spread_points_cover_a_sphere_more_evenly_than_random_ones():
+    sphere = surface_of(trimesh.creation.icosphere(4))
+    probes = draw_by_area(sphere, 2000, np.random.default_rng(6)).points
+
+    def radius(points):
+        return np.linalg.norm(probes[:, None] - points, axis=2).min(axis=1).max()
+
+    spread = spread_far(sphere, 12, np.random.default_rng(7))
+    random = [
+        radius(draw_by_area(sphere, 12, np.random.default_rng(seed)).points) for seed in range(20)
+    ]
+    # Twelve caps can't cover a sphere with less than 37.4 degrees; greedy takes at most twice that.
+    assert radius(spread.points) < min(random)
+    assert radius(spread.points) <= 2 * 2 * np.sin(np.radians(37.4 / 2))
+
+
+def test_the_farthest_point_comes_next():
+    points = np.array([[0.0], [1.0], [10.0], [6.0]])
+    assert farthest_order(points, 3).tolist() == [0, 2, 3]
+
+
+def test_no_point_comes_twice_even_where_all_are_equal():
+    assert sorted(farthest_order(np.zeros((4, 3)), 9)) == [0, 1, 2, 3]
+
+
+def test_fewer_spread_points_are_the_first_of_more(uneven):
+    few, many = (spread_far(uneven, count, np.random.default_rng(8)) for count in (5, 16))
+    np.testing.assert_array_equal(few.points, many.points[:5])

@@ -1,0 +1,246 @@
+from dataclasses import fields
+
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.rendering import Views, render_views
+from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
+
+CAMERAS = place_cameras(ViewpointParameters(count=5, elevations_degrees=(-10.0, 40.0)))
+
+
+def surface_of(mesh, colour=(200, 120, 60)):
+    faces = np.asarray(mesh.faces, dtype=np.int64)
+    colours = np.tile(np.array(colour, dtype=np.uint8), (len(faces), 1))
+    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours)
+
+
+IMAGES = [field.name for field in fields(Views) if field.name != "effects"]
+SPHERE = surface_of(trimesh.creation.icosphere(subdivisions=4, radius=0.8))
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+@pytest.mark.parametrize("resolution", [63, 128])
+def test_sphere_is_seen_where_it_is(projection, resolution):
+    camera = Camera(40.0, 25.0, 3.0, 40.0, projection)
+    views = render_views(RayCaster(SPHERE), [camera], RenderingParameters(resolution=resolution))
+    seen = views.mask[0]
+    radius = np.arcsin(0.8 / 3) if projection == "perspective" else 0.0
+    disk = 3.0 * np.tan(radius) if projection == "perspective" else 0.8
+    expected = np.pi * (disk / camera.view_height) ** 2
+    assert seen.mean() == pytest.approx(expected, rel=0.02)
+    points, normals = views.point[0][seen], views.normal[0][seen]
+    assert np.abs(np.linalg.norm(points, axis=1) - 0.8).max() < 0.002
+    assert np.einsum("nd,nd->n", normals, points / 0.8).min() > 0.995
+    depth = (camera.eye - points) @ camera.axes[2]
+    np.testing.assert_allclose(views.depth[0][seen], depth, rtol=1e-6)
+    assert np.isinf(views.depth[0][~seen]).all()
+    np.testing.assert_array_equal(views.face[0] >= 0, seen)
+    assert np.median(views.curvature[0][seen]) == pytest.approx(1 / 0.8, rel=0.02)
+
+
+def test_points_lie_on_the_rays_of_their_pixels():
+    views = render_views(RayCaster(SPHERE), CAMERAS, RenderingParameters(resolution=64))
+    for index, camera in enumerate(CAMERAS):
+        origins, directions = camera.rays(64)
+        seen = views.mask[index].reshape(-1)
+        offset = views.point[index].reshape(-1, 3)[seen] - origins[seen]
+        miss = np.linalg.norm(np.cross(offset, directions[seen]), axis=1)
+        assert miss.max() < 1e-5
+
+
+@pytest.mark.parametrize("inside_out", [False, True])
+def test_normals_are_unit_and_face_the_camera(inside_out):
+    shape = trimesh.creation.annulus(0.4, 0.6, 0.8)
+    surface = surface_of(shape)
+    if inside_out:
+        surface = Surface(surface.vertices, surface.faces[:, ::-1], surface.face_colours)
+    views = render_views(RayCaster(surface), CAMERAS, RenderingParameters(resolution=64))
+    for index, camera in enumerate(CAMERAS):
+        seen = views.mask[index].reshape(-1)
+        normals = views.normal[index].reshape(-1, 3)[seen]
+        _, directions = camera.rays(64)
+        np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-9)
+        assert np.einsum("nd,nd->n", normals, directions[seen]).max() <= 0.0
+
+
+def test_block_of_views_changes_no_bit():
+    parameters, modes = RenderingParameters(resolution=48), EffectModes(cast_shadows="auto")
+    caster = RayCaster(SPHERE)
+    together = render_views(caster, CAMERAS, parameters, modes)
+    for index, camera in enumerate(CAMERAS):
+        alone = render_views(caster, [camera], parameters, modes)
+        for name in IMAGES:
+            np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[index])
+
+
+def test_no_camera_gives_no_view():
+    views = render_views(RayCaster(SPHERE), [], RenderingParameters(resolution=32))
+    assert len(views) == 0
+    assert views.colour.shape == (0, 32, 32, 3)
+    assert {record.touches for record in views.effects} == {0}
+
+
+def test_flat_shading_shows_the_mesh_colours():
+    modes = EffectModes(shading="never")
+    views = render_views(RayCaster(SPHERE), CAMERAS[:1], RenderingParameters(), modes)
+    np.testing.assert_allclose(
+        np.unique(views.colour[views.mask], axis=0), [[200 / 255, 120 / 255, 60 / 255]], rtol=1e-6
+    )
+
+
+def test_grey_stays_grey_under_shading():
+    grey = Surface(SPHERE.vertices, SPHERE.faces, np.full_like(SPHERE.face_colours, 137))
+    views = render_views(RayCaster(grey), CAMERAS[:1], RenderingParameters())
+    seen = views.colour[views.mask]
+    np.testing.assert_array_equal(seen, np.repeat(seen[:, :1], 3, axis=1))
+    assert np.ptp(seen) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("ambient", "modes", "runs", "reason"),
+    [
+        (0.4, {}, 0, "part of the light has a direction"),
+        (
+            0.4,
+            {"cast_shadows": "auto", "shading": "never"},
+            0,
+            "without shading no light is blocked",
+        ),
+        (1.0, {"cast_shadows": "auto"}, 0, "all light is ambient"),
+        (0.4, {"cast_shadows": "auto"}, 1, "part of the light has a direction"),
+    ],
+)
+def test_shadow_rays_are_cast_only_where_they_tell(ambient, modes, runs, reason):
+    parameters = RenderingParameters(resolution=32, ambient=ambient)
+    caster = RayCaster(SPHERE)
+    asked = []
+    cast = caster.first_hits
+    caster.first_hits = lambda *rays: asked.append(1) or cast(*rays)
+    views = render_views(caster, CAMERAS[:1], parameters, EffectModes(**modes))
+    assert len(asked) == 1 + runs
+    record = books(views)["cast_shadows"]
+    assert (record.runs, record.reason) == (runs, reason)
+
+
+def test_lamp_above_casts_the_shadow_of_a_roof():
+    roof = trimesh.creation.box(extents=(0.5, 0.05, 0.5))
+    roof.apply_translation((0.0, 0.5, 0.0))
+    floor = trimesh.creation.box(extents=(1.4, 0.05, 1.4))
+    floor.apply_translation((0.0, -0.4, 0.0))
+    surface = surface_of(trimesh.util.concatenate([roof, floor]))
+    camera = Camera(0.0, 30.0, 3.0, 40.0)
+    parameters = RenderingParameters(light_elevation_degrees=60.0)
+    views = render_views(RayCaster(surface), [camera], parameters, EffectModes(cast_shadows="auto"))
+    on_floor = views.mask[0] & (np.abs(views.point[0][..., 1] + 0.375) < 1e-3)
+    shaded = on_floor & (np.abs(views.point[0][..., [0, 2]]).max(axis=-1) < 0.24)
+    open_sky = on_floor & (np.abs(views.point[0][..., [0, 2]]).max(axis=-1) > 0.26)
+    assert not views.lit[0][shaded].any()
+    assert views.lit[0][open_sky].all()
+    assert views.colour[0][shaded, 0].max() < views.colour[0][open_sky, 0].min()
+
+
+# High above the camera, so that the plate's shadow falls on the ball.
+HIGH_LIGHT = {"light_elevation_degrees": 70.0}
+
+
+def plate_above_ball(colours):
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.5)
+    plate = trimesh.creation.box(extents=(0.9, 0.05, 0.9))
+    plate.apply_translation((0.0, 0.65, 0.0))
+    mesh = trimesh.util.concatenate([ball, plate])
+    parts = np.repeat([0, 1], [len(ball.faces), len(plate.faces)])
+    return Surface(
+        np.asarray(mesh.vertices, dtype=np.float64),
+        np.asarray(mesh.faces, dtype=np.int64),
+        np.array(colours, dtype=np.uint8)[parts],
+    )
+
+
+COLOURED = plate_above_ball([(200, 60, 60), (60, 110, 180)])
+GREY = plate_above_ball([(160, 160, 160), (160, 160, 160)])
+
+
+def see(surface, ambient=0.4, **modes):
+    parameters = RenderingParameters(resolution=48, ambient=ambient, **HIGH_LIGHT)
+    return render_views(RayCaster(surface), CAMERAS[:2], parameters, EffectModes(**modes))
+
+
+def every(mode):
+    return dict.fromkeys(VISUAL_EFFECTS, mode)
+
+
+def books(views):
+    return {record.effect: record for record in views.effects}
+
+
+@pytest.mark.parametrize("ambient", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("surface", [COLOURED, GREY])
+def test_auto_sees_bit_for_bit_what_always_sees(surface, ambient):
+    one = see(surface, ambient, **every("auto"))
+    other = see(surface, ambient, **every("always"))
+    for name in IMAGES:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+@pytest.mark.parametrize("shading", ["auto", "never"])
+def test_shadows_without_shading_change_no_bit(shading):
+    one = see(COLOURED, shading=shading, cast_shadows="auto")
+    other = see(COLOURED, shading=shading, cast_shadows="always")
+    np.testing.assert_array_equal(one.colour, other.colour)
+    np.testing.assert_array_equal(one.lit, other.lit)
+
+
+def test_no_shadow_is_cast_unless_asked_for():
+    assert see(COLOURED).lit.all()
+    assert not books(see(COLOURED))["cast_shadows"].runs
+
+
+def test_shadows_only_darken_and_only_where_no_light_falls():
+    plain = see(COLOURED).colour
+    shadowed = see(COLOURED, cast_shadows="auto")
+    changed = (shadowed.colour != plain).any(axis=-1)
+    assert changed.any()
+    assert not (changed & shadowed.lit).any()
+    assert (shadowed.colour <= plain).all()
+
+
+def test_even_light_shows_colours_as_they_are():
+    views = see(COLOURED, ambient=1.0)
+    colours = (COLOURED.face_colours[views.face[views.mask]] / 255.0).astype(np.float32)
+    np.testing.assert_array_equal(views.colour[views.mask], colours)
+    assert not books(views)["shading"].runs
+
+
+def test_without_colour_views_are_grey_and_without_texture_of_one_colour():
+    grey = see(COLOURED, ambient=1.0, colour="never")
+    assert np.ptp(grey.colour[grey.mask], axis=-1).max() == 0
+    plain = see(COLOURED, ambient=1.0, texture="never")
+    assert len(np.unique(plain.colour[plain.mask], axis=0)) == 1
+
+
+@pytest.mark.parametrize("effect", VISUAL_EFFECTS)
+def test_every_effect_of_the_view_changes_colours(effect):
+    every_effect = see(COLOURED, **every("always"))
+    all_but_one = see(COLOURED, **{**every("always"), effect: "never"})
+    assert not np.array_equal(every_effect.colour, all_but_one.colour)
+
+
+def test_effects_of_the_view_move_no_geometry():
+    one, other = see(COLOURED, **every("always")), see(COLOURED, **every("never"))
+    for name in ("mask", "depth", "point", "normal", "face", "curvature"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_the_books_tell_views_and_reasons():
+    found = books(see(GREY))
+    assert list(found) == list(VISUAL_EFFECTS)
+    assert (found["colour"].called_for, found["colour"].runs) == (0, 0)
+    assert found["colour"].reason == "all faces are grey"
+    assert (found["shading"].touches, found["shading"].runs) == (2, 2)
+    assert found["shading"].seconds > 0 == found["cast_shadows"].seconds

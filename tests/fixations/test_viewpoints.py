@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from visuohaptic.fixations.parameters import ViewpointParameters
+from visuohaptic.fixations.viewpoints import Camera, place_cameras
+
+
+def test_default_is_sixteen_around_the_vertical_axis():
+    cameras = place_cameras(ViewpointParameters())
+    eyes = np.array([camera.eye for camera in cameras])
+    assert len(cameras) == 16
+    np.testing.assert_allclose(np.linalg.norm(eyes, axis=1), 3.0)
+    np.testing.assert_allclose(eyes[:, 1], 3.0 * np.sin(np.radians(20.0)))
+    angles = np.degrees(np.arctan2(eyes[:, 0], eyes[:, 2])) % 360
+    np.testing.assert_allclose(angles, 22.5 * np.arange(16), atol=1e-9)
+
+
+def test_rings_follow_their_elevations():
+    parameters = ViewpointParameters(count=4, elevations_degrees=(-30.0, 0.0, 90.0))
+    elevations = [camera.elevation_degrees for camera in place_cameras(parameters)]
+    assert elevations == [-30.0] * 4 + [0.0] * 4 + [90.0] * 4
+
+
+@pytest.mark.parametrize("count", [1, 16, 100])
+def test_fibonacci_sphere_is_even(count):
+    cameras = place_cameras(ViewpointParameters(arrangement="fibonacci", count=count))
+    eyes = np.array([camera.eye for camera in cameras]) / 3.0
+    assert len(eyes) == count
+    assert np.linalg.norm(eyes.mean(axis=0)) < 1.2 / np.sqrt(count) ** 1.0
+    if count > 1:
+        gaps = np.linalg.norm(eyes[:, None] - eyes[None], axis=2) + 9 * np.eye(count)
+        # The densest packing of n caps has gaps of about sqrt(8 pi / (sqrt(3) n)).
+        assert gaps.min() > 0.7 * np.sqrt(8 * np.pi / (np.sqrt(3) * count))
+
+
+@pytest.mark.parametrize("elevation", [-90.0, -20.0, 0.0, 65.0, 90.0])
+@pytest.mark.parametrize("roll", [0.0, 30.0])
+def test_axes_are_a_rotation_and_look_at_the_origin(elevation, roll):
+    camera = Camera(77.0, elevation, 3.0, 40.0, roll_degrees=roll)
+    np.testing.assert_allclose(camera.axes @ camera.axes.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(camera.axes) == pytest.approx(1.0)
+    np.testing.assert_allclose(camera.eye, 3.0 * camera.axes[2])
+    if roll == 0.0:
+        assert camera.axes[1, 1] >= -1e-12
+        assert camera.axes[0, 1] == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+@pytest.mark.parametrize("resolution", [3, 64, 65])
+def test_rays_fill_the_field_of_view(projection, resolution):
+    camera = Camera(30.0, 20.0, 3.0, 40.0, projection)
+    origins, directions = camera.rays(resolution)
+    reach = -origins @ camera.axes[2] / (directions @ camera.axes[2])
+    meets = origins + reach[:, None] * directions
+    up = (meets @ camera.axes[1]).reshape(resolution, resolution)
+    right = (meets @ camera.axes[0]).reshape(resolution, resolution)
+    edge = 0.5 * camera.view_height * (1 - 1 / resolution)
+    np.testing.assert_allclose(up[[0, -1], 0], [edge, -edge])
+    np.testing.assert_allclose(right[0, [0, -1]], [-edge, edge])
+    np.testing.assert_allclose(directions @ camera.axes[2], -1.0)
+
+
+def test_unit_sphere_fits_into_the_default_view():
+    camera = place_cameras(ViewpointParameters())[0]
+    assert np.degrees(np.arcsin(1 / camera.distance)) < 0.5 * camera.field_of_view_degrees
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"count": 0}, {"distance": 1.0}, {"elevations_degrees": (91.0,)}, {"elevations_degrees": ()}],
+)
+def test_impossible_arrangements_are_refused(wrong):
+    with pytest.raises(ValidationError):
+        ViewpointParameters(**wrong)

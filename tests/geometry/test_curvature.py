@@ -1,0 +1,146 @@
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.geometry.curvature import measure_shape, unit_vectors
+from visuohaptic.geometry.surface import Surface
+
+
+def surface_of(mesh):
+    faces = np.asarray(mesh.faces, dtype=np.int64)
+    return Surface(
+        np.asarray(mesh.vertices, dtype=np.float64), faces, np.zeros((len(faces), 3), np.uint8)
+    )
+
+
+def samples(surface, per_face=4, seed=0):
+    rng = np.random.default_rng(seed)
+    faces = np.repeat(np.arange(len(surface.faces)), per_face)
+    weights = rng.dirichlet([1.0, 1.0, 1.0], size=len(faces))
+    return faces, weights
+
+
+def integral(surface, shape, per_face=4000):
+    """Integrate the curvedness over the surface by sampling each face alike."""
+    faces, weights = samples(surface, per_face)
+    values = shape.curvature(faces, weights).reshape(-1, per_face).mean(axis=1)
+    return float(values @ surface.face_areas)
+
+
+@pytest.mark.parametrize("radius", [0.25, 0.9])
+def test_sphere_has_one_over_its_radius(radius):
+    surface = surface_of(trimesh.creation.icosphere(subdivisions=4, radius=radius))
+    shape = measure_shape(surface)
+    faces, weights = samples(surface)
+    np.testing.assert_allclose(shape.curvature(faces, weights), 1 / radius, rtol=0.02)
+    points = np.einsum("nk,nkd->nd", weights, surface.triangles[faces])
+    normals = shape.normals(faces, weights)
+    assert np.einsum("nd,nd->n", normals, unit_vectors(points)).min() > 0.9999
+
+
+def test_cylinder_has_the_curvedness_of_one_bent_direction():
+    mesh = trimesh.creation.cylinder(radius=0.5, height=1.0, sections=64)
+    surface = surface_of(mesh)
+    shape = measure_shape(surface)
+    side = np.abs(surface.face_normals[:, 2]) < 0.5
+    faces, weights = samples(surface)
+    points = np.einsum("nk,nkd->nd", weights, surface.triangles[faces])
+    inner = side[faces] & (np.abs(points[:, 2]) < 0.4)
+    np.testing.assert_allclose(
+        shape.curvature(faces, weights)[inner], np.sqrt(0.5) / 0.5, rtol=0.02
+    )
+
+
+def test_box_is_flat_off_its_edges_whatever_its_triangles():
+    surface = surface_of(trimesh.creation.box(extents=(1.0, 0.8, 0.6)))
+    shape = measure_shape(surface, crease_width=0.03)
+    faces, weights = samples(surface, 400)
+    points = np.einsum("nk,nkd->nd", weights, surface.triangles[faces])
+    gap = np.sort(np.array([0.5, 0.4, 0.3]) - np.abs(points), axis=1)[:, 1]
+    curvature = shape.curvature(faces, weights)
+    assert curvature[gap > 0.031].max() < 1e-9
+    assert curvature[gap < 0.02].min() > 1.0
+    assert np.abs(shape.normals(faces, weights)).max(axis=1).min() > 1 - 1e-12
+
+
+@pytest.mark.parametrize("subdivisions", [0, 2, 4])
+@pytest.mark.parametrize("width", [0.01, 0.05])
+def test_fold_holds_the_curvature_of_its_angle(subdivisions, width):
+    mesh = trimesh.creation.box(extents=(1.0, 1.0, 1.0))
+    for _ in range(subdivisions):
+        mesh = mesh.subdivide()
+    surface = surface_of(mesh)
+    # The normal cycle's mean curvature: half the angle for each unit of length.
+    expected = 0.5 * (np.pi / 2) * 12.0
+    found = integral(surface, measure_shape(surface, crease_width=width), 6000 // 4**subdivisions)
+    assert found == pytest.approx(expected, rel=0.05)
+
+
+def test_windings_and_split_vertices_do_not_matter():
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.7)
+    plain = surface_of(mesh)
+    rng = np.random.default_rng(2)
+    flip = rng.random(len(plain.faces)) < 0.5
+    mixed = np.where(flip[:, None], plain.faces[:, ::-1], plain.faces)
+    torn = Surface(
+        plain.vertices[mixed].reshape(-1, 3),
+        np.arange(mixed.size).reshape(-1, 3),
+        plain.face_colours,
+    )
+    faces, weights = samples(plain)
+    swapped = np.where(flip[faces, None], weights[:, ::-1], weights)
+    one, two = measure_shape(plain), measure_shape(torn)
+    np.testing.assert_allclose(
+        one.curvature(faces, weights), two.curvature(faces, swapped), atol=1e-9
+    )
+    side = np.where(flip[faces], -1.0, 1.0)[:, None]
+    np.testing.assert_allclose(
+        one.normals(faces, weights), side * two.normals(faces, swapped), atol=1e-9
+    )
+
+
+def test_open_sheet_has_no_curvature_at_its_rim():
+    grid = np.stack(np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, 1, 5)), -1).reshape(-1, 2)
+    corner = (np.arange(4)[:, None] * 5 + np.arange(4)).reshape(-1)
+    faces = np.concatenate(
+        [
+            np.stack([corner, corner + 1, corner + 5], 1),
+            np.stack([corner + 1, corner + 6, corner + 5], 1),
+        ]
+    )
+    sheet = Surface(np.column_stack([grid, np.zeros(25)]), faces, np.zeros((32, 3), np.uint8))
+    shape = measure_shape(sheet)
+    assert shape.curvature(*samples(sheet)).max() == 0.0
+
+
+def test_degenerate_faces_and_one_sided_strips_give_finite_numbers():
+    turns = np.linspace(0, 2 * np.pi, 41)[:-1]
+    rim = [
+        np.stack(
+            [
+                (1 + s * np.cos(turns / 2)) * np.cos(turns),
+                (1 + s * np.cos(turns / 2)) * np.sin(turns),
+                s * np.sin(turns / 2),
+            ],
+            1,
+        )
+        for s in (-0.2, 0.2)
+    ]
+    near = np.arange(40)
+    far = np.concatenate([near[1:], [0]])
+    a, b, c, d = near, near + 40, far.copy(), far + 40
+    c[-1], d[-1] = 40, 0
+    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1), [[0, 0, 1], [3, 3, 3]]])
+    strip = Surface(np.concatenate(rim) * 0.8, faces, np.zeros((len(faces), 3), np.uint8))
+    shape = measure_shape(strip)
+    faces, weights = samples(strip)
+    assert np.isfinite(shape.curvature(faces, weights)).all()
+    assert np.isfinite(shape.normals(faces, weights)).all()
+
+
+def test_spike_keeps_its_normals_outwards():
+    cone = surface_of(trimesh.creation.cone(radius=0.1, height=1.0, sections=24))
+    shape = measure_shape(cone)
+    faces, weights = samples(cone)
+    flat = cone.face_normals[faces]
+    assert np.einsum("nd,nd->n", shape.normals(faces, weights), flat).min() > 0.0

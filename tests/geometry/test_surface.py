@@ -1,0 +1,100 @@
+"""A surface knows its areas and normals, and its file gives it back."""
+
+import numpy as np
+import pytest
+
+from visuohaptic.errors import MeshError
+from visuohaptic.geometry.surface import (
+    Surface,
+    read_surface,
+    set_aside_reason,
+    write_set_aside,
+    write_surface,
+)
+
+
+@pytest.fixture
+def tetrahedron():
+    vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    return Surface(vertices, faces, np.arange(12, dtype=np.uint8).reshape(4, 3))
+
+
+def test_areas_and_normals_of_a_tetrahedron(tetrahedron):
+    np.testing.assert_allclose(tetrahedron.face_areas, [0.5, 0.5, 0.5, np.sqrt(3) / 2])
+    expected = [[0, 0, -1], [0, -1, 0], [-1, 0, 0], np.ones(3) / np.sqrt(3)]
+    np.testing.assert_allclose(tetrahedron.face_normals, expected, atol=1e-15)
+
+
+def test_a_face_without_area_has_a_zero_normal_and_no_nan():
+    line = Surface(
+        np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]),
+        np.array([[0, 1, 2]]),
+        np.zeros((1, 3), np.uint8),
+    )
+    np.testing.assert_array_equal(line.face_normals, 0)
+
+
+@pytest.mark.parametrize("name", ["a.ply", "deep/a.ply.gz"])
+def test_a_file_gives_the_surface_back(tetrahedron, tmp_path, name):
+    write_surface(tetrahedron, tmp_path / name)
+    back = read_surface(tmp_path / name)
+    np.testing.assert_array_equal(back.vertices, tetrahedron.vertices)
+    np.testing.assert_array_equal(back.faces, tetrahedron.faces)
+    np.testing.assert_array_equal(back.face_colours, tetrahedron.face_colours)
+
+
+def test_the_same_surface_gives_the_same_bytes(tetrahedron, tmp_path):
+    for name in ("a.ply.gz", "b.ply.gz"):
+        write_surface(tetrahedron, tmp_path / name)
+    assert (tmp_path / "a.ply.gz").read_bytes() == (tmp_path / "b.ply.gz").read_bytes()
+
+
+def test_other_tools_read_the_file(tetrahedron, tmp_path):
+    import trimesh
+
+    write_surface(tetrahedron, tmp_path / "a.ply")
+    mesh = trimesh.load_mesh(tmp_path / "a.ply", process=False)
+    np.testing.assert_array_equal(mesh.faces, tetrahedron.faces)
+    np.testing.assert_array_equal(mesh.visual.face_colors[:, :3], tetrahedron.face_colours)
+
+
+@pytest.mark.parametrize("content", [b"", b"ply\n", b"not a mesh", bytes(range(256))])
+def test_another_file_is_refused_by_name(tmp_path, content):
+    path = tmp_path / "broken.ply"
+    path.write_bytes(content)
+    with pytest.raises(MeshError, match=r"broken\.ply is no coloured triangle mesh"):
+        read_surface(path)
+
+
+def test_half_a_file_is_refused_by_name(tetrahedron, tmp_path):
+    path = tmp_path / "half.ply"
+    write_surface(tetrahedron, path)
+    path.write_bytes(path.read_bytes()[:-5])
+    with pytest.raises(MeshError, match=r"half\.ply"):
+        read_surface(path)
+
+
+def test_a_packed_file_with_a_damaged_middle_is_refused_by_name(tetrahedron, tmp_path):
+    path = tmp_path / "a.ply.gz"
+    write_surface(tetrahedron, path)
+    packed = bytearray(path.read_bytes())
+    for place in range(10, len(packed) - 8):
+        damaged = packed.copy()
+        damaged[place] ^= 0xFF
+        path.write_bytes(damaged)
+        with pytest.raises(MeshError, match=r"a\.ply\.gz is no coloured triangle mesh"):
+            read_surface(path)
+
+
+def test_an_object_that_is_set_aside_says_why(tmp_path):
+    path = tmp_path / "x" / "broken.ply"
+    reason = "meshes/own/Tasse/Käse\n.obj has no faces; <triangles> are needed."
+    write_set_aside(path, reason)
+    assert set_aside_reason(path) == reason
+    assert len(read_surface(path).faces) == 0
+
+
+def test_an_object_that_takes_part_has_no_reason(tetrahedron, tmp_path):
+    write_surface(tetrahedron, tmp_path / "a.ply")
+    assert set_aside_reason(tmp_path / "a.ply") is None

@@ -1,0 +1,129 @@
+"""Model files of every kind are read with their colours, and broken ones are named."""
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from visuohaptic.errors import MeshError
+from visuohaptic.meshes.model_files import GREY, read_model
+
+SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+
+def write_square(folder, material="", faces="f 1 2 3 4\n", texture=""):
+    (folder / "a.mtl").write_text(material)
+    (folder / "a.obj").write_text(f"mtllib a.mtl\n{SQUARE}{texture}usemtl paint\n{faces}")
+    return folder / "a.obj"
+
+
+def test_polygons_are_cut_into_triangles(tmp_path):
+    surface = read_model(write_square(tmp_path, "newmtl paint\nKd 1 0 0\n"))
+    assert len(surface.faces) == 2
+    assert surface.face_areas.sum() == pytest.approx(1)
+
+
+def test_a_material_gives_its_diffuse_colour(tmp_path):
+    surface = read_model(write_square(tmp_path, "newmtl paint\nKd 1 0.5 0\n"))
+    np.testing.assert_allclose(surface.face_colours, [[255, 128, 0]] * 2, atol=1)
+
+
+def test_a_texture_is_averaged_over_the_face(tmp_path):
+    Image.fromarray(np.full((8, 8, 3), (10, 200, 30), np.uint8)).save(tmp_path / "t.png")
+    path = write_square(
+        tmp_path,
+        "newmtl paint\nKd 1 0 0\nmap_Kd t.png\n",
+        "f 1/1 2/2 3/3 4/4\n",
+        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n",
+    )
+    np.testing.assert_array_equal(read_model(path).face_colours, [[10, 200, 30]] * 2)
+
+
+def test_a_missing_texture_leaves_the_diffuse_colour(tmp_path):
+    path = write_square(
+        tmp_path,
+        "newmtl paint\nKd 0 0 1\nmap_Kd gone.png\n",
+        "f 1/1 2/2 3/3 4/4\n",
+        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n",
+    )
+    np.testing.assert_allclose(read_model(path).face_colours, [[0, 0, 255]] * 2, atol=1)
+
+
+def test_a_texture_outside_the_folder_is_not_read(tmp_path):
+    Image.fromarray(np.full((8, 8, 3), (10, 200, 30), np.uint8)).save(tmp_path / "secret.png")
+    (tmp_path / "models").mkdir()
+    path = write_square(
+        tmp_path / "models",
+        "newmtl paint\nKd 0 0 1\nmap_Kd ../secret.png\n",
+        "f 1/1 2/2 3/3 4/4\n",
+        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n",
+    )
+    assert not (read_model(path).face_colours == [10, 200, 30]).all(axis=1).any()
+
+
+def test_vertex_colours_are_averaged_over_the_corners(tmp_path):
+    mesh = trimesh.Trimesh(
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
+        [[0, 1, 2]],
+        vertex_colors=[[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]],
+        process=False,
+    )
+    mesh.export(tmp_path / "a.ply")
+    np.testing.assert_array_equal(read_model(tmp_path / "a.ply").face_colours, [[85, 85, 85]])
+
+
+def test_a_file_without_colours_is_grey(tmp_path):
+    trimesh.creation.box().export(tmp_path / "a.stl")
+    assert (read_model(tmp_path / "a.stl").face_colours == GREY).all()
+
+
+def test_the_parts_of_a_scene_stand_where_the_scene_puts_them(tmp_path):
+    scene = trimesh.Scene()
+    scene.add_geometry(
+        trimesh.creation.box(), transform=trimesh.transformations.translation_matrix([5, 0, 0])
+    )
+    scene.add_geometry(trimesh.creation.box())
+    scene.export(tmp_path / "a.glb")
+    surface = read_model(tmp_path / "a.glb")
+    assert len(surface.faces) == 24
+    np.testing.assert_allclose(np.ptp(surface.vertices, axis=0), [6, 1, 1])
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "sentence"),
+    [
+        ("a.obj", b"", "is empty"),
+        ("a.obj", b"hello", "can't be read as OBJ|has no faces"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv x y z\nf 1 2 3\n", "can't be read as OBJ"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "has no faces|can't be read as OBJ"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\n", "can't be read as PLY"),
+        ("a.stl", b"\x00" * 90, "has no faces|can't be read as STL"),
+        ("a.glb", b"glTF\x02\x00\x00\x00", "can't be read as GLB"),
+        ("a.off", b"OFF\n3 1 0\n0 0 0\n", "can't be read as OFF"),
+        ("a.xyz", b"0 0 0", "ends in '.xyz'"),
+    ],
+)
+def test_a_broken_file_is_named_with_the_reason(tmp_path, name, content, sentence):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(MeshError, match=sentence) as caught:
+        read_model(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(MeshError, match=r"none\.obj can't be read: No such file"):
+        read_model(tmp_path / "none.obj")
+
+
+def test_a_file_above_the_limit_is_refused_before_it_is_read(tmp_path):
+    path = write_square(tmp_path)
+    with pytest.raises(MeshError, match=r"meshes\.largest_megabytes"):
+        read_model(path, largest_megabytes=1e-6)
+
+
+def test_vertices_of_two_coordinates_are_refused_in_one_sentence(tmp_path):
+    (tmp_path / "flat.obj").write_text("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n")
+    with pytest.raises(MeshError, match=r"flat\.obj has vertices of shape \(3, 2\)"):
+        read_model(tmp_path / "flat.obj")

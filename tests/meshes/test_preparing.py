@@ -1,0 +1,166 @@
+"""A model becomes upright, clean, centred and of unit size, or is refused by name."""
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from visuohaptic.errors import MeshError
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.meshes.catalogue import Model
+from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.meshes.preparing import clean, normalise, prepare_object
+
+
+def surface_of(mesh):
+    faces = np.asarray(mesh.faces, dtype=np.int64)
+    colours = np.arange(len(faces) * 3).reshape(-1, 3) % 256
+    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours.astype(np.uint8))
+
+
+@pytest.fixture(scope="module")
+def lopsided():
+    mesh = trimesh.util.concatenate(
+        [trimesh.creation.icosphere(2), trimesh.creation.box((3, 0.2, 0.5))]
+    )
+    return surface_of(mesh)
+
+
+def farthest(surface):
+    return np.linalg.norm(surface.vertices, axis=1).max()
+
+
+def centroid(surface):
+    return np.average(surface.triangles.mean(axis=1), axis=0, weights=surface.face_areas)
+
+
+def test_the_centroid_is_at_the_origin_and_the_farthest_vertex_at_one(lopsided):
+    result = normalise(lopsided, "lopsided")
+    assert farthest(result) == pytest.approx(1, abs=1e-7)
+    np.testing.assert_allclose(centroid(result), 0, atol=1e-7)
+
+
+def test_vertices_are_numbers_that_single_precision_holds(lopsided):
+    vertices = normalise(lopsided, "lopsided").vertices
+    np.testing.assert_array_equal(vertices, vertices.astype(np.float32))
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    exponent=st.floats(-6, 6),
+    offset=st.tuples(*[st.floats(-1e3, 1e3)] * 3),
+)
+def test_scale_and_place_of_the_file_change_nothing(lopsided, exponent, offset):
+    scale = 10.0**exponent
+    moved = Surface(scale * (lopsided.vertices + offset), lopsided.faces, lopsided.face_colours)
+    plain, result = normalise(lopsided, "plain"), normalise(moved, "moved")
+    np.testing.assert_array_equal(result.faces, plain.faces)
+    np.testing.assert_allclose(result.vertices, plain.vertices, atol=1e-6)
+
+
+@settings(max_examples=20, deadline=None)
+@given(angle=st.floats(0, 2 * np.pi))
+def test_turning_the_model_turns_the_result(lopsided, angle):
+    turn = Rotation.from_rotvec([0, angle, 0]).as_matrix()
+    turned = normalise(lopsided, "turned", rotation=turn)
+    # Merging vertices on a grid may pick another representative after a turn.
+    expected = normalise(lopsided, "plain").vertices @ turn.T
+    distances = np.linalg.norm(turned.vertices[:, None] - expected[None], axis=2)
+    assert distances.min(axis=1).max() < 2e-6
+
+
+def test_subdivision_changes_neither_centre_nor_size():
+    box = trimesh.creation.box((1, 2, 3))
+    box.apply_translation((5, -3, 1))
+    coarse, fine = normalise(surface_of(box), "box"), normalise(surface_of(box.subdivide()), "box")
+    np.testing.assert_allclose(coarse.vertices.min(0), fine.vertices.min(0), atol=1e-7)
+    np.testing.assert_allclose(coarse.vertices.max(0), fine.vertices.max(0), atol=1e-7)
+
+
+def test_dimensions_stretch_each_axis():
+    box = surface_of(trimesh.creation.box((1, 1, 1)))
+    extent = np.ptp(normalise(box, "box", dimensions=(10, 40, 20)).vertices, axis=0)
+    np.testing.assert_allclose(extent / extent[0], [1, 4, 2], rtol=1e-6)
+
+
+def test_a_flat_sheet_stays_flat_under_dimensions():
+    sheet = Surface(
+        np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1]]),
+        np.array([[0, 1, 2]]),
+        np.zeros((1, 3), np.uint8),
+    )
+    result = normalise(sheet, "sheet", dimensions=(2, 1, 1))
+    assert np.ptp(result.vertices[:, 1]) == 0
+    assert np.isfinite(result.vertices).all()
+
+
+def test_coincident_vertices_merge_and_useless_faces_go(lopsided):
+    faces = lopsided.faces
+    shifted = faces + len(lopsided.vertices)
+    doubled = Surface(
+        np.concatenate([lopsided.vertices, lopsided.vertices + 1e-9]),
+        np.concatenate([faces, shifted[:, ::-1], [[0, 0, 1]], [[0, 1, len(lopsided.vertices)]]]),
+        np.zeros((2 * len(faces) + 2, 3), dtype=np.uint8),
+    )
+    result = clean(doubled, 1e-6)
+    assert len(result.faces) == len(clean(lopsided, 1e-6).faces)
+    assert len(result.vertices) == len(clean(lopsided, 1e-6).vertices)
+    assert (result.face_areas > 0).all()
+
+
+def test_colours_stay_with_their_faces():
+    box = surface_of(trimesh.creation.box((1, 1, 1)))
+    spoiled = Surface(
+        box.vertices,
+        np.concatenate([[[0, 0, 1]], box.faces]),
+        np.concatenate([[[9, 9, 9]], box.face_colours]).astype(np.uint8),
+    )
+    np.testing.assert_array_equal(clean(spoiled, 1e-6).face_colours, box.face_colours)
+
+
+TRIANGLE = np.array([[0, 1, 2]])
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "sentence"),
+    [
+        ([[0.0, 0, 0], [1, 0, 0], [0, np.nan, 0]], TRIANGLE, "has 1 NaN or infinite vertices, the first is number 2"),
+        ([[0.0, 0, 0], [1, 0, 0], [0, np.inf, 0]], TRIANGLE, "has 1 NaN or infinite vertices"),
+        ([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]], TRIANGLE, "has no area"),
+        ([[1.0, 1, 1]] * 3, TRIANGLE, "all its vertices are at one point"),
+        ([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], np.zeros((0, 3), int), "has no faces"),
+        ([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 7]], "names vertex 7; 0 to 2 are there"),
+    ],
+)  # fmt: skip
+def test_what_can_not_be_touched_is_refused_by_name(vertices, faces, sentence):
+    faces = np.asarray(faces)
+    surface = Surface(np.asarray(vertices), faces, np.zeros((len(faces), 3), np.uint8))
+    with pytest.raises(MeshError, match=f"a/b.obj {sentence}|a/b.obj .*{sentence}"):
+        normalise(surface, "a/b.obj")
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e-150, 1e150, 1e300])
+def test_extreme_units_neither_overflow_nor_vanish(lopsided, scale):
+    huge = Surface(lopsided.vertices * scale, lopsided.faces, lopsided.face_colours)
+    assert farthest(normalise(huge, "huge")) == pytest.approx(1, abs=1e-7)
+
+
+@pytest.mark.parametrize("suffix", ["obj", "ply", "stl", "glb", "off"])
+def test_an_own_file_of_each_format_gives_the_same_surface(tmp_path, suffix):
+    mesh = trimesh.creation.torus(1, 0.3)
+    path = tmp_path / f"ring.{suffix}"
+    mesh.export(path)
+    result = prepare_object(Model("ring", "ring"), path, MeshParameters())
+    expected = normalise(surface_of(mesh), "ring")
+    assert len(result.faces) == len(expected.faces)
+    np.testing.assert_allclose(result.face_areas.sum(), expected.face_areas.sum(), rtol=1e-5)
+    assert farthest(result) == pytest.approx(1, abs=1e-7)
+
+
+def test_own_models_with_z_up_are_turned(tmp_path):
+    trimesh.creation.box((1, 1, 4)).export(tmp_path / "tower.stl")
+    model = Model("tower", "tower")
+    result = prepare_object(model, tmp_path / "tower.stl", MeshParameters(own_up_axis="z"))
+    assert np.ptp(result.vertices, axis=0).argmax() == 1

@@ -1,0 +1,280 @@
+"""The page is whole, safe, readable by everyone, and says what the tables say."""
+
+import itertools
+import json
+import re
+
+import pytest
+from report.pages import read_page
+from report.synthetic import OBJECTS, PARAMETERS, STRATEGIES, write_run
+
+from visuohaptic.report.page import render_page
+from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.report.wording import percent
+
+NASTY_CLASS = '<i onclick="alert(2)">&amp;'
+NASTY = (
+    "<script>alert(1)</script>",
+    "a & b \"c\" 'd'",
+    "{{ 7 * 7 }}",
+    "x" * 300,
+    "Kännchen 茶",
+    "../../x",
+)
+
+
+def render(files, objects=OBJECTS):
+    return render_page(read_run(files, PARAMETERS, objects))
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    return write_run(tmp_path_factory.mktemp("run"))
+
+
+@pytest.fixture(scope="module")
+def source(files):
+    return render(files)
+
+
+@pytest.fixture(scope="module")
+def page(source):
+    return read_page(source)
+
+
+def test_every_tag_is_closed_where_it_was_opened(page):
+    assert page.mismatches == []
+
+
+def test_nothing_is_loaded_from_anywhere(page, source):
+    links = {id(element) for element in page.named("a")}
+    for element in page.elements:
+        for name in ("src", "href", "srcset", "data", "action", "poster"):
+            address = element.attributes.get(name)
+            if address is None or id(element) in links:
+                continue
+            if element.name == "use":
+                assert address[1:] in page.values("id")
+                continue
+            assert address.startswith("data:"), (element.name, address[:80])
+    styles = re.findall(r"<style>(.*?)</style>", source, re.DOTALL)
+    assert not any("url(" in style or "@import" in style for style in styles)
+
+
+def test_browsers_are_told_to_load_nothing(page):
+    policies = [
+        element.attributes["content"]
+        for element in page.named("meta")
+        if element.attributes.get("http-equiv") == "Content-Security-Policy"
+    ]
+    assert len(policies) == 1
+    assert policies[0].startswith("default-src 'none'")
+    assert "http" not in policies[0]
+
+
+def test_links_lead_to_credits_or_to_places_of_the_page(page):
+    identifiers = page.values("id")
+    assert len(identifiers) == len(set(identifiers))
+    addresses = [element.attributes["href"] for element in page.named("a")]
+    outside = [address for address in addresses if not address.startswith("#")]
+    assert outside == ["https://example.org/mug"]
+    assert {address[1:] for address in addresses if address.startswith("#")} <= set(identifiers)
+
+
+def test_labels_point_at_what_is_there(page):
+    identifiers = set(page.values("id"))
+    for name in ("aria-labelledby", "aria-describedby", "for"):
+        assert set(page.values(name)) <= identifiers
+
+
+def test_every_picture_is_described(page):
+    assert all(element.attributes.get("alt") for element in page.named("img"))
+    for element in page.named("svg"):
+        within = any(parent.name == "svg" for parent in element.around)
+        hidden = element.attributes.get("aria-hidden") == "true"
+        described = element.attributes.get("role") == "img" and element.attributes.get("aria-label")
+        assert within or hidden or described
+
+
+def test_descriptions_of_views_tell_where_the_eye_rested(page):
+    labels = page.values("aria-label")
+    assert any(
+        "View 0 of cup/mug" in label and "1 upper right" in label and "5 lower left" in label
+        for label in labels
+    )
+
+
+def test_headings_descend_one_level_at_a_time(page):
+    levels = [int(element.name[1]) for element in page.named("h1", "h2", "h3", "h4", "h5", "h6")]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
+
+
+def test_every_chart_has_a_table_beside_it(page):
+    for chart in page.named("svg"):
+        if chart.attributes.get("class") == "chart":
+            section = next(e for e in reversed(chart.around) if e.name == "section")
+            assert any(section in table.around for table in page.named("table"))
+
+
+def test_every_table_has_a_caption_and_scoped_headings(page):
+    tables = page.named("table")
+    assert len(page.named("caption")) == len(tables)
+    assert all("scope" in element.attributes for element in page.named("th"))
+
+
+def test_nothing_is_hidden_without_scripts_but_what_needs_them(page):
+    hidden = [element for element in page.elements if "hidden" in element.attributes]
+    assert {element.name for element in hidden} <= {"button", "p"}
+    assert {e.attributes.get("class", e.attributes.get("id")) for e in hidden} <= {
+        "open",
+        "controls",
+        "filter",
+        "copy-methods",
+    }
+
+
+def test_the_numbers_are_those_of_the_metrics(page, files):
+    metrics = json.loads(files.metrics.read_text())
+    shown = set(page.values("value"))
+    for classifiers in metrics["results"]["paper"].values():
+        for cell in classifiers.values():
+            for name in ("accuracy", "object_accuracy"):
+                assert str(cell[name]["mean"]) in shown
+                assert percent(cell[name]["low"]).replace("\xa0", " ") in page.text
+                assert percent(cell[name]["high"]).replace("\xa0", " ") in page.text
+    for strategies in metrics["comparisons"]["paper"].values():
+        assert str(strategies["random"]["difference"]["mean"]) in shown
+        assert str(strategies["random"]["p_value"]) in shown
+
+
+def test_the_published_table_stands_beside_it(page):
+    for value in ("85.58 %", "84.94 %", "93.45 %", "86.14 %", "56.68 %", "57.16 %"):
+        assert value in page.text
+
+
+def test_every_object_has_its_place(page):
+    articles = [element.attributes["data-name"] for element in page.named("article")]
+    assert articles == sorted(OBJECTS)
+
+
+def test_methods_text_holds_the_parameters(page):
+    assert "4 objects of 2 classes" in page.text
+    assert "48 × 48 pixels" in page.text
+    assert "32 × 32 sensing points" in page.text
+    assert "The seed was 2018." in page.text
+
+
+def test_seconds_are_summed_over_jobs(page):
+    assert "fixations 2 1.0 5.0" in page.text
+
+
+def test_skipped_channels_are_named_with_the_reason(page):
+    assert "Not computed: colour, for every pixel is grey." in page.text
+
+
+def test_effects_are_summed_over_jobs_with_their_reasons(page):
+    assert "adaptive size auto 120 160 1.000 something penetrates" in page.text
+    assert "noise auto 0 160 0.000 its strength is 0" in page.text
+    assert "texture auto 0 160 0.000" in page.text
+    order = [
+        "Effects of the view",
+        "texture auto",
+        "Effects of touch",
+        "adaptive size",
+        "noise auto",
+    ]
+    places = [page.text.index(text) for text in order]
+    assert places == sorted(places)
+    assert "colour 0 16 every pixel is grey" in page.text
+    assert "edge 16 0" in page.text
+
+
+def test_no_warning_where_nothing_is_wrong(page):
+    assert "Warnings" not in page.text
+
+
+def test_names_are_shown_as_they_are_and_do_nothing(tmp_path):
+    keys = (*(f"{NASTY_CLASS}/{name}" for name in NASTY), "cup/mug", "cup/beaker")
+    page = read_page(render(write_run(tmp_path, keys), keys))
+    assert page.mismatches == []
+    assert {element.attributes["data-name"] for element in page.named("article")} == set(keys)
+    assert f"{NASTY_CLASS}: <script>alert(1)</script>" in page.text
+    models = [key for key in keys if key.count("/") == 1 and len(key) < 300]
+    assert len(page.named("script")) == 3 + 2 * len(models)
+    assert not page.named("i")
+    assert "49" not in [text.strip() for text in page.texts]
+    assert all(re.fullmatch(r"[a-z0-9-]+", name) for name in page.values("id"))
+
+
+def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
+    files = write_run(tmp_path)
+    bare = RunFiles(
+        metrics=files.metrics,
+        predictions=files.predictions,
+        views=files.views,
+        fixations=files.fixations,
+        touches=files.touches,
+        features=files.features,
+        meshes=["nowhere/cup/mug.ply"],
+        credits=["nowhere.csv"],
+        logs=tmp_path / "nowhere",
+        checkout=tmp_path,
+        extras={"cost": tmp_path / "nowhere", "stability": tmp_path / "nowhere.json"},
+    )
+    source = render(bare)
+    page = read_page(source)
+    assert page.mismatches == []
+    assert "No job left a log." in page.text
+    assert "this is no git checkout" in page.text
+    assert "No mesh was found of ball/football, ball/marble, cup/beaker and cup/mug" in page.text
+    assert "plotly-library" not in page.values("id")
+    assert "What accuracy costs in time" not in page.text
+    assert "Effects of the view" not in page.values("aria-label")
+
+
+def test_what_was_left_out_stands_on_top(tmp_path):
+    files = write_run(tmp_path, distinct=3)
+    failed = tmp_path / "logs" / "touches" / "cup" / "mug.log"
+    failed.parent.mkdir(parents=True)
+    failed.write_text("error: no such thing\n")
+    page = read_page(render(files, (*OBJECTS, "cup/lost")))
+    top = page.text[: page.text.index("Contents")]
+    assert "1 object of the set left out, for no table holds it: cup/lost." in top
+    assert "16 views with fewer than 5 distinct fixations" in top
+    assert "1 job did not finish" in top
+
+
+@pytest.mark.parametrize("strategies", [("random",), ("fixation",)])
+def test_one_strategy_alone_makes_a_page(tmp_path, strategies):
+    page = read_page(render(write_run(tmp_path, strategies=strategies)))
+    assert page.mismatches == []
+    assert "ahead for" not in page.text
+
+
+def test_several_pipelines_are_told_apart(tmp_path):
+    page = read_page(render(write_run(tmp_path, pipelines=("best", "paper"))))
+    assert page.mismatches == []
+    levels = [int(element.name[1]) for element in page.named("h2", "h3", "h4", "h5")]
+    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
+    assert page.text.index("Pipeline paper") < page.text.index("Pipeline best")
+    labels = page.values("aria-label")
+    assert len([label for label in labels if label.startswith("Accuracy by vote")]) == 2
+
+
+def test_tables_of_later_phases_get_their_section(tmp_path, files):
+    records = [{"resolution": 256, "milliseconds": 3.25, "distance": 1.25e-6, "passed": True}]
+    resolution = tmp_path / "resolution.json"
+    resolution.write_text(json.dumps(records))
+    extended = RunFiles(**{**vars(files), "extras": {"resolution": resolution}})
+    page = read_page(render(extended))
+    assert "resolution" in page.values("id")
+    assert "256 3.25 1.25e-06 yes" in page.text
+
+
+def test_strategies_are_told_apart_by_shape_too(source):
+    chart = source.split('<svg class="chart')[1].split("</figure>")[0]
+    assert chart.count('<g class="series-0"><circle') > 0
+    assert chart.count('<g class="series-1"><rect') > 0
+    assert len(STRATEGIES) == 2

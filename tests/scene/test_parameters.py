@@ -1,0 +1,54 @@
+import pytest
+from pydantic import ValidationError
+
+from visuohaptic.scene.parameters import PRESETS, Scene
+
+
+def test_the_default_scene_is_ideal_and_calls_for_nothing():
+    scene = Scene()
+    assert scene == Scene(preset="ideal")
+    assert (scene.cover, scene.readout, scene.bits, scene.noise) == ("none", "ideal", None, 0)
+
+
+@pytest.mark.parametrize("preset", sorted(PRESETS))
+def test_a_preset_fills_what_is_not_given(preset):
+    scene = Scene(preset=preset)
+    for name, value in PRESETS[preset].items():
+        assert getattr(scene, name) == value
+    changed = Scene(preset=preset, noise=0.25, effects={"noise": "never"})
+    assert changed.noise == 0.25
+    assert changed.effects.noise == "never"
+    assert changed.gain_scatter == scene.gain_scatter
+
+
+def test_a_dumped_scene_reads_back_as_itself():
+    scene = Scene(preset="worn_fsr", bits=10, effects={"drift": "always"})
+    assert Scene.model_validate(scene.model_dump()) == scene
+
+
+@pytest.mark.parametrize("mode", ["auto", "always", "never"])
+def test_one_mode_for_every_effect_leaves_the_rest_of_the_scene(mode):
+    scene = Scene(preset="fsr400", effects={"noise": "always"})
+    changed = scene.with_effects(mode)
+    assert set(changed.effects.model_dump().values()) == {mode}
+    assert changed.model_dump(exclude={"effects"}) == scene.model_dump(exclude={"effects"})
+
+
+def test_a_worn_sensor_differs_from_a_new_one():
+    assert Scene(preset="worn_fsr").dead_fraction > Scene(preset="fsr400").dead_fraction == 0
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"preset": "fsr9000"},
+        {"press_depths_m": []},
+        {"noise": -0.1},
+        {"bits": 0},
+        {"effects": {"noise": "sometimes"}},
+        {"nosie": 0.1},
+    ],
+)
+def test_values_that_make_no_sense_are_refused(wrong):
+    with pytest.raises(ValidationError):
+        Scene(**wrong)

@@ -1,0 +1,112 @@
+"""What effects cost and move is told for every scene, and is 0 where nothing calls for them."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface, write_surface
+from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.studies.effects.influence import (
+    Influence,
+    make_effect_influence,
+    measured_scenes,
+    sum_influences,
+    touch_influence,
+    view_influence,
+)
+from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.studies import EFFECT_INFLUENCE
+
+SENSOR = SensorParameters(resolution=16)
+RENDERING = RenderingParameters(resolution=32)
+VIEWPOINTS = ViewpointParameters(count=2)
+COUNT = 6
+
+
+@pytest.fixture(scope="module")
+def surface():
+    mesh = trimesh.creation.torus(0.6, 0.3, major_sections=24, minor_sections=16)
+    faces = np.asarray(mesh.faces, dtype=np.int64)
+    colours = np.full((len(faces), 3), 120, dtype=np.uint8)
+    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours)
+
+
+@pytest.fixture(scope="module")
+def fixations(surface):
+    faces = np.linspace(0, len(surface.faces) - 1, COUNT).astype(int)
+    points, normals = surface.triangles[faces].mean(axis=1), surface.face_normals[faces]
+    columns = dict(zip("xyz", points.T, strict=True))
+    columns |= dict(zip(("normal_x", "normal_y", "normal_z"), normals.T, strict=True))
+    nothing = [None] * COUNT
+    columns |= {"class": "ring", "object": "torus", "viewpoint": [0, 0, 0, 1, 1, 1]}
+    columns |= {"strategy": "random", "touch": [0, 1, 2] * 2, "face": faces}
+    columns |= {"pixel_row": nothing, "pixel_column": nothing, "saliency": nothing}
+    return build_table(FIXATIONS, columns)
+
+
+def test_every_preset_is_measured_and_the_run_stands_for_its_own():
+    scene = Scene(preset="fsr400", noise=0.2)
+    scenes = measured_scenes(scene)
+    assert set(scenes) == set(PRESETS)
+    assert scenes["fsr400"] is scene
+    assert scenes["ideal"] == Scene()
+
+
+def test_an_effect_moves_images_where_it_is_called_for_and_only_there(surface, fixations):
+    found = touch_influence(RayCaster(surface), fixations, SENSOR, measured_scenes(Scene()), 7)
+    shifts = {(part.scene, part.effect): part.image_shift for part in found}
+    assert len(shifts) == len(PRESETS) * (len(EffectModes.model_fields) - len(VISUAL_EFFECTS))
+    moved = {effect for (scene, effect), shift in shifts.items() if scene == "ideal" and shift > 0}
+    assert moved == {"adaptive_size"}
+    assert shifts["worn_fsr", "dead_cells"] > 0 == shifts["fsr400", "dead_cells"]
+    assert shifts["worn_fsr", "noise"] > shifts["fsr400", "noise"] > 0
+    assert {part.touches for part in found} == {COUNT}
+
+
+def test_shadows_are_measured_even_where_none_are_cast(surface):
+    cameras = list(place_cameras(VIEWPOINTS))
+    rendering = RENDERING.model_copy(update={"light_elevation_degrees": 60.0})
+    found = view_influence(RayCaster(surface), cameras, rendering, EffectModes())
+    parts = {part.effect: part for part in found}
+    assert list(parts) == list(VISUAL_EFFECTS)
+    assert parts["cast_shadows"].image_shift > 0
+    assert parts["cast_shadows"].seconds_always > 0 == parts["cast_shadows"].seconds
+    # All of the object has one grey.
+    assert parts["colour"].image_shift == parts["texture"].image_shift == 0
+    assert parts["shading"].image_shift > parts["cast_shadows"].image_shift
+
+
+def test_objects_add_up_by_their_touches():
+    table = sum_influences(
+        [
+            Influence("ideal", "noise", 10, 1.0, 2.0, 0.1),
+            Influence("ideal", "noise", 30, 3.0, 4.0, 0.5),
+        ]
+    )
+    (row,) = table.to_pylist()
+    assert (row["touches"], row["seconds"], row["seconds_always"]) == (40, 4.0, 6.0)
+    assert row["image_shift"] == pytest.approx(0.4)
+
+
+def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):
+    write_surface(surface, tmp_path / "torus.ply")
+    write_table(FIXATIONS, fixations, tmp_path / "fixations.parquet")
+    output = tmp_path / "effect_influence.parquet"
+    make_effect_influence(
+        [tmp_path / "torus.ply"],
+        [tmp_path / "fixations.parquet"],
+        output,
+        VIEWPOINTS,
+        RENDERING,
+        SENSOR,
+        Scene(),
+        7,
+    )
+    rows = read_table(EFFECT_INFLUENCE, output).to_pylist()
+    assert {row["effect"] for row in rows if row["scene"] == "any"} == set(VISUAL_EFFECTS)
+    assert {row["scene"] for row in rows} == {"any", *PRESETS}

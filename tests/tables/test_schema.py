@@ -1,0 +1,153 @@
+"""Tables are checked before they are written, and written whole or not at all."""
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pytest
+
+from visuohaptic.errors import TableError
+from visuohaptic.tables.phases import FIXATIONS, TOUCHES
+from visuohaptic.tables.schema import (
+    build_table,
+    images,
+    matrix,
+    read_table,
+    write_table,
+)
+from visuohaptic.tables.schemas import SCHEMAS
+
+
+def fixation_columns(count=5, viewpoint=0):
+    generator = np.random.default_rng(0)
+    points = generator.uniform(-0.5, 0.5, (count, 3))
+    return {
+        "class": "cup",
+        "object": "mug",
+        "viewpoint": viewpoint,
+        "strategy": "fixation",
+        "touch": np.arange(count),
+        "pixel_row": np.arange(count),
+        "pixel_column": np.arange(count),
+        "face": np.arange(count),
+        "saliency": np.linspace(1, 0.5, count),
+        **{axis: points[:, i] for i, axis in enumerate("xyz")},
+        **{f"normal_{axis}": points[:, i] for i, axis in enumerate("xyz")},
+    }
+
+
+def test_a_table_reads_back_as_it_was_written(tmp_path):
+    table = build_table(FIXATIONS, fixation_columns())
+    write_table(FIXATIONS, table, tmp_path / "cup" / "mug.parquet")
+    assert read_table(FIXATIONS, tmp_path).equals(table)
+
+
+def test_pandas_reads_a_folder_of_parts_as_one_tidy_table(tmp_path):
+    for viewpoint in (3, 0, 1):
+        table = build_table(FIXATIONS, fixation_columns(viewpoint=viewpoint))
+        write_table(FIXATIONS, table, tmp_path / "fixations" / "cup" / f"{viewpoint}.parquet")
+    frame = pd.read_parquet(tmp_path / "fixations")
+    assert len(frame) == 15
+    assert list(frame.columns[:5]) == ["class", "object", "viewpoint", "strategy", "touch"]
+
+
+def test_rows_are_sorted_by_key_whatever_the_order_of_the_files(tmp_path):
+    paths = []
+    for viewpoint in (2, 0, 1):
+        paths.append(tmp_path / f"{viewpoint}.parquet")
+        write_table(
+            FIXATIONS, build_table(FIXATIONS, fixation_columns(viewpoint=viewpoint)), paths[-1]
+        )
+    forwards, backwards = read_table(FIXATIONS, paths), read_table(FIXATIONS, paths[::-1])
+    assert forwards.equals(backwards)
+    assert forwards.column("viewpoint").to_pylist() == sorted(
+        forwards.column("viewpoint").to_pylist()
+    )
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "sentence"),
+    [
+        ("x", np.full(5, np.nan), "column x has NaN or infinite values"),
+        ("x", np.full(5, np.inf), "column x has NaN or infinite values"),
+        ("x", np.full(5, 2.0), "column x spans 2.0 to 2.0; -1.0001 to 1.0001 is allowed"),
+        ("saliency", np.full(5, -0.1), "column saliency spans -0.1"),
+        ("touch", np.zeros(5, dtype=int), "4 rows repeat the key"),
+        ("touch", np.full(5, 0.5), "column touch does not fit int32"),
+        ("face", [None] * 5, "column face has 5 missing values"),
+        ("y", np.zeros(4), "columns have lengths \\[4, 5\\]"),
+    ],
+)
+def test_a_table_that_breaks_its_schema_is_refused_in_a_sentence(column, value, sentence):
+    with pytest.raises(TableError, match=sentence):
+        build_table(FIXATIONS, fixation_columns() | {column: value})
+
+
+def test_missing_and_unknown_columns_are_named():
+    columns = fixation_columns()
+    columns["colour"] = columns.pop("x")
+    with pytest.raises(TableError, match=r"missing \['x'\], not in the schema \['colour'\]"):
+        build_table(FIXATIONS, columns)
+
+
+def test_pixels_and_saliency_may_be_missing_where_no_eye_looked():
+    blind = {"pixel_row": [None] * 5, "pixel_column": [None] * 5, "saliency": [None] * 5}
+    table = build_table(FIXATIONS, fixation_columns() | blind)
+    assert table.column("pixel_row").null_count == 5
+
+
+def test_a_refused_table_leaves_the_old_file_as_it_was(tmp_path):
+    path = tmp_path / "mug.parquet"
+    good = build_table(FIXATIONS, fixation_columns())
+    write_table(FIXATIONS, good, path)
+    bad = good.set_column(5, good.schema.field(5), pa.array([None] * 5, pa.int32()))
+    twice = pa.concat_tables([bad, bad])
+    with pytest.raises(TableError, match="repeat the key"):
+        write_table(FIXATIONS, twice, path)
+    assert read_table(FIXATIONS, path).equals(good)
+    assert [file.name for file in tmp_path.iterdir()] == ["mug.parquet"]
+
+
+def test_the_same_table_gives_the_same_bytes(tmp_path):
+    for name in ("a", "b"):
+        write_table(FIXATIONS, build_table(FIXATIONS, fixation_columns()), tmp_path / name)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_half_a_file_is_named(tmp_path):
+    path = tmp_path / "mug.parquet"
+    write_table(FIXATIONS, build_table(FIXATIONS, fixation_columns()), path)
+    path.write_bytes(path.read_bytes()[:-20])
+    with pytest.raises(TableError, match=r"mug\.parquet can't be read as Parquet"):
+        read_table(FIXATIONS, path)
+
+
+def test_no_file_at_all_is_named(tmp_path):
+    with pytest.raises(TableError, match="no Parquet file"):
+        read_table(FIXATIONS, tmp_path)
+
+
+def test_images_come_back_square():
+    stack = np.linspace(0, 1, 2 * 16, dtype=np.float32).reshape(2, 4, 4)
+    table = pa.table({"image": pa.array(list(stack.reshape(2, -1)), pa.list_(pa.float32()))})
+    np.testing.assert_array_equal(images(table), stack)
+
+
+def test_images_of_mixed_sizes_are_refused():
+    table = pa.table({"image": pa.array([[0.0] * 4, [0.0] * 9], pa.list_(pa.float32()))})
+    with pytest.raises(TableError, match=r"images have \[4, 9\] points"):
+        images(table)
+
+
+def test_matrix_puts_columns_side_by_side():
+    table = pa.table({"a": [1, 2], "b": [3.5, 4.5]})
+    np.testing.assert_array_equal(matrix(table, ["b", "a"]), [[3.5, 1], [4.5, 2]])
+
+
+@pytest.mark.parametrize("schema", SCHEMAS.values(), ids=SCHEMAS)
+def test_every_schema_starts_with_its_keys_and_describes_each_column(schema):
+    assert schema.arrow.names[: len(schema.keys)] == list(schema.keys)
+    assert all(column.description for column in schema.columns)
+
+
+def test_touch_tables_share_the_five_keys():
+    assert TOUCHES.keys == FIXATIONS.keys == ("class", "object", "viewpoint", "strategy", "touch")

@@ -1,0 +1,143 @@
+"""One run at a time: what was killed is cleared away, what is at work is respected."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from workflow.conftest import Experiment
+from workflow.walks import digests, make_experiment
+
+pytestmark = pytest.mark.workflow
+
+
+def start(experiment, *command):
+    """Start a command in a process group of its own."""
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("DVC_")}
+    environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
+    environment.pop("PYTHONPATH", None)
+    return subprocess.Popen(
+        command, cwd=experiment.folder, env=environment, start_new_session=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def wait_for(condition, seconds=120):
+    limit = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < limit, "nothing came"
+        time.sleep(0.02)
+
+
+def parts(experiment, table):
+    return list((experiment.folder / "results" / table).rglob("[!.]*.parquet"))
+
+
+@pytest.fixture
+def fresh(tmp_path):
+    """An experiment before anything has run; its scripts are stand-ins."""
+    make_experiment(tmp_path / "experiment")
+    return Experiment(tmp_path / "experiment")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """The same after a whole run."""
+    folder = tmp_path_factory.mktemp("finished") / "experiment"
+    make_experiment(folder)
+    experiment = Experiment(folder)
+    experiment.snakemake()
+    return experiment
+
+
+KILLS = [
+    (signal.SIGINT, "process", "views"),
+    (signal.SIGINT, "group", "touches"),
+    (signal.SIGTERM, "process", "features"),
+    (signal.SIGKILL, "process", "touches"),
+    (signal.SIGKILL, "group", "views"),
+]
+
+
+@pytest.mark.parametrize(("how", "whom", "table"), KILLS)
+def test_the_plain_command_goes_on_after_a_run_was_ended(fresh, finished, how, whom, table):
+    process = start(fresh, "snakemake", "-j2")
+    wait_for(lambda: parts(fresh, table))
+    (os.killpg if whom == "group" else os.kill)(process.pid, how)
+    process.wait(timeout=60)
+    fresh.snakemake()
+    assert digests(fresh.folder) == digests(finished.folder)
+    assert fresh.planned() == {}
+
+
+def test_dvc_repro_goes_on_after_it_was_killed(fresh, finished):
+    fresh.run("git", "init", "-q")
+    process = start(fresh, "dvc", "repro")
+    wait_for(lambda: parts(fresh, "views"))
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait(timeout=60)
+    fresh.run("dvc", "repro")
+    assert digests(fresh.folder) == digests(finished.folder)
+
+
+@pytest.fixture
+def at_work(fresh):
+    """An experiment whose run is in the middle of its jobs."""
+    experiment = fresh
+    experiment.run("git", "init", "-q")
+    script = experiment.folder / "workflow/scripts/features.py"
+    script.write_text(
+        f"import time\nif not __import__('os').path.exists('go'):\n    time.sleep(60)\n{script.read_text()}"
+    )
+    process = start(experiment, "snakemake", "-j2")
+    wait_for(lambda: parts(experiment, "touches"))
+    yield experiment
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait(timeout=60)
+
+
+@pytest.mark.parametrize("command", [("snakemake", "-j2"), ("dvc", "repro")])
+def test_a_second_run_says_that_the_first_is_at_work(at_work, command):
+    before = len(parts(at_work, "touches"))
+    result = at_work.run(*command, check=False)
+    assert result.returncode != 0
+    assert "at work" in result.stdout or "is busy" in result.stdout
+    assert len(parts(at_work, "touches")) >= before
+
+
+def test_a_dry_run_is_possible_beside_a_run(at_work):
+    assert "features" in at_work.snakemake("-n").stdout
+
+
+def test_snakemake_says_that_dvc_is_at_work(finished, tmp_path):
+    experiment = finished.copy(tmp_path / "experiment")
+    locks = experiment.folder / ".dvc/tmp/rwlock"
+    locks.parent.mkdir(exist_ok=True)
+    path = str(experiment.folder / "results/touches")
+    locks.write_text(
+        json.dumps({"write": {path: {"pid": os.getpid(), "cmd": "dvc repro"}}, "read": {}})
+    )
+    result = experiment.snakemake(check=False)
+    assert result.returncode != 0
+    assert f"dvc repro (process {os.getpid()}) is at work on {path}" in result.stdout
+    assert "Traceback" not in result.stdout
+
+
+def test_a_run_leaves_no_lock_of_dvc(finished):
+    locks = finished.folder / ".dvc/tmp/rwlock"
+    assert json.loads(locks.read_text())["write"] == {}
+
+
+def test_a_folder_that_may_not_be_written_is_named(finished, tmp_path):
+    experiment = finished.copy(tmp_path / "experiment")
+    state = experiment.folder / ".snakemake"
+    (state / "run.lock").unlink()
+    (state / "run.lock").mkdir()
+    result = experiment.snakemake(check=False)
+    assert result.returncode != 0
+    assert f"{experiment.folder} can't be written" in result.stdout
+    assert "Traceback" not in result.stdout

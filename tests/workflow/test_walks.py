@@ -1,0 +1,13 @@
+"""Whatever users do to a working folder, the next run gives the results of a clean one."""
+
+import pytest
+from workflow.walks import take_walks
+
+pytestmark = pytest.mark.workflow
+
+
+def test_random_walks_end_in_the_results_of_a_clean_run(tmp_path, pytestconfig):
+    count = 500 if pytestconfig.getoption("--stability", None) else 4
+    found = take_walks(tmp_path, count)
+    assert found["walks"] == count
+    assert found["wrong"] == []

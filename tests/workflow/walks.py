@@ -1,0 +1,341 @@
+"""Random walks over what users do to a working folder; each must end in the results of a clean run.
+
+A walk edits parameters, code and meshes, switches branches, lets DVC bring files, runs, deletes and
+kills, in an order drawn by a seed. Then it runs plain `snakemake` and compares all results with those
+of a run from nothing. The scripts of the phases are replaced by one that writes a hash of all that it
+was given, so that a run takes seconds and every difference shows.
+
+`python -m workflow.walks [WALKS] [FIRST_SEED] [SECONDS]` (with `tests` on PYTHONPATH) prints what it finds.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from small_experiment import copy_experiment, set_parameters
+
+COPIED = (
+    "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
+    "workflow", "src", "meshes/paper", "meshes/own", "profiles", "benchmarks/resolution.json",
+)  # fmt: skip
+OBJECTS = ("bs0_yogurtBottle", "bsby_chair3")
+SMALL = {
+    "viewpoints": {"count": 2},
+    "workflow": {"views_per_job": 2, "warm_starts": False},
+    "recognition": {"pipelines": ["paper"]},
+}
+STAND_IN = '''"""Writes a hash of all that the job was given."""
+
+import hashlib
+import json
+from pathlib import Path
+
+from visuohaptic_workflow.jobs import job
+
+VERSION = 0
+
+with job(snakemake):
+    given = hashlib.sha256(f"{snakemake.rule} {VERSION}".encode())
+    given.update(json.dumps(dict(snakemake.params.items()), sort_keys=True).encode())
+    for file in sorted(set(map(str, snakemake.input)) - set(snakemake.input.code)):
+        given.update(file.encode() + Path(file).read_bytes())
+    record = snakemake.output.record
+    for file in snakemake.output:
+        if file != record:
+            Path(file).write_text(f"{file} {given.hexdigest()}")
+'''
+SCRIPTS = ("features", "touches", "recognition")
+PARAMETERS = (
+    {"attention": {"focus_radius": 0.3}},
+    {"attention": {"focus_radius": 0.2}},
+    {"sensor": {"largest_size": 0.2}},
+    {"sensor": {"largest_size": 0.3}},
+    {"recognition": {"classifier": {"neighbours": 3}}},
+    {"recognition": {"classifier": {"neighbours": 5}}},
+    {"probing": {"strategies": ["fixation"]}},
+    {"probing": {"strategies": ["fixation", "random"]}},
+)
+SECONDS_A_COMMAND = 300
+
+
+def environment():
+    """Give what commands of a user's shell would have."""
+    kept = {
+        key: value
+        for key, value in os.environ.items()
+        if not key.startswith(("GIT_", "PYTEST_", "DVC_")) and key != "PYTHONPATH"
+    }
+    return {**kept, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+
+
+def run(folder, *command):
+    """Run a command, and give its exit status and what it printed."""
+    result = subprocess.run(
+        command, cwd=folder, env=environment(), check=False, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=SECONDS_A_COMMAND,
+    )  # fmt: skip
+    return result.returncode, result.stdout
+
+
+def must(folder, *command):
+    """Run a command that has to work."""
+    status, output = run(folder, *command)
+    if status:
+        raise RuntimeError(f"{' '.join(command)}: {output[-2000:]}")
+    return output
+
+
+def digests(folder):
+    """Give the SHA-256 of every result."""
+    files = [*(folder / "results").rglob("[!.]*.*"), *(folder / "reports").rglob("*.*")]
+    return {
+        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in files
+        if "records" not in file.parts and file.is_file()
+    }
+
+
+def make_experiment(folder):
+    """Make a small experiment whose scripts are stand-ins."""
+    copy_experiment(folder, COPIED, OBJECTS, SMALL)
+    for script in (folder / "workflow/scripts").glob("*.py"):
+        script.write_text(STAND_IN)
+
+
+def run_and_commit(folder, message):
+    """Run everything, let DVC take note of it, and commit."""
+    must(folder, "snakemake", "-j2", "--", "all", "downloads_all")
+    must(folder, "dvc", "commit", "--force")
+    must(folder, "git", "add", "--all")
+    must(folder, "git", "commit", "-qm", message)
+
+
+def make_repository(folder):
+    """Make a repository with two branches and an experiment, whose results have been pushed."""
+    make_experiment(folder)
+    must(folder, "git", "init", "-q", "-b", "main")
+    must(folder, "git", "config", "user.name", "A")
+    must(folder, "git", "config", "user.email", "a@b.c")
+    must(folder, "dvc", "remote", "add", "--default", "team", str(folder.parent / "remote"))
+    run_and_commit(folder, "start")
+    must(folder, "dvc", "exp", "run", "--name", "tried", "-S", "recognition.touches=4")
+    must(folder, "git", "checkout", "-qf", "main")
+    must(folder, "git", "checkout", "-qb", "other")
+    set_parameters(folder, PARAMETERS[0])
+    run_and_commit(folder, "other")
+    must(folder, "dvc", "push", "--all-branches")
+    must(folder, "git", "checkout", "-qf", "main")
+    must(folder, "dvc", "checkout", "--force")
+
+
+@dataclass
+class Walk:
+    """One walk through a folder.
+
+    Attributes
+    ----------
+    folder : pathlib.Path
+        Where it happens.
+    generator : numpy.random.Generator
+        Draws what happens.
+    steps : list of str
+        What has happened.
+    sentences : list of str
+        Commands that ended with a message instead of results.
+    """
+
+    folder: Path
+    generator: np.random.Generator
+    steps: list[str] = field(default_factory=list)
+    sentences: list[str] = field(default_factory=list)
+
+    def take_step(self):
+        """Do one thing, drawn at random."""
+        actions = {
+            self.edit_parameter: 4, self.edit_code: 2, self.edit_mesh: 1, self.switch_branch: 2,
+            self.check_out: 3, self.pull: 2, self.apply_experiment: 1, self.run_snakemake: 4,
+            self.run_dvc: 1, self.delete: 2, self.kill: 2, self.look: 1,
+        }  # fmt: skip
+        weights = np.array(list(actions.values()), float)
+        action = list(actions)[self.generator.choice(len(actions), p=weights / weights.sum())]
+        self.steps.append(action.__name__)
+        action()
+
+    def draw(self, choices):
+        """Draw one of several."""
+        return choices[self.generator.integers(len(choices))]
+
+    def attempt(self, *command):
+        """Run a command that may refuse in a sentence."""
+        status, output = run(self.folder, *command)
+        if status:
+            self.sentences.append(f"{' '.join(command)}: {output[-500:]}")
+
+    def edit_parameter(self):
+        set_parameters(self.folder, self.draw(PARAMETERS))
+
+    def edit_code(self):
+        script = self.folder / f"workflow/scripts/{self.draw(SCRIPTS)}.py"
+        script.write_text(STAND_IN.replace("VERSION = 0", f"VERSION = {self.draw((0, 1))}"))
+
+    def edit_mesh(self):
+        files = sorted((self.folder / "meshes/paper").glob("*/*.ply.gz"))
+        self.draw(files).write_bytes(self.draw(files).read_bytes())
+
+    def switch_branch(self):
+        self.attempt("git", "checkout", "-qf", self.draw(("main", "other")))
+
+    def check_out(self):
+        stage = self.draw(("", "", "features", "touches", "fixations", "recognition"))
+        self.attempt("dvc", "checkout", "--force", *([stage] if stage else []))
+
+    def pull(self):
+        self.attempt("dvc", "pull", "--force")
+
+    def apply_experiment(self):
+        self.attempt("dvc", "exp", "apply", "tried")
+
+    def run_snakemake(self):
+        self.attempt("snakemake", "-j1", *self.draw(((), (), ("features_all",), ("touches_all",))))
+
+    def run_dvc(self):
+        self.attempt("dvc", "repro")
+
+    def look(self):
+        self.attempt("snakemake", "-n")
+
+    def delete(self):
+        files = sorted(digests(self.folder))
+        state = self.draw((".snakemake", "results/records", "one", "one", "one"))
+        if state == "one" and files:
+            (self.folder / self.draw(files)).unlink()
+        else:
+            shutil.rmtree(self.folder / state, ignore_errors=True)
+
+    def kill(self):
+        process = subprocess.Popen(
+            ["snakemake", "-j2"], cwd=self.folder, env=environment(), start_new_session=True,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        time.sleep(self.generator.uniform(0.5, 4.0))
+        how = self.draw((signal.SIGKILL, signal.SIGKILL, signal.SIGINT))
+        if process.poll() is None:
+            (os.killpg if self.draw((0, 1)) else os.kill)(process.pid, how)
+        process.wait(timeout=SECONDS_A_COMMAND)
+
+
+class CleanRuns:
+    """Results of runs from nothing, each made once."""
+
+    def __init__(self, folder):
+        self._folder = folder
+        self._known = {}
+
+    def results_of(self, walked):
+        """Give the results of a clean run of a folder's parameters, code and meshes."""
+        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src", "benchmarks"]
+        key = hashlib.sha256()
+        for name in inputs:
+            path = walked / name
+            for file in [path] if path.is_file() else sorted(path.rglob("*")):
+                if (
+                    file.is_file()
+                    and "__pycache__" not in file.parts
+                    and "downloaded" not in file.parts
+                ):
+                    key.update(str(file.relative_to(walked)).encode() + file.read_bytes())
+        if key.digest() not in self._known:
+            folder = Path(tempfile.mkdtemp(dir=self._folder))
+            for name in inputs:
+                if (walked / name).is_dir():
+                    shutil.copytree(
+                        walked / name,
+                        folder / name,
+                        ignore=shutil.ignore_patterns("__pycache__", "downloaded"),
+                    )
+                else:
+                    shutil.copy2(walked / name, folder / name)
+            must(folder, "snakemake", "-j2")
+            self._known[key.digest()] = digests(folder)
+            shutil.rmtree(folder)
+        return self._known[key.digest()]
+
+
+def walk(repository, folder, seed, clean):
+    """Take one walk; give its steps, the sentences it met, and what was wrong."""
+    generator = np.random.default_rng(seed)
+    if generator.integers(3):
+        shutil.copytree(repository, folder, symlinks=True)
+    else:
+        must(repository.parent, "git", "clone", "-q", str(repository), str(folder))
+        must(folder, "git", "fetch", "-q", "origin", "other:other")
+        must(folder, "dvc", "pull")
+    taken = Walk(folder, generator)
+    for _ in range(generator.integers(2, 7)):
+        taken.take_step()
+    status, output = run(folder, "snakemake", "-j2")
+    wrong = None
+    if status:
+        wrong = f"the last run failed: {output[-1500:]}"
+    elif (found := digests(folder)) != (expected := clean.results_of(folder)):
+        different = sorted(
+            name for name in {*found, *expected} if found.get(name) != expected.get(name)
+        )
+        wrong = f"{len(different)} files differ: {different[:5]}"
+    return {"seed": int(seed), "steps": taken.steps, "sentences": taken.sentences, "wrong": wrong}
+
+
+def take_walks(folder, count, first=0, seconds=float("inf")):
+    """Take walks one after another, as many as fit into the time.
+
+    Returns
+    -------
+    dict
+        Counts, and the walks that ended wrong.
+    """
+    folder = Path(folder)
+    repository = folder / "repository"
+    make_repository(repository)
+    clean = CleanRuns(folder)
+    started = time.monotonic()
+    walks = []
+    for seed in range(first, first + count):
+        if time.monotonic() - started > seconds:
+            break
+        walks.append(walk(repository, folder / f"walk{seed}", seed, clean))
+        if walks[-1]["wrong"]:
+            sys.stderr.write(f"{walks[-1]}\n")
+        else:
+            shutil.rmtree(folder / f"walk{seed}")
+    return {
+        "walks": len(walks),
+        "steps": sum(len(taken["steps"]) for taken in walks),
+        "walks_with_a_sentence": sum(bool(taken["sentences"]) for taken in walks),
+        "sentences": sorted({text for taken in walks for text in taken["sentences"]})[:20],
+        "wrong": [taken for taken in walks if taken["wrong"]],
+        "seconds": round(time.monotonic() - started, 1),
+    }
+
+
+if __name__ == "__main__":
+    arguments = [float(argument) for argument in sys.argv[1:]]
+    with tempfile.TemporaryDirectory() as scratch:
+        report = take_walks(
+            scratch,
+            int(arguments[0]) if arguments else 500,
+            int(arguments[1]) if len(arguments) > 1 else 0,
+            arguments[2] if len(arguments) > 2 else float("inf"),
+        )
+    sys.stdout.write(json.dumps(report, indent=1) + "\n")
+    sys.exit(bool(report["wrong"]))

@@ -1,0 +1,127 @@
+"""Records: what made a file, written beside the results so that they travel with them.
+
+Snakemake remembers parameters in `.snakemake`, which neither git nor DVC carries. A job's record
+says the same in a file of its own: the parameters of its rule, and the SHA-256 of its code, of its
+inputs and of its outputs. Whoever gets the files, by whichever way, can tell whether they are what
+the rules would make now.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from visuohaptic_workflow.plan import PlannedJob
+
+
+def write_record(snakemake: Any) -> None:
+    """Write the record of the job that runs now, once its outputs are there.
+
+    Parameters
+    ----------
+    snakemake : object
+        What Snakemake gives a script; without an output named `record` nothing is written.
+
+    Raises
+    ------
+    TypeError
+        If a parameter is not made of built-in types; Snakemake would not remember it either.
+    """
+    path = getattr(snakemake.output, "record", None)
+    if path is None:
+        return
+    code = list(getattr(snakemake.input, "code", ()))
+    record = _record(
+        rule=snakemake.rule,
+        params=dict(snakemake.params.items()),
+        code=code,
+        inputs=set(map(str, snakemake.input)) - set(map(str, code)),
+        outputs=[str(file) for file in snakemake.output if str(file) != path],
+    )
+    text = json.dumps(record, indent=1, sort_keys=True) + "\n"
+    unfinished = Path(f"{path}.part")
+    unfinished.parent.mkdir(parents=True, exist_ok=True)
+    unfinished.write_text(text, encoding="utf-8")
+    unfinished.replace(path)
+
+
+def is_current(job: PlannedJob) -> bool:
+    """Whether a job's files are what the job would make now, by the record beside them.
+
+    Parameters
+    ----------
+    job : PlannedJob
+        The job.
+
+    Returns
+    -------
+    bool
+        False also where a file or the record is missing, or the record can't be read.
+    """
+    outputs = [file for file in job.outputs if file != job.record]
+    try:
+        kept = json.loads(Path(job.record).read_text(encoding="utf-8"))
+        now = _record(job.name, job.params, job.code, job.inputs, outputs)
+    except (OSError, ValueError):
+        return False
+    return bool(kept == json.loads(json.dumps(now)))
+
+
+def digest(path: str | Path) -> str:
+    """Give the SHA-256 of a file, or of all files in a folder with their names.
+
+    Parameters
+    ----------
+    path : path
+        The file or folder.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits. Remembered until the file's time or size changes.
+
+    Raises
+    ------
+    OSError
+        If it can't be read.
+    """
+    path = Path(path)
+    if not path.is_dir():
+        found = path.stat()
+        return _digest_of_version(os.fspath(path), found.st_mtime_ns, found.st_size)
+    files = sorted(file for file in path.rglob("*") if file.is_file())
+    return _digest_of_names({str(file.relative_to(path)): digest(file) for file in files})
+
+
+@cache
+def _digest_of_version(path: str, _modified_ns: int, _size: int) -> str:
+    with open(path, "rb") as stream:  # noqa: PTH123 - called for thousands of small files
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _digest_of_names(digests: Mapping[str, str]) -> str:
+    return hashlib.sha256(json.dumps(digests, sort_keys=True).encode()).hexdigest()
+
+
+def _record(
+    rule: str,
+    params: Mapping[str, Any],
+    code: Iterable[str],
+    inputs: Iterable[str],
+    outputs: Iterable[str],
+) -> dict[str, Any]:
+    # The code's own folder does not count: the workflow may be run from another one.
+    names = sorted((Path(file).name, digest(file)) for file in code)
+    return {
+        "rule": rule,
+        "params": params,
+        "code": hashlib.sha256(json.dumps(names).encode()).hexdigest(),
+        "inputs": {str(file): digest(file) for file in inputs},
+        "outputs": {str(file): digest(file) for file in outputs},
+    }

@@ -1,0 +1,14 @@
+"""Write who made the downloaded models, and under which licences."""
+
+from visuohaptic.meshes.catalogue import Credit, Model
+from visuohaptic.meshes.downloads import write_credits
+from visuohaptic_workflow.jobs import job
+
+with job(snakemake):
+    write_credits(
+        models=[
+            Model(**{**model, "credit": Credit(**model["credit"])})
+            for model in snakemake.params.models
+        ],
+        path=snakemake.output.credits,
+    )
