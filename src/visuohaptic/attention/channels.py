@@ -16,8 +16,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
-from visuohaptic.attention.pyramid import (
+from .parameters import CHANNELS, AttentionParameters
+from .pyramid import (
     GOES_ON,
     Plane,
     blur,

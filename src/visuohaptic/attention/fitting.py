@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.errors import AttentionError
-from visuohaptic.attention.parameters import CHANNELS, ChannelWeights
+from .errors import AttentionError
+from .parameters import CHANNELS, ChannelWeights
 
 
 @dataclass(frozen=True)

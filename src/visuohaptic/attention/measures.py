@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.errors import AttentionError
+from .errors import AttentionError
 
 
 def area_under_curve(

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.channels import prepare_view, reasons_to_skip
-from visuohaptic.attention.errors import AttentionError
-from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
-from visuohaptic.attention.saliency import conspicuity_maps, on_view, saliency_map
-from visuohaptic.attention.scanpath import Scanpath, scan
+from .channels import prepare_view, reasons_to_skip
+from .errors import AttentionError
+from .parameters import CHANNELS, AttentionParameters
+from .saliency import conspicuity_maps, on_view, saliency_map
+from .scanpath import Scanpath, scan
 
 SMALLEST_VIEW = 16
 # A map of zeros stays one.

@@ -6,6 +6,8 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from .errors import AttentionError
+
 CHANNELS = (
     "colour",
     "intensity",
@@ -51,10 +53,17 @@ class ChannelWeights(BaseModel):
         -------
         ChannelWeights
             The weights.
+
+        Raises
+        ------
+        AttentionError
+            If a channel is unknown.
         """
         unknown = sorted(set(channels) - set(CHANNELS))
         if unknown:
-            raise ValueError(f"channels {unknown} are unknown; {', '.join(CHANNELS)} are allowed.")
+            raise AttentionError(
+                f"channels {unknown} are unknown; {', '.join(CHANNELS)} are allowed."
+            )
         return cls(**{name: float(name in channels) for name in CHANNELS})
 
 

@@ -11,9 +11,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.channels import Stack, WorkingView, feature_stacks
-from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
-from visuohaptic.attention.pyramid import (
+from .channels import Stack, WorkingView, feature_stacks
+from .parameters import CHANNELS, AttentionParameters
+from .pyramid import (
     WORKING_SIZE,
     Plane,
     enlarge,

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.parameters import AttentionParameters
+from .parameters import AttentionParameters
 
 # Saliencies closer than this are equal: rounding alone tells them apart.
 TIE = 1e-4
