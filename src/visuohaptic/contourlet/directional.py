@@ -29,16 +29,18 @@ def _convolve(x: Floats, taps: tuple[float, ...], axis: int) -> Floats:
     def window(k: int) -> Floats:
         return x[(*head, slice(length - 1 - k, length - 1 - k + span))]
 
-    total = np.zeros_like(window(0))
-    term = np.zeros_like(total)
-    for k in range(length // 2):
-        joined = np.add if taps[k] == taps[-1 - k] else np.subtract
-        joined(window(k), window(length - 1 - k), out=term)
-        term *= x.dtype.type(taps[k])
-        total += term
+    def weighted_pair(k: int, out: Floats | None = None) -> Floats:
+        join = np.add if taps[k] == taps[-1 - k] else np.subtract
+        pair = join(window(k), window(length - 1 - k), out=out)
+        pair *= x.dtype.type(taps[k])
+        return pair
+
+    total = weighted_pair(0)
+    term = np.empty_like(total)
+    for k in range(1, length // 2):
+        total += weighted_pair(k, term)
     if length % 2:
-        np.multiply(window(length // 2), x.dtype.type(taps[length // 2]), out=term)
-        total += term
+        total += np.multiply(window(length // 2), x.dtype.type(taps[length // 2]), out=term)
     return total
 
 

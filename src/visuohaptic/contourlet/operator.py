@@ -116,14 +116,6 @@ def blockwise_product(rows: Floats, matrix: Floats) -> Floats:
     return result[:, :outer]
 
 
-def fits_operator(transform: Contourlet, image_shape: tuple[int, int], dtype: DTypeLike) -> bool:
-    """Tell whether the matrix of this transform is small enough to be built."""
-    sizes = transform.band_shapes(image_shape)
-    coefficients = sum(rows * columns for level in sizes for rows, columns in level)
-    pixels = image_shape[0] * image_shape[1]
-    return pixels * coefficients * np.dtype(dtype).itemsize <= MAX_MATRIX_BYTES
-
-
 @lru_cache(maxsize=8)
 def _build(
     transform: Contourlet, image_shape: tuple[int, int], dtype: np.dtype[Any]
@@ -151,7 +143,10 @@ def contourlet_operator(
     LevelsError
         When the levels do not allow the size, or the matrix would exceed `MAX_MATRIX_BYTES`.
     """
-    if not fits_operator(transform, image_shape, dtype):
+    sizes = transform.band_shapes(image_shape)
+    coefficients = sum(rows * columns for level in sizes for rows, columns in level)
+    pixels = image_shape[0] * image_shape[1]
+    if pixels * coefficients * np.dtype(dtype).itemsize > MAX_MATRIX_BYTES:
         raise LevelsError(
             f"The matrix for {image_shape[0]} × {image_shape[1]} images would exceed "
             f"{MAX_MATRIX_BYTES >> 20} MiB; use Contourlet.forward for images of this size."
