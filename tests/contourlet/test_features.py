@@ -18,7 +18,7 @@ BATCHES = [1, 2, 3, 5, 7, 80, 1000]
 
 @pytest.fixture(scope="module")
 def imprints():
-    """Images with what real imprints have: a smooth bump, an edge, borders that differ, noise."""
+    """Images with the features of imprints: a smooth bump, an edge, unequal borders, noise."""
     rng = np.random.default_rng(3)
     i, j = np.indices((32, 32)) / 31
     slopes = rng.uniform(-1, 1, (1000, 2, 1, 1))
@@ -58,7 +58,7 @@ def together(imprints):
 
 @pytest.mark.parametrize("extension", EXTENSIONS)
 @pytest.mark.parametrize("count", BATCHES)
-def test_an_image_does_not_see_its_batch(extension, count, imprints, together):
+def test_an_image_does_not_depend_on_its_batch(extension, count, imprints, together):
     whole = together[extension]
     few = directional_deviations(imprints[:count], extension=extension)
     np.testing.assert_array_equal(few, whole[:count])
@@ -69,7 +69,7 @@ def test_an_image_does_not_see_its_batch(extension, count, imprints, together):
     np.testing.assert_array_equal(chosen, whole[shuffled])
 
 
-def test_large_images_do_not_see_their_batch_either(rng):
+def test_large_images_do_not_depend_on_their_batch(rng):
     images = rng.standard_normal((6, 64, 96))
     transform = Contourlet((3, 4))
     whole = band_deviations(images, transform)

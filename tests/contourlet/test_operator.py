@@ -42,7 +42,7 @@ def test_operator_is_built_once():
 
 
 @pytest.mark.parametrize("count", BATCHES)
-def test_a_row_of_a_product_does_not_see_the_others(count, rng):
+def test_a_row_of_a_product_does_not_depend_on_the_others(count, rng):
     rows, matrix = rng.standard_normal((1000, 256)), rng.standard_normal((256, 300))
     whole = blockwise_product(rows, matrix)
     np.testing.assert_array_equal(blockwise_product(rows[:count], matrix), whole[:count])

@@ -7,7 +7,7 @@ from visuohaptic import contourlet
 FOLDER = Path(contourlet.__file__).parent
 
 
-def test_package_speaks_of_images_alone():
+def test_package_mentions_images_only():
     for path in FOLDER.glob("*.py*"):
         text = path.read_text(encoding="utf-8").lower()
         assert not any(word in text for word in ("touch", "tactile", "imprint", "taxel")), path

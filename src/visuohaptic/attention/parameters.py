@@ -68,7 +68,7 @@ class ChannelWeights(BaseModel):
 
 
 class AttentionParameters(BaseModel):
-    """Channels, their combination, and the way of the eye over the saliency map.
+    """Channels, their combination, and the choice of fixations.
 
     Scales are counted in levels of a dyadic pyramid over a working image of 128
     pixels along the view's longer edge: level n averages over about 2^n / 128 of
