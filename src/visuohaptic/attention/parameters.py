@@ -33,6 +33,11 @@ class _Weights(BaseModel):
         -------
         ChannelWeights
             The weights.
+
+        Raises
+        ------
+        AttentionError
+            If a channel is unknown.
         """
         chosen = {channel(name).name for name in channels}
         return cls.model_validate({name: float(name in chosen) for name in CHANNELS})
@@ -60,7 +65,7 @@ else:
 
 
 class AttentionParameters(BaseModel):
-    """Channels, their combination, and the way of the eye over the saliency map.
+    """Channels, their combination, and the choice of fixations.
 
     Scales are counted in levels of a dyadic pyramid over a working image of 128
     pixels along the view's longer edge: level n averages over about 2^n / 128 of
