@@ -5,7 +5,7 @@ SHELL := /bin/bash
 .PHONY: report test browser meshes bench readme lint format lock clean
 
 PYTHON ?= python3
-JOBS ?= 2
+JOBS ?= all
 SET ?= paper
 VENV := .venv
 READY := $(VENV)/.ready
@@ -13,7 +13,7 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/workflow/lib
 
 report: $(READY)
-	snakemake -j$(JOBS)
+	snakemake --cores $(JOBS)
 	@echo "The report is at reports/report.html."
 
 test: $(READY) lint browser
@@ -31,7 +31,7 @@ test-hard: $(READY)
 	python -m benchmarks.precision reports/precision.json
 
 meshes: $(READY)
-	snakemake -j$(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
+	snakemake --cores $(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
 
 bench: $(READY)
 	python -m benchmarks
