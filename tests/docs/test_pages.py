@@ -116,6 +116,7 @@ READERS = {
     "python": read_python,
     "source": lambda arguments: None,
     "cp": lambda arguments: None,
+    "git": lambda arguments: None,
 }
 
 
