@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report test browser meshes bench readme lint format lock clean
+.PHONY: report check test test-hard meshes bench readme lint format lock clean
 
 PYTHON ?= python3
 JOBS ?= 2
@@ -16,14 +16,12 @@ report: $(READY)
 	snakemake -j$(JOBS)
 	@echo "The report is at reports/report.html."
 
-test: $(READY) lint browser
-	pytest -n 2 --dist loadfile
+# The quick loop: under a minute on two cores.
+check: lint
+	pytest -n 2 --dist worksteal -m "not slow and not workflow"
 
-# Pages are opened in the system's Chromium; without one their tests are skipped.
-browser:
-	@command -v chromium chromium-browser google-chrome >/dev/null || \
-	  { [ "$$(id -u)" = 0 ] && { apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends chromium; } >/dev/null 2>&1; } || \
-	  echo "There is no Chromium here, so no page will be opened in one (Debian, Ubuntu: apt install chromium)."
+test: lint
+	pytest -n 2 --dist loadfile
 
 # Hard cases at their full counts; some 17 minutes on two cores.
 test-hard: $(READY)
