@@ -59,7 +59,7 @@ format: $(DEVELOP)
 PIN := uv pip compile --quiet pyproject.toml --group build --universal --python-version 3.11 --generate-hashes \
   --no-annotate --custom-compile-command "make lock"
 lock:
-	$(PIN) --extra workflow --extra report --output-file requirements.lock
+	$(PIN) --extra workflow --output-file requirements.lock
 	$(PIN) --extra dev --constraint requirements.lock --output-file requirements-dev.lock
 
 clean:
