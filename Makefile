@@ -5,7 +5,7 @@ SHELL := /bin/bash
 .PHONY: report check test test-hard meshes bench readme lint format lock clean
 
 PYTHON ?= python3
-JOBS ?= 2
+JOBS ?= all
 SET ?= paper
 VENV := .venv
 PACKAGES := $(VENV)/.packages
@@ -15,7 +15,7 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/workflow/lib
 
 report: $(READY)
-	snakemake -j$(JOBS)
+	snakemake --cores $(JOBS)
 	@echo "The report is at reports/report.html."
 
 # The quick loop: under a minute on two cores.
@@ -31,7 +31,7 @@ test-hard: $(DEVELOP)
 	python -m benchmarks.precision reports/precision.json
 
 meshes: $(READY)
-	snakemake -j$(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
+	snakemake --cores $(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
 
 bench: $(DEVELOP)
 	python -m benchmarks

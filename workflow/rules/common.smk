@@ -16,7 +16,7 @@ from visuohaptic.studies.cost.settings import FAMILIES
 from visuohaptic_workflow.brought_files import judge_brought_files
 from visuohaptic_workflow.code_inputs import code_inputs
 from visuohaptic_workflow.jobs import set_job_environment
-from visuohaptic_workflow.one_run import claim_folder, is_claimed_by_another
+from visuohaptic_workflow.one_run import check_writable, claim_folder, is_claimed_by_another
 from visuohaptic_workflow.plan import plan_jobs, prune_files, runs_jobs
 from visuohaptic_workflow.warm_start import offer_warm_starts
 
@@ -168,6 +168,7 @@ def check_folder():
     """Let one run at a time write here, and judge files that were not made here."""
     if not workflow.is_main_process:
         return
+    or_stop(check_writable)
     if runs_jobs(sys.argv):
         or_stop(claim_folder, ["results", "reports", "meshes/downloaded"])
     elif is_claimed_by_another():
