@@ -33,5 +33,9 @@ class RecognitionError(VisuohapticError):
     """The features at hand don't allow the experiment that was asked for."""
 
 
+class MissingPackageError(VisuohapticError):
+    """A package that this command needs is not installed."""
+
+
 class ReportError(VisuohapticError):
     """The report can't be made from the tables at hand."""

@@ -14,13 +14,24 @@ from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.studies.ablations.settings import ABLATIONS
 from visuohaptic.studies.cost.settings import FAMILIES
 from visuohaptic_workflow.brought_files import judge_brought_files
-from visuohaptic_workflow.code_inputs import code_inputs
+from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
-from visuohaptic_workflow.one_run import check_writable, claim_folder, is_claimed_by_another
+from visuohaptic_workflow.one_run import (
+    check_writable,
+    claim_folder,
+    is_claimed_by_another,
+)
 from visuohaptic_workflow.plan import plan_jobs, prune_files, runs_jobs
 from visuohaptic_workflow.warm_start import offer_warm_starts
 
 set_job_environment(*SOURCES)
+IMPORTS = ".snakemake/imports.json"
+load_memory(IMPORTS)
+
+# Snakemake imports pandas, for half a second, to look for data frames among parameters; here are
+# none. A workflow that uses this one as a module may have some.
+if Path(workflow.main_snakefile).parent == Path(workflow.basedir):
+    sys.modules.setdefault("pandas", None)
 
 
 def or_stop(function, *arguments):
@@ -173,6 +184,7 @@ def check_folder():
         or_stop(claim_folder, ["results", "reports", "meshes/downloaded"])
     elif is_claimed_by_another():
         return
+    save_memory(IMPORTS)
     judged = judge_brought_files(planned_jobs())
     if judged.outdated:
         print(

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from visuohaptic.cli.printing import check_folder, say, say_json
+from visuohaptic.optional_packages import require
 
 PAGE = "comparison.html"
 
@@ -31,6 +32,7 @@ def compare(
 
     Example: visuohaptic compare before/reports/metrics.json reports/metrics.json --out comparison
     """
+    require("report", "jinja2", "plotly")
     from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
 
     check_folder(out)

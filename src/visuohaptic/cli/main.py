@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
+import visuohaptic
 from visuohaptic.cli import compare, explore, meshes, report
-from visuohaptic.cli.printing import sentence_of
+from visuohaptic.cli.printing import say, sentence_of
 
 DEBUG = "--debug"
 
@@ -26,11 +27,21 @@ app.command()(compare.compare)
 app.add_typer(meshes.app, name="meshes")
 
 
+def _show_version(wanted: bool) -> None:  # noqa: FBT001 - typer's form of a callback
+    if wanted:
+        say(f"visuohaptic {visuohaptic.__version__}")
+        raise typer.Exit
+
+
+VersionOption = Annotated[
+    bool,
+    typer.Option("--version", help="Show the version.", callback=_show_version, is_eager=True),
+]
 DebugOption = Annotated[bool, typer.Option(DEBUG, help="Show where an error arose.")]
 
 
 @app.callback()
-def _options(debug: DebugOption = False) -> None:  # noqa: FBT002
+def _options(debug: DebugOption = False, version: VersionOption = False) -> None:  # noqa: FBT002
     """Take the options that stand before a sub-command; `main` looks for `--debug` itself."""
 
 
