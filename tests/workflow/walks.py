@@ -27,7 +27,7 @@ from small_experiment import copy_experiment, set_parameters
 
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "meshes/paper", "meshes/own", "profiles", "benchmarks/resolution.json",
+    "workflow", "src", "meshes/paper", "meshes/own", "profiles",
 )  # fmt: skip
 OBJECTS = ("bs0_yogurtBottle", "bsby_chair3")
 SMALL = {
@@ -244,7 +244,7 @@ class CleanRuns:
 
     def results_of(self, walked):
         """Give the results of a clean run of a folder's parameters, code and meshes."""
-        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src", "benchmarks"]
+        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src"]
         key = hashlib.sha256()
         for name in inputs:
             path = walked / name
