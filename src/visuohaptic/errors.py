@@ -21,12 +21,20 @@ class ParameterError(VisuohapticError):
     """`params.yaml` holds a value that is not allowed."""
 
 
+class RegistryError(VisuohapticError):
+    """A name is not registered, or what is declared and what is implemented differ."""
+
+
 class TableError(VisuohapticError):
     """A table breaks its schema."""
 
 
 class RecognitionError(VisuohapticError):
     """The features at hand don't allow the experiment that was asked for."""
+
+
+class MissingPackageError(VisuohapticError):
+    """A package that this command needs is not installed."""
 
 
 class ReportError(VisuohapticError):

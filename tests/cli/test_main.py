@@ -4,18 +4,19 @@ import os
 import signal
 import subprocess
 import sys
-from importlib.metadata import version
+import tomllib
 from pathlib import Path
-from typing import get_args
 
 import pytest
 import trimesh
 from cli.models import fit_on_nonsense
 
+import visuohaptic as package
 from visuohaptic.cli.explore import STRATEGIES
-from visuohaptic.fixations.parameters import Strategy
+from visuohaptic.fixations import probing
 
 ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 # A thread sends the signal, for it knows when the command has started, which a clock does not.
 PROGRAM = """
 import os, signal, sys, threading
@@ -107,13 +108,19 @@ def test_a_handler_of_ctrl_c_is_given_back(visuohaptic):
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_the_version_is_the_package_s(visuohaptic):
-    ended = visuohaptic("--version")
-    assert (ended.code, ended.out) == (0, f"visuohaptic {version('visuohaptic')}\n")
-
-
 def test_the_strategies_of_the_help_are_those_of_the_parameters(visuohaptic):
-    assert get_args(Strategy) == STRATEGIES
+    assert probing.STRATEGIES.names == STRATEGIES
     shown = visuohaptic("touch", "--help").out
     assert all(strategy in shown for strategy in STRATEGIES)
     assert "…" not in shown
+
+
+@pytest.mark.parametrize("arguments", [["--version"], ["--version", "touch", "mug.obj"]])
+def test_the_version_is_that_of_the_package(visuohaptic, arguments):
+    ended = visuohaptic(*arguments)
+    assert (ended.code, ended.out) == (0, f"visuohaptic {package.__version__}\n")
+
+
+def test_the_version_is_written_in_one_place():
+    assert "version" not in PROJECT["project"]
+    assert PROJECT["tool"]["hatch"]["version"]["path"] == "src/visuohaptic/__init__.py"

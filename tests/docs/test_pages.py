@@ -1,4 +1,4 @@
-"""What README and docs/ tell a reader to type works.
+"""What README, CONTRIBUTING and docs/ tell a reader to type works.
 
 Python is run. Of a command in a shell block at least the words are checked, by the program's own parser:
 the commands, options and values are there. Light ones run elsewhere: those of the tour in
@@ -22,7 +22,7 @@ from visuohaptic.cli.commands import app
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 ROOT = Path(__file__).parents[2]
-PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 # Pages whose Python has a test of its own.
 RUN_ELSEWHERE = {"tour.md"}
 RULES = set(
@@ -51,7 +51,7 @@ def commands():
 
 def read_make(arguments):
     targets = [word for word in arguments if "=" not in word]
-    known = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.M)
+    known = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M)
     assert set(targets) <= set(known)
     settings = {word.split("=")[0] for word in arguments if "=" in word}
     assert settings <= set(re.findall(r"^(\w+) \?=", (ROOT / "Makefile").read_text(), re.M))
@@ -107,6 +107,10 @@ def read_python(arguments):
     assert (ROOT / arguments[0]).is_file()
 
 
+def read_pytest(arguments):
+    assert all((ROOT / path).exists() for path in arguments)
+
+
 READERS = {
     "make": read_make,
     "snakemake": read_snakemake,
@@ -114,8 +118,8 @@ READERS = {
     "visuohaptic": read_visuohaptic,
     "pip": read_pip,
     "python": read_python,
-    "source": lambda arguments: None,
-    "cp": lambda arguments: None,
+    "pytest": read_pytest,
+    **dict.fromkeys(("cp", "git", "pre-commit", "source"), lambda arguments: None),
 }
 
 

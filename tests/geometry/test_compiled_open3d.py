@@ -27,6 +27,10 @@ assert compiled is open3d.pybind
 
 def test_what_was_imported_whole_before_is_taken():
     in_a_fresh_process("""
+import ctypes
+import libusb_package
+# Whoever imports Open3D whole has the library that its wheel needs.
+ctypes.CDLL(str(libusb_package.get_library_path()), mode=ctypes.RTLD_GLOBAL)
 import open3d
 from visuohaptic.geometry.compiled_open3d import open3d as compiled
 assert compiled is open3d.pybind

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from visuohaptic.errors import MeshError
-from visuohaptic.geometry.surface import Surface, read_surface, write_surface
+from visuohaptic.geometry.surface import (
+    Surface,
+    read_surface,
+    set_aside_reason,
+    write_set_aside,
+    write_surface,
+)
 
 
 @pytest.fixture
@@ -79,3 +85,16 @@ def test_a_packed_file_with_a_damaged_middle_is_refused_by_name(tetrahedron, tmp
         path.write_bytes(damaged)
         with pytest.raises(MeshError, match=r"a\.ply\.gz is no coloured triangle mesh"):
             read_surface(path)
+
+
+def test_an_object_that_is_set_aside_says_why(tmp_path):
+    path = tmp_path / "x" / "broken.ply"
+    reason = "meshes/own/Tasse/Käse\n.obj has no faces; <triangles> are needed."
+    write_set_aside(path, reason)
+    assert set_aside_reason(path) == reason
+    assert len(read_surface(path).faces) == 0
+
+
+def test_an_object_that_takes_part_has_no_reason(tetrahedron, tmp_path):
+    write_surface(tetrahedron, tmp_path / "a.ply")
+    assert set_aside_reason(tmp_path / "a.ply") is None

@@ -4,7 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from visuohaptic_workflow.code_inputs import code_inputs
+from visuohaptic_workflow.code_inputs import (
+    _MEMORY,
+    code_inputs,
+    load_memory,
+    save_memory,
+)
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
@@ -44,6 +49,23 @@ def test_a_lazy_package_brings_what_its_stub_names(source):
     assert found(source, "from visuohaptic.lazy import x\n") == {
         "__init__.py", "d.py", "lazy/__init__.py", "lazy/__init__.pyi", "lazy/one.py", "lazy/two.py",
     }  # fmt: skip
+
+
+def test_what_is_remembered_is_what_would_be_found_again(source, tmp_path):
+    expected = found(source, "import visuohaptic.a\n")
+    save_memory(tmp_path / "imports.json")
+    _MEMORY.entries.clear()
+    load_memory(tmp_path / "imports.json")
+    assert str(source / "visuohaptic/a.py") in _MEMORY.entries
+    assert found(source, "import visuohaptic.a\n") == expected
+    (source / "visuohaptic/b.py").write_text("import visuohaptic.d\n")
+    assert "d.py" in found(source, "import visuohaptic.a\n")
+
+
+def test_a_damaged_memory_is_left_alone(source, tmp_path):
+    (tmp_path / "imports.json").write_text("[1, 2")
+    load_memory(tmp_path / "imports.json")
+    assert "a.py" in found(source, "import visuohaptic.a\n")
 
 
 def test_other_packages_do_not_count(source):

@@ -16,7 +16,7 @@ PATHS = f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"
 
 
 def logged_job(log):
-    return job(SimpleNamespace(log=[str(log)]))
+    return job(SimpleNamespace(log=[str(log)], output=[]))
 
 
 def run(program):
@@ -55,7 +55,7 @@ import sys
 import pyarrow as pa
 from types import SimpleNamespace
 from visuohaptic_workflow.jobs import job
-with job(SimpleNamespace(log=[{str(tmp_path / "a.log")!r}])):
+with job(SimpleNamespace(log=[{str(tmp_path / "a.log")!r}], output=[])):
     table = pa.table({{"a": [1, 2]}})
     assert "pandas" not in sys.modules
 assert table.to_pandas()["a"].sum() == 3

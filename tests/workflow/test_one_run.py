@@ -9,6 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
+from workflow.conftest import Experiment
+from workflow.walks import digests, make_experiment
 
 pytestmark = pytest.mark.workflow
 
@@ -35,6 +37,23 @@ def parts(experiment, table):
     return list((experiment.folder / "results" / table).rglob("[!.]*.parquet"))
 
 
+@pytest.fixture
+def fresh(tmp_path):
+    """An experiment before anything has run; its scripts are stand-ins."""
+    make_experiment(tmp_path / "experiment")
+    return Experiment(tmp_path / "experiment")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """The same after a whole run."""
+    folder = tmp_path_factory.mktemp("finished") / "experiment"
+    make_experiment(folder)
+    experiment = Experiment(folder)
+    experiment.snakemake()
+    return experiment
+
+
 KILLS = [
     (signal.SIGINT, "process", "views"),
     (signal.SIGINT, "group", "touches"),
@@ -45,34 +64,30 @@ KILLS = [
 
 
 @pytest.mark.parametrize(("how", "whom", "table"), KILLS)
-def test_the_plain_command_goes_on_after_a_run_was_ended(
-    fresh, finished, tmp_path, how, whom, table
-):
-    experiment = fresh.copy(tmp_path / "experiment")
-    process = start(experiment, "snakemake", "-j2")
-    wait_for(lambda: parts(experiment, table))
+def test_the_plain_command_goes_on_after_a_run_was_ended(fresh, finished, how, whom, table):
+    process = start(fresh, "snakemake", "-j2")
+    wait_for(lambda: parts(fresh, table))
     (os.killpg if whom == "group" else os.kill)(process.pid, how)
     process.wait(timeout=60)
-    experiment.snakemake()
-    assert experiment.digests() == finished.digests()
-    assert experiment.planned() == {}
+    fresh.snakemake()
+    assert digests(fresh.folder) == digests(finished.folder)
+    assert fresh.planned() == {}
 
 
-def test_dvc_repro_goes_on_after_it_was_killed(fresh, finished, tmp_path):
-    experiment = fresh.copy(tmp_path / "experiment")
-    experiment.run("git", "init", "-q")
-    process = start(experiment, "dvc", "repro")
-    wait_for(lambda: parts(experiment, "views"))
+def test_dvc_repro_goes_on_after_it_was_killed(fresh, finished):
+    fresh.run("git", "init", "-q")
+    process = start(fresh, "dvc", "repro")
+    wait_for(lambda: parts(fresh, "views"))
     os.killpg(process.pid, signal.SIGKILL)
     process.wait(timeout=60)
-    experiment.run("dvc", "repro")
-    assert experiment.digests() == finished.digests()
+    fresh.run("dvc", "repro")
+    assert digests(fresh.folder) == digests(finished.folder)
 
 
 @pytest.fixture
-def at_work(fresh, tmp_path):
+def at_work(fresh):
     """An experiment whose run is in the middle of its jobs."""
-    experiment = fresh.copy(tmp_path / "experiment")
+    experiment = fresh
     experiment.run("git", "init", "-q")
     script = experiment.folder / "workflow/scripts/features.py"
     script.write_text(

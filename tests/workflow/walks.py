@@ -1,9 +1,9 @@
 """Random walks over what users do to a working folder; each must end in the results of a clean run.
 
 A walk edits parameters, code and meshes, switches branches, lets DVC bring files, runs, deletes and
-kills, in an order drawn by a seed. Then it runs plain `snakemake` and compares all results with those
-of a run from nothing. The scripts of the phases are replaced by one that writes a hash of all that it
-was given, so that a run takes seconds and every difference shows.
+kills, in an order drawn by a seed. Then it runs `snakemake dvc_all`, which makes all that is shared,
+and compares all results with those of a run from nothing. The scripts of the phases are replaced by
+one that writes a hash of all that it was given, so that a run takes seconds and every difference shows.
 
 `python -m workflow.walks [WALKS] [FIRST_SEED] [SECONDS]` (with `tests` on PYTHONPATH) prints what it finds.
 """
@@ -27,7 +27,7 @@ from small_experiment import copy_experiment, set_parameters
 
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "meshes/paper", "meshes/own", "profiles", "benchmarks/resolution.json",
+    "workflow", "src", "meshes/paper", "meshes/own", "profiles",
 )  # fmt: skip
 OBJECTS = ("bs0_yogurtBottle", "bsby_chair3")
 SMALL = {
@@ -106,27 +106,34 @@ def digests(folder):
     }
 
 
-def make_repository(folder):
-    """Make a repository with two branches and an experiment, all run by DVC and pushed."""
+def make_experiment(folder):
+    """Make a small experiment whose scripts are stand-ins."""
     copy_experiment(folder, COPIED, OBJECTS, SMALL)
     for script in (folder / "workflow/scripts").glob("*.py"):
         script.write_text(STAND_IN)
+
+
+def run_and_commit(folder, message):
+    """Run everything, let DVC take note of it, and commit."""
+    must(folder, "snakemake", "-j2", "--", "dvc_all")
+    must(folder, "dvc", "commit", "--force")
+    must(folder, "git", "add", "--all")
+    must(folder, "git", "commit", "-qm", message)
+
+
+def make_repository(folder):
+    """Make a repository with two branches and an experiment, whose results have been pushed."""
+    make_experiment(folder)
     must(folder, "git", "init", "-q", "-b", "main")
     must(folder, "git", "config", "user.name", "A")
     must(folder, "git", "config", "user.email", "a@b.c")
     must(folder, "dvc", "remote", "add", "--default", "team", str(folder.parent / "remote"))
-    must(folder, "git", "add", "--all")
-    must(folder, "git", "commit", "-qm", "start")
-    must(folder, "dvc", "repro")
-    must(folder, "git", "add", "--all")
-    must(folder, "git", "commit", "-qm", "run")
-    must(folder, "dvc", "exp", "run", "--name", "tried", "-S", "sensor.largest_size=0.25")
+    run_and_commit(folder, "start")
+    must(folder, "dvc", "exp", "run", "--name", "tried", "-S", "recognition.touches=4")
     must(folder, "git", "checkout", "-qf", "main")
     must(folder, "git", "checkout", "-qb", "other")
     set_parameters(folder, PARAMETERS[0])
-    must(folder, "dvc", "repro")
-    must(folder, "git", "add", "--all")
-    must(folder, "git", "commit", "-qm", "other")
+    run_and_commit(folder, "other")
     must(folder, "dvc", "push", "--all-branches")
     must(folder, "git", "checkout", "-qf", "main")
     must(folder, "dvc", "checkout", "--force")
@@ -237,7 +244,7 @@ class CleanRuns:
 
     def results_of(self, walked):
         """Give the results of a clean run of a folder's parameters, code and meshes."""
-        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src", "benchmarks"]
+        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src"]
         key = hashlib.sha256()
         for name in inputs:
             path = walked / name
@@ -259,7 +266,7 @@ class CleanRuns:
                     )
                 else:
                     shutil.copy2(walked / name, folder / name)
-            must(folder, "snakemake", "-j2")
+            must(folder, "snakemake", "-j2", "dvc_all")
             self._known[key.digest()] = digests(folder)
             shutil.rmtree(folder)
         return self._known[key.digest()]
@@ -277,7 +284,7 @@ def walk(repository, folder, seed, clean):
     taken = Walk(folder, generator)
     for _ in range(generator.integers(2, 7)):
         taken.take_step()
-    status, output = run(folder, "snakemake", "-j2")
+    status, output = run(folder, "snakemake", "-j2", "dvc_all")
     wrong = None
     if status:
         wrong = f"the last run failed: {output[-1500:]}"

@@ -14,13 +14,24 @@ from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.studies.ablations.settings import ABLATIONS
 from visuohaptic.studies.cost.settings import FAMILIES
 from visuohaptic_workflow.brought_files import judge_brought_files
-from visuohaptic_workflow.code_inputs import code_inputs
+from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
-from visuohaptic_workflow.one_run import claim_folder, is_claimed_by_another
+from visuohaptic_workflow.one_run import (
+    check_writable,
+    claim_folder,
+    is_claimed_by_another,
+)
 from visuohaptic_workflow.plan import plan_jobs, prune_files, runs_jobs
 from visuohaptic_workflow.warm_start import offer_warm_starts
 
 set_job_environment(*SOURCES)
+IMPORTS = ".snakemake/imports.json"
+load_memory(IMPORTS)
+
+# Snakemake imports pandas, for half a second, to look for data frames among parameters; here are
+# none. A workflow that uses this one as a module may have some.
+if Path(workflow.main_snakefile).parent == Path(workflow.basedir):
+    sys.modules.setdefault("pandas", None)
 
 
 def or_stop(function, *arguments):
@@ -169,10 +180,12 @@ def check_folder():
     """Let one run at a time write here, and judge files that were not made here."""
     if not workflow.is_main_process:
         return
+    or_stop(check_writable)
     if runs_jobs(sys.argv):
         or_stop(claim_folder, ["results", "reports", "meshes/downloaded"])
     elif is_claimed_by_another():
         return
+    save_memory(IMPORTS)
     judged = judge_brought_files(planned_jobs())
     if judged.outdated:
         print(
@@ -185,6 +198,16 @@ def check_folder():
 def prune():
     """Delete results and logs that today's parameters and objects no longer name."""
     prune_files(planned_jobs(), ["results", "logs"])
+
+
+def name_objects_set_aside():
+    """Say at the end of a run which own objects can't be used, and why."""
+    from visuohaptic.geometry.surface import set_aside_reason
+
+    for key in OWN:
+        mesh = Path(f"results/meshes/{key}.ply")
+        if mesh.exists() and (reason := set_aside_reason(mesh)):
+            print(f"{key} was left out: {reason}", file=sys.stderr)
 
 
 def start_local_jobs_at_once():

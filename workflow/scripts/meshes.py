@@ -8,7 +8,9 @@ from visuohaptic_workflow.jobs import job
 with job(snakemake):
     make_mesh(
         key=snakemake.wildcards.object,
-        model=Model(*snakemake.wildcards.object.split("/"), **snakemake.params.model),
+        model=Model(*snakemake.wildcards.object.split("/"), **snakemake.params.model)
+        if snakemake.params.model
+        else None,
         source=snakemake.input.source[0],
         output=snakemake.output[0],
         parameters=MeshParameters(**snakemake.params.meshes),

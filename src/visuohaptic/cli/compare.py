@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from visuohaptic.cli.printing import folder_to_write, say, say_json, write_whole
+from visuohaptic.optional_packages import require
 
 PAGE = "comparison.html"
 
@@ -33,6 +34,7 @@ def compare(
 
     Example: visuohaptic compare before/reports/metrics.json reports/metrics.json --out comparison
     """
+    require("report", "jinja2", "plotly")
     from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
 
     found = compare_runs(read_measured_run(first), read_measured_run(second))

@@ -29,7 +29,7 @@ Made = TypeVar("Made")
 DEFAULT_MODEL = Path("results/models/best.skops")
 
 STRATEGIES = ("fixation", "random", "random_visible", "farthest_point", "curvature")
-"""Those of `visuohaptic.fixations.parameters`, which would take too long to import for `--help`."""
+"""Those of `visuohaptic.fixations.probing`, which would take too long to import for `--help`."""
 
 _TOUCH_COLUMNS = ("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z")
 

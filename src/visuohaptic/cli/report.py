@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from visuohaptic.cli.printing import folder_to_write, say, say_json, show_progress
+from visuohaptic.optional_packages import require
 
 PAGE = "report.html"
 
@@ -29,6 +30,7 @@ def report(
 
     Example: visuohaptic report . --out report
     """
+    require("report", "jinja2", "plotly")
     from visuohaptic.report.files import make_report
     from visuohaptic.report.run_folder import find_run
 

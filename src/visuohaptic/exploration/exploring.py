@@ -121,6 +121,8 @@ class TouchableObject:
         ------
         ParameterError
             If a parameter, the strategy or a point is not allowed.
+        MeshError
+            If no viewpoint sees a place to touch.
         """
         if at is not None or normals is not None:
             return self._touch_at(at, normals, viewpoints, as_parameters(parameters))
@@ -133,6 +135,11 @@ class TouchableObject:
             tables = {
                 name: read_table(schema, work.files(name)) for name, schema in _SCHEMAS.items()
             }
+        if not tables["touches"].num_rows:
+            raise MeshError(
+                f"{self.key} shows no viewpoint a place to touch, for it is thinner than a pixel of the "
+                "view; a larger rendering.resolution or strategy random touches it."
+            )
         seconds = {"prepare": self.seconds, **work.seconds}
         return Exploration(self.key, self.surface, chosen, strategy, seconds, **tables)
 

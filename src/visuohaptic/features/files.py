@@ -25,5 +25,8 @@ def make_features(
     parameters : FeatureParameters
         Section `features`.
     """
-    table = describe_touches(read_table(TOUCHES, touches), parameters)
-    write_table(FEATURES, table, output)
+    table = read_table(TOUCHES, touches)
+    described = (
+        describe_touches(table, parameters) if table.num_rows else FEATURES.arrow.empty_table()
+    )
+    write_table(FEATURES, described, output)

@@ -20,7 +20,7 @@ from visuohaptic.fixations.parameters import (
 from visuohaptic.fixations.rendering import Views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import read_surface
+from visuohaptic.geometry.surface import read_surface, set_aside_reason
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic.tables.phases import EFFECTS, FIXATIONS, VIEWS
@@ -65,6 +65,10 @@ def make_fixations(
     seed : int
         The experiment's seed.
     """
+    if set_aside_reason(mesh):
+        for schema, path in ((VIEWS, views), (EFFECTS, effects), (FIXATIONS, fixations)):
+            write_table(schema, schema.arrow.empty_table(), path)
+        return
     caster = RayCaster(read_surface(mesh))
     placed = place_cameras(viewpoints)
     cameras = {number: placed[number] for number in block}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import json
 import tempfile
 import zlib
 from collections.abc import Iterator
@@ -20,6 +21,9 @@ from visuohaptic.errors import MeshError
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 
 _BLOCK_BYTES = 1 << 20
+
+_SET_ASIDE = "set aside: "
+_LONGEST_HEADER = 1 << 14  # bytes
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +72,43 @@ class Surface:
         return np.divide(crosses, lengths, out=np.zeros_like(crosses), where=lengths > 0)
 
 
-def write_surface(surface: Surface, path: str | Path) -> None:
+def write_set_aside(path: str | Path, reason: str) -> None:
+    """Write an empty surface in place of a model that can't be used.
+
+    Parameters
+    ----------
+    path : path
+        The PLY file; its folder is made where missing.
+    reason : str
+        Why, in one sentence; `set_aside_reason` gives it back.
+    """
+    empty = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.uint8))
+    write_surface(empty, path, comment=f"{_SET_ASIDE}{json.dumps(reason)}")
+
+
+def set_aside_reason(path: str | Path) -> str | None:
+    """Give the reason why an object was set aside.
+
+    Parameters
+    ----------
+    path : path
+        A PLY file of `write_surface` or `write_set_aside`.
+
+    Returns
+    -------
+    str or None
+        The sentence; None for an object that takes part.
+    """
+    start = f"comment {_SET_ASIDE}"
+    with Path(path).open("rb") as stream:
+        header = stream.read(_LONGEST_HEADER).partition(b"end_header")[0].decode(errors="replace")
+    for line in header.splitlines():
+        if line.startswith(start):
+            return str(json.loads(line[len(start) :]))
+    return None
+
+
+def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None:
     """Write a surface as binary PLY, gzipped where the name ends in ``.gz``.
 
     Vertices are stored as float32 (the precision of the ray caster), colours a
@@ -80,6 +120,8 @@ def write_surface(surface: Surface, path: str | Path) -> None:
         What to write.
     path : path
         The file; its folder is made where missing.
+    comment : str
+        A line for the header.
     """
     from plyfile import PlyData, PlyElement
 
@@ -94,7 +136,8 @@ def write_surface(surface: Surface, path: str | Path) -> None:
     for channel, name in enumerate(("red", "green", "blue")):
         face[name] = surface.face_colours[:, channel]
     elements = [PlyElement.describe(vertex, "vertex"), PlyElement.describe(face, "face")]
-    header = PlyData(elements, byte_order="<").header
+    comments = [comment] if comment else []
+    header = PlyData(elements, byte_order="<", comments=comments).header
     # The library writes lists one by one; lists of one length are an array, each after its length.
     lists = np.zeros(len(face), dtype=[("length", "u1"), ("face", face.dtype)])
     lists["length"], lists["face"] = 3, face

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from visuohaptic.geometry.surface import write_surface
+from visuohaptic.errors import MeshError
+from visuohaptic.geometry.surface import write_set_aside, write_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import prepare_object
@@ -32,11 +33,20 @@ def make_mesh(
     parameters : MeshParameters
         Section `meshes`.
 
+    A user's own model that can't be used is set aside: its mesh file is empty and says why, and
+    the other objects go on without it.
+
     Raises
     ------
     MeshError
-        If the source can't be read or has nothing to touch; nothing is written then.
+        If a catalogued model can't be read or has nothing to touch; nothing is written then.
     """
     category, name = key.split("/")
-    surface = prepare_object(model or Model(category, name), source, parameters)
-    write_surface(surface, output)
+    try:
+        surface = prepare_object(model or Model(category, name), source, parameters)
+    except MeshError as error:
+        if model is not None:
+            raise
+        write_set_aside(output, str(error))
+    else:
+        write_surface(surface, output)

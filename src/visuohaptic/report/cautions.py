@@ -35,7 +35,8 @@ def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
 
 def _objects_left_out(run: Run) -> list[str]:
     warnings = []
-    untouched = sorted(set(run.named_objects) - set(run.objects))
+    warnings += [f"{key} was left out: {reason}" for key, reason in sorted(run.set_aside.items())]
+    untouched = sorted(set(run.named_objects) - set(run.objects) - set(run.set_aside))
     if untouched:
         warnings.append(
             f"{counted(len(untouched), 'object')} of the set left out, for no table holds "

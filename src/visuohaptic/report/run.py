@@ -13,6 +13,7 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.errors import ReportError
+from visuohaptic.geometry.surface import set_aside_reason
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
@@ -50,7 +51,7 @@ class RunFiles:
     checkout : path
         A folder within the source's checkout.
     extras : mapping of str to path
-        Tables of phases that not every run has, by section (see `extras.EXTRAS`).
+        Tables of studies that not every run has, by name.
     """
 
     metrics: str | Path
@@ -107,6 +108,12 @@ class Run:
         """Mesh file of each object that has one."""
         paths = [Path(path) for path in self.files.meshes]
         return {f"{path.parent.name}/{path.stem}": path for path in paths if path.is_file()}
+
+    @cached_property
+    def set_aside(self) -> dict[str, str]:
+        """Why each object that can't be used was left out."""
+        reasons = {key: set_aside_reason(path) for key, path in self.meshes.items()}
+        return {key: reason for key, reason in reasons.items() if reason is not None}
 
     @cached_property
     def credits(self) -> dict[str, ObjectCredit]:

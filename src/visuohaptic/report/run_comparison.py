@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.errors import ParameterError, ReportError
+from visuohaptic.optional_packages import require
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.archive import Archive, ArchivedView, read_archive
 from visuohaptic.report.charts import IntervalChart, interval_chart
@@ -340,6 +341,7 @@ def _of_archive(archive: Archive, source: str) -> MeasuredRun:
 
 
 def _read_experiment(name: str) -> MeasuredRun:
+    require("workflow", "dvc")
     import dvc.api  # type: ignore[import-untyped]
     from dvc.exceptions import DvcException  # type: ignore[import-untyped]
 

@@ -41,6 +41,10 @@ def make_touches(
         The experiment's seed.
     """
     table = read_table(FIXATIONS, fixations)
+    if not table.num_rows:
+        write_table(TOUCHES, TOUCHES.arrow.empty_table(), touches)
+        write_table(EFFECTS, EFFECTS.arrow.empty_table(), effects)
+        return
     felt = touch_locations(RayCaster(read_surface(mesh)), table, sensor, scene, seed)
     first = table.slice(0, 1).to_pylist()[0]
     key = f"{first['class']}/{first['object']}"

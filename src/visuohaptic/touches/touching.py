@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pyarrow as pa
 
-from visuohaptic.errors import MeshError
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
@@ -40,17 +39,7 @@ def touch_locations(
     -------
     Touches
         n touches.
-
-    Raises
-    ------
-    MeshError
-        If there is no location.
     """
-    if not fixations.num_rows:
-        raise MeshError(
-            "no viewpoint sees a place to touch, for the object is thinner than a pixel of the view; "
-            "a larger rendering.resolution or strategy random touches it."
-        )
     keys = [fixations.column(name).to_pylist() for name in FIXATIONS.keys]
     return touch(
         caster,

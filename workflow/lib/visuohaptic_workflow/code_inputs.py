@@ -7,9 +7,14 @@ With these files among a rule's inputs it does.
 from __future__ import annotations
 
 import ast
+import json
+import os
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 PACKAGES = ("visuohaptic", "visuohaptic_workflow")
 
@@ -44,22 +49,75 @@ def code_inputs(script: str | Path, sources: Iterable[str | Path]) -> list[Path]
 
 
 def _imported_files(file: Path, sources: tuple[Path, ...]) -> frozenset[Path]:
-    # A workflow asks once a rule, and most rules share most modules.
-    return _imported_files_of_version(file, sources, file.stat().st_mtime_ns)
+    found = file.stat()
+    return _imported_files_of_version(file, sources, f"{found.st_mtime_ns} {found.st_size}")
 
 
 @cache
 def _imported_files_of_version(
-    file: Path, sources: tuple[Path, ...], _modified_ns: int
+    file: Path, sources: tuple[Path, ...], version: str
 ) -> frozenset[Path]:
-    tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
     files: set[Path] = set()
-    for name in set(_imported_names(tree, _package_of(file, sources))):
-        files |= _files_of(name, sources)
+    package = _package_of(file, sources)
+    names, loads_lazily = _imports_of(file, version)
+    for level, name in names:
+        files |= _files_of(_absolute(level, name, package), sources)
     stub = file.with_suffix(".pyi")
-    if file.name == "__init__.py" and stub.exists() and _loads_lazily(tree):
+    if loads_lazily and file.name == "__init__.py" and stub.exists():
         files.add(stub)
     return frozenset(files)
+
+
+def _imports_of(file: Path, version: str) -> tuple[list[tuple[int, str]], bool]:
+    """Give what a file imports, as level and name, and whether it loads its stub's names lazily.
+
+    A workflow asks at each start; an answer is kept until the file changes.
+    """
+    known = _MEMORY.entries.get(str(file))
+    if known is None or known[0] != version:
+        tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
+        known = (version, sorted(set(_imported_names(tree))), _loads_lazily(tree))
+        _MEMORY.entries[str(file)] = known
+        _MEMORY.changed = True
+    return [(level, name) for level, name in known[1]], known[2]
+
+
+@dataclass
+class _Memory:
+    """What files import: version, imports and laziness of each."""
+
+    entries: dict[str, Any] = field(default_factory=dict)
+    changed: bool = False
+
+
+_MEMORY = _Memory()
+
+
+def load_memory(path: str | Path) -> None:
+    """Take over what an earlier process found out about the imports of files.
+
+    Parameters
+    ----------
+    path : path
+        A file of `save_memory`; one that is missing or damaged is left alone.
+    """
+    with suppress(OSError, ValueError, AttributeError):
+        _MEMORY.entries.update(json.loads(Path(path).read_text(encoding="utf-8")))
+
+
+def save_memory(path: str | Path) -> None:
+    """Keep what is known about the imports of files for later processes.
+
+    Parameters
+    ----------
+    path : path
+        The file; nothing is written where its folder is missing or nothing is new.
+    """
+    if _MEMORY.changed and Path(path).parent.is_dir():
+        unfinished = Path(f"{path}.{os.getpid()}")
+        unfinished.write_text(json.dumps(_MEMORY.entries), encoding="utf-8")
+        unfinished.replace(path)
+        _MEMORY.changed = False
 
 
 def _loads_lazily(tree: ast.Module) -> bool:
@@ -75,19 +133,22 @@ def _package_of(file: Path, sources: tuple[Path, ...]) -> str:
     return ""
 
 
-def _imported_names(tree: ast.Module, package: str) -> Iterator[str]:
+def _imported_names(tree: ast.Module) -> Iterator[tuple[int, str]]:
     for node in _run_time_statements(tree):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            yield from ((0, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            parents = package.split(".")[: len(package.split(".")) - node.level + 1]
-            base = (
-                ".".join([*parents, node.module or ""]).strip(".")
-                if node.level
-                else node.module or ""
-            )
-            yield base
-            yield from (f"{base}.{alias.name}" for alias in node.names)
+            base = node.module or ""
+            yield node.level, base
+            yield from ((node.level, f"{base}.{alias.name}".strip(".")) for alias in node.names)
+
+
+def _absolute(level: int, name: str, package: str) -> str:
+    """Give the full name of a module that is imported by a relative one."""
+    if not level:
+        return name
+    parents = package.split(".")[: len(package.split(".")) - level + 1]
+    return ".".join([*parents, name]).strip(".")
 
 
 def _run_time_statements(tree: ast.Module) -> Iterator[ast.stmt]:

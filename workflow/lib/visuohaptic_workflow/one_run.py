@@ -62,6 +62,25 @@ def claim_folder(outputs: Iterable[str]) -> None:
         _lock_for_dvc(outputs)
 
 
+def check_writable() -> None:
+    """Refuse a folder into which Snakemake can't write its notes.
+
+    Raises
+    ------
+    FolderInUseError
+        If this user may not write here.
+    """
+    if not os.access(STATE if STATE.exists() else Path.cwd(), os.W_OK):
+        raise FolderInUseError(_not_writable("permission denied"))
+
+
+def _not_writable(reason: str) -> str:
+    return (
+        f"{Path.cwd()} can't be written ({reason}); run the workflow in a folder of your own: "
+        "snakemake -s PATH/Snakefile -d FOLDER."
+    )
+
+
 def is_claimed_by_another() -> bool:
     """Whether another run is at work in this folder; nothing is written."""
     try:
@@ -120,10 +139,7 @@ def _lock_owner_file() -> IO[str]:
         STATE.mkdir(exist_ok=True)
         stream = _OWNER.open("a+", encoding="utf-8")
     except OSError as error:
-        raise FolderInUseError(
-            f"{Path.cwd()} can't be written ({error.strerror}); run the workflow in a folder of "
-            "your own: snakemake -s PATH/Snakefile -d FOLDER."
-        ) from error
+        raise FolderInUseError(_not_writable(str(error.strerror))) from error
     # A dry run may look at the lock for a moment.
     if not _try_lock(stream, seconds=0.5):
         stream.seek(0)

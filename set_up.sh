@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# Makes .venv for the Makefile: `set_up.sh packages` from requirements.lock, `set_up.sh package` adds this project,
+# `set_up.sh develop` adds what tests need.
+#
+# uv installs where it is on PATH, otherwise pip. All packages are pinned with their hashes, dependencies among them,
+# so nothing has to be resolved. Bytecode is left to each module's first import.
+set -euo pipefail
+cd "$(dirname "$0")"
+PYTHON=${PYTHON:-python3}
+IN_VENV=.venv/bin/python
+
+stop() {
+  echo "$1" >&2
+  exit 1
+}
+
+check_python() {
+  "$PYTHON" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
+    stop "Python 3.11 or newer is needed, $("$PYTHON" --version 2>&1) was found: install it, or name it with make PYTHON=..."
+  "$PYTHON" -c 'import ensurepip, venv' 2>/dev/null ||
+    stop "Python's venv module is missing: install it (Debian, Ubuntu: apt install python3-venv)."
+}
+
+run_pip() {
+  PYTHONUNBUFFERED=1 "$IN_VENV" -m pip --disable-pip-version-check install --no-deps --no-compile "$@"
+}
+
+# Shows which package pip is at: one line that changes on a terminal, two lines in a log.
+show_progress() {
+  local word name count=0
+  while read -r word name _; do
+    case $word in
+      Collecting) [ ! -t 1 ] || printf '\r\033[K  package %d: %s' $((count += 1)) "${name%%[=; ]*}" ;;
+      Installing) [ ! -t 1 ] || printf '\r\033[K' && echo "  all are here; unpacking" ;;
+    esac
+  done
+}
+
+install() {
+  if command -v uv >/dev/null; then
+    uv pip install --python "$IN_VENV" --no-deps --require-hashes --requirement "$1" && return
+    echo "uv can't install the packages; pip tries."
+  fi
+  # The pip that comes with Python 3.11 takes twice as long as the pinned one.
+  run_pip --quiet --require-hashes --requirement <(sed -n '/^pip==/,/[^\\]$/p' requirements.lock) &&
+    run_pip --require-hashes --requirement "$1" | show_progress ||
+    stop "The packages can't be installed: is the package registry reachable from here?"
+}
+
+case $1 in
+  packages)
+    check_python
+    echo "Setting up .venv from requirements.lock: about a minute, and 400 MB to download, the first time."
+    "$PYTHON" -m venv --clear .venv
+    install requirements.lock
+    ;;
+  package)
+    run_pip --quiet --no-build-isolation --editable .
+    "$IN_VENV" -c 'import visuohaptic.geometry.compiled_open3d' ||
+      stop "Open3D can't be loaded: install the libraries that the line above names (Debian, Ubuntu: apt install libusb-1.0-0 libgomp1)."
+    ;;
+  develop)
+    echo "Adding what tests need to .venv from requirements-dev.lock."
+    install requirements-dev.lock
+    ;;
+esac

@@ -1,0 +1,120 @@
+"""The library and its command work with the core's packages alone; what needs more says so in one sentence."""
+
+import json
+import os
+import subprocess
+import sys
+from importlib.metadata import distribution
+from pathlib import Path
+
+import pytest
+import trimesh
+from packaging.requirements import Requirement
+
+from visuohaptic import optional_packages
+from visuohaptic.errors import MissingPackageError
+from visuohaptic.optional_packages import require
+from visuohaptic.report.run_comparison import read_measured_run
+
+ROOT = Path(__file__).parents[1]
+# Open3D's wheel asks for a web viewer, of which nothing is imported.
+WITHOUT_DEPENDENCIES = {"open3d", "open3d-cpu"}
+
+
+def core_distributions():
+    """Give the distributions that `pip install visuohaptic` brings, but for Open3D's web viewer."""
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    waiting, found = list(project["dependencies"]), {}
+    while waiting:
+        requirement = Requirement(waiting.pop())
+        marker = requirement.marker
+        wanted = marker is None or marker.evaluate({"extra": ""})
+        if requirement.name.lower() in found or not wanted:
+            continue
+        found[requirement.name.lower()] = distribution(requirement.name)
+        if requirement.name not in WITHOUT_DEPENDENCIES:
+            waiting += found[requirement.name.lower()].requires or []
+    return found.values()
+
+
+@pytest.fixture(scope="module")
+def core(tmp_path_factory):
+    """A folder that holds the packages of the core, and no others."""
+    folder = tmp_path_factory.mktemp("core")
+    for found in core_distributions():
+        for top in {file.parts[0] for file in found.files or [] if ".." not in file.parts}:
+            if top != "__pycache__" and not (folder / top).exists():
+                (folder / top).symlink_to(found.locate_file(top))
+    return folder
+
+
+@pytest.fixture
+def run_in_core(core, tmp_path):
+    def run(program, *arguments):
+        # Neither this environment's packages nor the user's own are seen.
+        environment = {
+            key: value for key, value in os.environ.items() if not key.startswith("PYTHON")
+        }
+        return subprocess.run(
+            [sys.executable, "-S", "-c", program, *map(str, arguments)],
+            cwd=tmp_path, env=environment | {"PYTHONPATH": f"{ROOT / 'src'}{os.pathsep}{core}"},
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+
+    return run
+
+
+COMMAND = "from visuohaptic.cli.main import main; main()"
+
+
+def test_nothing_of_the_extras_is_there(run_in_core):
+    done = run_in_core("""
+from importlib.util import find_spec
+for name in ("dvc", "jinja2", "pandas", "plotly", "psutil", "snakemake"):
+    assert find_spec(name) is None, name
+""")
+    assert done.returncode == 0, done.stderr
+
+
+def test_an_object_is_loaded_touched_and_saved(run_in_core, tmp_path):
+    trimesh.creation.box().export(tmp_path / "box.ply")
+    done = run_in_core(COMMAND, "touch", "box.ply", "--viewpoints", 1, "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["touches"] > 0
+    assert {file.name for file in (tmp_path / "touched").iterdir()} >= {"touches.parquet"}
+
+
+def test_every_module_but_those_of_the_report_can_be_imported(run_in_core):
+    done = run_in_core("""
+import importlib, pkgutil
+import visuohaptic
+for module in pkgutil.walk_packages(visuohaptic.__path__, "visuohaptic."):
+    if not module.name.startswith("visuohaptic.report."):
+        importlib.import_module(module.name)
+""")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("arguments", [("report", "."), ("compare", "a.json", "b.json")])
+def test_a_command_of_the_report_says_which_extra_to_install(run_in_core, arguments):
+    done = run_in_core(COMMAND, *arguments)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == (
+        "error: jinja2 and plotly are not installed; "
+        "`pip install 'visuohaptic[report]'` brings them.\n"
+    )
+
+
+def test_an_experiment_of_dvc_says_which_extra_to_install(monkeypatch):
+    monkeypatch.setattr(optional_packages, "find_spec", lambda name: None)
+    with pytest.raises(
+        MissingPackageError, match=r"^dvc is not installed.*visuohaptic\[workflow\]"
+    ):
+        read_measured_run(Path("experiment"))
+
+
+def test_one_missing_package_is_named_alone():
+    with pytest.raises(MissingPackageError, match=r"^no_such is not installed.*brings it\.$"):
+        require("workflow", "json", "no_such")

@@ -1,0 +1,83 @@
+"""Snakemake's own options do what they say, from any folder and for any user."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from workflow.conftest import Experiment
+from workflow.walks import make_experiment
+
+from visuohaptic_workflow.one_run import FolderInUseError, check_writable
+
+pytestmark = pytest.mark.workflow
+
+WAITS_FOR_SEVEN_OTHERS = """
+import os
+import time
+from pathlib import Path
+
+Path(f"started-{os.getpid()}").touch()
+limit = time.monotonic() + 120
+while len(list(Path().glob("started-*"))) < 8:
+    if time.monotonic() > limit:
+        raise SystemExit("fewer than eight jobs have started")
+    time.sleep(0.05)
+"""
+
+
+@pytest.fixture
+def fresh(tmp_path):
+    """An experiment before anything has run; its scripts are stand-ins."""
+    make_experiment(tmp_path / "experiment")
+    return Experiment(tmp_path / "experiment")
+
+
+@pytest.mark.parametrize("option", [["-j8"], ["-c8"], ["--cores", "8"]])
+def test_eight_jobs_run_at_a_time(fresh, option):
+    fresh.set(viewpoints={"count": 4}, workflow={"views_per_job": 1})
+    fresh.snakemake("meshes_all")
+    script = fresh.folder / "workflow/scripts/fixations.py"
+    script.write_text(WAITS_FOR_SEVEN_OTHERS + script.read_text())
+    fresh.run("snakemake", *option, "--until", "fixations")
+
+
+def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh, tmp_path):
+    folder = tmp_path / "elsewhere"
+    folder.mkdir()
+    parameters = (fresh.folder / "params.yaml").read_text()
+    (folder / "params.yaml").write_text(parameters.replace("neighbours: 5", "neighbours: 3"))
+    elsewhere = Experiment(folder)
+    elsewhere.snakemake("-s", str(fresh.folder / "Snakefile"))
+    assert (folder / "reports/report.html").exists()
+    assert not (fresh.folder / "results").exists()
+    record = (folder / "results/records/recognition/paper/fixation.json").read_text()
+    assert '"neighbours": 3' in record
+    assert "Nothing to be done" in elsewhere.snakemake("-s", str(fresh.folder / "Snakefile")).stdout
+
+
+def test_the_workflow_runs_in_a_folder_named_by_an_option(fresh, tmp_path):
+    fresh.snakemake("-d", str(tmp_path / "elsewhere"))
+    assert (tmp_path / "elsewhere/reports/report.html").exists()
+    assert not (fresh.folder / "results").exists()
+
+
+def test_a_folder_that_this_user_may_not_write_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(FolderInUseError, match=r"can't be written \(permission denied\); run"):
+        check_writable()
+
+
+def test_the_callers_python_path_is_kept(fresh, monkeypatch):
+    script = fresh.folder / "workflow/scripts/metrics.py"
+    script.write_text(
+        "import os\nopen('path', 'w').write(os.environ['PYTHONPATH'])\n" + script.read_text()
+    )
+    environment = {**os.environ, "PYTHONPATH": "/brought/by/a/module"}
+    environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
+    subprocess.run(["snakemake", "-j2", "--quiet"], cwd=fresh.folder, env=environment, check=True)
+    path = (fresh.folder / "path").read_text().split(os.pathsep)
+    assert path[-1] == "/brought/by/a/module"
+    assert str(fresh.folder / "src") in path
