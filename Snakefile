@@ -37,6 +37,7 @@ check_folder()
 
 
 onstart:
+    check_recognition()
     prune()
     start_local_jobs_at_once()
     start_local_jobs_warm()

@@ -8,6 +8,7 @@ import pytest
 
 from visuohaptic.errors import CatalogueError
 from visuohaptic.meshes.catalogue import (
+    check_classes,
     check_name,
     companions,
     find_own_models,
@@ -166,3 +167,21 @@ def test_a_broken_row_is_named(tmp_path, old, new, sentence):
     path.write_text(CATALOGUE.read_text().replace(old, new))
     with pytest.raises(CatalogueError, match=sentence):
         read_catalogue(path)
+
+
+@pytest.mark.parametrize(
+    ("keys", "says"),
+    [
+        (["plant/a", "plant/b"], "only plant has them"),
+        (["plant/a", "plant/b", "cup/a"], "only plant has them"),
+        (["plant/a"], "none has them"),
+        ([], "none has them"),
+    ],
+)
+def test_too_few_classes_to_tell_apart_are_said_before_anything_runs(keys, says):
+    with pytest.raises(CatalogueError, match=rf"two objects each, and {says}: .* features_all"):
+        check_classes(keys)
+
+
+def test_two_classes_of_two_are_enough():
+    check_classes(["plant/a", "plant/b", "cup/a", "cup/b", "pen/a"])

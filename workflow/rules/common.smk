@@ -8,8 +8,8 @@ SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")
 sys.path[:0] = map(str, SOURCES)
 
 from visuohaptic.errors import VisuohapticError
-from visuohaptic.meshes.catalogue import companions, find_own_models, models_of_set
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.meshes.catalogue import check_classes, companions, find_own_models, models_of_set
+from visuohaptic.parameters import ExperimentParameters, refuse_repeated_names
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.studies.ablations.settings import ABLATIONS
 from visuohaptic.studies.cost.settings import FAMILIES
@@ -49,6 +49,8 @@ def shipped(path):
     return os.path.relpath(Path(workflow.basedir, path))
 
 
+for file in workflow.configfiles:
+    or_stop(refuse_repeated_names, file)
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 CATALOGUED = {
     model.key: model
@@ -193,6 +195,12 @@ def check_folder():
             "parameters, code or inputs than today's; they run again.",
             file=sys.stderr,
         )
+
+
+def check_recognition():
+    """Stop before the first job where recognition is asked for and has no classes to tell apart."""
+    if any(job.rule.name == "recognition" for job in workflow.dag.needrun_jobs()):
+        or_stop(check_classes, OBJECTS)
 
 
 def prune():

@@ -534,10 +534,11 @@ class _Work:
 def _with_choices(
     parameters: ExperimentParameters, viewpoints: int | None, strategy: str
 ) -> ExperimentParameters:
-    values = parameters.model_dump()
-    values["probing"]["strategies"] = (strategy,)
+    # What the caller has left to its default stays so: nobody asked for it.
+    values = parameters.model_dump(exclude_unset=True)
+    values.setdefault("probing", {})["strategies"] = (strategy,)
     if viewpoints is not None:
-        values["viewpoints"]["count"] = viewpoints
+        values.setdefault("viewpoints", {})["count"] = viewpoints
     return check_parameters(values, "touch")
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Collection, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -217,6 +218,30 @@ def _taken(found: Model, taken: Collection[str], models: Mapping[Model, Path]) -
 def _shown(name: str | Path) -> str:
     """Write out bytes of a name that are no text."""
     return str(name).encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def check_classes(keys: Iterable[str]) -> None:
+    """Refuse, before anything runs, objects among which recognition can't tell any apart.
+
+    Parameters
+    ----------
+    keys : iterable of str
+        `class/name` of every object.
+
+    Raises
+    ------
+    CatalogueError
+        If fewer than two classes have two objects or more.
+    """
+    counts = Counter(key.split("/")[0] for key in keys)
+    enough = sorted(name for name, count in counts.items() if count >= 2)
+    if len(enough) < 2:
+        found = f"only {enough[0]} has" if enough else "none has"
+        raise CatalogueError(
+            f"Recognition needs two classes with two objects each, and {found} them: put objects into "
+            "meshes/own/<class>/, choose another meshes.set, or go as far as features with "
+            "`snakemake -j2 features_all`."
+        )
 
 
 def companions(file: str | Path) -> list[Path]:
