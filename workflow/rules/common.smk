@@ -8,8 +8,17 @@ SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")
 sys.path[:0] = map(str, SOURCES)
 
 from visuohaptic.errors import VisuohapticError
-from visuohaptic.meshes.catalogue import check_classes, companions, find_own_models, models_of_set
-from visuohaptic.parameters import ExperimentParameters, refuse_repeated_names
+from visuohaptic.meshes.catalogue import (
+    check_classes,
+    companions,
+    find_own_models,
+    models_of_set,
+)
+from visuohaptic.parameters import (
+    ExperimentParameters,
+    check_imprints,
+    refuse_repeated_names,
+)
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.studies.ablations.settings import ABLATIONS
 from visuohaptic.studies.cost.settings import FAMILIES
@@ -52,6 +61,7 @@ def shipped(path):
 for file in workflow.configfiles:
     or_stop(refuse_repeated_names, file)
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
+or_stop(check_imprints, PARAMETERS)
 CATALOGUED = {
     model.key: model
     for model in or_stop(
