@@ -188,8 +188,7 @@ def _contourlets(rounds: int) -> list[dict[str, Any]]:
         exact.append([band.std(ddof=1) for band in bands])
     wanted = np.array(exact)
     calls = {
-        "float64, matrix by frequencies": lambda: directional_deviations(images),
-        "float64, ladder": lambda: _ladder(images),
+        "float64, ladder": lambda: directional_deviations(images),
         "float32, ladder": lambda: _ladder(images.astype(np.float32)),
         "float64, one matrix": lambda: _matrix(images, np.float64),
         "float32, one matrix": lambda: _matrix(images, np.float32),

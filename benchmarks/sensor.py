@@ -16,18 +16,13 @@ import numpy as np
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.scene.parameters import EffectModes, Scene
+from visuohaptic.scene.parameters import TACTILE_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor import RandomFields, SensorParameters, touch
 from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, stand_on
 
 PROBES = 256
 ROUNDS = 7
 ABSOLUTE = SensorParameters(normalisation="absolute")
-TACTILE = tuple(
-    name
-    for name in EffectModes.model_fields
-    if name not in {"colour", "texture", "shading", "cast_shadows"}
-)
 
 
 def run() -> dict[str, object]:
@@ -50,7 +45,7 @@ def run() -> dict[str, object]:
 def _measure(surface: Surface) -> dict[str, object]:
     caster = RayCaster(surface)
     points, normals, fields = _probes(surface, caster)
-    always = EffectModes(**dict.fromkeys(TACTILE, "always"))
+    always = EffectModes(**dict.fromkeys(TACTILE_EFFECTS, "always"))
     fixed = EffectModes(adaptive_size="never")
 
     def imprint(scene: Scene) -> Callable[[], object]:

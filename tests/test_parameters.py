@@ -31,6 +31,16 @@ def test_what_is_dumped_reads_back():
             {"meshes": {"set": "all"}},
             "meshes.set is 'all': input should be 'paper', 'benchmark' or 'hard'",
         ),
+        (
+            {"probing": {"strategies": ["fixation", "guessing"]}},
+            r"probing.strategies.1 is 'guessing': input should be 'fixation', .* or 'curvature'",
+        ),
+        (
+            {"recognition": {"best": {"classifiers": ["oracle"]}}},
+            r"recognition.best.classifiers.0 is 'oracle': input should be 'k_nearest_neighbours', ",
+        ),
+        ({"attention": {"weights": {"glare": 1}}}, r"attention\.weights\.glare is no parameter"),
+        ({"scene": {"effects": {"rust": "auto"}}}, r"scene\.effects\.rust is no parameter"),
         ({"workflow": {"views_per_job": "many"}}, "workflow.views_per_job is 'many'"),
         ({"sensor": {"smallest_size": 1.0}}, "smallest_size is 1.0; at most largest_size"),
         ({"seed": -1, "senser": {}}, "seed is -1.*; senser is no parameter"),

@@ -21,6 +21,10 @@ class ParameterError(VisuohapticError):
     """`params.yaml` holds a value that is not allowed."""
 
 
+class RegistryError(VisuohapticError):
+    """A name is not registered, or what is declared and what is implemented differ."""
+
+
 class TableError(VisuohapticError):
     """A table breaks its schema."""
 

@@ -1,4 +1,4 @@
-"""Search displays with one known target: a panel of 5 x 5 items, drawn with soft edges."""
+"""Search displays with one known target: a panel of 5 x 5 items with soft edges."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -60,7 +60,7 @@ def cell_mask(place, rows, columns):
 
 
 def as_views(image):
-    """Give the arrays that `attend` takes for a flat panel of unit width, seen head on."""
+    """Give the arguments of `attend` for a flat panel of unit width, seen from the front."""
     rows, columns = image.shape[:2]
     y, x = np.mgrid[:rows, :columns]
     point = np.stack([x / columns, -y / columns, np.zeros_like(x)], axis=-1).astype(float)

@@ -24,7 +24,7 @@ def sphere():
 
 
 def sphere_with_bump(direction, height=0.08, width=0.1):
-    """A sphere that bulges around a direction."""
+    """A sphere with a bump in a direction."""
     plain = sphere()
     direction = np.asarray(direction) / np.linalg.norm(direction)
     cosine = plain.vertices @ direction / 0.9
@@ -71,7 +71,7 @@ def turned(surface, degrees):
 
 
 def mirrored(surface):
-    """Mirror left and right, and keep the faces' outer sides outside."""
+    """Mirror left and right; faces keep their outer side."""
     return Surface(
         surface.vertices * np.array([-1.0, 1.0, 1.0]),
         surface.faces[:, ::-1],
@@ -80,7 +80,7 @@ def mirrored(surface):
 
 
 def look(surface, cameras, attention=None, modes=None, background=0.85):
-    """Render a surface and attend to it."""
+    """Render a surface and compute its fixations."""
     attention = AttentionParameters() if attention is None else attention
     rendering = RenderingParameters(background=background)
     views = render_views(RayCaster(surface), cameras, rendering, modes)

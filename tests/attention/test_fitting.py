@@ -23,7 +23,7 @@ def example(rng, telling, name="cup/a"):
 
 
 @pytest.mark.parametrize("telling", [("curvature",), ("colour", "symmetry")])
-def test_weights_go_to_the_channels_that_tell(telling):
+def test_channels_that_predict_the_places_get_the_weights(telling):
     rng = np.random.default_rng(1)
     weights = fit_weights([example(rng, telling) for _ in range(12)], tested=["cup/b"])
     told = sum(getattr(weights, name) for name in telling)

@@ -15,6 +15,7 @@ from visuohaptic.attention import (
     prepare_view,
     saliency_map,
 )
+from visuohaptic.attention.registry import ENTRIES
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.scene.parameters import EffectModes
@@ -111,7 +112,7 @@ def test_oddity_of_a_sphere_is_fixated_first(shape, azimuth, elevation):
     assert np.degrees(np.arccos(first @ direction / np.linalg.norm(first))) < 15.0
 
 
-def test_turning_the_object_is_moving_on_to_the_next_viewpoint():
+def test_turning_the_object_equals_the_next_viewpoint():
     thing = scenes.lopsided()
     _, still = scenes.look(thing, CAMERAS[1::2])
     _, moved = scenes.look(scenes.turned(thing, -22.5), CAMERAS[0::2])
@@ -136,7 +137,7 @@ def test_mirrored_object_has_mirrored_fixations():
 
 
 @pytest.mark.parametrize("brightness", [0.5, 0.7, 255.0])
-def test_brightness_moves_no_fixation(brightness):
+def test_brightness_changes_no_fixation(brightness):
     views, plain = scenes.look(scenes.lopsided(), CAMERAS[:4])
     scaled = scenes.attend_to(views, AttentionParameters(), brightness)
     for one, other in zip(plain, scaled, strict=True):
@@ -158,7 +159,7 @@ def test_uniform_sphere_gives_five_distinct_points(normalisation, modes):
     assert views.mask[0][path.rows, path.columns].all()
 
 
-def test_fixations_keep_off_the_background_and_the_outline():
+def test_fixations_are_never_on_the_background_or_the_outline():
     attention = AttentionParameters(fixations=16, focus_radius=0.1)
     views, results = scenes.look(scenes.lopsided(), CAMERAS, attention)
     for mask, result in zip(views.mask, results, strict=True):
@@ -170,7 +171,7 @@ def test_fixations_keep_off_the_background_and_the_outline():
 
 
 @pytest.mark.parametrize("background", [0.0, 0.3, 1.0])
-def test_background_has_no_say(background):
+def test_background_does_not_matter(background):
     _, plain = scenes.look(scenes.lopsided(), CAMERAS[:2])
     _, results = scenes.look(scenes.lopsided(), CAMERAS[:2], background=background)
     for one, two in zip(plain, results, strict=True):
@@ -203,6 +204,10 @@ def test_views_do_not_depend_on_each_other():
         np.testing.assert_array_equal(result.scanpath.points, together[index].scanpath.points)
 
 
+def needing(*what):
+    return {name for name, entry in ENTRIES.items() if entry.needs in what}
+
+
 def all_channels(views, index, parameters):
     view = prepare_view(views.colour[index], views.mask[index], views.curvature[index])
     return conspicuity_maps(view, CHANNELS, parameters)
@@ -213,11 +218,11 @@ def all_channels(views, index, parameters):
     ("scene", "modes", "skipped"),
     [
         (scenes.lopsided, EffectModes(), set()),
-        (lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)), EffectModes(), {"colour"}),
+        (lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)), EffectModes(), needing("hues")),
         (
             lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)),
             UNSHADED,
-            set(CHANNELS) - {"curvature"},
+            needing("hues", "colours"),
         ),
     ],
 )

@@ -33,7 +33,7 @@ def test_peaks_are_visited_from_the_highest_down():
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-7, 1e-6])
-def test_equal_peaks_break_to_the_upper_left_whatever_the_rounding(noise):
+def test_of_equal_peaks_the_upper_left_wins_despite_rounding(noise):
     rng = np.random.default_rng(3)
     saliency = bump(30, 70) + bump(30, 25) + bump(70, 48) + noise * rng.random((SIZE, SIZE))
     path = flat_panel(saliency, parameters=AttentionParameters(fixations=3))
@@ -91,7 +91,7 @@ def test_thin_rod_is_fixated_along_its_middle():
     assert np.abs(path.columns - 48).max() <= 1
 
 
-def test_flat_map_is_looked_at_from_the_inside():
+def test_flat_map_is_fixated_first_in_the_middle_of_the_object():
     mask = (ROWS - 48) ** 2 + (COLUMNS - 48) ** 2 < 40**2
     path = flat_panel(np.zeros((SIZE, SIZE)), mask)
     assert np.hypot(path.rows[0] - 48, path.columns[0] - 48) < 3

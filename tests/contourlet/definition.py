@@ -1,4 +1,4 @@
-"""The contourlet transform a second time, from its definition, slowly and by other means.
+"""A second, slow implementation of the contourlet transform, straight from its definition.
 
 `toolbox_bands` works on one image with the toolbox's recursion: resample, take polyphase components,
 extend, filter in two dimensions. `frequency_bands` never resamples: it multiplies the image's
@@ -29,7 +29,7 @@ def modulated_ladder(name):
 
 
 def around(x, up, down, left, right, half_turn=False):
-    """Extend periodically; optionally turn columns by half with every wrap of the rows."""
+    """Extend periodically; with `half_turn`, a wrap of rows shifts columns by half."""
     rows, columns = x.shape
     turned = np.roll(x, columns // 2, axis=1) if half_turn else x
     above, below = -(-up // rows), -(-down // rows)
@@ -53,7 +53,7 @@ def resample(x, matrix):
 
 
 def shear(kind, amount=1):
-    """R1 … R4, or one of them as often as `amount` says."""
+    """The shears R1 … R4, or a power of one of them."""
     entry = amount if kind in (1, 3) else -amount
     return [[1, entry], [0, 1]] if kind in (1, 2) else [[1, 0], [entry, 1]]
 
@@ -152,7 +152,7 @@ def toolbox_pyramid(x, name):
 
 
 def toolbox_bands(x, levels, pyramid="9-7", directional="pkva"):
-    """The coarse image, then the bands of every level, the coarsest first, in one list."""
+    """The coarse image, then the bands of every level, the coarsest level first, in one list."""
     if not levels:
         return [x]
     coarse, detail = toolbox_pyramid(x, pyramid)
@@ -243,7 +243,7 @@ def gratings(side, angles, frequency):
 
 
 def facing_band(angle, directions_log2):
-    """Where the tiling puts a frequency, in units of a band's width; the band's number is the floor.
+    """Position of a frequency in the tiling, in widths of a band; its floor is the band's number.
 
     From the toolbox's index convention: uniform in the tangent over the first half of the bands,
     uniform in the cotangent, falling, over the second.
@@ -256,7 +256,7 @@ def facing_band(angle, directions_log2):
 
 
 def check_grating_sweep(transform, side, least_best_share):
-    """Sweep 64 angles; compare who wins with the frequency responses and with the ideal tiling."""
+    """Sweep 64 angles; compare the strongest band with the frequency responses and the ideal tiling."""
     (depth,) = transform.levels
     angles, frequency = np.pi * np.arange(64) / 64, 0.4
     bands = transform.forward(gratings(side, angles, frequency)).levels[0]

@@ -81,7 +81,7 @@ def test_bands_have_their_frequency_responses_away_from_seams_and_borders(depth,
         np.testing.assert_allclose(band[inner], reference[inner], atol=1e-12)
 
 
-def test_periodic_meets_seams_from_eight_bands_on_as_the_toolbox_does(rng):
+def test_periodic_has_the_toolboxs_seams_from_eight_bands_on(rng):
     image = rng.standard_normal((32, 32))
     difference = [
         np.abs(a - b).max()

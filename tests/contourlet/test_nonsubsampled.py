@@ -52,7 +52,7 @@ def test_commutes_with_circular_shifts(directional, pyramid, rng):
 
 @pytest.mark.parametrize("depth", range(6))
 def test_sampled_bands_are_those_of_the_decimated_bank(depth, rng):
-    """Noble identities: filtering everywhere and then sampling is sampling and then filtering."""
+    """Noble identities: filtering and then sampling equals sampling and then filtering."""
     image = rng.standard_normal((32, 64))
     transform = NonsubsampledContourlet((depth,), "5-3")
     coefficients = transform.forward(image)
@@ -90,7 +90,7 @@ def test_constant_images_leak_rounding_alone(extension):
 
 @pytest.mark.parametrize("extension", EXTENSIONS)
 @pytest.mark.parametrize("directions_log2", [3, 4])
-def test_the_band_that_faces_a_grating_wins(extension, directions_log2):
+def test_the_band_of_a_gratings_direction_is_the_strongest(extension, directions_log2):
     transform = NonsubsampledContourlet((directions_log2,), extension=extension)
     check_grating_sweep(transform, 96, 0.6)
 

@@ -51,8 +51,8 @@ def test_synthesis_undoes_analysis_and_adjoint_is_the_transpose(name, extension,
 
 @pytest.mark.parametrize("name", ["9-7", "haar"])
 @pytest.mark.parametrize("extension", EXTENSIONS)
-def test_dual_frame_ignores_what_fits_no_image(name, extension, rng):
-    """The inverse is a projection: noise that no image could have made is partly removed."""
+def test_dual_frame_projects_coefficients_that_belong_to_no_image(name, extension, rng):
+    """The inverse is a projection: noise that belongs to no image is partly removed."""
     filters = pyramid_filters(name)
     coarse, detail = rng.standard_normal((4, 4, 1)), rng.standard_normal((8, 8, 1))
     image = synthesise_pyramid(coarse, detail, filters, extension)

@@ -120,7 +120,7 @@ def test_transform_is_linear_and_adjoint_is_its_transpose(extension, rng):
 
 @pytest.mark.parametrize("extension", EXTENSIONS)
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_an_image_does_not_see_its_batch(extension, dtype, rng):
+def test_an_image_does_not_depend_on_its_batch(extension, dtype, rng):
     images = rng.standard_normal((300, 32, 32)).astype(dtype)
     transform = Contourlet((2, 4), extension=extension)
     together = transform.forward(images)
@@ -166,8 +166,8 @@ def test_constant_images_leak_rounding_alone(extension, pyramid, leak, direction
     assert max(np.abs(band).max() for band in coefficients.bands[1:]) < leak
 
 
-def test_symmetric_extension_does_not_see_opposite_edges():
-    """A ramp has one step where it wraps; reflection has a kink there instead."""
+def test_symmetric_extension_does_not_join_opposite_edges():
+    """A ramp has a step where it wraps; its reflection has a kink there instead."""
     ramp = np.linspace(0, 1, 64)[None, :] * np.ones((64, 1))
     sums = {}
     for extension in EXTENSIONS:
@@ -179,7 +179,7 @@ def test_symmetric_extension_does_not_see_opposite_edges():
 
 @pytest.mark.parametrize("extension", EXTENSIONS)
 @pytest.mark.parametrize("directions_log2", [3, 4])
-def test_the_band_that_faces_a_grating_wins(extension, directions_log2):
+def test_the_band_of_a_gratings_direction_is_the_strongest(extension, directions_log2):
     check_grating_sweep(Contourlet((directions_log2,), extension=extension), 128, 0.4)
 
 

@@ -30,7 +30,7 @@ def test_names_say_which_structure_a_band_answers_to():
         assert names[wavelet_deviations(faded, "db2", 1).argmax()] == f"level1_{name}"
 
 
-def test_images_do_not_see_their_batch_and_scale_alike(rng):
+def test_images_do_not_depend_on_their_batch_and_scale_alike(rng):
     images = rng.standard_normal((20, 32, 32))
     whole = wavelet_deviations(images)
     assert whole.shape == (20, len(wavelet_band_names())) == (20, 9)

@@ -1,16 +1,15 @@
 """Every strategy gives locations on the surface, outwards, the same whatever else is asked for."""
 
-from typing import get_args
-
 import numpy as np
 import pyarrow as pa
 import pytest
 import trimesh
 
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.errors import RegistryError
 from visuohaptic.fixations.locations import candidate_table, locate, look
-from visuohaptic.fixations.parameters import RenderingParameters, Strategy, ViewpointParameters
-from visuohaptic.fixations.probing import spread_far
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.probing import STRATEGIES, spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
@@ -20,7 +19,6 @@ from visuohaptic.tables.schema import check_table, matrix
 
 ATTENTION = AttentionParameters(fixations=6)
 RENDERING = RenderingParameters(resolution=64)
-STRATEGIES = get_args(Strategy)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +35,7 @@ def looks_of(caster, block=(0, 1, 2), **changes):
     return look(caster, "box/brick", cameras, RENDERING, ATTENTION, EffectModes())
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
 def test_locations_lie_on_their_faces_and_face_outwards(caster, strategy):
     table = pa.concat_tables(
         [locate(one, strategy, ATTENTION, 3) for one in looks_of(caster)]
@@ -56,26 +54,28 @@ def test_locations_lie_on_their_faces_and_face_outwards(caster, strategy):
     assert (np.sum(points * normals, axis=1) > 0).all()
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
 def test_locations_depend_on_their_own_viewpoint_alone(caster, strategy):
     together = locate(looks_of(caster)[2], strategy, ATTENTION, 3)
     alone = locate(looks_of(caster, block=(2,))[0], strategy, ATTENTION, 3)
     assert together.equals(alone)
 
 
-@pytest.mark.parametrize("strategy", ["random", "random_visible", "farthest_point"])
-def test_chance_comes_from_seed_strategy_object_and_viewpoint(caster, strategy):
+@pytest.mark.parametrize("strategy", list(STRATEGIES), ids=lambda strategy: strategy.name)
+def test_the_seed_changes_the_places_of_random_strategies_alone(caster, strategy):
+    one = looks_of(caster)[0]
+    first, second = (locate(one, strategy.name, ATTENTION, seed) for seed in (3, 4))
+    assert first.equals(second) != strategy.random
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
+def test_the_same_seed_gives_other_places_from_another_viewpoint(caster, strategy):
     first, second, _ = looks_of(caster)
-    tables = [
-        locate(first, strategy, ATTENTION, 3),
-        locate(first, strategy, ATTENTION, 4),
-        locate(second, strategy, ATTENTION, 3),
-    ]
-    xs = [tuple(table.column("x").to_pylist()) for table in tables]
-    assert len(set(xs)) == 3
+    xs = [locate(one, strategy, ATTENTION, 3).column("x").to_pylist() for one in (first, second)]
+    assert xs[0] != xs[1]
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
 def test_fewer_touches_are_the_first_of_more(caster, strategy):
     one = looks_of(caster, block=(1,))[0]
     shorter = AttentionParameters(fixations=3)
@@ -114,3 +114,8 @@ def test_candidates_are_what_the_viewpoint_sees(caster):
         assert 0 < len(points) < 60
         assert (np.sum(normals * (one.camera.eye - points), axis=1) > 0).all()
         assert table.column("touch").to_pylist() == list(range(len(points)))
+
+
+def test_an_unknown_strategy_is_refused(caster):
+    with pytest.raises(RegistryError, match="'drawn' is no probing strategy; fixation, random,"):
+        locate(looks_of(caster)[0], "drawn", ATTENTION, 3)

@@ -224,6 +224,13 @@ def test_without_colour_views_are_grey_and_without_texture_of_one_colour():
     assert len(np.unique(plain.colour[plain.mask], axis=0)) == 1
 
 
+@pytest.mark.parametrize("effect", VISUAL_EFFECTS)
+def test_every_effect_of_the_view_changes_colours(effect):
+    every_effect = see(COLOURED, **every("always"))
+    all_but_one = see(COLOURED, **{**every("always"), effect: "never"})
+    assert not np.array_equal(every_effect.colour, all_but_one.colour)
+
+
 def test_effects_of_the_view_move_no_geometry():
     one, other = see(COLOURED, **every("always")), see(COLOURED, **every("never"))
     for name in ("mask", "depth", "point", "normal", "face", "curvature"):

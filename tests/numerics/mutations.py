@@ -78,7 +78,7 @@ MUTATIONS = (
         "test_meshes.py::test_a_hard_mesh_ends_in_tables_or_in_a_refusal",
     ),
     Mutation(
-        "a dropped regularisation", "recognition/classifiers.py",
+        "a dropped regularisation", "recognition/covariance.py",
         "self.covariance_ += self.floor * np.eye(len(scale))",
         "self.covariance_ += 0.0 * np.eye(len(scale))",
         "test_learning.py",

@@ -1,7 +1,5 @@
 """Learning from samples that are too few, too alike, or of unhandy size."""
 
-from typing import get_args
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,18 +9,19 @@ from numerics.shapes import is_one_sentence
 from numerics.tolerances import U64
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.classifiers import fit_classifier
+from visuohaptic.recognition.classifiers import (
+    CLASSIFIERS,
+    ClassifierParameters,
+    fit_classifier,
+)
 from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
 from visuohaptic.recognition.parameters import (
-    ClassifierName,
-    ClassifierParameters,
     RecognitionParameters,
     SelfOrganisingMapParameters,
 )
 from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line
 from visuohaptic.recognition.tuning import fit_projection
 
-CLASSIFIERS = get_args(ClassifierName)
 SEEDS = st.integers(0, 2**32 - 1)
 
 
@@ -55,7 +54,7 @@ def hard_samples(generator):
     }
 
 
-@pytest.mark.parametrize("name", CLASSIFIERS)
+@pytest.mark.parametrize("name", CLASSIFIERS.names)
 @pytest.mark.parametrize("samples", hard_samples(np.random.default_rng(0)))
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(k, marks=pytest.mark.hard) for k in range(1, 8))]
@@ -104,7 +103,7 @@ def labels_of(training, labels, tested, parameters, classifier="support_vector_m
     return encoder.encode(tested), fitted.predict(encoder.encode(tested))
 
 
-@given(seed=SEEDS, classifier=st.sampled_from(CLASSIFIERS))
+@given(seed=SEEDS, classifier=st.sampled_from(CLASSIFIERS.names))
 @pytest.mark.filterwarnings("ignore")
 def test_the_unit_of_a_feature_moves_no_label(hold, seed, classifier):
     generator = np.random.default_rng(seed)

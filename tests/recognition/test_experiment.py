@@ -7,9 +7,9 @@ from recognition.synthetic import features_table, with_column
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.classifiers import ClassifierParameters, fit_classifier
 from visuohaptic.recognition.experiment import PAPER_FEATURES
 from visuohaptic.recognition.parameters import (
-    ClassifierParameters,
     ProtocolParameters,
     RecognitionParameters,
     SelfOrganisingMapParameters,
@@ -95,8 +95,6 @@ def test_singular_covariance_is_regularised_and_said():
 
 def test_covariances_of_full_rank_are_left_alone():
     from sklearn.discriminant_analysis import QuadraticDiscriminantAnalysis
-
-    from visuohaptic.recognition.classifiers import fit_classifier
 
     generator = np.random.default_rng(0)
     labels = np.repeat([0, 1], 100)

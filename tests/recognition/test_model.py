@@ -10,6 +10,7 @@ from recognition.synthetic import features_table, with_column
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 TABLE = features_table(objects=(3, 3), separation=3.0)
@@ -52,6 +53,19 @@ def test_object_that_was_in_no_training_set_is_named_with_probabilities():
     assert next(iter(answer)) == "class1"
     assert sum(answer.values()) == pytest.approx(1)
     assert list(answer.values()) == sorted(answer.values(), reverse=True)
+
+
+@pytest.mark.parametrize("classifier", CLASSIFIERS.names)
+def test_every_classifier_is_saved_safely_or_refused(classifier, tmp_path):
+    model = recognition.fit_model(TABLE, "paper", classifier, PARAMETERS, 1)
+    path = tmp_path / "a.skops"
+    try:
+        recognition.save_model(model, path)
+    except RecognitionError:
+        assert list(tmp_path.iterdir()) == []
+    else:
+        rows = rows_of(TABLE, "class1", "object2")
+        assert recognition.load_model(path).recognise(rows) == model.recognise(rows)
 
 
 def test_decision_tree_is_not_saved_for_it_would_not_be_safe_to_load(tmp_path):

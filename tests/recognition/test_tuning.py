@@ -1,20 +1,23 @@
 """Choices inside the training objects."""
 
+import itertools
+
 import numpy as np
 import pytest
 from sklearn.covariance import empirical_covariance, shrunk_covariance
 from sklearn.linear_model import LogisticRegression
 from sklearn.svm import SVC
 
-from visuohaptic.recognition import tuning
-from visuohaptic.recognition.classifiers import ShrunkCovariance
-from visuohaptic.recognition.parameters import (
-    BestParameters,
+from visuohaptic.errors import RegistryError
+from visuohaptic.recognition import classifiers, tuning
+from visuohaptic.recognition.classifiers import (
+    CLASSIFIERS,
+    Classifier,
     ClassifierParameters,
-    RecognitionParameters,
 )
+from visuohaptic.recognition.covariance import ShrunkCovariance
+from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.tuning import (
-    GRIDS,
     LEAST_SCORE,
     TEMPERATURES,
     best_temperature,
@@ -24,6 +27,9 @@ from visuohaptic.recognition.tuning import (
     make_inner_folds,
     softmax,
 )
+from visuohaptic.registry import Registry
+
+EVERY_CLASSIFIER = RecognitionParameters(best=BestParameters(classifiers=CLASSIFIERS.names))
 
 
 def clusters(objects=(3, 3, 3), sequences=8, columns=20, separation=2.0, seed=0):
@@ -109,7 +115,7 @@ def test_loss_at_the_best_temperature_is_the_log_loss():
     assert loss == pytest.approx(-np.log(named).mean())
 
 
-@pytest.mark.parametrize("name", GRIDS)
+@pytest.mark.parametrize("name", CLASSIFIERS.names)
 def test_every_classifier_gives_probabilities_also_of_a_class_it_never_saw(name):
     descriptors, labels, owners = clusters(objects=(2, 2))
     generator = np.random.default_rng(0)
@@ -148,13 +154,68 @@ def test_what_other_splits_have_fitted_changes_no_number():
         for turn, test in enumerate([*tested, *tested]):
             projection, fits = tuning.fit_best_classifiers(
                 descriptors[~test], labels[~test], owners[~test], 3,
-                RecognitionParameters(), np.random.default_rng(turn), memory,
+                EVERY_CLASSIFIER, np.random.default_rng(turn), memory,
             )  # fmt: skip
             projected = projection.apply(descriptors[test])
             found += [classifier.probabilities(projected) for _, classifier, _ in fits]
         return np.array(found)
 
     assert np.array_equal(probabilities(tuning.FitMemory()), probabilities(None))
+
+
+def test_a_new_classifier_counts_as_random_until_its_entry_says_otherwise(monkeypatch):
+    drawn = []
+
+    def fit(parameters, features, labels, seed):
+        drawn.append(seed)
+        return SVC().fit(features, labels), None
+
+    entry = Classifier("new", "new classifier", fit, {"svm_penalty": (1.0,)})
+    for module in (tuning, classifiers):
+        monkeypatch.setattr(module, "CLASSIFIERS", Registry("classifier", entry))
+    rows, labels, owners = clusters()
+    folds = make_inner_folds(rows, labels, owners, BestParameters(), np.random.default_rng(0))
+    for seed in range(2):
+        fit_tuned_classifier(
+            "new", ClassifierParameters(), rows, labels, folds, 3, np.random.default_rng(seed)
+        )
+    # Both folds and all rows, each time with a seed of its own.
+    assert len(set(drawn)) == 6
+
+
+@pytest.mark.parametrize("entry", list(CLASSIFIERS), ids=lambda entry: entry.name)
+def test_settings_that_are_tried_are_settings_that_exist(entry):
+    for values in itertools.product(*entry.grid.values()):
+        ClassifierParameters(**dict(zip(entry.grid, values, strict=True)))
+
+
+def answers_alike(entry):
+    descriptors, labels, _ = clusters(separation=0.3)
+    # Of columns that come twice, one that draws takes now the one and now the other.
+    doubled = np.concatenate([descriptors, descriptors], axis=1)
+    shown = np.random.default_rng(1).normal(size=(200, doubled.shape[1]))
+    scores = []
+    for seed in range(5):
+        fitted, _ = entry.fit(ClassifierParameters(), doubled, labels, seed)
+        scores.append(class_scores(fitted, shown, 3))
+    return all(np.array_equal(found, scores[0]) for found in scores)
+
+
+@pytest.mark.parametrize("name", [entry.name for entry in CLASSIFIERS if entry.deterministic])
+def test_a_deterministic_classifier_is_the_same_with_every_seed(name):
+    assert answers_alike(CLASSIFIERS[name])
+
+
+def test_a_decision_tree_depends_on_the_seed():
+    assert not answers_alike(CLASSIFIERS["decision_tree"])
+
+
+def test_an_unknown_classifier_is_refused():
+    descriptors, labels, _ = clusters()
+    with pytest.raises(RegistryError, match="'oracle' is no classifier; k_nearest_neighbours, "):
+        classifiers.fit_classifier(
+            "oracle", ClassifierParameters(), descriptors, labels, np.random.default_rng(0)
+        )
 
 
 def test_the_same_rows_are_projected_once_and_others_are_not_mistaken_for_them(monkeypatch):

@@ -2,14 +2,18 @@
 
 import pytest
 
+from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.report.wording import (
     anchor_of,
+    classifier_name,
     counted,
     listed,
     percent,
     place_in_view,
     points,
     probability,
+    strategy_name,
     titled,
 )
 
@@ -40,6 +44,13 @@ def test_lists_end_with_and():
     assert listed([]) == ""
     assert listed(["a"]) == "a"
     assert listed(["a", "b", "c"]) == "a, b and c"
+
+
+def test_every_strategy_and_classifier_has_words_of_its_own():
+    words = [strategy_name(name) for name in (*STRATEGIES.names, "adaptive")]
+    words += [classifier_name(name) for name in CLASSIFIERS.names]
+    assert len(set(words)) == len(words)
+    assert not any("_" in text for text in words)
 
 
 def test_names_begin_sentences():

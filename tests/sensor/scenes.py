@@ -5,21 +5,8 @@ import trimesh
 from hypothesis import strategies as st
 from sensor.shapes import joined, sheet, surface_of
 
-from visuohaptic.scene.parameters import PRESETS, EffectModes, Scene
+from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor import RandomFields, SensorParameters
-
-TACTILE = (
-    "adaptive_size",
-    "elastic_cover",
-    "force_response",
-    "gain_scatter",
-    "hysteresis",
-    "drift",
-    "dead_cells",
-    "crosstalk",
-    "noise",
-    "quantisation",
-)
 
 
 def with_modes(scene: Scene, **modes) -> Scene:
@@ -27,7 +14,7 @@ def with_modes(scene: Scene, **modes) -> Scene:
 
 
 def always(scene: Scene) -> Scene:
-    return with_modes(scene, **dict.fromkeys(TACTILE, "always"))
+    return with_modes(scene, **dict.fromkeys(TACTILE_EFFECTS, "always"))
 
 
 @st.composite

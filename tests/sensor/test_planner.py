@@ -22,7 +22,7 @@ def doubling(calling, seen):
         seen.append(len(touches))
         return signal.map(lambda values: 2 * values)
 
-    return Effect("doubling", lambda *_: Call(np.array(calling), "because"), run)
+    return Effect("doubling", lambda *_: Call(np.array(calling), "because"), run, {})
 
 
 @pytest.mark.parametrize(

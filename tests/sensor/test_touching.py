@@ -6,7 +6,6 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor.scenes import (
-    TACTILE,
     always,
     parameter_sets,
     probes_on,
@@ -19,10 +18,9 @@ from sensor.shapes import box, hard_probes, joined, sheet, surface_of
 from visuohaptic.errors import ParameterError
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.scene.parameters import PRESETS, Scene
+from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, Scene
 from visuohaptic.sensor import (
     CONTACT_STATES,
-    EFFECTS,
     RandomFields,
     SensorParameters,
     image_shifts,
@@ -228,7 +226,7 @@ def test_no_touches_give_empty_arrays_and_records():
     none = np.zeros((0, 3))
     touches = touch(RayCaster(plate), none, none, SensorParameters(), Scene())
     assert touches.images.shape == (0, 32, 32)
-    assert [record.effect for record in touches.effects] == list(TACTILE)
+    assert [record.effect for record in touches.effects] == list(TACTILE_EFFECTS)
 
 
 @pytest.mark.parametrize("preset", sorted(PRESETS))
@@ -239,18 +237,16 @@ def test_presets_call_for_the_effects_that_they_are_about(preset):
         RayCaster(surface), points, normals, SensorParameters(), Scene(preset=preset), fields
     )
     ran = {record.effect for record in touches.effects if record.runs}
-    expected = {
-        "ideal": set(),
-        "fsr400": {
-            "elastic_cover",
-            "force_response",
-            "gain_scatter",
-            "crosstalk",
-            "noise",
-            "quantisation",
-        },
-        "worn_fsr": {effect.name for effect in EFFECTS},
+    new = {
+        "elastic_cover",
+        "force_response",
+        "gain_scatter",
+        "crosstalk",
+        "noise",
+        "quantisation",
     }
+    worn = new | {"hysteresis", "drift", "dead_cells"}
+    expected = {"ideal": set(), "fsr400": new, "worn_fsr": worn}
     assert ran - {"adaptive_size"} == expected[preset]
 
 
@@ -258,7 +254,7 @@ def test_never_switches_an_effect_off():
     surface = sheet(lambda x, z: -0.3 * x**2 - 0.2 * z**2, half=0.4, cells=40)
     points, normals, fields = probes_on(surface, 5, 0)
     scene = Scene(preset="worn_fsr")
-    modes = dict.fromkeys(TACTILE, "never")
+    modes = dict.fromkeys(TACTILE_EFFECTS, "never")
     off = touch(
         RayCaster(surface), points, normals, SensorParameters(), with_modes(scene, **modes), fields
     )

@@ -6,9 +6,7 @@ trained and tested with every number of touches: `snakemake -j2 curves_all` does
 report shows them and every run keeps them current, until they are deleted.
 """
 
-from typing import get_args
-
-from visuohaptic.fixations.parameters import Strategy
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE
 
 CURVE_FIGURES = [
@@ -17,7 +15,7 @@ CURVE_FIGURES = [
     "reports/curves.json",
 ]
 
-CURVE_STRATEGIES = [*get_args(Strategy), "adaptive"]
+CURVE_STRATEGIES = [*STRATEGIES.names, "adaptive"]
 VALUES_OF_RULES["curves"] = {"strategy": CURVE_STRATEGIES}
 
 

@@ -1,7 +1,7 @@
-"""A model of visual attention: where the eye rests on an object, and in which order.
+"""A model of visual attention: saliency maps and ordered fixations on views of objects.
 
-It takes arrays and gives arrays, and stands alone: it knows of pixels, points
-and normals, but not of meshes, cameras or touch.
+It takes arrays of pixels, points and normals and gives arrays; it handles no meshes, cameras or
+touch, and uses nothing of the rest of the project.
 """
 
 import lazy_loader

@@ -1,23 +1,23 @@
-"""The eight channels: what each of them sees in a view, as planes on the working image.
+"""The eight channels: their feature planes of a view, on the working image.
 
-Every plane is free of the view's overall brightness: intensities are fractions
-of the brightest value that the object shows. Every plane is multiplied by the
-certainty of its pixels, so that nothing beside the object counts.
+No plane depends on the view's overall brightness: intensities are fractions of
+the brightest value on the object. Every plane is multiplied by the certainty of
+its pixels, so that only the object counts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cache
-from types import MappingProxyType
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
-from visuohaptic.attention.pyramid import (
+from .errors import AttentionError
+from .parameters import CHANNELS, AttentionParameters
+from .pyramid import (
     GOES_ON,
     Plane,
     blur,
@@ -29,6 +29,7 @@ from visuohaptic.attention.pyramid import (
     reductions,
     to_working_size,
 )
+from .registry import ENTRIES, channel
 
 GABOR_SIZE = 9
 GABOR_PERIOD = 7.0
@@ -38,7 +39,7 @@ WINDOW_DEVIATION = 3.0
 DARK = np.float32(0.1)
 # A view below this is black: denormal numbers have lost their digits, and their reciprocal overflows.
 DARKEST = float(np.finfo(np.float32).tiny)
-# Gradients, as fractions of full scale a pixel, where votes for symmetry begin and are whole.
+# Gradients, fractions of full scale per pixel, from which votes for symmetry count at all and fully.
 FAINT_GRADIENT = 0.01
 STRONG_GRADIENT = 0.1
 RADIAL_STRICTNESS = 2.0
@@ -47,26 +48,29 @@ RADIAL_STRICTNESS = 2.0
 FULL_SYMMETRY = 4.95
 
 
-# What stands where in the stacks of four. Red-green and blue-yellow are colour's two planes.
-SLOTS = (
-    ("colour", "colour", "intensity", "contrast"),
-    ("curvature", "edge", "entropy", "symmetry"),
+def _in_fours(names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
+    return tuple(tuple(names[start : start + 4]) for start in range(0, len(names), 4))
+
+
+# Channel of each plane in the stacks of four.
+SLOTS = _in_fours(
+    [name for name, entry in ENTRIES.items() if entry.planes for _ in range(entry.count)]
 )
 
 
 @dataclass(frozen=True)
 class Stack:
-    """Four planes that are worked on together.
+    """Four planes that are processed together.
 
     Attributes
     ----------
     level : int
         The centre level that they are on.
     pyramid : list of numpy.ndarray
-        The planes on that level and on each coarser one that is looked at,
+        The planes on that level and on each coarser one that is used,
         shape (n, n, 4), float32, multiplied by the certainty.
     channels : tuple of str
-        The channel of each of the first planes; planes beyond hold zeros.
+        The channels of the first planes; the others hold zeros.
     """
 
     level: int
@@ -88,7 +92,7 @@ class WorkingView:
     intensity : numpy.ndarray
         Shape (n, n), float32: their mean.
     backdrop : numpy.ndarray
-        Shape (n, n), float32: intensity, carried on beyond the object.
+        Shape (n, n), float32: intensity, extended beyond the object.
     curvature : numpy.ndarray
         Shape (n, n), float32: logarithm of 1 + the surface's curvedness.
     """
@@ -103,7 +107,7 @@ class WorkingView:
 def prepare_view(
     colour: NDArray[np.float32], mask: NDArray[np.bool_], curvature: NDArray[np.float32]
 ) -> WorkingView:
-    """Bring a view onto the working image.
+    """Resample a view to the working image.
 
     Parameters
     ----------
@@ -145,10 +149,10 @@ def reasons_to_skip(
     curvature: NDArray[np.float32],
     parameters: AttentionParameters,
 ) -> dict[str, str]:
-    """Tell which channels a view does not call for, and why.
+    """Give the channels that a view does not need, and why.
 
-    A channel is skipped only where computing it would give zeros, or where its
-    weight is zero: the saliency map is the same to the last bit.
+    A channel is skipped only if its map would be zero, or if its weight is zero:
+    the saliency map is the same, bit for bit.
 
     Parameters
     ----------
@@ -194,8 +198,8 @@ def contrast_plane(view: WorkingView) -> Plane:
     """Local root mean square contrast: deviation over mean in a Gaussian window.
 
     Moulden, Kingdom & Gatley 1990 for the measure; Reinagel & Zador 1999 for its
-    part in drawing the eye. A tenth of full scale is added to the mean, below
-    which the eye's adaptation stops.
+    effect on fixations. A tenth of full scale is added to the mean: below it the
+    eye does not adapt further.
     """
     weight = reciprocal(_window(view.certainty))
     mean = _window(view.intensity * view.certainty) * weight
@@ -204,7 +208,7 @@ def contrast_plane(view: WorkingView) -> Plane:
 
 
 def curvature_plane(view: WorkingView) -> Plane:
-    """Curvedness of the surface, compressed by a logarithm.
+    """Logarithm of the curvedness of the surface.
 
     Lee, Varshney & Jacobs 2005, "Mesh saliency", for centre-surround differences
     of curvature; here they are taken in the view.
@@ -213,7 +217,7 @@ def curvature_plane(view: WorkingView) -> Plane:
 
 
 def edge_plane(view: WorkingView) -> Plane:
-    """Length of the gradient of intensity by Scharr's operator, full scale a pixel."""
+    """Length of the gradient of intensity by Scharr's operator, full scale per pixel."""
     across, down = _gradient(view.backdrop)
     length: Plane = np.sqrt(across**2 + down**2)
     return length * view.certainty
@@ -223,8 +227,8 @@ def entropy_plane(view: WorkingView, bins: int) -> Plane:
     """Entropy of the grey levels in a window, as a fraction of the largest possible.
 
     Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is
-    shared between the two nearest grey levels, so that a change too small to be
-    seen changes the entropy as little.
+    shared between the two nearest grey levels, so that a small change of grey
+    changes the entropy by little.
     """
     position = np.minimum(view.intensity, 1.0) * np.float32(bins - 1)
     members = [
@@ -245,8 +249,8 @@ def symmetry_plane(view: WorkingView, radii: tuple[int, ...]) -> Plane:
 
     Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest",
     on half the working image's rows and columns. A vote is shared between the
-    four pixels around the point that it names, and faint gradients have a
-    fraction of a vote, so that the plane depends on the view continuously.
+    four pixels around its point, and faint gradients have a fraction of a vote, so
+    that the plane depends on the view continuously.
     """
     across, down = _gradient(reduce(view.backdrop, GOES_ON))
     certainty = reduce(view.certainty).reshape(-1)
@@ -272,13 +276,13 @@ def symmetry_plane(view: WorkingView, radii: tuple[int, ...]) -> Plane:
 
 
 def orientation_stacks(view: WorkingView, parameters: AttentionParameters) -> list[Stack]:
-    """Local energy of Gabor pairs at each angle above the mean over all angles.
+    """Local energy of Gabor pairs at each angle, minus the mean over all angles.
 
     Itti, Koch & Niebur 1998, with the filters of their authors' toolbox: 9 x 9
     pixels, period 7, deviation 7/3, phases 0 and 90 degrees, zero mean, unit
     norm. Angles inhibit each other (Heeger 1992, "Normalization of cell responses
-    in cat striate cortex", in its subtractive form), as the two ends of an
-    upright bar would else count as two level bars.
+    in cat striate cortex", in its subtractive form); without this the two ends of
+    an upright bar would count as two horizontal bars.
 
     Parameters
     ----------
@@ -328,9 +332,15 @@ def feature_stacks(
     Returns
     -------
     list of Stack
-        Each plane has its own place whatever else runs, so that a channel's
-        numbers do not depend on the others; places of other channels hold zeros.
+        Each plane has a fixed place, so that a channel's numbers do not depend on
+        which other channels run; their places hold zeros.
+
+    Raises
+    ------
+    AttentionError
+        If there is no such channel, or one gives another number of planes than its entry says.
     """
+    entries = [channel(name) for name in channels]
     stacks = []
     steps = max(parameters.surround_offsets)
     for slots in SLOTS:
@@ -340,31 +350,22 @@ def feature_stacks(
         found = {name: _planes(name, view, parameters) for name in wanted}
         empty = np.zeros_like(view.certainty)
         planes = [found[name].pop(0) if name in found else empty for name in slots]
-        pyramid = reductions(cv2.merge(planes), max(parameters.centre_levels) + steps)
+        ((stack, _),) = quads(planes)
+        pyramid = reductions(stack, max(parameters.centre_levels) + steps)
         stacks += [Stack(level, pyramid[level:], slots) for level in parameters.centre_levels]
-    if "orientation" in channels:
-        stacks += orientation_stacks(view, parameters)
+    for entry in entries:
+        stacks += entry.stacks(view, parameters) if entry.stacks else []
     return stacks
 
 
 def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> list[Plane]:
-    if name == "colour":
-        return colour_planes(view)
-    if name == "entropy":
-        return [entropy_plane(view, parameters.entropy_bins)]
-    if name == "symmetry":
-        return [symmetry_plane(view, parameters.symmetry_radii)]
-    return [SIMPLE_PLANES[name](view)]
-
-
-SIMPLE_PLANES: Mapping[str, Callable[[WorkingView], Plane]] = MappingProxyType(
-    {
-        "intensity": intensity_plane,
-        "contrast": contrast_plane,
-        "curvature": curvature_plane,
-        "edge": edge_plane,
-    }
-)
+    entry = channel(name)
+    planes = entry.planes(view, parameters) if entry.planes else []
+    if len(planes) != entry.count:
+        raise AttentionError(
+            f"channel {name} gave {len(planes)} planes; its entry says {entry.count}."
+        )
+    return planes
 
 
 def _dull_channels(
@@ -373,16 +374,15 @@ def _dull_channels(
     if not mask.any():
         return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
     inside = mask.view(np.uint8)
-    found: dict[str, str] = {}
+    missing: dict[str | None, str] = {}
     red, green, blue = cv2.split(np.ascontiguousarray(colour))
     if not np.any(((red != green) | (green != blue)) & mask):
-        found["colour"] = "every pixel is grey"
+        missing["hues"] = "every pixel is grey"
     if all(_is_uniform(hue, inside) for hue in (red, green, blue)):
-        names = (name for name in CHANNELS if name != "curvature")
-        found |= dict.fromkeys(names, "every pixel has one and the same colour")
+        missing |= dict.fromkeys(("hues", "colours"), "every pixel has one and the same colour")
     if _is_uniform(np.ascontiguousarray(curvature), inside):
-        found["curvature"] = "the surface is curved alike everywhere"
-    return found
+        missing["curvature"] = "the surface is curved alike everywhere"
+    return {name: missing[entry.needs] for name, entry in ENTRIES.items() if entry.needs in missing}
 
 
 def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
@@ -426,7 +426,7 @@ def _window(plane: Plane) -> Plane:
 
 
 def _box(planes: Plane) -> Plane:
-    """Average over a square window, sampled at every other pixel, as nothing finer is left."""
+    """Average over a square window, sampled at every other pixel, as it holds no finer detail."""
     half = len(planes) // 2
     coarse = cv2.resize(planes, (half, half), interpolation=cv2.INTER_AREA)
     return cv2.boxFilter(coarse, -1, (5, 5), borderType=cv2.BORDER_CONSTANT)
@@ -438,7 +438,7 @@ def _cast_votes(
     votes: tuple[Plane, Plane],
     shape: tuple[int, ...],
 ) -> list[Plane]:
-    """Count votes for the points ahead of each place less those behind it, and drop the sign."""
+    """Count votes for the point ahead of each place minus those behind it, as absolute values."""
     # A margin holds the votes for points outside the image.
     margin = int(np.ceil(np.abs(steps).max(initial=0.0))) + 1
     rows, columns = shape[0] + 2 * margin, shape[1] + 2 * margin

@@ -1,5 +1,5 @@
-"""What the attention model refuses."""
+"""Errors of the attention model."""
 
 
 class AttentionError(ValueError):
-    """A view, a parameter or a target that the attention model can't take."""
+    """A view, a parameter or a target is not valid for the attention model."""

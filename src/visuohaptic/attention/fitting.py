@@ -1,4 +1,4 @@
-"""Channel weights from examples: which channels tell where people look."""
+"""Fit channel weights to places that people looked at."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.errors import AttentionError
-from visuohaptic.attention.parameters import CHANNELS, ChannelWeights
+from .errors import AttentionError
+from .parameters import CHANNELS, ChannelWeights
 
 
 @dataclass(frozen=True)
 class Example:
-    """One view with the places that draw the eye.
+    """One view and the places that people looked at.
 
     Attributes
     ----------
     object_name : str
         The object in the view.
     conspicuity : dict of str to numpy.ndarray
-        Shape (h, w), float32, by channel, as `Attention.conspicuity` has it for
+        Shape (h, w), float32, by channel, as in `Attention.conspicuity` with
         equal weights; a channel that did not run counts as zero.
     mask : numpy.ndarray
         Shape (h, w), bool: where the object is.
     places : numpy.ndarray
-        Shape (k, 2), int64: row and column of each place looked at.
+        Shape (k, 2), int64: row and column of each place.
     """
 
     object_name: str
@@ -51,7 +51,7 @@ def fit_weights(
     examples : sequence of Example
         Views of training objects.
     tested : collection of str
-        Names of the objects on which anything will be tested.
+        Names of the objects that are used for tests.
     spread : float
         Standard deviation of the Gaussians, as a fraction of the view's longer edge.
 
@@ -63,8 +63,8 @@ def fit_weights(
     Raises
     ------
     AttentionError
-        If an example shows a tested object, there is none, or no channel tells
-        anything of the places.
+        If an example shows a tested object, there are no examples, or no channel
+        predicts the places.
     """
     leaked = sorted({example.object_name for example in examples} & set(tested))
     if leaked:
@@ -76,8 +76,8 @@ def fit_weights(
         raise AttentionError("there are 0 examples to fit weights to; at least 1 is needed.")
     from scipy.optimize import nnls
 
-    # The normal equations of all examples together: their solution is the same, and the size
-    # of the problem does not grow with the number of pixels.
+    # The normal equations have the same solution, and their size does not grow with the number
+    # of pixels.
     gram = np.zeros((len(CHANNELS), len(CHANNELS)))
     moment = np.zeros(len(CHANNELS))
     for example in examples:

@@ -1,17 +1,17 @@
-"""How well a saliency map tells where a target is, or where people looked."""
+"""How well a saliency map predicts a target, or where people looked."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.errors import AttentionError
+from .errors import AttentionError
 
 
 def area_under_curve(
     saliency: NDArray[np.float32], target: NDArray[np.bool_], mask: NDArray[np.bool_]
 ) -> float:
-    """Give the chance that a pixel of the target is more salient than another one.
+    """Give the probability that a pixel of the target is more salient than another pixel.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ def area_under_curve(
     target : numpy.ndarray
         Shape (h, w), bool: pixels of the target, or fixated ones.
     mask : numpy.ndarray
-        Shape (h, w), bool: pixels that count; the rest of them is compared with the target.
+        Shape (h, w), bool: pixels that count; those outside the target are compared with it.
 
     Returns
     -------
@@ -32,7 +32,7 @@ def area_under_curve(
     Raises
     ------
     AttentionError
-        If the target, or what is left without it, is empty.
+        If the target or the rest of the mask is empty.
     """
     from scipy.stats import rankdata
 
@@ -67,7 +67,7 @@ def normalised_scanpath_saliency(
     Raises
     ------
     AttentionError
-        If the target, or what is left without it, is empty.
+        If the target or the rest of the mask is empty.
     """
     _check_target(target, mask)
     values = saliency[mask].astype(np.float64)

@@ -9,20 +9,20 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.channels import prepare_view, reasons_to_skip
-from visuohaptic.attention.errors import AttentionError
-from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
-from visuohaptic.attention.saliency import conspicuity_maps, on_view, saliency_map
-from visuohaptic.attention.scanpath import Scanpath, scan
+from .channels import prepare_view, reasons_to_skip
+from .errors import AttentionError
+from .parameters import CHANNELS, AttentionParameters
+from .saliency import conspicuity_maps, on_view, saliency_map
+from .scanpath import Scanpath, scan
 
 SMALLEST_VIEW = 16
-# A map of zeros stays one.
+# Keeps a map of zeros from being divided by zero.
 SMALLEST_PEAK = 1e-30
 
 
 @dataclass(frozen=True)
 class Attention:
-    """What one view does to the eye.
+    """Saliency and fixations of one view.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Attention:
         Shape (h, w), float32, at least 0, for each channel that ran, before
         its weight: larger where fewer places stand out in that channel.
     skipped : dict of str to str
-        Why each other channel did not run.
+        Reasons, by channel, why the others did not run.
     scanpath : Scanpath
         The fixations in order.
     """
@@ -52,7 +52,7 @@ def attend(
     curvature: NDArray[np.float32],
     parameters: AttentionParameters,
 ) -> list[Attention]:
-    """Let the eye wander over each of n views.
+    """Compute saliency and fixations for each of n views.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def attend(
     mask : numpy.ndarray
         Shape (n, h, w), bool: where the object is.
     point : numpy.ndarray
-        Shape (n, h, w, 3), float64: seen points of the surface.
+        Shape (n, h, w, 3), float64: visible points of the surface.
     normal : numpy.ndarray
         Shape (n, h, w, 3), float64: their unit normals.
     face : numpy.ndarray
@@ -74,7 +74,7 @@ def attend(
     Returns
     -------
     list of Attention
-        One a view; each depends on its own view alone.
+        One per view; each depends on its own view only.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def _check_views(
     for name, (array, shape) in arrays.items():
         if array.shape != shape:
             raise AttentionError(f"{name} has shape {array.shape}; {shape} goes with the mask.")
-        # One value that is not finite makes the sum so; this is faster than asking each.
+        # A sum is not finite if one value is not; this is faster than a test of each value.
         if not np.isfinite(np.sum(array, dtype=np.float64)):
             raise AttentionError(f"{name} has values that are not finite; none is allowed.")
         if name in ("colour", "curvature") and array.min(initial=0) < 0:

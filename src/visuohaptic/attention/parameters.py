@@ -2,44 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
-CHANNELS = (
-    "colour",
-    "intensity",
-    "orientation",
-    "contrast",
-    "curvature",
-    "edge",
-    "entropy",
-    "symmetry",
-)
+from .registry import ENTRIES, channel
+
+CHANNELS = tuple(ENTRIES)
 
 
-class ChannelWeights(BaseModel):
-    """How much each channel adds to the saliency map; a channel of weight 0 is not computed."""
-
+class _Weights(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    colour: float = Field(1.0, ge=0.0, description="Red-green and blue-yellow double opponency.")
-    intensity: float = Field(1.0, ge=0.0, description="Light against dark surroundings.")
-    orientation: float = Field(1.0, ge=0.0, description="Gabor energy at each angle.")
-    contrast: float = Field(1.0, ge=0.0, description="Local root mean square contrast.")
-    curvature: float = Field(1.0, ge=0.0, description="Curvedness of the surface.")
-    edge: float = Field(1.0, ge=0.0, description="Gradient of intensity.")
-    entropy: float = Field(1.0, ge=0.0, description="Entropy of the local grey level histogram.")
-    symmetry: float = Field(1.0, ge=0.0, description="Radial symmetry of gradients.")
-
     @model_validator(mode="after")
-    def _one_above_zero(self) -> ChannelWeights:
+    def _one_above_zero(self) -> Self:
         if not any(self.model_dump().values()):
             raise ValueError("all channel weights are 0; at least one above 0 is needed.")
         return self
 
     @classmethod
-    def only(cls, *channels: str) -> ChannelWeights:
+    def only(cls, *channels: str) -> Self:
         """Give the named channels weight 1 and all others 0.
 
         Parameters
@@ -51,15 +33,39 @@ class ChannelWeights(BaseModel):
         -------
         ChannelWeights
             The weights.
+
+        Raises
+        ------
+        AttentionError
+            If a channel is unknown.
         """
-        unknown = sorted(set(channels) - set(CHANNELS))
-        if unknown:
-            raise ValueError(f"channels {unknown} are unknown; {', '.join(CHANNELS)} are allowed.")
-        return cls(**{name: float(name in channels) for name in CHANNELS})
+        chosen = {channel(name).name for name in channels}
+        return cls.model_validate({name: float(name in chosen) for name in CHANNELS})
+
+
+if TYPE_CHECKING:
+
+    class ChannelWeights(_Weights):
+        """How much each channel adds to the saliency map; a channel of weight 0 is not computed."""
+
+        def __init__(self, **weights: float) -> None: ...
+
+else:
+    # A field for each channel, so that a channel's entry is all that there is to write.
+    ChannelWeights = create_model(
+        "ChannelWeights",
+        __base__=_Weights,
+        __module__=__name__,
+        __doc__="How much each channel adds to the saliency map; a channel of weight 0 is not computed.",
+        **{
+            entry.name: (float, Field(entry.weight, ge=0.0, description=entry.description))
+            for entry in ENTRIES.values()
+        },
+    )
 
 
 class AttentionParameters(BaseModel):
-    """Channels, their combination, and the way of the eye over the saliency map.
+    """Channels, their combination, and the choice of fixations.
 
     Scales are counted in levels of a dyadic pyramid over a working image of 128
     pixels along the view's longer edge: level n averages over about 2^n / 128 of

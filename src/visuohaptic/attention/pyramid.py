@@ -1,9 +1,9 @@
-"""Pyramids of an object in front of nothing: every average is taken over the object alone.
+"""Image pyramids in which every average is taken over the object only.
 
-A plane comes with its certainty, 1 on the object and 0 beside it, and is kept
+A plane has a certainty, 1 on the object and 0 outside it, and is stored
 multiplied by it. Smoothing both and dividing is normalised convolution
-(Knutsson & Westin 1993): what lies beside the object has no say, so its outline
-is no step in any plane.
+(Knutsson & Westin 1993): pixels outside the object have no influence, so its
+outline makes no step in any plane.
 
 All grids are centred on the image. The usual reduction that keeps every other
 pixel moves the image by half a pixel a level, which at the coarse levels is a
@@ -33,7 +33,7 @@ Plane: TypeAlias = NDArray[np.float32]
 
 
 def to_working_size(plane: Plane) -> Plane:
-    """Bring planes of any size onto the square working image.
+    """Resample planes of any size to the square working image.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def to_working_size(plane: Plane) -> Plane:
     numpy.ndarray
         Shape (WORKING_SIZE, WORKING_SIZE[, k]); a view that is not square is
         centred and padded with zeros. Larger views are averaged by area,
-        smaller ones interpolated; a [1 2 1] kernel then limits the band.
+        smaller ones interpolated; a [1 2 1] kernel then limits the bandwidth.
     """
     square = _padded_to_square(plane)
     size = (WORKING_SIZE, WORKING_SIZE)
@@ -56,7 +56,7 @@ def to_working_size(plane: Plane) -> Plane:
 def from_map_size(
     plane: Plane, shape: tuple[int, int], interpolation: int = cv2.INTER_CUBIC
 ) -> Plane:
-    """Bring a square map back onto the pixels of the view.
+    """Resample a square map to the pixels of the view.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def from_map_size(
     shape : tuple of int
         Rows and columns of the view.
     interpolation : int
-        OpenCV's; cubics put a peak between pixels of the map, lines are faster.
+        OpenCV's constant; cubic can place a peak between pixels of the map, linear is faster.
 
     Returns
     -------
@@ -85,15 +85,15 @@ def blur(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
 
 
 def reduce(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
-    """Halve both sides with the kernel [1 3 3 1] / 8, whose centre is the new pixel's own.
+    """Halve both sides with the kernel [1 3 3 1] / 8, which is centred on the new pixel.
 
     Parameters
     ----------
     plane : numpy.ndarray
         Shape (2n, 2n) or (2n, 2n, k), float32.
     border : int
-        `NOTHING_BEYOND` for what is multiplied by its certainty, `GOES_ON` for
-        an image that fills its grid.
+        `NOTHING_BEYOND` for planes that are multiplied by their certainty, `GOES_ON`
+        for an image that fills its grid.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def enlarge(plane: Plane, size: int) -> Plane:
 
 
 def reductions(plane: Plane, count: int, border: int = NOTHING_BEYOND) -> list[Plane]:
-    """Give a plane and `count` further levels, each half as large as the one before."""
+    """Give a plane and `count` further levels, each of half the size."""
     levels = [plane]
     for _ in range(count):
         levels.append(reduce(levels[-1], border))
@@ -120,7 +120,7 @@ def reductions(plane: Plane, count: int, border: int = NOTHING_BEYOND) -> list[P
 
 
 def quads(planes: Sequence[Plane]) -> list[tuple[Plane, int]]:
-    """Put planes into stacks of four, for which OpenCV's loops over float32 are the fastest.
+    """Put planes into stacks of four, for which OpenCV is fastest with float32.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def quads(planes: Sequence[Plane]) -> list[tuple[Plane, int]]:
     Returns
     -------
     list of tuple
-        Stacks of shape (n, n, 4), filled up with zeros, and the number of planes in each.
+        Stacks of shape (n, n, 4), padded with zeros, and the number of planes in each.
     """
     stacks = []
     for start in range(0, len(planes), 4):
@@ -141,7 +141,7 @@ def quads(planes: Sequence[Plane]) -> list[tuple[Plane, int]]:
 
 
 def reciprocal(certainty: Plane) -> Plane:
-    """Give 1 over the certainty, by which a smoothed plane becomes an average.
+    """Give 1 over the certainty; a smoothed plane times this is an average.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def reciprocal(certainty: Plane) -> Plane:
 
 
 def filled(plane: Plane, certainty: Plane) -> Plane:
-    """Carry a plane on beyond the object, so that filters meet no step at its outline.
+    """Extend a plane beyond the object, so that filters find no step at its outline.
 
     Parameters
     ----------
@@ -169,9 +169,9 @@ def filled(plane: Plane, certainty: Plane) -> Plane:
     Returns
     -------
     numpy.ndarray
-        Shape (n, n): the object's own values on it, and beside it averages of
-        its nearest parts over ever larger surroundings (pull-push, Gortler et
-        al. 1996, "The Lumigraph").
+        Shape (n, n): the object's own values on it, and outside it averages of
+        its nearest parts over increasingly large neighbourhoods (pull-push,
+        Gortler et al. 1996, "The Lumigraph").
     """
     planes, certainties = [plane], [certainty]
     while planes[-1].shape[0] > 4:

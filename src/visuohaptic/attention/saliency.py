@@ -11,29 +11,30 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.channels import Stack, WorkingView, feature_stacks
-from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
-from visuohaptic.attention.pyramid import (
+from .channels import Stack, WorkingView, feature_stacks
+from .parameters import CHANNELS, AttentionParameters
+from .pyramid import (
     WORKING_SIZE,
     Plane,
     enlarge,
     from_map_size,
+    quads,
     reciprocal,
     reduce,
     reductions,
 )
+from .registry import channel
 
 MAP_SIZE = WORKING_SIZE // 2
-TWO_SIDED_CHANNELS = ("colour", "intensity")
-# Largest response, in a channel's own unit of full scale, below which a map is not blown up.
+# Largest response, in the channel's full scale, below which a map is not scaled up further.
 FAINT = 0.01
-# Differences that rounding may cause; one of 256 grey levels is forty times as much.
+# Differences that rounding may cause; one of 256 grey levels is forty times as large.
 NOISE = np.float32(1e-4)
-# Maxima around a tenth of the range begin to count, as in the toolbox of Walther & Koch.
+# Maxima count from about a tenth of the range on, as in the toolbox of Walther & Koch.
 LOWEST_MAXIMUM, COUNTED_RANGE = np.float32(0.05), 0.1
-# What is left at least of a map in which nothing is special, such as one long even edge.
+# Least factor of N, for a map in which nothing stands out, such as one long even edge.
 REMNANT = 1e-3
-# How far below its highest neighbour a pixel is part of the same peak.
+# A pixel this far below its highest neighbour is still part of the same peak.
 PLATEAU = 1e-3
 EXCITATION, EXCITATION_WIDTH = 0.5, 0.02
 INHIBITION, INHIBITION_WIDTH = 1.5, 0.25
@@ -60,7 +61,7 @@ def conspicuity_maps(
     -------
     dict of str to numpy.ndarray
         Shape (MAP_SIZE, MAP_SIZE) each, float32, at least 0, in the order of
-        the channels. A map of 1 somewhere has a single peak.
+        the channels. A map that reaches 1 has a single peak.
     """
     totals = {name: np.zeros((MAP_SIZE, MAP_SIZE), np.float32) for name in channels}
     strongest = dict.fromkeys(channels, 0.0)
@@ -73,7 +74,7 @@ def conspicuity_maps(
                 strongest[name] = max(strongest[name], float(peaks[index]))
     return {
         name: plane
-        for start in (0, 4)
+        for start in range(0, len(CHANNELS), 4)
         for name, plane in _conspicuity(CHANNELS[start : start + 4], totals, strongest, parameters)
     }
 
@@ -104,7 +105,7 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
 def on_view(
     plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTER_LINEAR
 ) -> NDArray[np.float32]:
-    """Bring a map onto the pixels of its view and clear the background.
+    """Resample a map to the pixels of its view and set the background to zero.
 
     Parameters
     ----------
@@ -124,7 +125,7 @@ def on_view(
 
 
 def promote(planes: Plane, parameters: AttentionParameters) -> Plane:
-    """Apply the operator N: few strong peaks are promoted over many alike.
+    """Apply the operator N: few strong peaks are promoted over many similar ones.
 
     Parameters
     ----------
@@ -136,7 +137,7 @@ def promote(planes: Plane, parameters: AttentionParameters) -> Plane:
     Returns
     -------
     numpy.ndarray
-        Shape (n, n, 4), at least 0; each plane by itself.
+        Shape (n, n, 4), at least 0; each plane is treated by itself.
     """
     match parameters.normalisation:
         case "local_maxima":
@@ -149,7 +150,7 @@ def promote(planes: Plane, parameters: AttentionParameters) -> Plane:
 
 @dataclass(frozen=True)
 class _Scale:
-    """One pair of scales: steps from centre to surround, and what is certain of either."""
+    """One pair of scales: levels from centre to surround, and factors from their certainties."""
 
     offset: int
     centre_mean: Plane
@@ -176,15 +177,16 @@ def _promoted_stack(
 ) -> tuple[Plane, Plane]:
     """Add up the promoted maps of each plane of a stack, and give the largest value of any map.
 
-    What is there stands out, what is lacking does not (search asymmetry,
-    Treisman & Gormley 1988): measures of how much goes on count where the centre
-    has more of it. Colour and intensity have two sides, such as red and green,
-    and each side is a map of its own (on-centre and off-centre cells), as a red
-    spot among green ones is alone on its side.
+    Presence of a feature stands out, absence does not (search asymmetry, Treisman
+    & Gormley 1988): most channels count only where the centre has more than the
+    surround. Colour and intensity have two sides, such as red and green, and each
+    side is a map of its own (on-centre and off-centre cells), as a red spot among
+    green ones is alone on its side.
     """
     total = np.zeros((MAP_SIZE, MAP_SIZE, 4), dtype=np.float32)
     strongest = np.zeros(4, dtype=np.float32)
-    two_sided = np.isin(stack.channels, TWO_SIDED_CHANNELS)
+    two_sided = np.zeros(4, dtype=bool)
+    two_sided[: len(stack.channels)] = [channel(name).two_sided for name in stack.channels]
     for scale in scales:
         difference = _difference(stack.pyramid, scale)
         promoted = promote(_scaled(_rectified(difference - NOISE)), parameters)
@@ -209,16 +211,17 @@ def _conspicuity(
     strongest: Mapping[str, float],
     parameters: AttentionParameters,
 ) -> list[tuple[str, Plane]]:
-    """Promote four channels' sums; a channel is as conspicuous as its most conspicuous map.
+    """Promote up to four channels' sums; a channel is as conspicuous as its most conspicuous map.
 
-    Itti, Koch & Niebur blow every channel's sum up to full range before the last
-    N, so a channel in which nothing stands out still has a say; here it keeps quiet.
+    Itti, Koch & Niebur scale every channel's sum to full range before the last N,
+    so a channel in which nothing stands out still counts; here it does not.
     """
     empty = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)
-    stack = cv2.merge([totals.get(name, empty) for name in names])
-    scale = np.array([strongest.get(name, 0.0) for name in names], dtype=np.float32)
+    ((stack, _),) = quads([totals.get(name, empty) for name in names])
+    scale = np.zeros(4, dtype=np.float32)
+    scale[: len(names)] = [strongest.get(name, 0.0) for name in names]
     planes = cv2.split(_times(promote(_scaled(stack), parameters), scale))
-    return [(name, plane) for name, plane in zip(names, planes, strict=True) if name in totals]
+    return [(name, plane) for name, plane in zip(names, planes, strict=False) if name in totals]
 
 
 def _at_map_size(plane: Plane) -> Plane:
@@ -248,9 +251,9 @@ def _scaled(planes: Plane) -> Plane:
 def _promote_by_local_maxima(planes: Plane) -> Plane:
     """Apply Itti, Koch & Niebur 1998: times (M - mean of the other local maxima) squared.
 
-    Which pixel is a maximum, and whether it is high enough to count, fade over a
-    little range, and a peak between pixels counts once. Otherwise rounding would
-    decide, on an object that is alike on both sides, between one peak and two.
+    Which pixel is a maximum, and whether it is high enough to count, change
+    gradually over a small range, and a peak between pixels counts once. Otherwise,
+    on a symmetric object, rounding would decide between one peak and two.
     """
     below = cv2.dilate(planes, _NEIGHBOURS) - planes
     topmost = _rectified(1.0 - below * np.float32(1.0 / PLATEAU))
@@ -265,7 +268,7 @@ def _promote_by_local_maxima(planes: Plane) -> Plane:
 
 
 def _promote_iteratively(planes: Plane, rounds: int) -> Plane:
-    """Itti & Koch 2000: differences of Gaussians, rectified, over and over."""
+    """Itti & Koch 2000: differences of Gaussians, rectified, in several rounds."""
     excitation, inhibition = _gaussians(len(planes))
     support = cv2.sepFilter2D(
         np.ones_like(planes), -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT

@@ -1,4 +1,4 @@
-"""Where the eye rests, in order: winner-take-all with inhibition of return."""
+"""Fixations in order: winner-take-all with inhibition of return."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.parameters import AttentionParameters
+from .parameters import AttentionParameters
 
-# Saliencies closer than this are equal: rounding alone tells them apart.
+# Saliencies closer than this count as equal: they may differ by rounding only.
 TIE = 1e-4
-# Pull towards the inside of the object, by which it decides only where saliency does not.
+# Weight of the depth inside the outline; small, so that it decides only where saliency is even.
 INWARD = 1e-3
-# How far off the outline the eye rests, of the view's longer edge; thin parts are looked at
-# within this share of their half thickness from the middle.
+# Least distance of a fixation from the outline, as a fraction of the view's longer edge; in thinner
+# parts, at least this share of the depth of their middle.
 OUTLINE_MARGIN = 0.016
 THIN_PART = 0.7
-# Drive of a place that is not to be looked at again; others may be zero.
+# Drive of a place that may not be fixated again; that of other places may be zero.
 CLOSED = -1.0
 
 
@@ -39,8 +39,8 @@ class Scanpath:
     saliency : numpy.ndarray
         Shape (k,), float64: of the view's maximum.
     asked : int
-        Fixations that were asked for; k is smaller where no pixel was left
-        outside the foci, and no pixel is ever given twice.
+        Fixations that were asked for; k is smaller if no pixel was left outside
+        the foci. No pixel is fixated twice.
     """
 
     rows: NDArray[np.int64]
@@ -70,7 +70,7 @@ def scan(
     face: NDArray[np.int64],
     parameters: AttentionParameters,
 ) -> Scanpath:
-    """Follow the eye over a saliency map.
+    """Find the fixations on a saliency map.
 
     Parameters
     ----------
@@ -88,8 +88,8 @@ def scan(
     Returns
     -------
     Scanpath
-        At most as many fixations as asked for. Where maxima tie, the one
-        whose neighbourhood comes first row by row wins.
+        At most as many fixations as asked for. Among maxima that tie, the largest within
+        one focus of the first, in row order, wins.
     """
     depth = _depth_inside(mask)
     pixels = np.flatnonzero(_off_outline(depth))
@@ -131,7 +131,7 @@ def _winners(
 
 
 def _winner(drive: NDArray[np.float32], places: NDArray[np.float32]) -> int:
-    """Give the largest; where others equal it up to rounding, the largest of the first focus."""
+    """Give the largest; if others equal it up to rounding, the largest within the first's focus."""
     tied = np.flatnonzero(drive >= drive.max() - TIE)
     near = tied[_squared_distances(places[:, tied], places[:, tied[0]]) <= 1.0]
     return int(near[np.argmax(drive[near])])
@@ -152,13 +152,13 @@ def _release(progress: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _depth_inside(mask: NDArray[np.bool_]) -> NDArray[np.float32]:
-    """Give each pixel's distance to the nearest one beside the object, pixels."""
+    """Give each pixel's distance to the nearest pixel outside the object, in pixels."""
     padded = cv2.copyMakeBorder(mask.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     return cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_5)[1:-1, 1:-1]
 
 
 def _off_outline(depth: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Keep off the outline by a margin, and in parts thinner than two margins near their middle."""
+    """Keep a margin from the outline; in parts thinner than two margins, stay near their middle."""
     margin = OUTLINE_MARGIN * max(depth.shape)
     reach = 2 * round(margin) + 1
     window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))

@@ -145,15 +145,13 @@ def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | No
 
 def _check_strategy(strategy: str) -> None:
     """Refuse a wrong strategy before any work: it is wrong use."""
-    from typing import get_args
+    from visuohaptic.errors import RegistryError
+    from visuohaptic.fixations.probing import STRATEGIES
 
-    from visuohaptic.fixations.parameters import Strategy
-
-    if strategy not in get_args(Strategy):
-        raise typer.BadParameter(
-            f"{strategy!r} is no strategy; {', '.join(get_args(Strategy))} are allowed.",
-            param_hint="--strategy",
-        )
+    try:
+        STRATEGIES[strategy]
+    except RegistryError as error:
+        raise typer.BadParameter(str(error), param_hint="--strategy") from None
 
 
 def _load(mesh: Path, up: UpAxis | None, parameters: ExperimentParameters) -> TouchableObject:

@@ -1,8 +1,8 @@
-"""The directional filter bank: ladders over the tables of `visuohaptic.contourlet.lattice`.
+"""The directional filter bank: ladder steps over the tables of `lattice`.
 
 Arrays here are `(pixels, images)`: the image's pixels flattened in raster order, images last, so that
-one operation serves a batch. Only additions and multiplications of whole arrays are used, hence an
-image's result is the same, bit for bit, whatever else is in the batch.
+one operation covers a batch. Only additions and multiplications of whole arrays are used, so an
+image's result does not depend on the other images of the batch, bit for bit.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Floats = NDArray[np.floating[Any]]
 
 
 def _convolve(x: Floats, taps: tuple[float, ...], axis: int) -> Floats:
-    """Convolve along an axis where the filter fits; taps that are equal but for sign are joined."""
+    """Convolve along an axis, without borders; samples with taps of one size are joined first."""
     length = len(taps)
     if length == 1:
         return x if taps[0] == 1 else x * x.dtype.type(taps[0])
@@ -29,16 +29,18 @@ def _convolve(x: Floats, taps: tuple[float, ...], axis: int) -> Floats:
     def window(k: int) -> Floats:
         return x[(*head, slice(length - 1 - k, length - 1 - k + span))]
 
-    total = np.zeros_like(window(0))
-    term = np.zeros_like(total)
-    for k in range(length // 2):
-        joined = np.add if taps[k] == taps[-1 - k] else np.subtract
-        joined(window(k), window(length - 1 - k), out=term)
-        term *= x.dtype.type(taps[k])
-        total += term
+    def weighted_pair(k: int, out: Floats | None = None) -> Floats:
+        join = np.add if taps[k] == taps[-1 - k] else np.subtract
+        pair = join(window(k), window(length - 1 - k), out=out)
+        pair *= x.dtype.type(taps[k])
+        return pair
+
+    total = weighted_pair(0)
+    term = np.empty_like(total)
+    for k in range(1, length // 2):
+        total += weighted_pair(k, term)
     if length % 2:
-        np.multiply(window(length // 2), x.dtype.type(taps[length // 2]), out=term)
-        total += term
+        total += np.multiply(window(length // 2), x.dtype.type(taps[length // 2]), out=term)
     return total
 
 
@@ -73,7 +75,7 @@ def _gains(step: LadderStep, dtype: np.dtype[Any]) -> tuple[Any, Any]:
 
 
 def analyse_directions(pixels: Floats, tables: DirectionalTables) -> list[Floats]:
-    """Divide images into directional bands.
+    """Split images into directional bands.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What can be wrong with a call; each message is one sentence that names what is allowed."""
+"""Errors of this package; each message is one sentence that names what is allowed."""
 
 
 class ContourletError(ValueError):
@@ -10,11 +10,11 @@ class ImageError(ContourletError):
 
 
 class FilterError(ContourletError):
-    """No filter goes by that name."""
+    """There is no filter of that name."""
 
 
 class LevelsError(ContourletError):
-    """The levels are malformed, or the image is too small or too odd for them."""
+    """The levels are not valid, or the transform is not defined for images of this size."""
 
 
 class CoefficientsError(ContourletError):
@@ -22,4 +22,4 @@ class CoefficientsError(ContourletError):
 
 
 class ExtensionError(ContourletError):
-    """No rule for the borders goes by that name."""
+    """There is no border extension of that name."""

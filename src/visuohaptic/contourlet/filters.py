@@ -24,7 +24,7 @@ _LADDER_HALVES = {
 _LADDER_HALVES["pkva"] = _LADDER_HALVES["pkva12"]
 
 DIRECTIONAL_FILTERS = ("pkva6", "pkva8", "pkva12", "pkva", "haar")
-"""Names that a directional bank takes; `pkva` is the reference toolbox's short name of `pkva12`."""
+"""Allowed directional filters; `pkva` is the reference toolbox's short name of `pkva12`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +60,7 @@ class LadderStep:
     taps : tuple of float
         Convolution taps along each axis.
     before, after : int
-        How many samples of the other component the filter reaches over, towards lower and higher
-        indices.
+        Samples of the other component that the filter covers, towards lower and higher indices.
     """
 
     target: int
@@ -73,7 +72,7 @@ class LadderStep:
 
 
 def pyramid_filter_names() -> tuple[str, ...]:
-    """List every name that `pyramid_filters` takes."""
+    """List every name that `pyramid_filters` allows."""
     import pywt
 
     return ("9-7", "5-3", "haar", *pywt.wavelist("bior"), *pywt.wavelist("rbio"))
@@ -101,7 +100,7 @@ def pyramid_filters(name: str) -> PyramidFilters:
     Raises
     ------
     FilterError
-        When no pair has that name.
+        When there is no pair of that name.
     """
     if name == "9-7":
         return PyramidFilters(_mirror(_NINE, _NINE_CENTRE), _mirror(_SEVEN, _SEVEN_CENTRE))
@@ -124,9 +123,9 @@ def pyramid_filters(name: str) -> PyramidFilters:
 
 
 def _defects(analysis: Array, synthesis: Array) -> tuple[Array, Array]:
-    """By how much a pair misses biorthogonality, its sums and its zeros at π; and the Jacobian."""
+    """Errors of a pair in biorthogonality, sums and zeros at π, and their Jacobian."""
     n, m = len(analysis), len(synthesis)
-    # Both filters are centred alike, so tap i meets tap i + (m − n)/2 + an even shift.
+    # Both filters have the same centre: tap i is multiplied with tap i + (m − n)/2 + an even shift.
     reach = (n + m) // 4
     shifts = 2 * np.arange(-reach, reach + 1) + (m - n) // 2
     meets = np.arange(m) - np.arange(n)[:, None] == shifts[:, None, None]
@@ -150,9 +149,9 @@ def _defects(analysis: Array, synthesis: Array) -> tuple[Array, Array]:
 
 
 def _polish(analysis: Array, synthesis: Array) -> PyramidFilters:
-    """Complete a pair's digits: some of PyWavelets' filters are given to 1e-12 only.
+    """Refine a pair to double precision: PyWavelets gives some filters to 1e-12 only.
 
-    Two Newton steps of least norm, which change no tap by more than the missing digits.
+    Up to two least-norm Newton steps, which change taps by no more than that error.
     """
     for _ in range(2):
         defect, jacobian = _defects(analysis, synthesis)
@@ -192,13 +191,13 @@ def ladder_steps(name: str) -> tuple[LadderStep, LadderStep]:
     """Write a directional filter as the two steps of a ladder.
 
     With polyphase components p0 and p1, and F the prototype β with every other tap negated along both
-    axes, `pkva` is y0 = (p0 − F p1)/√2, y1 = −√2 p1 − F y0 (Phoong et al. 1995, as the reference
-    toolbox has it). `haar` is the difference (p0 − p1)/√2 and the sum (p0 + p1)/√2, in lifting form.
+    axes, `pkva` is y0 = (p0 − F p1)/√2, y1 = −√2 p1 − F y0 (Phoong et al. 1995, as in the
+    reference toolbox). `haar` is the difference (p0 − p1)/√2 and the sum (p0 + p1)/√2, in lifting form.
 
     Raises
     ------
     FilterError
-        When no directional filter has that name.
+        When there is no directional filter of that name.
     """
     if name not in DIRECTIONAL_FILTERS:
         raise FilterError(
@@ -223,7 +222,7 @@ def ladder_steps(name: str) -> tuple[LadderStep, LadderStep]:
 
 @cache
 def diamond_filters(name: str) -> tuple[Array, Array]:
-    """Non-separable diamond filters that a `pkva` ladder stands for.
+    """Non-separable diamond filters that are equivalent to a `pkva` ladder.
 
     h0 = √2 (δ + B)/2 and h1 = √2 (δ − B(δ + B)/2), where B = β(z1 z2) β(z1/z2).
 

@@ -1,4 +1,4 @@
-"""What images may look like, and how they are brought into the form that the transforms work on."""
+"""Checks of images, blocks of a batch, and scaling by powers of two."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ Floats = NDArray[np.floating[Any]]
 _Real = TypeVar("_Real", bound=np.floating[Any])
 
 BLOCK_ELEMENTS = 1 << 18
-"""Pixels that are worked on at once, unless one image has more: a few MB of working memory."""
+"""Pixels per block, unless one image has more: a few MB of working memory."""
 
 
 def check_images(images: ArrayLike) -> Floats:
-    """Turn images into an array of finite floating-point numbers.
+    """Check images and give them as an array of finite floating-point numbers.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def check_images(images: ArrayLike) -> Floats:
 
 
 def blocks(count: int, pixels: int) -> Iterator[slice]:
-    """Cut a batch of images into runs of bounded size."""
+    """Divide a batch of images into blocks of at most `BLOCK_ELEMENTS` pixels."""
     run = max(1, BLOCK_ELEMENTS // max(pixels, 1))
     for start in range(0, count, run):
         yield slice(start, min(start + run, count))
@@ -53,9 +53,9 @@ def blocks(count: int, pixels: int) -> Iterator[slice]:
 def exponents(images: Floats, axes: tuple[int, ...]) -> NDArray[np.intc]:
     """Powers of two by which each image is divided before any arithmetic.
 
-    Zero where the largest magnitude is in the middle of the type's range, since scaling by a power of
-    two would then change no digit of any result; towards the ends of the range the largest magnitude is
-    brought to between ½ and 1, so that sums do not overflow and denormal numbers keep their digits.
+    Zero if the largest magnitude is in the middle of the type's range: scaling by a power of two would
+    change no digit of any result. Near the ends of the range the largest magnitude is scaled to
+    between ½ and 1, so that sums do not overflow and denormal numbers keep their digits.
 
     Parameters
     ----------

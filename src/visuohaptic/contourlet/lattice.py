@@ -1,9 +1,9 @@
-"""Which pixels meet in the directional bank: lattices, polyphase components and borders.
+"""Pixel tables of the directional bank: lattices, polyphase components and borders.
 
 The bank is a binary tree of two-channel ladders. Every sample of every channel sits at a pixel of
-the image, so the whole tree can be computed in place, and a ladder step is fully told by two tables of
-pixel numbers: which pixels it rewrites, and the rectangle of pixels, borders included, that its
-separable filter runs over. This module makes the tables; no image is seen here.
+the image, so the whole tree can be computed in place. Two tables of pixel numbers describe a ladder
+step: the pixels that it replaces, and the rectangle of pixels, borders included, that its separable
+filter covers. This module makes the tables; it handles no images.
 
 The sampling matrices are those of M. N. Do, "Directional multiresolution image representations"
 (thesis, EPFL 2001), chapter 3, in the arrangement of his Contourlet Toolbox: quincunx matrices
@@ -30,7 +30,7 @@ Indices = NDArray[np.intp]
 _Part = TypeVar("_Part")
 
 EXTENSIONS: tuple[Extension, ...] = get_args(Extension)
-"""Names of the rules for the borders."""
+"""Names of the border extensions."""
 
 MAX_DIRECTIONS_LOG2 = 5
 """The finest directional bank has 2^5 = 32 bands."""
@@ -49,12 +49,12 @@ class Stage:
     ----------
     step : LadderStep
     target : (n,) intp
-        Flat numbers of the pixels that the step rewrites.
+        Flat numbers of the pixels that the step replaces.
     source : (channels, rows + before + after, columns + before + after) intp
-        Flat numbers of the pixels that the filter runs over, in the lattice's own coordinates.
+        Flat numbers of the pixels that the filter covers, in lattice coordinates.
     keep : (n,) intp or None
-        Which of the filter's `channels × rows × columns` outputs belong to `target`; all, in their
-        order, when None.
+        Which of the filter's `channels × rows × columns` outputs belong to `target`, in this order;
+        None means all.
     """
 
     step: LadderStep
@@ -81,7 +81,7 @@ class DirectionalTables:
 
 @dataclass(frozen=True, eq=False)
 class _Split:
-    """One two-channel ladder: where its components sit and how each step reaches over borders."""
+    """One two-channel ladder: pixels of its components, and of each step's source with borders."""
 
     targets: tuple[Indices, Indices]
     sources: tuple[Indices, Indices]
@@ -89,7 +89,7 @@ class _Split:
 
 
 def check_extension(extension: str) -> None:
-    """Raise `ExtensionError` unless there is such a rule for the borders."""
+    """Raise `ExtensionError` if there is no border extension of that name."""
     if extension not in EXTENSIONS:
         raise ExtensionError(
             f"No extension is called {extension!r}; the names are {', '.join(EXTENSIONS[:-1])} and "
@@ -98,7 +98,7 @@ def check_extension(extension: str) -> None:
 
 
 def side_multiple(directions_log2: int) -> int:
-    """Tell what an image's sides must be multiples of for a bank of 2^l bands."""
+    """Give the number that an image's sides must be multiples of for a bank of 2^l bands."""
     if directions_log2 == 0:
         return 1
     return max(2, 2 ** (directions_log2 - 1))
@@ -129,19 +129,19 @@ def directional_tables(
     directions_log2 : int
         l from 0 to 5, for 2^l bands.
     filter_name : str
-        See `visuohaptic.contourlet.filters.DIRECTIONAL_FILTERS`.
+        See `filters.DIRECTIONAL_FILTERS`.
     extension : {"periodic", "circular", "symmetric"}
-        `periodic` is the toolbox's: each channel's array, stored along sheared axes, is wrapped as it
-        stands (with half a turn at the first level). From the third level on this is not the torus that
-        the image lies on: where a sheared axis wraps, rows meet that are not neighbours. `circular`
-        wraps on the true torus. `symmetric` reflects each node of the tree about its first and last
-        row and column, which leaves polyphase components in themselves, so that every ladder step
-        stays invertible.
+        `periodic` is the toolbox's: each channel's array, stored along sheared axes, is wrapped without
+        correction (with half a turn at the first level). From the third level on this is not the torus
+        of the image: where a sheared axis wraps, rows become neighbours that are not adjacent in the
+        image. `circular` wraps on the true torus. `symmetric` reflects each node of the tree about its
+        first and last row and column, which maps each polyphase component onto itself, so that every
+        ladder step stays invertible.
 
     Raises
     ------
     LevelsError
-        When l is not allowed, or the sides are not multiples of what it needs.
+        When l is not allowed, or the sides are not the multiples that it needs.
     """
     check_directions(directions_log2)
     steps = ladder_steps(filter_name)
@@ -173,7 +173,7 @@ def check_directions(directions_log2: int) -> None:
 
 
 def _stack(splits: list[_Split], steps: tuple[LadderStep, LadderStep]) -> Iterator[Stage]:
-    """Put the splits of one tree level whose rectangles have one shape into one stage a step."""
+    """Join the splits of one tree level that have rectangles of one shape: one stage per step."""
 
     def shapes(split: _Split) -> tuple[tuple[int, ...], ...]:
         return tuple(source.shape for source in split.sources)
@@ -220,7 +220,7 @@ def _parallelogram_components(x: Indices, kind: int) -> tuple[Indices, Indices]:
 
 
 def _haar_pairs(x: Indices, level: int, kind: int) -> tuple[Indices, Indices]:
-    """Take the kept coset and the neighbours that the two-tap filter pairs it with.
+    """Give the kept coset and the neighbours that the two-tap filter combines it with.
 
     The toolbox's two taps lie along the rows at the first two levels (the second is transposed here),
     and along the rows of the node resampled by R1 or R2 further down.
@@ -234,7 +234,7 @@ def _haar_pairs(x: Indices, level: int, kind: int) -> tuple[Indices, Indices]:
 
 
 def _wrap(x: Indices, step: LadderStep, *, half_turn: bool) -> Indices:
-    """Extend an array by a step's reach; optionally turn columns by half with every wrap of the rows."""
+    """Extend an array by a step's reach; with `half_turn`, a wrap of rows shifts columns by half."""
     rows, columns = (np.arange(-step.before, n + step.after)[:, None] for n in x.shape)
     turns = rows // x.shape[0] * (x.shape[1] // 2) if half_turn else 0
     return x[rows % x.shape[0], (columns.T + turns) % x.shape[1]]
@@ -269,8 +269,8 @@ def _wrapped_tree(
 ) -> tuple[list[list[_Split]], list[Indices]]:
     """Split down to `depth` in the toolbox's arrays.
 
-    The second level works on transposed nodes, because Q2 is Q1 with its axes exchanged; the second
-    half of the tree stays transposed, because P3 and P4 are P1 and P2 so.
+    The second level works on transposed nodes, as Q2 is Q1 with exchanged axes; the second half of the
+    tree stays transposed, as P3 and P4 are P1 and P2 with exchanged axes.
     """
     nodes, levels = [pixels], []
     children: list[Indices]
@@ -290,7 +290,7 @@ def _wrapped_tree(
 
 
 def _back_sampled(nodes: list[Indices], depth: int) -> list[Indices]:
-    """Undo what shear is left, so that bands are sampled along rows and columns; order them."""
+    """Undo the remaining shear, so that bands are sampled along rows and columns; order them."""
     if depth == 1:
         return [_unquincunx(node) for node in nodes]
     half = len(nodes) // 2
@@ -307,14 +307,14 @@ def _unquincunx(node: Indices) -> Indices:
     return node
 
 
-# Pixels in their true places: for the torus and for reflection -----------------------------------
+# Pixels at their true positions: for the torus and for reflection ---------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class _Node:
-    """A channel of the tree: where its samples sit, its sampling matrix, and where sample 0 sits.
+    """A channel of the tree: its samples' positions, sampling matrix, and the position of sample 0.
 
-    The anchor may lie outside the image, as the toolbox's delays have it.
+    The anchor may lie outside the image, because of the toolbox's delays.
     """
 
     positions: Indices
@@ -324,7 +324,7 @@ class _Node:
 
 
 def _reflect(index: Indices, size: Indices | int) -> Indices:
-    """Reflect about the first and the last of `size` samples, as often as it takes."""
+    """Reflect about the first and the last of `size` samples, repeatedly if needed."""
     period = np.maximum(2 * (np.asarray(size) - 1), 1)
     folded = index % period
     return np.where(np.asarray(size) == 1, 0, np.minimum(folded, period - folded))
@@ -374,17 +374,17 @@ def _grid(shape: tuple[int, int], origin: Indices, spacing: Indices) -> Indices:
 def ladder_geometry(
     parent: Indices, level: int, kind: int, *, haar: bool
 ) -> tuple[Indices, Indices]:
-    """Tell how the two channels of a split lie in the image.
+    """Give the lattice of the two channels of a split.
 
     Parameters
     ----------
     parent : (2, 2) intp
-        Sampling matrix of the node that is split, in pixels; axes exchanged in the second half of the
-        tree.
+        Sampling matrix of the node that is split, in pixels; with exchanged axes in the second half
+        of the tree.
     level : int
         Depth of the split in the tree, 1 for the first.
     kind : int
-        0 for P1, 1 for P2; no matter at the first two levels.
+        0 for P1, 1 for P2; not used at the first two levels.
     haar : bool
 
     Returns
@@ -405,7 +405,7 @@ def ladder_geometry(
 def _divide(
     node: _Node, level: int, kind: int, size: Indices, *, haar: bool
 ) -> tuple[tuple[_Node, _Node], Indices, Indices]:
-    """Divide a node's samples into two cosets; give the step from the first to the second."""
+    """Divide a node's samples into two cosets; give their matrix and the step between them too."""
     matrix, neighbour = ladder_geometry(node.matrix, level, kind, haar=haar)
     anchors = (node.anchor, node.anchor + neighbour)
     spacing = node.spacing
@@ -430,7 +430,7 @@ def _turned(node: _Node) -> _Node:
 
 @dataclass(frozen=True, eq=False)
 class _Folding:
-    """How positions outside the image are brought back into it, on which grid."""
+    """How positions outside the image are mapped back into it, and on which grid."""
 
     origin: Indices
     spacing: Indices
@@ -482,7 +482,7 @@ def _placed_split(
 
 
 def _anchored_bands(nodes: list[_Node], shape: tuple[int, int], depth: int) -> list[Indices]:
-    """Start every band at its anchor, wherever on the torus that is, as the toolbox's arrays do."""
+    """Start every band at its anchor on the torus, as the toolbox's arrays do."""
     if depth == 1:
         i, j = np.indices((shape[0] // 2, shape[1]))
         places = [(2 * i - j % 2 + node.anchor[0], j + node.anchor[1]) for node in nodes]

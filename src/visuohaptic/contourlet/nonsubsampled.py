@@ -2,12 +2,12 @@
 
 A. L. da Cunha, J. Zhou, M. N. Do, "The nonsubsampled contourlet transform: theory, design, and
 applications", IEEE Trans. Image Processing 15(10), 2006. Here it has the decimated transform's own
-filters: every ladder step of `visuohaptic.contourlet.directional` is made on all pixels instead of one
-coset, and the pyramid's filters are dilated from level to level instead of the image being halved.
+filters: every ladder step of `directional` is applied to all pixels instead of one coset, and the
+pyramid's filters are dilated from level to level instead of halving the image.
 
-With the zero-phase filter B of a ladder, its channels are y0 = (1 + B) x / 2 and y1 = −(1 − B (1 + B) / 2)
-x, and x = (1 + B/2 − B²/2) y0 − (1 − B) y1 / 2. All of these are polynomials of one linear map, so that
-the identity holds with any rule for the borders.
+With the zero-phase filter B of a ladder, its channels are y0 = (1 + B) x / 2 and
+y1 = −(1 − B (1 + B) / 2) x, and x = (1 + B/2 − B²/2) y0 − (1 − B) y1 / 2. All of these are polynomials
+of one linear map, so that the identity holds with any border extension.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ class NonsubsampledContourlet(PyramidalTransform):
     pyramid_filter, directional_filter : str
         See `Contourlet`.
     extension : {"periodic", "symmetric", "circular"}
-        `periodic` and `circular` are one and the same here, and commute with circular shifts;
-        `symmetric` reflects.
+        `periodic` and `circular` are equal here, and commute with circular shifts; `symmetric`
+        reflects.
 
     Notes
     -----
-    Images of any size are taken as they are. Bands are in the order of `Contourlet`'s; times √2^l, and
-    sampled where those sit, they are the bands that `Contourlet`'s directional bank with circular
-    extension gives of the same detail image.
+    Images of any size are allowed, and are not padded. Bands have the order of `Contourlet`'s.
+    Multiplied by √2^l and sampled at the same pixels, they are the bands of the same detail image in
+    `Contourlet`'s directional bank with circular extension.
 
     Examples
     --------
@@ -56,7 +56,7 @@ class NonsubsampledContourlet(PyramidalTransform):
     """
 
     def padded_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
-        """Rows and columns, as they are."""
+        """Rows and columns, unchanged."""
         return shape
 
     def band_shapes(self, shape: tuple[int, int]) -> Shapes:

@@ -21,7 +21,7 @@ Floats = NDArray[np.floating[Any]]
 
 
 def fold_indices(index: Indices, size: int, extension: Extension, *, odd: bool) -> Indices:
-    """Bring indices outside `0 … size − 1` back into an axis.
+    """Map indices outside `0 … size − 1` back into an axis.
 
     Parameters
     ----------
@@ -45,12 +45,12 @@ def fold_indices(index: Indices, size: int, extension: Extension, *, odd: bool) 
 
 
 def analysis_offsets(length: int) -> Indices:
-    """Offsets of the samples that taps 0, 1, … of a lowpass filter meet."""
+    """Offsets of the samples that taps 0, 1, … of a lowpass filter are multiplied with."""
     return length // 2 - np.arange(length)
 
 
 def synthesis_offsets(length: int) -> Indices:
-    """Offsets of the upsampled samples that taps meet: an even filter is delayed by one sample."""
+    """Offsets of the upsampled samples; a filter of even length is delayed by one sample."""
     return length // 2 - np.arange(length) - (length + 1) % 2
 
 
@@ -66,7 +66,7 @@ def _analysis_table(size: int, length: int, extension: Extension) -> Indices:
 def _synthesis_table(
     size: int, length: int, extension: Extension, parity: int
 ) -> tuple[Indices, tuple[int, ...]]:
-    """Coarse samples, `(taps, size / 2)`, that the fine samples of one parity are made of."""
+    """Coarse samples, `(taps, size / 2)`, of the fine samples of one parity, and their taps."""
     offsets = synthesis_offsets(length)
     taps = np.flatnonzero((parity + offsets) % 2 == 0)
     fine = 2 * np.arange(size // 2) + parity + offsets[taps, None]
@@ -76,7 +76,7 @@ def _synthesis_table(
 
 
 def _weigh(x: Floats, table: Indices, taps: list[float], axis: int) -> Floats:
-    """Sum slices of `x` along an axis, one row of the table a tap."""
+    """Sum weighted slices of `x` along an axis; the table has one row per tap."""
     total = x.take(table[0], axis=axis)
     total *= x.dtype.type(taps[0])
     for row, tap in zip(table[1:], taps[1:], strict=True):
@@ -143,7 +143,7 @@ def _up_adjoint(x: Floats, taps: NDArray[np.float64], extension: Extension) -> F
 def analyse_pyramid(
     x: Floats, filters: PyramidFilters, extension: Extension
 ) -> tuple[Floats, Floats]:
-    """Divide images into a coarse image of half the size and a detail image of full size.
+    """Split images into a coarse image of half the size and a detail image of full size.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def analyse_pyramid(
 def synthesise_pyramid(
     coarse: Floats, detail: Floats, filters: PyramidFilters, extension: Extension
 ) -> Floats:
-    """Undo `analyse_pyramid` by the dual frame, which projects coefficients that fit no image."""
+    """Undo `analyse_pyramid` by the dual frame; coefficients of no image are projected."""
     remainder = coarse - _down(detail, filters.analysis, extension)
     return detail + _up(remainder, filters.synthesis, extension)
 

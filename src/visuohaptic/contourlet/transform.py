@@ -40,12 +40,12 @@ Shapes = tuple[tuple[tuple[int, int], ...], ...]
 
 @dataclass(frozen=True, eq=False)
 class Coefficients:
-    """What a contourlet transform makes of images.
+    """Coefficients of a contourlet transform of images.
 
     Attributes
     ----------
     coarse : (..., rows, columns)
-        What the last lowpass filter leaves.
+        Output of the last lowpass filter.
     levels : tuple of tuple of (..., rows, columns)
         Directional bands of every pyramid level, the coarsest level first, as in the toolbox.
     image_shape : (int, int)
@@ -58,23 +58,23 @@ class Coefficients:
 
     @property
     def bands(self) -> tuple[Floats, ...]:
-        """The coarse image and all bands in one tuple, the coarsest first."""
+        """The coarse image and all bands in one tuple, the coarsest level first."""
         return (self.coarse, *(band for level in self.levels for band in level))
 
     def ravel(self) -> Floats:
-        """Lay all coefficients of an image out in one row: `(..., coefficients)`."""
+        """Give all coefficients of an image in one row: `(..., coefficients)`."""
         flat = [band.reshape(*band.shape[:-2], math.prod(band.shape[-2:])) for band in self.bands]
         return np.concatenate(flat, axis=-1)
 
     def map(self, function: Callable[[Floats], Floats]) -> Self:
-        """Apply a function to every directional band, and leave the coarse image alone."""
+        """Apply a function to every directional band; the coarse image is unchanged."""
         levels = tuple(tuple(function(band) for band in level) for level in self.levels)
         return type(self)(self.coarse, levels, self.image_shape)
 
 
 @dataclass(frozen=True)
 class PyramidalTransform(ABC):
-    """What the decimated and the nonsubsampled transform share: parameters, batches, checks."""
+    """Base of the decimated and the nonsubsampled transform: parameters, batches, checks."""
 
     levels: tuple[int, ...] = (4,)
     pyramid_filter: str = "9-7"
@@ -125,7 +125,7 @@ class PyramidalTransform(ABC):
         Returns
         -------
         Coefficients
-            Of the images' type. An image's coefficients do not depend on what else is in the batch.
+            Of the images' type. An image's coefficients do not depend on the rest of the batch.
 
         Raises
         ------
@@ -158,7 +158,7 @@ class PyramidalTransform(ABC):
         Raises
         ------
         CoefficientsError
-            When the coefficients do not have the shapes or the one type that `forward` gives them.
+            When the shapes or the type of the coefficients differ from what `forward` gives.
         """
         rows, columns = coefficients.image_shape
         return self._backward(coefficients, self._synthesise)[..., :rows, :columns]
@@ -207,24 +207,24 @@ class Contourlet(PyramidalTransform):
     ----------
     levels : tuple of int
         l of every pyramid level, the coarsest first (the toolbox's `nlevs`); a level has 2^l bands,
-        l from 0 to 5. With l = 0 the detail image stays undivided; the toolbox's `pdfbdec` puts a
+        l from 0 to 5. With l = 0 the detail image is not divided; the toolbox's `pdfbdec` has a
         critically sampled wavelet step there instead.
     pyramid_filter : str
         `9-7`, `5-3`, `haar`, or any biorthogonal wavelet of PyWavelets.
     directional_filter : str
         `pkva` (12 taps), `pkva12`, `pkva8`, `pkva6` or `haar`.
     extension : {"periodic", "symmetric", "circular"}
-        What is beyond the borders. `periodic` gives the reference toolbox's numbers. `symmetric`
-        reflects, so that opposite edges do not meet. `circular` wraps as `periodic` does, but without
-        the seams that the toolbox's sheared arrays have from l = 3 on; it commutes with circular
-        shifts by the full decimation step.
+        How images continue beyond their borders. `periodic` gives the reference toolbox's numbers.
+        `symmetric` reflects, so that opposite edges are not neighbours. `circular` wraps as `periodic`
+        does, but without the seams that the toolbox's sheared arrays have from l = 3 on; it commutes
+        with circular shifts by the full decimation step.
 
     Notes
     -----
     Band order and sizes are the toolbox's: of 2^l bands the first half is `(rows / 2^(l−1),
-    columns / 2)`, the second `(rows / 2, columns / 2^(l−1))`, and direction turns steadily
-    with the number. A side must be even and, at every level, a multiple of 2^(l−1); an odd side is
-    padded at its end, by half-sample reflection, to the next side that the levels allow, and
+    columns / 2)`, the second `(rows / 2, columns / 2^(l−1))`, and the direction turns steadily
+    with the number. A side must be even and, at every level, a multiple of 2^(l−1); an odd side
+    is padded at its end, by half-sample reflection, to the next side that the levels allow, and
     the inverse crops it.
 
     Examples

@@ -21,12 +21,12 @@ Array = NDArray[np.float64]
 
 
 class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
-    """What the transformers share: images as `(n, rows, columns)`, or flat with a stated shape."""
+    """Base of the transformers: images as `(n, rows, columns)`, or flat with `image_shape`."""
 
     image_shape: tuple[int, int] | None
 
     def fit(self, X: ArrayLike, y: object = None) -> Self:  # noqa: ARG002 (scikit-learn's signature)
-        """Learn the images' size and check the parameters on the first image.
+        """Store the images' size and check the parameters on the first image.
 
         Parameters
         ----------
@@ -44,7 +44,7 @@ class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
         return self
 
     def transform(self, X: ArrayLike) -> Array:
-        """Compute the features of images of the size that was fitted.
+        """Compute the features of images of the fitted size.
 
         Parameters
         ----------
@@ -69,7 +69,7 @@ class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
         return self._features(images)
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[Any]:  # noqa: ARG002
-        """Name the columns of what `transform` gives."""
+        """Name the columns of `transform`'s result."""
         return np.asarray(self._names(), dtype=object)
 
     def _images(self, X: ArrayLike) -> NDArray[np.floating[Any]]:
@@ -110,7 +110,7 @@ class ContourletDeviations(_BandFeatures):
     statistic : {"deviation", "energy"}
         Standard deviation with N − 1, or the sum of squares.
     image_shape : (int, int) or None
-        Rows and columns, for images that come as flat rows.
+        Rows and columns, if images are given as flat rows.
 
     Examples
     --------
@@ -163,9 +163,9 @@ class WaveletDeviations(_BandFeatures):
         A discrete wavelet of PyWavelets, such as `db2` or `bior4.4`.
     levels : int
     mode : str
-        PyWavelets' rule for the borders.
+        PyWavelets' border extension.
     image_shape : (int, int) or None
-        Rows and columns, for images that come as flat rows.
+        Rows and columns, if images are given as flat rows.
     """
 
     def __init__(

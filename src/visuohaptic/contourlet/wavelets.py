@@ -1,4 +1,4 @@
-"""A wavelet counterpart of the band features, for comparisons."""
+"""Band features of a wavelet transform, for comparison."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def wavelet_deviations(
     levels : int
         Depth of the decomposition.
     mode : str
-        PyWavelets' rule for the borders; `periodization` is the one without redundancy.
+        PyWavelets' border extension; `periodization` is the one without redundancy.
 
     Returns
     -------

@@ -6,6 +6,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from visuohaptic.errors import ParameterError
 from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.tables.phases import (
@@ -35,16 +36,27 @@ def describe_imprints(
     -------
     numpy.ndarray
         Shape (n, 16), float64; each row depends on its own imprint alone.
-    """
-    from visuohaptic.contourlet import directional_deviations
 
-    return directional_deviations(
-        imprints,
-        directions_log2=4,
-        pyramid_filter=parameters.pyramid_filter,
-        directional_filter=parameters.directional_filter,
-        extension=parameters.extension,
-    )
+    Raises
+    ------
+    ParameterError
+        If imprints of this resolution can't be divided into 16 bands.
+    """
+    from visuohaptic.contourlet import LevelsError, directional_deviations
+
+    try:
+        return directional_deviations(
+            imprints,
+            directions_log2=4,
+            pyramid_filter=parameters.pyramid_filter,
+            directional_filter=parameters.directional_filter,
+            extension=parameters.extension,
+        )
+    except LevelsError:
+        raise ParameterError(
+            f"sensor.resolution is {imprints.shape[1]}; multiples of 8, and odd numbers from 3 on, "
+            "are allowed, as a contourlet divides the imprint into 16 bands."
+        ) from None
 
 
 def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Table:

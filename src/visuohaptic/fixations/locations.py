@@ -10,27 +10,21 @@ import pyarrow as pa
 
 from visuohaptic.attention.model import Attention, attend
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.attention.scanpath import Scanpath, scan
+from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.probing import (
+    STRATEGIES,
     ProbingLocations,
-    draw_by_area,
-    draw_visible,
     sees,
-    spread_far,
     turn_towards,
 )
 from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import FIXATIONS
 from visuohaptic.tables.schema import build_table
-
-SMALLEST_PEAK = 1e-30
-"""A view of flat faces alone has no curvature; its map stays zero."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +110,7 @@ def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) 
     one : Look
         The viewpoint.
     strategy : str
-        One of `parameters.Strategy`.
+        One of `probing.STRATEGIES`.
     attention : AttentionParameters
         How many touches, and how far apart the eye keeps them.
     seed : int
@@ -128,21 +122,18 @@ def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) 
     pyarrow.Table
         Rows of `tables.FIXATIONS`: as many as fixations are asked for, or fewer where
         the view has no more.
+
+    Raises
+    ------
+    RegistryError
+        If there is no such strategy.
     """
-    if strategy == "fixation":
-        return _path_table(one, strategy, one.attended.scanpath)
-    if strategy == "curvature":
-        return _path_table(one, strategy, _follow_curvature(one, attention))
-    generator = spawn_generator(seed, strategy, one.key, one.viewpoint)
-    caster, count = one.caster, attention.fixations
-    if strategy == "random_visible":
-        drawn = draw_visible(caster, one.camera, count, generator)
-        return _location_table(one, strategy, drawn, _blind(drawn))
-    spread = spread_far if strategy == "farthest_point" else draw_by_area
-    drawn = spread(caster.surface, count, generator)
-    outwards = orient_outwards(caster, drawn.points, drawn.normals)
-    turned = ProbingLocations(drawn.points, outwards, drawn.faces)
-    return _location_table(one, strategy, turned, _blind(drawn))
+    chosen = STRATEGIES[strategy].choose(
+        one, attention, spawn_generator(seed, strategy, one.key, one.viewpoint)
+    )
+    if isinstance(chosen, ProbingLocations):
+        return _location_table(one, strategy, chosen, _blind(chosen))
+    return _path_table(one, strategy, chosen)
 
 
 def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:
@@ -162,20 +153,6 @@ def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:
     """
     shown = crowd.take(np.flatnonzero(sees(one.caster, one.camera, crowd.points)))
     return _location_table(one, "adaptive", turn_towards(shown, one.camera), _blind(shown))
-
-
-def _follow_curvature(one: Look, attention: AttentionParameters) -> Scanpath:
-    """Let the eye follow curvature alone, with the same inhibition of return."""
-    seen, place = one.seen, one.place
-    peak = max(float(seen.curvature[place].max()), SMALLEST_PEAK)
-    return scan(
-        seen.curvature[place] / np.float32(peak),
-        seen.mask[place],
-        seen.point[place],
-        seen.normal[place],
-        seen.face[place],
-        attention,
-    )
 
 
 def _path_table(one: Look, strategy: str, path: Scanpath) -> pa.Table:

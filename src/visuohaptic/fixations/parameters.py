@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-Strategy = Literal["fixation", "random", "random_visible", "farthest_point", "curvature"]
+from visuohaptic.fixations.probing import StrategyName
 
 
 class ViewpointParameters(BaseModel):
@@ -107,6 +107,6 @@ class ProbingParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    strategies: tuple[Strategy, ...] = Field(
+    strategies: tuple[StrategyName, ...] = Field(
         ("fixation", "random"), min_length=1, description="how probing locations are chosen"
     )

@@ -1,19 +1,24 @@
-"""Where to touch when the eye does not say: strategies that attention is compared with.
+"""Strategies: the ways to choose where to touch, and the points that they choose.
 
-`fixation` and `curvature` follow a map over the view, so the way of the eye is shared
-(`attention.scanpath`); the others are here.
+Heavy libraries are imported by the functions that use them, so that the strategies' names can
+be checked without.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
-from numpy.typing import NDArray
+from visuohaptic.registry import Registry
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from visuohaptic.attention.parameters import AttentionParameters
+    from visuohaptic.attention.scanpath import Scanpath
+    from visuohaptic.fixations.locations import Look
     from visuohaptic.fixations.viewpoints import Camera
     from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.geometry.surface import Surface
@@ -29,6 +34,34 @@ BATCH = 256
 
 FRUITLESS_BATCHES = 64
 """Batches in a row without a seen point, after which a view counts as seeing nothing."""
+
+SMALLEST_PEAK = 1e-30
+"""A view of flat faces alone has no curvature; its map stays zero."""
+
+
+@dataclass(frozen=True)
+class Strategy:
+    """A way to choose where to touch.
+
+    Attributes
+    ----------
+    name : str
+        What parameters and tables call it.
+    label : str
+        What the report calls it.
+    choose : callable
+        Takes a viewpoint, the section `attention` and a generator; gives places in the order in
+        which they are touched: a scan path where pixels of the view are chosen, otherwise
+        points with outward normals. They are as many as `attention.fixations`, or fewer where
+        there are no more; fewer are the first of more.
+    random : bool
+        Whether the generator changes the places.
+    """
+
+    name: str
+    label: str
+    choose: Callable[[Look, AttentionParameters, np.random.Generator], Scanpath | ProbingLocations]
+    random: bool = True
 
 
 @dataclass(frozen=True)
@@ -76,6 +109,8 @@ def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -
     A triangle is drawn by its share of the area, a point in it by the square-root
     map of the unit square (Osada et al., ACM Trans. Graph. 21(4), 2002, eq. 1).
     """
+    import numpy as np
+
     cumulative = np.cumsum(surface.face_areas)
     drawn, outer, along = generator.random((count, 3)).T
     faces = np.searchsorted(cumulative, drawn * cumulative[-1], side="right")
@@ -112,6 +147,8 @@ def draw_visible(
     Points are drawn over the whole surface and kept where the camera sees them. Pixels
     would weigh slanted parts less, and hold no place between them.
     """
+    import numpy as np
+
     parts: list[ProbingLocations] = []
     found = fruitless = 0
     while found < count and fruitless < FRUITLESS_BATCHES:
@@ -160,6 +197,8 @@ def farthest_order(points: NDArray[np.float64], count: int) -> NDArray[np.int64]
     numpy.ndarray
         Shape (min(count, n),), int64: places, no place twice.
     """
+    import numpy as np
+
     chosen = np.zeros(min(count, len(points)), dtype=np.int64)
     nearest = np.full(len(points), np.inf)
     for turn in range(1, len(chosen)):
@@ -188,6 +227,8 @@ def sees(caster: RayCaster, camera: Camera, points: NDArray[np.float64]) -> NDAr
     numpy.ndarray
         Shape (n,), bool: within the view, and not behind another part.
     """
+    import numpy as np
+
     right, up, back = camera.axes
     offsets = points - camera.eye
     depth = -(offsets @ back)
@@ -216,6 +257,8 @@ def turn_towards(locations: ProbingLocations, camera: Camera) -> ProbingLocation
     ProbingLocations
         The same points; a normal edge-on to the camera stays as it is.
     """
+    import numpy as np
+
     towards = camera.eye - locations.points
     if camera.projection == "orthographic":
         towards = np.broadcast_to(camera.axes[2], locations.points.shape)
@@ -224,9 +267,87 @@ def turn_towards(locations: ProbingLocations, camera: Camera) -> ProbingLocation
     return ProbingLocations(locations.points, normals, locations.faces)
 
 
+def face_outwards(caster: RayCaster, locations: ProbingLocations) -> ProbingLocations:
+    """Turn normals to the outside of an object.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    locations : ProbingLocations
+        Points on it.
+
+    Returns
+    -------
+    ProbingLocations
+        The same points.
+    """
+    from visuohaptic.geometry.orientation import orient_outwards
+
+    outwards = orient_outwards(caster, locations.points, locations.normals)
+    return ProbingLocations(locations.points, outwards, locations.faces)
+
+
 def _join(parts: Sequence[ProbingLocations]) -> ProbingLocations:
+    import numpy as np
+
     return ProbingLocations(
         np.concatenate([part.points for part in parts]),
         np.concatenate([part.normals for part in parts]),
         np.concatenate([part.faces for part in parts]),
     )
+
+
+def _follow_the_eye(one: Look, *_: object) -> Scanpath:
+    return one.attended.scanpath
+
+
+def _follow_curvature(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Let the eye follow curvature alone, with the same inhibition of return."""
+    import numpy as np
+
+    from visuohaptic.attention.scanpath import scan
+
+    seen, place = one.seen, one.place
+    peak = max(float(seen.curvature[place].max()), SMALLEST_PEAK)
+    return scan(
+        seen.curvature[place] / np.float32(peak),
+        seen.mask[place],
+        seen.point[place],
+        seen.normal[place],
+        seen.face[place],
+        attention,
+    )
+
+
+def _probe_anywhere(
+    one: Look, attention: AttentionParameters, generator: np.random.Generator
+) -> ProbingLocations:
+    drawn = draw_by_area(one.caster.surface, attention.fixations, generator)
+    return face_outwards(one.caster, drawn)
+
+
+def _probe_what_is_seen(
+    one: Look, attention: AttentionParameters, generator: np.random.Generator
+) -> ProbingLocations:
+    return draw_visible(one.caster, one.camera, attention.fixations, generator)
+
+
+def _probe_far_apart(
+    one: Look, attention: AttentionParameters, generator: np.random.Generator
+) -> ProbingLocations:
+    spread = spread_far(one.caster.surface, attention.fixations, generator)
+    return face_outwards(one.caster, spread)
+
+
+STRATEGIES = Registry(
+    "probing strategy",
+    Strategy("fixation", "eye fixations", _follow_the_eye, random=False),
+    Strategy("random", "random probing", _probe_anywhere),
+    Strategy("random_visible", "random probing of what is seen", _probe_what_is_seen),
+    Strategy("farthest_point", "farthest points", _probe_far_apart),
+    Strategy("curvature", "the most curved places", _follow_curvature, random=False),
+)
+"""Every strategy that places touches from a view or the surface, in the order of reports."""
+
+StrategyName = Annotated[str, STRATEGIES]

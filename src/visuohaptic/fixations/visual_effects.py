@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.scene.parameters import EffectModes, Mode
+from visuohaptic.errors import RegistryError
+from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes, Mode
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,13 @@ def plan_visual(
     Returns
     -------
     tuple of VisualPlan
-        For colour, texture, shading and cast shadows. Simulating an effect that is not
-        called for changes no view.
+        One for each of `VISUAL_EFFECTS`. Simulating an effect that is not called for changes no
+        view.
+
+    Raises
+    ------
+    RegistryError
+        If an effect is declared and has no plan.
     """
     coloured = bool((face_colours != face_colours[:, :1]).any())
     patterned = bool((face_colours != face_colours[:1]).any())
@@ -59,7 +65,7 @@ def plan_visual(
     shaded = slanted and modes.shading != "never"
     light = "part of the light has a direction" if slanted else "all light is ambient"
     shadow = light if shaded or not slanted else "without shading no light is blocked"
-    return (
+    plans = (
         _plan(modes, "colour", coloured, "faces have hues" if coloured else "all faces are grey"),
         _plan(
             modes,
@@ -70,6 +76,12 @@ def plan_visual(
         _plan(modes, "shading", slanted, light),
         _plan(modes, "cast_shadows", shaded, shadow),
     )
+    planned = tuple(plan.effect for plan in plans)
+    if planned != VISUAL_EFFECTS:
+        raise RegistryError(
+            f"{', '.join(planned)} are planned; each of {', '.join(VISUAL_EFFECTS)} needs a plan."
+        )
+    return plans
 
 
 def seen_colours(

@@ -8,8 +8,9 @@ from pathlib import Path
 import pyarrow.compute as pc
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.model import fit_model, save_model
-from visuohaptic.recognition.parameters import ClassifierName, RecognitionParameters
+from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import classes_of_two
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table

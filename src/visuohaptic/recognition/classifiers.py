@@ -1,98 +1,116 @@
-"""The paper's five classifiers and two more, by scikit-learn.
+"""Classifiers: the paper's five in the order of its Table 1, then others, by scikit-learn.
 
-This module imports scikit-learn (two seconds); import it where it is used.
+Heavy libraries are imported by the functions that use them (scikit-learn takes two seconds), so
+that the classifiers' names and settings can be checked without.
 """
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self, get_args
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-from sklearn.base import BaseEstimator
-from sklearn.covariance import ledoit_wolf
-from sklearn.discriminant_analysis import (
-    LinearDiscriminantAnalysis,
-    QuadraticDiscriminantAnalysis,
-)
-from sklearn.linear_model import LogisticRegression
-from sklearn.naive_bayes import GaussianNB
-from sklearn.neighbors import KNeighborsClassifier
-from sklearn.svm import SVC
-from sklearn.tree import DecisionTreeClassifier
+from pydantic import BaseModel, ConfigDict, Field
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.parameters import ClassifierName, ClassifierParameters
+from visuohaptic.registry import Registry
 
-NAMES: tuple[str, ...] = get_args(ClassifierName)
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-CHANCELESS = frozenset(NAMES) - {"decision_tree"}
-"""Classifiers that the same rows always give, whatever the generator."""
-
-_DISCRIMINANTS = ("quadratic_discriminant", "linear_discriminant")
-
-VARIANCE_FLOOR = 1e-6
-"""Least variance of a regularised covariance, as a share of the features' mean variance."""
+Fit = tuple[Any, str | None]
+"""A fitted scikit-learn classifier, and what it needed to be fitted, such as another setting."""
 
 
-class ShrunkCovariance(BaseEstimator):  # type: ignore[misc]
-    """A covariance that can't be singular, for scikit-learn's discriminants.
+@dataclass(frozen=True)
+class Classifier:
+    """A way to tell classes apart.
 
-    Parameters
+    Attributes
     ----------
-    shrinkage : float or "ledoit_wolf"
-        Amount, or how to find it.
-    target : str
-        ``own_variances`` shrinks the correlations towards none, each feature
-        keeping its variance (what scikit-learn's own ``shrinkage`` does);
-        ``mean_variance`` shrinks towards one variance in every direction.
-    floor : float
-        Added to every variance, for rows that do not vary at all.
+    name : str
+        What parameters and tables call it.
+    label : str
+        What the report calls it.
+    fit : callable
+        Takes the settings, the training features, shape (n, d), float64, their classes, shape
+        (n,), int64, and a seed; gives a scikit-learn classifier that has class probabilities or
+        a decision function, and a note or none.
+    grid : mapping of str to sequence
+        The settings that pipeline `best` tries, by their names among `ClassifierParameters`,
+        the simplest first.
+    deterministic : bool
+        Whether the same rows and settings give the same classifier with every seed. Only then
+        may a fit be used again for another seed.
     """
 
-    def __init__(
-        self,
-        shrinkage: float | Literal["ledoit_wolf"],
-        target: Literal["own_variances", "mean_variance"],
-        floor: float,
-    ) -> None:
-        self.shrinkage = shrinkage
-        self.target = target
-        self.floor = floor
+    name: str
+    label: str
+    fit: Callable[[ClassifierParameters, NDArray[np.float64], NDArray[np.int64], int], Fit]
+    grid: Mapping[str, Sequence[Any]]
+    deterministic: bool = False
 
-    def fit(self, X: NDArray[np.float64]) -> Self:
-        """Estimate the covariance of rows, shape (n, d)."""
-        deviations = X - X.mean(axis=0)
-        spread = deviations.std(axis=0)
-        scale = np.where(spread > 0, spread, 1)
-        if self.target == "mean_variance":
-            scale = np.ones_like(scale)
-        scaled = deviations / scale
-        if self.shrinkage == "ledoit_wolf":
-            covariance, _ = ledoit_wolf(scaled, assume_centered=True)
-        else:
-            covariance = _shrink(scaled.T @ scaled / len(X), self.shrinkage)
-        self.covariance_ = covariance * np.outer(scale, scale)
-        if self.target == "own_variances":
-            self.covariance_[:, spread == 0] = 0
-            self.covariance_[spread == 0] = 0
-        self.covariance_ += self.floor * np.eye(len(scale))
-        return self
+
+class ClassifierParameters(BaseModel):
+    """Settings of the classifiers.
+
+    The defaults of the paper's five are scikit-learn's, for the paper names none. The
+    pipeline `best` varies some of them inside the training objects.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    neighbours: int = Field(5, ge=1, description="Neighbours that vote (kNN)")
+    neighbour_weights: Literal["uniform", "distance"] = Field(
+        "uniform", description="Weight of a neighbour's vote (kNN)"
+    )
+    svm_kernel: Literal["linear", "poly", "rbf"] = Field("rbf", description="Kernel (SVM)")
+    svm_penalty: float = Field(1.0, gt=0, description="Penalty C of a margin violation (SVM)")
+    tree_criterion: Literal["gini", "entropy"] = Field(
+        "gini", description="Impurity that a split lowers (decision tree)"
+    )
+    tree_leaf_sequences: int = Field(
+        1, ge=1, description="Fewest sequences in a leaf (decision tree)"
+    )
+    discriminant_shrinkage: Literal["ledoit_wolf"] | Annotated[float, Field(gt=0, le=1)] = Field(
+        "ledoit_wolf",
+        description="Shrinkage of the classes' covariances (quadratic discriminant)",
+    )
+    discriminant_regularisation: Literal["where_singular", "always"] = Field(
+        "where_singular",
+        description="Whether covariances are shrunk only where one is singular, which the score's "
+        "note then says, or always (quadratic discriminant)",
+    )
+    discriminant_target: Literal["own_variances", "mean_variance"] = Field(
+        "own_variances",
+        description="What a covariance is shrunk towards: uncorrelated features of their "
+        "own variances, or of one variance (quadratic discriminant)",
+    )
+    linear_shrinkage: float = Field(
+        0.1, gt=0, le=1, description="Shrinkage of the common covariance (linear discriminant)"
+    )
+    logistic_penalty: float = Field(
+        0.1, gt=0, description="Inverse strength of the penalty (logistic regression)"
+    )
+    bayes_smoothing: float = Field(
+        1e-9, gt=0, description="Share of the largest variance added to each (naive Bayes)"
+    )
 
 
 def fit_classifier(
-    name: ClassifierName,
+    name: str,
     parameters: ClassifierParameters,
     features: NDArray[np.float64],
     labels: NDArray[np.int64],
     generator: np.random.Generator,
-) -> tuple[Any, str | None]:
+) -> Fit:
     """Fit one classifier.
 
     Parameters
     ----------
     name : str
-        Which one.
+        One of `CLASSIFIERS`.
     parameters : ClassifierParameters
         Its settings.
     features : numpy.ndarray
@@ -100,7 +118,7 @@ def fit_classifier(
     labels : numpy.ndarray
         Shape (n,), int64: the training classes.
     generator : numpy.random.Generator
-        Breaks ties between splits of the decision tree.
+        Gives the seed of those that draw, such as the decision tree, which breaks ties by it.
 
     Returns
     -------
@@ -111,24 +129,24 @@ def fit_classifier(
 
     Raises
     ------
+    RegistryError
+        If there is no such classifier.
     RecognitionError
         If a discriminant has nothing to take a covariance of.
     """
-    seed = draw_seed(generator)
-    if name in _DISCRIMINANTS:
-        _check_spread(name, features, labels)
-    if name == "quadratic_discriminant":
-        return _fit_quadratic_discriminant(parameters, features, labels)
-    if name == "k_nearest_neighbours" and parameters.neighbours > len(labels):
-        fewer = parameters.model_copy(update={"neighbours": len(labels)})
-        note = f"{len(labels)} neighbours, for there are no more training sequences"
-        return _make_classifier(name, fewer, features, seed).fit(features, labels), note
-    return _make_classifier(name, parameters, features, seed).fit(features, labels), None
+    return CLASSIFIERS[name].fit(parameters, features, labels, draw_seed(generator))
+
+
+def draw_seed(generator: np.random.Generator) -> int:
+    """Draw what every fit draws, whether it has a use for chance or not."""
+    return int(generator.integers(2**31))
 
 
 def _check_spread(
     name: ClassifierName, features: NDArray[np.float64], labels: NDArray[np.int64]
 ) -> None:
+    import numpy as np
+
     _, counts = np.unique(labels, return_counts=True)
     lonely = counts.min() < 2 if name == "quadratic_discriminant" else counts.max() < 2
     if lonely:
@@ -143,48 +161,64 @@ def _check_spread(
         )
 
 
-def draw_seed(generator: np.random.Generator) -> int:
-    """Draw what every fit draws, whether it has a use for chance or not."""
-    return int(generator.integers(2**31))
-
-
-def _make_classifier(
-    name: ClassifierName,
+def _fit_k_nearest_neighbours(
     parameters: ClassifierParameters,
     features: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    _seed: int,
+) -> Fit:
+    from sklearn.neighbors import KNeighborsClassifier
+
+    neighbours = min(parameters.neighbours, len(labels))
+    found = KNeighborsClassifier(
+        neighbours, weights=parameters.neighbour_weights, algorithm="brute"
+    ).fit(features, labels)
+    if neighbours == parameters.neighbours:
+        return found, None
+    return found, f"{neighbours} neighbours, for there are no more training sequences"
+
+
+def _fit_support_vector_machine(
+    parameters: ClassifierParameters,
+    features: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    _seed: int,
+) -> Fit:
+    from sklearn.svm import SVC
+
+    machine = SVC(kernel=parameters.svm_kernel, C=parameters.svm_penalty)
+    return machine.fit(features, labels), None
+
+
+def _fit_decision_tree(
+    parameters: ClassifierParameters,
+    features: NDArray[np.float64],
+    labels: NDArray[np.int64],
     seed: int,
-) -> Any:
-    match name:
-        case "k_nearest_neighbours":
-            return KNeighborsClassifier(
-                parameters.neighbours, weights=parameters.neighbour_weights, algorithm="brute"
-            )
-        case "support_vector_machine":
-            return SVC(kernel=parameters.svm_kernel, C=parameters.svm_penalty)
-        case "decision_tree":
-            return DecisionTreeClassifier(
-                criterion=parameters.tree_criterion,
-                min_samples_leaf=parameters.tree_leaf_sequences,
-                random_state=seed,
-            )
-        case "naive_bayes":
-            return GaussianNB(var_smoothing=parameters.bayes_smoothing)
-        case "linear_discriminant":
-            covariance = ShrunkCovariance(
-                parameters.linear_shrinkage, "mean_variance", _variance_floor(features)
-            )
-            return LinearDiscriminantAnalysis(solver="lsqr", covariance_estimator=covariance)
-        case "logistic_regression":
-            return LogisticRegression(C=parameters.logistic_penalty, max_iter=1000)
-    raise RecognitionError(f"There is no classifier {name}; {', '.join(NAMES)} are allowed.")
+) -> Fit:
+    from sklearn.tree import DecisionTreeClassifier
+
+    tree = DecisionTreeClassifier(
+        criterion=parameters.tree_criterion,
+        min_samples_leaf=parameters.tree_leaf_sequences,
+        random_state=seed,
+    )
+    return tree.fit(features, labels), None
 
 
 def _fit_quadratic_discriminant(
     parameters: ClassifierParameters,
     features: NDArray[np.float64],
     labels: NDArray[np.int64],
-) -> tuple[Any, str | None]:
+    _seed: int,
+) -> Fit:
     """Fit plain covariances if any; where one is singular, shrink all, so that classes compare."""
+    import numpy as np
+    from sklearn.discriminant_analysis import QuadraticDiscriminantAnalysis
+
+    from visuohaptic.recognition.covariance import ShrunkCovariance, variance_floor
+
+    _check_spread("quadratic_discriminant", features, labels)
     _, counts = np.unique(labels, return_counts=True)
     always = parameters.discriminant_regularisation == "always"
     if counts.min() > features.shape[1] and not always:
@@ -193,7 +227,7 @@ def _fit_quadratic_discriminant(
         except np.linalg.LinAlgError:
             pass  # a covariance is singular for another reason than few sequences
     shrinkage, target = parameters.discriminant_shrinkage, parameters.discriminant_target
-    covariance = ShrunkCovariance(shrinkage, target, _variance_floor(features))
+    covariance = ShrunkCovariance(shrinkage, target, variance_floor(features))
     regularised = QuadraticDiscriminantAnalysis(
         solver="eigen", covariance_estimator=covariance, tol=0
     )
@@ -202,16 +236,76 @@ def _fit_quadratic_discriminant(
     return regularised.fit(features, labels), note
 
 
-def _shrink(covariance: NDArray[np.float64], shrinkage: float) -> NDArray[np.float64]:
-    """Shrink towards one variance in every direction.
+def _fit_naive_bayes(
+    parameters: ClassifierParameters,
+    features: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    _seed: int,
+) -> Fit:
+    from sklearn.naive_bayes import GaussianNB
 
-    As scikit-learn's `shrunk_covariance`, number for number, but without its checks, which take ten
-    times as long as the sums.
-    """
-    shrunk: NDArray[np.float64] = (1.0 - shrinkage) * covariance
-    shrunk += shrinkage * (np.trace(covariance) / len(covariance)) * np.eye(len(covariance))
-    return shrunk
+    return GaussianNB(var_smoothing=parameters.bayes_smoothing).fit(features, labels), None
 
 
-def _variance_floor(features: NDArray[np.float64]) -> float:
-    return VARIANCE_FLOOR * float(features.var(axis=0).mean())
+def _fit_linear_discriminant(
+    parameters: ClassifierParameters,
+    features: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    _seed: int,
+) -> Fit:
+    from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
+
+    from visuohaptic.recognition.covariance import ShrunkCovariance, variance_floor
+
+    _check_spread("linear_discriminant", features, labels)
+    covariance = ShrunkCovariance(
+        parameters.linear_shrinkage, "mean_variance", variance_floor(features)
+    )
+    found = LinearDiscriminantAnalysis(solver="lsqr", covariance_estimator=covariance)
+    return found.fit(features, labels), None
+
+
+def _fit_logistic_regression(
+    parameters: ClassifierParameters,
+    features: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    _seed: int,
+) -> Fit:
+    from sklearn.linear_model import LogisticRegression
+
+    found = LogisticRegression(C=parameters.logistic_penalty, max_iter=1000)
+    return found.fit(features, labels), None
+
+
+CLASSIFIERS = Registry(
+    "classifier",
+    Classifier(
+        "k_nearest_neighbours", "k nearest neighbours", _fit_k_nearest_neighbours,
+        {"neighbours": (5, 15)}, deterministic=True,
+    ),
+    Classifier(
+        "support_vector_machine", "support vector machine", _fit_support_vector_machine,
+        {"svm_penalty": (1.0, 10.0)}, deterministic=True,
+    ),
+    Classifier(
+        "decision_tree", "decision tree", _fit_decision_tree, {"tree_leaf_sequences": (1, 8)}
+    ),
+    Classifier(
+        "quadratic_discriminant", "quadratic discriminant", _fit_quadratic_discriminant,
+        {"discriminant_shrinkage": (0.9, 0.6, 0.3)}, deterministic=True,
+    ),
+    Classifier(
+        "naive_bayes", "naïve Bayes", _fit_naive_bayes,
+        {"bayes_smoothing": (0.1, 0.01)}, deterministic=True,
+    ),
+    Classifier(
+        "linear_discriminant", "linear discriminant", _fit_linear_discriminant,
+        {"linear_shrinkage": (0.5, 0.1)}, deterministic=True,
+    ),
+    Classifier(
+        "logistic_regression", "logistic regression", _fit_logistic_regression,
+        {"logistic_penalty": (0.03, 0.3)}, deterministic=True,
+    ),
+)  # fmt: skip
+
+ClassifierName = Annotated[str, CLASSIFIERS]

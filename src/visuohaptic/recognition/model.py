@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from visuohaptic import __version__
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.descriptors import (
     WaveBasis,
     describe_sequences,
@@ -28,11 +29,7 @@ from visuohaptic.recognition.encoding import (
     fit_sequence_encoder,
 )
 from visuohaptic.recognition.experiment import gather_pipeline
-from visuohaptic.recognition.parameters import (
-    BestParameters,
-    ClassifierName,
-    RecognitionParameters,
-)
+from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
 from visuohaptic.recognition.sequences import (
     TouchSequences,

@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-ClassifierName = Literal[
-    "k_nearest_neighbours",
-    "support_vector_machine",
-    "decision_tree",
-    "quadratic_discriminant",
-    "naive_bayes",
-    "linear_discriminant",
-    "logistic_regression",
-]
-"""The paper's five classifiers in the order of its Table 1, then two more."""
+from visuohaptic.recognition.classifiers import ClassifierName, ClassifierParameters
 
 Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding"]
 """Groups of descriptors: what the skin tells, what the sensor does, where it is."""
@@ -92,50 +83,6 @@ class SequenceParameters(_Section):
     )
     degrees_of_freedom: Literal["sample", "population"] = Field(
         "sample", description="Standard deviation divided by N - 1 (as Matlab's std) or by N"
-    )
-
-
-class ClassifierParameters(_Section):
-    """Settings of the classifiers.
-
-    The defaults of the paper's five are scikit-learn's, for the paper names none. The
-    pipeline `best` varies some of them inside the training objects.
-    """
-
-    neighbours: int = Field(5, ge=1, description="Neighbours that vote (kNN)")
-    neighbour_weights: Literal["uniform", "distance"] = Field(
-        "uniform", description="Weight of a neighbour's vote (kNN)"
-    )
-    svm_kernel: Literal["linear", "poly", "rbf"] = Field("rbf", description="Kernel (SVM)")
-    svm_penalty: float = Field(1.0, gt=0, description="Penalty C of a margin violation (SVM)")
-    tree_criterion: Literal["gini", "entropy"] = Field(
-        "gini", description="Impurity that a split lowers (decision tree)"
-    )
-    tree_leaf_sequences: int = Field(
-        1, ge=1, description="Fewest sequences in a leaf (decision tree)"
-    )
-    discriminant_shrinkage: Literal["ledoit_wolf"] | Annotated[float, Field(gt=0, le=1)] = Field(
-        "ledoit_wolf",
-        description="Shrinkage of the classes' covariances (quadratic discriminant)",
-    )
-    discriminant_regularisation: Literal["where_singular", "always"] = Field(
-        "where_singular",
-        description="Whether covariances are shrunk only where one is singular, which the score's "
-        "note then says, or always (quadratic discriminant)",
-    )
-    discriminant_target: Literal["own_variances", "mean_variance"] = Field(
-        "own_variances",
-        description="What a covariance is shrunk towards: uncorrelated features of their "
-        "own variances, or of one variance (quadratic discriminant)",
-    )
-    linear_shrinkage: float = Field(
-        0.1, gt=0, le=1, description="Shrinkage of the common covariance (linear discriminant)"
-    )
-    logistic_penalty: float = Field(
-        0.1, gt=0, description="Inverse strength of the penalty (logistic regression)"
-    )
-    bayes_smoothing: float = Field(
-        1e-9, gt=0, description="Share of the largest variance added to each (naive Bayes)"
     )
 
 

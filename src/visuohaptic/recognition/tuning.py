@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
-from visuohaptic.recognition.parameters import (
-    BestParameters,
+from visuohaptic.recognition.classifiers import (
+    CLASSIFIERS,
     ClassifierName,
     ClassifierParameters,
-    RecognitionParameters,
 )
+from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
+from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.splits import grouped_folds
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
@@ -30,17 +30,6 @@ LEAST_SCORE = -60.0
 
 REMEMBERED_SEQUENCES = 20_000
 """Training sequences of inner folds whose fits are kept: some 100 MB."""
-
-GRIDS: dict[ClassifierName, dict[str, Sequence[Any]]] = {
-    "k_nearest_neighbours": {"neighbours": (5, 15)},
-    "support_vector_machine": {"svm_penalty": (1.0, 10.0)},
-    "decision_tree": {"tree_leaf_sequences": (1, 8)},
-    "quadratic_discriminant": {"discriminant_shrinkage": (0.9, 0.6, 0.3)},
-    "naive_bayes": {"bayes_smoothing": (0.1, 0.01)},
-    "linear_discriminant": {"linear_shrinkage": (0.5, 0.1)},
-    "logistic_regression": {"logistic_penalty": (0.03, 0.3)},
-}
-"""The settings that are tried, the simplest first."""
 
 
 @dataclass(frozen=True)
@@ -423,14 +412,14 @@ def _fit_in_fold(
     fits: FoldFits,
     generator: np.random.Generator,
 ) -> Any:
-    from visuohaptic.recognition.classifiers import CHANCELESS, draw_seed, fit_classifier
+    from visuohaptic.recognition.classifiers import draw_seed, fit_classifier
 
     if (name, parameters) in fits.classifiers:
         # Chance goes on as if it had been fitted again.
         draw_seed(generator)
         return fits.classifiers[name, parameters]
     fitted, _ = fit_classifier(name, parameters, fits.train, fits.labels, generator)
-    if name in CHANCELESS:
+    if CLASSIFIERS[name].deterministic:
         fits.classifiers[name, parameters] = fitted
     return fitted
 
@@ -443,6 +432,6 @@ def _digest(descriptors: NDArray[np.float64], labels: NDArray[np.int64], compone
 
 
 def _settings(name: ClassifierName) -> Iterator[dict[str, Any]]:
-    grid = GRIDS[name]
+    grid = CLASSIFIERS[name].grid
     for values in itertools.product(*grid.values()):
         yield dict(zip(grid, values, strict=True))

@@ -6,9 +6,9 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
-from visuohaptic.fixations.parameters import Strategy
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.report.comparison import PAPER_PIPELINE, REFERENCE, SIGNIFICANCE, holm
 from visuohaptic.report.wording import (
     counted,
@@ -30,7 +30,7 @@ MARGIN = 4.0
 SPREAD = 0.5
 """Percent of the width between the marks of two strategies at one number of touches."""
 
-ORDER = (*get_args(Strategy), "adaptive")
+ORDER = (*STRATEGIES.names, "adaptive")
 
 Row = Mapping[str, Any]
 

@@ -6,21 +6,10 @@ import hashlib
 import re
 from collections.abc import Sequence
 
-CLASSIFIERS = {
-    "k_nearest_neighbours": "k nearest neighbours",
-    "support_vector_machine": "support vector machine",
-    "decision_tree": "decision tree",
-    "quadratic_discriminant": "quadratic discriminant",
-    "naive_bayes": "naïve Bayes",
-}
-STRATEGIES = {
-    "fixation": "eye fixations",
-    "random": "random probing",
-    "random_visible": "random probing of what is seen",
-    "farthest_point": "farthest points",
-    "curvature": "the most curved places",
-    "adaptive": "adaptive touching",
-}
+from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.recognition.classifiers import CLASSIFIERS
+
+ADAPTIVE = "adaptive touching"
 CONTACT_STATES = {
     "full": "the largest square fits, and the object lies under all of it",
     "shrunk": "the square shrank until nothing penetrates it",
@@ -34,13 +23,15 @@ _MINUS = "\N{MINUS SIGN}"
 
 
 def classifier_name(key: str) -> str:
-    """Give a classifier's name in words."""
-    return CLASSIFIERS.get(key, spaced(key))
+    """Give a classifier's name in words; a run to compare with may have one of its own."""
+    return CLASSIFIERS[key].label if key in CLASSIFIERS.names else spaced(key)
 
 
 def strategy_name(key: str) -> str:
-    """Give a probing strategy's name in words."""
-    return STRATEGIES.get(key, spaced(key))
+    """Give a probing strategy's name in words; a run to compare with may have one of its own."""
+    if key == "adaptive":
+        return ADAPTIVE
+    return STRATEGIES[key].label if key in STRATEGIES.names else spaced(key)
 
 
 def titled(name: str) -> str:

@@ -16,12 +16,13 @@ Cover = Literal["none", "winkler", "half_space"]
 Readout = Literal["ideal", "grounded", "floating"]
 PresetName = Literal["ideal", "fsr400", "worn_fsr"]
 
-VISUAL_EFFECTS = ("colour", "texture", "shading", "cast_shadows")
-"""Effects of the view; all others are the sensor's. No preset sets them."""
 
+class TactileModes(BaseModel):
+    """When each effect of the sensor is simulated, in the order in which a touch goes through them.
 
-class EffectModes(BaseModel):
-    """When each effect is simulated."""
+    Each has an entry in `visuohaptic.sensor.effects`, except for `adaptive_size`, which is how
+    the sensor is placed.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -37,10 +38,25 @@ class EffectModes(BaseModel):
     crosstalk: Mode = Field("auto", description="sneak paths between rows and columns")
     noise: Mode = Field("auto", description="additive noise of the amplifier")
     quantisation: Mode = Field("auto", description="rounding to the converter's levels")
+
+
+class VisualModes(BaseModel):
+    """When each effect of the view is simulated; no preset sets them."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
     colour: Mode = Field("auto", description="the object's colours in the view")
     texture: Mode = Field("auto", description="colours that change within one part")
     shading: Mode = Field("auto", description="brightness by the surface's slope to the light")
     cast_shadows: Mode = Field("never", description="parts that stand in each other's light")
+
+
+class EffectModes(VisualModes, TactileModes):
+    """When each effect is simulated."""
+
+
+TACTILE_EFFECTS = tuple(TactileModes.model_fields)
+VISUAL_EFFECTS = tuple(VisualModes.model_fields)
 
 
 class Scene(BaseModel):

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.scene.parameters import Scene
+from visuohaptic.registry import Registry
+from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
@@ -237,14 +238,30 @@ def _run_quantisation(situation: Situation, signal: Signal) -> Signal:
     return signal.map(lambda values: quantise(values, bits))
 
 
-EFFECTS = (
-    Effect("elastic_cover", _call_elastic_cover, _run_elastic_cover),
-    Effect("force_response", _call_force_response, _run_force_response),
-    Effect("gain_scatter", _call_gain_scatter, _run_gain_scatter),
-    Effect("hysteresis", _call_hysteresis, _run_hysteresis),
-    Effect("drift", _call_drift, _run_drift),
-    Effect("dead_cells", _call_dead_cells, _run_dead_cells),
-    Effect("crosstalk", _call_crosstalk, _run_crosstalk),
-    Effect("noise", _call_noise, _run_noise),
-    Effect("quantisation", _call_quantisation, _run_quantisation),
+_PRESSED = {"cover": "winkler"}
+
+EFFECTS = Registry(
+    "tactile effect",
+    Effect("elastic_cover", _call_elastic_cover, _run_elastic_cover, _PRESSED),
+    Effect(
+        "force_response", _call_force_response, _run_force_response,
+        {**_PRESSED, "saturation_pressure_pa": 1e6},
+    ),
+    Effect("gain_scatter", _call_gain_scatter, _run_gain_scatter, {"gain_scatter": 0.1}),
+    Effect(
+        "hysteresis", _call_hysteresis, _run_hysteresis,
+        {**_PRESSED, "hysteresis": 0.2, "press_depths_m": (0.002, 0.001)},
+    ),
+    Effect(
+        "drift", _call_drift, _run_drift, {"drift_per_decade": 0.1, "hold_time_s": 100.0}
+    ),
+    Effect("dead_cells", _call_dead_cells, _run_dead_cells, {"dead_fraction": 0.5}),
+    Effect("crosstalk", _call_crosstalk, _run_crosstalk, {"readout": "floating"}),
+    Effect("noise", _call_noise, _run_noise, {"noise": 0.05}),
+    Effect("quantisation", _call_quantisation, _run_quantisation, {"bits": 3}),
+)  # fmt: skip
+"""Every effect of the sensor but `adaptive_size`, which is how it is placed."""
+
+EFFECTS.check_complete(
+    (name for name in TACTILE_EFFECTS if name != "adaptive_size"), "scene.parameters.TactileModes"
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -110,11 +110,14 @@ class Effect:
     run : callable
         Simulates it for all touches that it is given. For touches that don't call for it
         it gives back what it got, bit for bit.
+    example : mapping of str to object
+        Fields of a scene in which a pressed sensor calls for it; tests of every effect use it.
     """
 
     name: str
     call: Callable[[Situation, Signal], Call]
     run: Callable[[Situation, Signal], Signal]
+    example: Mapping[str, object]
 
 
 def apply_effect(

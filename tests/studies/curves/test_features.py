@@ -1,12 +1,10 @@
 """Long sequences by every strategy begin as the run's own."""
 
-from typing import get_args
-
 import pytest
 import trimesh
 
 from visuohaptic.exploration.exploring import TouchableObject
-from visuohaptic.fixations.parameters import Strategy
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.geometry.surface import Surface, write_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.summary import select
@@ -44,14 +42,14 @@ def features(surface, tmp_path_factory):
     return read_table(FEATURES, folder / "features.parquet")
 
 
-@pytest.mark.parametrize("strategy", get_args(Strategy))
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
 def test_every_viewpoint_has_a_long_sequence(features, strategy):
     found = select(features, strategy=strategy)
     assert found.num_rows == 2 * LONGEST_SEQUENCE
     assert select(found, viewpoint=1).column("touch").to_pylist() == list(range(LONGEST_SEQUENCE))
 
 
-@pytest.mark.parametrize("strategy", get_args(Strategy))
+@pytest.mark.parametrize("strategy", STRATEGIES.names)
 def test_long_sequences_begin_as_those_of_the_run(features, surface, strategy):
     run = TouchableObject(KEY, surface, 0.0).touch(strategy=strategy, parameters=PARAMETERS)
     for viewpoint in (0, 1):

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.parameters import ClassifierName, Cue
+from visuohaptic.recognition.classifiers import ClassifierName
+from visuohaptic.recognition.parameters import Cue
 from visuohaptic.scene.parameters import PRESETS
 
 STRATEGY = "fixation"

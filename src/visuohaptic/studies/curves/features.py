@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import get_args
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -12,10 +11,9 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.features.describing import describe_touches
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.locations import candidate_table, locate, look
-from visuohaptic.fixations.parameters import RenderingParameters, Strategy, ViewpointParameters
-from visuohaptic.fixations.probing import ProbingLocations, spread_far
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.probing import STRATEGIES, face_outwards, spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
-from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.scene.parameters import Scene
@@ -63,12 +61,11 @@ def make_curve_features(
     cameras = dict(enumerate(place_cameras(viewpoints)))
     looks = look(caster, key, cameras, rendering, longer, scene.effects)
     crowd = spread_far(caster.surface, CANDIDATES, spawn_generator(seed, "candidates", key))
-    outwards = orient_outwards(caster, crowd.points, crowd.normals)
-    crowd = ProbingLocations(crowd.points, outwards, crowd.faces)
+    crowd = face_outwards(caster, crowd)
     tables = [
         begin_anew(locate(one, strategy, longer, seed), LONGEST_SEQUENCE)
         for one in looks
-        for strategy in get_args(Strategy)
+        for strategy in STRATEGIES.names
     ]
     tables += [candidate_table(one, crowd) for one in looks]
     located = pa.concat_tables(tables).combine_chunks()
