@@ -83,7 +83,7 @@ def _fields(model: BaseModel, indent: str) -> Iterator[str]:
             continue
         choices = _choices(schema["properties"][name])
         comment = _with_choices(field.description or "", choices, _summary(model))
-        line = f"{indent}{name}:{_written(value, f'{indent}  ')}"
+        line = f"{indent}{name}:{_written(value, indent)}"
         if len(f"{line}  # {comment}") <= WIDTH:
             yield f"{line}  # {comment}"
         else:
