@@ -57,3 +57,11 @@ rule all:
         rules.features_all.input,
         rules.recognition_all.input,
         rules.report_all.input,
+
+
+# All that DVC keeps: what `dvc commit` takes over after a run without DVC.
+rule dvc_all:
+    input:
+        rules.downloads_all.input,
+        rules.model_all.input,
+        rules.all.input,

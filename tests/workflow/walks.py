@@ -115,7 +115,7 @@ def make_experiment(folder):
 
 def run_and_commit(folder, message):
     """Run everything, let DVC take note of it, and commit."""
-    must(folder, "snakemake", "-j2", "--", "all", "downloads_all")
+    must(folder, "snakemake", "-j2", "--", "dvc_all")
     must(folder, "dvc", "commit", "--force")
     must(folder, "git", "add", "--all")
     must(folder, "git", "commit", "-qm", message)

@@ -9,6 +9,7 @@ rule model_all:
     input:
         "results/models/best.skops",
         "results/models/best.yaml",
+        "results/records/model.json",
 
 
 rule model:

@@ -1,0 +1,89 @@
+"""What is missing is made, what is gone is cleared away, and nothing else happens."""
+
+import os
+
+import pytest
+import trimesh
+from workflow.conftest import Experiment
+from workflow.walks import make_experiment
+
+pytestmark = pytest.mark.workflow
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A finished experiment; its scripts are stand-ins."""
+    folder = tmp_path_factory.mktemp("whole") / "experiment"
+    make_experiment(folder)
+    experiment = Experiment(folder)
+    experiment.snakemake()
+    return experiment
+
+
+@pytest.fixture
+def experiment(whole, tmp_path):
+    return whole.copy(tmp_path / "experiment")
+
+
+@pytest.mark.parametrize(
+    ("file", "rule"),
+    [
+        ("results/meshes/chair/bsby_chair3.ply", "meshes"),
+        ("results/views/chair/bsby_chair3/00-01.parquet", "fixations"),
+        ("results/effects/touches/chair/bsby_chair3/00-01.parquet", "touches"),
+        ("reports/plots/accuracy.csv", "metrics"),
+        ("reports/report.html", "report"),
+    ],
+)
+def test_a_deleted_output_is_made_again(experiment, file, rule):
+    (experiment.folder / file).unlink()
+    assert experiment.planned()[rule] == 1
+    experiment.snakemake()
+    assert (experiment.folder / file).exists()
+
+
+def test_touched_scripts_rules_and_modules_rerun_nothing(experiment):
+    for pattern in (
+        "workflow/**/*.py",
+        "workflow/**/*.smk",
+        "src/**/*.py",
+        "params.yaml",
+        "Snakefile",
+    ):
+        for file in experiment.folder.glob(pattern):
+            os.utime(file)
+    assert experiment.planned() == {}
+
+
+def test_an_edited_script_reruns_its_phase_and_what_follows(experiment):
+    script = experiment.folder / "workflow/scripts/features.py"
+    script.write_text(f"{script.read_text()}# edited\n")
+    planned = experiment.planned()
+    assert planned["features"] == 2
+    assert "touches" not in planned
+
+
+def test_results_and_logs_of_a_deleted_object_go(experiment):
+    own = experiment.folder / "meshes/own/chair/stool.stl"
+    own.parent.mkdir()
+    trimesh.creation.box().export(own)
+    experiment.snakemake()
+    own.unlink()
+    experiment.snakemake()
+    left = [
+        file
+        for folder in ("results", "logs")
+        for file in (experiment.folder / folder).rglob("*stool*")
+    ]
+    assert left == []
+    assert experiment.planned() == {}
+
+
+def test_a_private_name_of_snakemake_that_is_gone_costs_time_alone(experiment):
+    rules = experiment.folder / "workflow/rules/common.smk"
+    text = rules.read_text()
+    assert "job_rate_limiter" in text
+    rules.write_text(text.replace("job_rate_limiter", "name_of_another_version"))
+    (experiment.folder / "reports/metrics.json").unlink()
+    experiment.snakemake()
+    assert (experiment.folder / "reports/metrics.json").exists()
