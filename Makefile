@@ -20,7 +20,8 @@ report: $(READY)
 
 # The quick loop: under a minute on two cores.
 check: lint
-	pytest -n 2 --dist worksteal -m "not slow and not workflow"
+	pytest -n 2 --dist worksteal -m "not slow and not workflow" \
+	  --ignore tests/browser --ignore tests/numerics
 
 test: lint
 	pytest -n 2 --dist loadfile
