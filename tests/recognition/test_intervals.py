@@ -16,6 +16,7 @@ from visuohaptic.recognition.parameters import IntervalParameters
 PARAMETERS = IntervalParameters(bootstrap_samples=1000)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("objects", "held"), [(12, 0.94), (40, 0.95)])
 def test_interval_holds_the_mean_of_normal_objects_nearly_as_often_as_it_says(objects, held):
     generator = np.random.default_rng(0)

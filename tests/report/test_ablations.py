@@ -65,6 +65,7 @@ def test_every_ablation_has_a_name_of_its_own():
     assert all(remade_name(ablation.remade) for ablation in NAMED.values())
 
 
+@pytest.mark.slow
 def test_the_page_shows_them_where_they_were_measured(tmp_path):
     path = write_ablations(tmp_path)
     files = write_run(tmp_path / "run")

@@ -78,6 +78,7 @@ def test_every_hard_place_has_a_picture_a_size_and_a_state():
     assert all(sensor.smallest_size <= place.size <= sensor.largest_size for place in places)
 
 
+@pytest.mark.slow
 def test_the_page_shows_hard_places_and_the_figures_that_are_there(tmp_path, influence, accuracy):
     files = write_run(tmp_path)
     bare = read_page(render_page(read_run(files, PARAMETERS, OBJECTS)))

@@ -124,6 +124,7 @@ def test_strategies_keep_their_colours_and_stand_apart(tmp_path):
     assert len(set(of_first)) == 3
 
 
+@pytest.mark.slow
 def test_the_page_shows_the_curves_where_they_were_measured(tmp_path):
     curves, needed = write_tables(tmp_path)
     files = write_run(tmp_path / "run")

@@ -95,6 +95,7 @@ def test_every_part_of_the_method_has_an_ablation():
     assert {"ideal", "fsr400", "worn_fsr", "fixed_sensor_size", "without_map"} < set(ABLATIONS)
 
 
+@pytest.mark.slow
 def test_what_changes_recognition_alone_takes_the_runs_features(sources):
     only_features = Sources(features=sources.features)
     for name in (

@@ -91,6 +91,7 @@ def test_a_change_of_the_hand_keeps_the_eye(surfaces, tables, monkeypatch):
     assert features.column("x").to_pylist() == tables.features.column("x").to_pylist()
 
 
+@pytest.mark.slow
 def test_more_touches_begin_with_those_of_the_run(surfaces, tables):
     settings = family_settings("touches", RUN)
     (features,) = setting_features(surfaces, settings, tables, RUN).values()

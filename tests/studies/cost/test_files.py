@@ -49,6 +49,7 @@ def weigh(folder, to):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_every_setting_has_a_row_in_the_order_of_its_line(made):
     rows = read_costs(made[0] / "cost.parquet")
     names = [(row["family"], row["setting"]) for row in rows]

@@ -21,6 +21,7 @@ def ready(surfaces):
     return [make_ready(setting, found, RUN) for setting in family_settings("viewpoints", RUN)]
 
 
+@pytest.mark.slow
 def test_a_recognition_goes_through_every_phase(surfaces, ready):
     taken = recognise_once(surfaces["ring/ring0"], "ring/ring0", [0, 2], ready[1])
     assert tuple(taken) == PHASES

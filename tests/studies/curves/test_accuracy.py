@@ -44,6 +44,7 @@ def test_each_point_is_the_run_with_so_many_touches(pipeline):
     assert len(rows) == 12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_adaptive_touches_are_tested_on_the_same_objects_and_repeatable(pipeline):
     table = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)
