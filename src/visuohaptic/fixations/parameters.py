@@ -110,3 +110,8 @@ class ProbingParameters(BaseModel):
     strategies: tuple[Strategy, ...] = Field(
         ("fixation", "random"), min_length=1, description="how probing locations are chosen"
     )
+    when_exhausted: Literal["stop", "begin_again"] = Field(
+        "stop",
+        description="what a sequence does where a view has no further place: it stays shorter, or it starts "
+        "again at its first place",
+    )
