@@ -26,6 +26,7 @@ include: "workflow/rules/touches.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/recognition.smk"
 include: "workflow/rules/model.smk"
+include: "workflow/rules/study_conditions.smk"
 include: "workflow/rules/studies.smk"
 include: "workflow/rules/report.smk"
 

@@ -9,40 +9,6 @@ the package also `cost_all`, `curves_all`, `ablations_all`, `effects_all`); once
 shown in the report.
 """
 
-from visuohaptic.studies.conditions import (
-    describe_conditions,
-    describe_study,
-    plan_study,
-)
-from visuohaptic.studies.declared import declared_studies, make_blocks
-
-STUDIES = or_stop(
-    declared_studies,
-    PARAMETERS,
-    [
-        file
-        for file in Path(shipped("studies")).glob("*.yaml")
-        if file.name != "dvc.yaml"
-    ],
-)
-PLANS = {
-    name: or_stop(plan_study, study, PARAMETERS) for name, study in STUDIES.items()
-}
-BLOCKS = {
-    name: make_blocks(plan, PARAMETERS.workflow.conditions_per_job)
-    for name, plan in PLANS.items()
-}
-
-VALUES_OF_RULES["study_features"] = [
-    {"study": name, "key": key} for name, plan in PLANS.items() for key in plan.remakes
-]
-VALUES_OF_RULES["study_block"] = [
-    {"study": name, "block": block}
-    for name, blocks in BLOCKS.items()
-    for block in blocks
-]
-VALUES_OF_RULES["study_figures"] = [{"study": name} for name in STUDIES]
-
 STUDY_FIGURES = expand("results/studies/{study}.parquet", study=STUDIES)
 SPECIAL_FIGURES = [
     "results/cost.parquet",
@@ -62,45 +28,6 @@ RUN = PARAMETERS.model_dump(
         "recognition": {"intervals"},
     }
 )
-
-
-def study_blocks(study):
-    """List the files of a study's blocks, and of what is measured beside them."""
-    blocks = [
-        f"results/study_blocks/{study}/{block}.parquet" for block in BLOCKS[study]
-    ]
-    adaptive = expand(
-        "results/study_adaptive/{pipeline}.parquet",
-        pipeline=PARAMETERS.recognition.pipelines,
-    )
-    return [*blocks, *adaptive] if study == "curves" else blocks
-
-
-def remade_from(table, phases):
-    """Give what lists the files of a table for features that are made again from these phases on."""
-
-    def files(wildcards):
-        if PLANS[wildcards.study].remakes[wildcards.key].phase not in phases:
-            return []
-        return MESHES if table == "meshes" else parts_of(table)
-
-    return files
-
-
-def keys_of(study, block):
-    """Name the features of a block, those of the run left out."""
-    return sorted({one.key for one in BLOCKS[study][block]} - {None})
-
-
-def made_features(study, keys):
-    """List the files of features by their keys."""
-    return [f"results/study_features/{study}/{key}.parquet" for key in keys]
-
-
-def own_features(wildcards):
-    """List the run's own features for a block that needs them."""
-    needed = any(one.key is None for one in BLOCKS[wildcards.study][wildcards.block])
-    return parts_of("features") if needed else []
 
 
 wildcard_constraints:
@@ -143,7 +70,7 @@ rule effects_all:
         rules.study_effects.input,
 
 
-rule study_features:
+rule features_of_study:
     input:
         meshes=remade_from("meshes", {"views", "touches"}),
         fixations=remade_from("fixations", {"touches"}),
@@ -151,41 +78,35 @@ rule study_features:
         code=code_of("study_features.py"),
     output:
         "results/study_features/{study}/{key}.parquet",
-        record="results/records/study_features/{study}/{key}.json",
+        record="results/records/features_of_study/{study}/{key}.json",
     log:
         "logs/study_features/{study}/{key}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        phase=lambda wildcards: PLANS[wildcards.study].remakes[wildcards.key].phase,
-        parameters=lambda wildcards: PLANS[wildcards.study]
-        .remakes[wildcards.key]
-        .parameters.model_dump(exclude={"workflow", "meshes", "cost", "recognition"}),
+        phase=remade_phase,
+        parameters=remake_parameters,
     message:
         "making features again for study {wildcards.study}, from its {params.phase} on"
     script:
         "../scripts/study_features.py"
 
 
-rule study_block:
+rule block_of_study:
     input:
         features=own_features,
-        made=lambda wildcards: made_features(
-            wildcards.study, keys_of(wildcards.study, wildcards.block)
-        ),
+        made=block_features,
         code=code_of("study_block.py"),
     output:
         "results/study_blocks/{study}/{block}.parquet",
-        record="results/records/study_block/{study}/{block}.json",
+        record="results/records/block_of_study/{study}/{block}.json",
     log:
         "logs/study_block/{study}/{block}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        conditions=lambda wildcards: describe_conditions(
-            BLOCKS[wildcards.study][wildcards.block]
-        ),
-        remade=lambda wildcards: keys_of(wildcards.study, wildcards.block),
+        conditions=block_conditions,
+        remade=block_keys,
         parameters=RUN,
     message:
         "measuring conditions {wildcards.block} of study {wildcards.study}"
@@ -193,22 +114,20 @@ rule study_block:
         "../scripts/study_block.py"
 
 
-rule study_figures:
+rule figures_of_study:
     input:
-        parts=lambda wildcards: study_blocks(wildcards.study),
+        parts=study_parts,
         code=code_of("study_figures.py"),
     output:
         figures="results/studies/{study}.parquet",
         metrics="reports/studies/{study}.json",
-        record="results/records/study_figures/{study}.json",
+        record="results/records/figures_of_study/{study}.json",
     log:
         "logs/study_figures/{study}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        study=lambda wildcards: describe_study(
-            STUDIES[wildcards.study], PLANS[wildcards.study]
-        ),
+        study=described_study,
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
@@ -217,13 +136,13 @@ rule study_figures:
         "../scripts/study_figures.py"
 
 
-rule study_candidates:
+rule candidates_of_study:
     input:
         meshes=MESHES,
         code=code_of("study_candidates.py"),
     output:
         "results/study_candidates.parquet",
-        record="results/records/study_candidates.json",
+        record="results/records/candidates_of_study.json",
     log:
         "logs/study_candidates.log",
     conda:
@@ -238,13 +157,13 @@ rule study_candidates:
         "../scripts/study_candidates.py"
 
 
-rule study_adaptive:
+rule adaptive_of_study:
     input:
         candidates="results/study_candidates.parquet",
         code=code_of("study_adaptive.py"),
     output:
         "results/study_adaptive/{pipeline}.parquet",
-        record="results/records/study_adaptive/{pipeline}.json",
+        record="results/records/adaptive_of_study/{pipeline}.json",
     log:
         "logs/study_adaptive/{pipeline}.log",
     conda:
