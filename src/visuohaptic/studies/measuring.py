@@ -101,7 +101,7 @@ def remake_features(remake: Remake, sources: Sources) -> pa.Table:
 def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
     from visuohaptic.features.describing import describe_touches
     from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.geometry.surface import read_surface
+    from visuohaptic.geometry.surface import read_surface, usable_meshes
     from visuohaptic.phases import describe_at, find_locations
     from visuohaptic.recognition.summary import select
 
@@ -109,13 +109,14 @@ def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
     if remake.phase == "features":
         for part in sources.touches:
             touches = _of_strategies(read_table(TOUCHES, part), parameters.probing.strategies)
-            yield describe_touches(touches, parameters.features)
+            if touches.num_rows:
+                yield describe_touches(touches, parameters.features)
         return
     located = None
     if remake.phase == "touches":
         located = read_table(FIXATIONS, sources.fixations)
         located = _of_strategies(located, parameters.probing.strategies)
-    for mesh in map(Path, sources.meshes):
+    for mesh in usable_meshes(sources.meshes):
         category, name = mesh.parent.name, mesh.stem
         caster = RayCaster(read_surface(mesh))
         locations = (

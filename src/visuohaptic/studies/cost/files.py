@@ -8,7 +8,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.geometry.surface import read_surface
+from visuohaptic.geometry.surface import read_surface, usable_meshes
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.cost.front import error_rows, join_costs
@@ -55,7 +55,9 @@ def make_cost_seconds(
         settings += [ready] if isinstance(ready, Ready) else []
     if not settings:
         raise RecognitionError("No setting can be run, so there is none to time.")
-    surfaces = {f"{mesh.parent.name}/{mesh.stem}": read_surface(mesh) for mesh in map(Path, meshes)}
+    surfaces = {
+        f"{mesh.parent.name}/{mesh.stem}": read_surface(mesh) for mesh in usable_meshes(meshes)
+    }
     table = measure_seconds(surfaces, settings, run.cost.rounds)
     write_table(COST_SECONDS, table, output)
 

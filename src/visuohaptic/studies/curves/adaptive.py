@@ -43,13 +43,13 @@ def make_candidates(
     from visuohaptic.fixations.viewpoints import place_cameras
     from visuohaptic.geometry.orientation import orient_outwards
     from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.geometry.surface import read_surface
+    from visuohaptic.geometry.surface import read_surface, usable_meshes
     from visuohaptic.phases import describe_at
     from visuohaptic.seeds import spawn_generator
 
     cameras = dict(enumerate(place_cameras(parameters.viewpoints)))
     parts = []
-    for mesh in map(Path, meshes):
+    for mesh in usable_meshes(meshes):
         key, caster = f"{mesh.parent.name}/{mesh.stem}", RayCaster(read_surface(mesh))
         generator = spawn_generator(parameters.seed, "candidates", key)
         crowd = spread_far(caster.surface, CANDIDATES, generator)
