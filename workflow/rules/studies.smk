@@ -44,6 +44,8 @@ for study in STUDIES:
         input:
             f"results/studies/{study}.parquet",
             f"reports/studies/{study}.json",
+            # By name, so that a lost block is missed although its figures are there.
+            study_blocks(study),
 
 
 rule cost_all:
