@@ -18,7 +18,7 @@ MOST_ROWS = 200
 
 @dataclass(frozen=True)
 class Extra:
-    """A section that a table calls for: its name, title, place and first sentence."""
+    """A section that is shown if its table exists: name, title, place and first sentence."""
 
     name: str
     title: str

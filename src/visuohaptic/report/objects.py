@@ -1,4 +1,4 @@
-"""What is told of each object: where the eye rested, what was felt, and what it was taken for."""
+"""What the page shows of each object: fixations, imprints and predicted classes."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class ViewPage:
 
     @property
     def path(self) -> str:
-        """The way of the eye, as points of an SVG line."""
+        """The fixations in order, as points of an SVG line."""
         return " ".join(f"{mark.column:.1f},{mark.row:.1f}" for mark in self.marks)
 
 
@@ -181,7 +181,7 @@ def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
 
 
 def _variety(sizes: Sequence[float]) -> tuple[int, float]:
-    """Count the sizes that a reader can tell apart, and measure how far they spread."""
+    """Count the distinct sizes, rounded to 0.01, and measure their spread."""
     spread = float(np.std(np.log(np.maximum(sizes, 1e-9)))) if len(sizes) else -1.0
     return len({round(size, 2) for size in sizes}), spread
 

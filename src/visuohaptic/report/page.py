@@ -36,7 +36,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     Returns
     -------
     str
-        HTML that asks the network for nothing.
+        HTML that needs no network.
     """
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
     story = Story(run, describe_objects(run, processes, track), seconds)
