@@ -38,14 +38,14 @@ METHOD = {
 
 @dataclass(frozen=True)
 class Confusion:
-    """How often sequences of each class were named each class.
+    """Confusion matrix: how often sequences of each class were predicted as each class.
 
     Attributes
     ----------
     classes : tuple of str
         The c classes, sorted.
     counts : numpy.ndarray
-        Shape (c, c), int64: true class by row, named class by column.
+        Shape (c, c), int64: true class by row, predicted class by column.
     """
 
     classes: tuple[str, ...]
@@ -162,7 +162,7 @@ def object_accuracies(
         The o objects as (class, name), sorted.
     accuracy, weights : numpy.ndarray
         Shape (o,) each, float64; the weighted mean over objects is the mean over splits of
-        the share of test sequences named rightly.
+        the share of test sequences correctly classified.
     """
     figures = _object_figures(predictions)
     return figures.objects, figures.accuracy, figures.weights

@@ -32,7 +32,7 @@ _NORMAL = ("normal_x", "normal_y", "normal_z")
 _TANGENT = ("tangent_x", "tangent_y", "tangent_z")
 Track = Callable[[Sequence[str]], Iterable[str]]
 # How often each class was named, by strategy and viewpoint.
-Answers = Mapping[tuple[str, int], Mapping[str, int]]
+PredictionCounts = Mapping[tuple[str, int], Mapping[str, int]]
 # A model for the page: fewer faces where many objects share the page.
 _FACES_OF_ALL = 120_000
 _FACES_AT_MOST = 4_000
@@ -191,7 +191,7 @@ def _describe(
     mesh: Path | None,
     tables: Sequence[pa.Table],
     cameras: Sequence[Camera],
-    answers: Answers,
+    answers: PredictionCounts,
     faces: int,
 ) -> ObjectPage:
     seen, fixations, touches = tables
@@ -227,7 +227,7 @@ def _view_page(
     fixations: pa.Table,
     touches: pa.Table,
     cameras: Sequence[Camera],
-    answers: Answers,
+    answers: PredictionCounts,
 ) -> ViewPage:
     viewpoint = row["viewpoint"]
     view, (height, width) = shrink_picture(row["view"])
@@ -351,7 +351,7 @@ def _answers(run: Run) -> dict[str, dict[tuple[str, int], dict[str, int]]]:
     return found
 
 
-def _named(answers: Answers) -> dict[str, dict[str, float]]:
+def _named(answers: PredictionCounts) -> dict[str, dict[str, float]]:
     sums: dict[str, dict[str, int]] = {}
     for (strategy, _), counts in answers.items():
         held = sums.setdefault(strategy, {})
@@ -363,7 +363,7 @@ def _named(answers: Answers) -> dict[str, dict[str, float]]:
     }
 
 
-def _right(key: str, viewpoint: int, answers: Answers) -> dict[str, float]:
+def _right(key: str, viewpoint: int, answers: PredictionCounts) -> dict[str, float]:
     category = key.split("/", 1)[0]
     return {
         strategy: counts.get(category, 0) / sum(counts.values())

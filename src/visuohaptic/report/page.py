@@ -31,7 +31,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     processes : int
         Processes to work on, at most.
     track : callable
-        As for `make_report`.
+        As for `describe_objects`.
 
     Returns
     -------
