@@ -8,6 +8,7 @@ from report.synthetic import PARAMETERS, write_run
 from visuohaptic.report.files import make_report
 from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
 
+pytestmark = pytest.mark.slow
 EVIL = "cup/<script>alert(1)</script>"
 NAMES = ("cup/mug", "ball/marble", EVIL, "ball/" + "x" * 300, "ball/Kännchen 茶", "cup/../../x")
 NARROWEST = {"width": 320, "height": 640}

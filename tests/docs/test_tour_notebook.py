@@ -10,6 +10,7 @@ from cli.models import fit_on_nonsense
 from nbclient import NotebookClient
 
 ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.slow
 NOTEBOOK = ROOT / "docs" / "tour.ipynb"
 PICTURES = [1, 1, 0, 1, 0, 0, 0, 0, 0]
 """How many pictures each cell shows."""

@@ -1,8 +1,6 @@
 """Sentences follow the figures."""
 
-import pytest
-
-from visuohaptic.report.comparison import agreement, answer, holm, merge_notes, read_tables
+from visuohaptic.report.comparison import agreement, answer, merge_notes, read_tables
 
 
 def interval(mean, half=0.05):
@@ -58,12 +56,6 @@ def table(fixation=(0.93, 0.3), random=(0.8, 0.4), p_values=(0.001, 0.6)):
     )[0]
 
 
-def test_holm_as_by_hand():
-    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
-    assert holm([0.9, 0.8]) == pytest.approx([1.0, 1.0])
-    assert holm([]) == []
-
-
 def test_rows_follow_the_published_table():
     assert [row.key for row in table().rows] == [SVM, BAYES]
     assert table().best.key == SVM
@@ -75,15 +67,15 @@ def test_answer_has_three_sentences_with_the_figures():
     assert "names the class of an unknown object in 93.0\xa0%" in sentences[0]
     assert "88.0\xa0% to 98.0\xa0%" in sentences[0]
     assert "guessing among 4 classes gives 25.0\xa0%" in sentences[0]
-    assert "ahead for 1 of 2 classifiers" in sentences[1]
-    assert "beyond chance for support vector machine (+13.0)" in sentences[1]
+    assert "better than random probing with 1 of 2 classifiers" in sentences[1]
+    assert "significant for support vector machine (+13.0)" in sentences[1]
     assert "93.45\xa0%" in sentences[2]
     assert "1 of its 2 figures" in sentences[2]
 
 
 def test_answer_says_when_nothing_is_beyond_chance():
     sentences = answer([table(p_values=(0.03, 0.6))], 4, 5, "an unknown object", 0.95)
-    assert "no difference is beyond chance (smallest Holm-adjusted p 0.06)" in sentences[1]
+    assert "no difference is significant (smallest Holm-adjusted p 0.06)" in sentences[1]
 
 
 def test_agreement_and_disagreement_are_told_apart():

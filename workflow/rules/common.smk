@@ -20,8 +20,6 @@ from visuohaptic.parameters import (
     refuse_repeated_names,
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
-from visuohaptic.studies.ablations.settings import ABLATIONS
-from visuohaptic.studies.cost.settings import FAMILIES
 from visuohaptic_workflow.brought_files import judge_brought_files
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
@@ -44,7 +42,7 @@ if Path(workflow.main_snakefile).parent == Path(workflow.basedir):
 
 
 def or_stop(function, *arguments):
-    """Call a function; where it refuses, end with its sentence instead of a traceback."""
+    """Call a function; on an error of this package, end with its message, not a traceback."""
     try:
         return function(*arguments)
     except VisuohapticError as error:
@@ -52,7 +50,7 @@ def or_stop(function, *arguments):
 
 
 def shipped(path):
-    """Give a file or folder of the repository, from whichever folder the workflow is run."""
+    """Give the path of a file or folder of the repository, relative to the working folder."""
     if Path(path).exists():
         return path
     return os.path.relpath(Path(workflow.basedir, path))
@@ -89,7 +87,7 @@ wildcard_constraints:
 
 
 def source_of(wildcards):
-    """Give the file that an object's model comes from, and what lies beside it."""
+    """Give an object's model file, and the files that it refers to."""
     if wildcards.object in OWN:
         return [OWN[wildcards.object], *companions(OWN[wildcards.object])]
     if wildcards.object in DOWNLOADED:
@@ -98,7 +96,7 @@ def source_of(wildcards):
 
 
 def model_of(wildcards):
-    """Give what the catalogue says of an object's shape: its size in cm and its turn upright."""
+    """Give an object's size in cm and its rotation to upright, from the catalogue."""
     model = CATALOGUED.get(wildcards.object)
     if model is None:
         return {}
@@ -106,7 +104,7 @@ def model_of(wildcards):
 
 
 def view_blocks():
-    """Name the blocks of viewpoints that a job each covers, such as 00-15."""
+    """Name the blocks of viewpoints, one a job, such as 00-15."""
     count, step = PARAMETERS.viewpoints.total, PARAMETERS.workflow.views_per_job
     starts = range(0, count, step)
     return [f"{start:02d}-{min(start + step, count) - 1:02d}" for start in starts]
@@ -140,27 +138,6 @@ def scores_of(table, suffix="parquet"):
     )
 
 
-def sources_of_ablation(table):
-    """Give what lists the files of a table for the ablations that start from it."""
-    started_from = {
-        "nothing": ("features",),
-        "descriptors": ("features", "touches"),
-        "touches": ("meshes", "fixations"),
-        "views": ("meshes",),
-    }
-    files = (
-        expand("results/meshes/{object}.ply", object=OBJECTS)
-        if table == "meshes"
-        else parts_of(table)
-    )
-
-    def sources(wildcards):
-        remade = ABLATIONS[wildcards.ablation].remade
-        return files if table in started_from[remade] else []
-
-    return sources
-
-
 def code_of(script):
     """List a script and the modules that it runs: an edit in one of them reruns its jobs."""
     file = Path(workflow.basedir, "workflow/scripts", script)
@@ -172,7 +149,7 @@ def all_cores(wildcards):
     return workflow.cores if workflow.local_exec else 1
 
 
-# Rules whose wildcards stand for other values than in the rest.
+# Rules whose wildcards stand for other values than in the rest, or that list their jobs' wildcards.
 VALUES_OF_RULES = {}
 
 
@@ -189,7 +166,7 @@ def planned_jobs():
 
 
 def check_folder():
-    """Let one run at a time write here, and judge files that were not made here."""
+    """Allow one run at a time in this folder, and check files that were not made here."""
     if not workflow.is_main_process:
         return
     or_stop(check_writable)
@@ -229,10 +206,10 @@ def name_objects_set_aside():
 
 
 def start_local_jobs_at_once():
-    """Lift the limit of job starts a second where jobs run on this machine.
+    """Remove the limit of job starts per second if jobs run on this machine.
 
-    For that limit Snakemake looks at all jobs that are ready once a second, and once
-    more for each job that has ended: with 600 jobs it would keep one core busy.
+    For that limit Snakemake checks all ready jobs once a second, and again
+    after each job: with 600 jobs it would keep one core busy.
     """
     scheduler = getattr(workflow, "scheduler", None)
     if workflow.local_exec and hasattr(scheduler, "job_rate_limiter"):
@@ -240,7 +217,7 @@ def start_local_jobs_at_once():
 
 
 def start_local_jobs_warm():
-    """Let jobs on this machine take over what the first of their kind have imported."""
+    """Start jobs on this machine as forks of a process that has done their imports."""
     if workflow.local_exec and PARAMETERS.workflow.warm_starts:
         offer_warm_starts()
         set_job_environment(Path(workflow.basedir, "workflow/warm_start"), *SOURCES)

@@ -1,6 +1,7 @@
 """Report: every table → one HTML page, the numbers behind it, and plots for DVC.
 
-Takes results/ and, where they are there, logs/ and credits; gives reports/report.html, reports/metrics.json and reports/plots/.
+Takes results/ and, if they exist, logs/ and credits; gives reports/report.html,
+reports/metrics.json and reports/plots/.
 """
 
 # What `make test-hard` and `make bench` found.
@@ -56,14 +57,12 @@ rule report:
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
         meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
-        # Once they are made they are kept current; a run without them makes none.
+        # Not part of `all`; once present they are kept up to date and shown in the report.
         measured=[
             file
             for file in [
-                *EFFECT_FIGURES,
-                *CURVE_FIGURES,
-                *ABLATION_FIGURES,
-                *COST_FIGURES,
+                *STUDY_FIGURES,
+                *SPECIAL_FIGURES,
                 *CHECKS_AND_BENCHMARKS,
             ]
             if Path(file).exists()
@@ -81,18 +80,16 @@ rule report:
     params:
         parameters=PARAMETERS.model_dump(),
         objects=OBJECTS,
-        # Read where they are there; what is not there leaves its section out.
+        # Read if they exist; else the section is left out.
         optional={
             "logs": "logs",
             "extras": {
+                "studies": "results/studies",
                 "effect_influence": "results/effect_influence.parquet",
-                "effect_accuracy": "results/effect_accuracy.parquet",
-                "touch_curves": "results/touch_curves.parquet",
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",
                 "stability": "reports/stability.json",
                 "precision": "reports/precision.json",
-                "ablations": "results/ablations.parquet",
             },
         },
     message:

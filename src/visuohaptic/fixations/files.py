@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.attention.model import Attention
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.fixations.locations import locate, look
+from visuohaptic.fixations.locations import locate_all, look
 from visuohaptic.fixations.parameters import (
     ProbingParameters,
     RenderingParameters,
@@ -44,27 +44,7 @@ def make_fixations(
     modes: EffectModes,
     seed: int,
 ) -> None:
-    """Make the view and fixation tables of one object and a block of its viewpoints.
-
-    The books of the effects of the view come with them.
-
-    Parameters
-    ----------
-    key : str
-        `class/name` of the object.
-    mesh : path
-        Its surface.
-    fixations, views, effects : path
-        The Parquet files to write.
-    block : sequence of int
-        Numbers of the viewpoints; what a viewpoint gives does not depend on the others.
-    viewpoints, rendering, attention, probing
-        Sections of the parameters.
-    modes : EffectModes
-        When the effects of the view are simulated; all others have no say.
-    seed : int
-        The experiment's seed.
-    """
+    """Make the view, fixation and effect log tables of one object and a block of its viewpoints."""
     if set_aside_reason(mesh):
         for schema, path in ((VIEWS, views), (EFFECTS, effects), (FIXATIONS, fixations)):
             write_table(schema, schema.arrow.empty_table(), path)
@@ -76,10 +56,7 @@ def make_fixations(
     seen, attentions = looks[0].seen, [one.attended for one in looks]
     write_table(VIEWS, _view_table(key, cameras, seen, attentions), views)
     write_table(EFFECTS, effect_table(key, block[0], "any", seen.effects), effects)
-    tables = [
-        locate(one, strategy, attention, seed) for one in looks for strategy in probing.strategies
-    ]
-    write_table(FIXATIONS, pa.concat_tables(tables), fixations)
+    write_table(FIXATIONS, locate_all(looks, probing, attention, seed), fixations)
 
 
 def _view_table(

@@ -1,8 +1,8 @@
-"""The eye's part: views of an object, what draws attention in them, and where to touch."""
+"""Views of an object, attention in them, and probing locations."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import pyarrow as pa
 from visuohaptic.attention.model import Attention, attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
-from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.parameters import ProbingParameters, RenderingParameters
 from visuohaptic.fixations.probing import (
     STRATEGIES,
     ProbingLocations,
@@ -29,7 +29,7 @@ from visuohaptic.tables.schema import build_table
 
 @dataclass(frozen=True)
 class Look:
-    """One viewpoint of an object, and what the eye makes of it.
+    """One viewpoint of an object, with saliency and fixations.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Look:
     place : int
         Which of these views is this one's.
     attended : Attention
-        What drew the eye.
+        Saliency and fixations of the view.
     """
 
     key: str
@@ -136,6 +136,57 @@ def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) 
     return _path_table(one, strategy, chosen)
 
 
+def locate_all(
+    looks: Iterable[Look], probing: ProbingParameters, attention: AttentionParameters, seed: int
+) -> pa.Table:
+    """Choose where to touch from several viewpoints, by every strategy.
+
+    Parameters
+    ----------
+    looks : iterable of Look
+        The viewpoints, at least one.
+    probing, attention
+        Sections of the parameters.
+    seed : int
+        The experiment's seed.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.FIXATIONS`.
+    """
+    tables = [
+        locate(one, strategy, attention, seed) for one in looks for strategy in probing.strategies
+    ]
+    if probing.when_exhausted == "begin_again":
+        tables = [begin_again(table, attention.fixations) for table in tables]
+    return pa.concat_tables(tables)
+
+
+def begin_again(sequence: pa.Table, touches: int) -> pa.Table:
+    """Make a sequence as long as asked for by starting again at its first location.
+
+    Parameters
+    ----------
+    sequence : pyarrow.Table
+        Rows of `tables.FIXATIONS` of one sequence, in order.
+    touches : int
+        How many rows to give.
+
+    Returns
+    -------
+    pyarrow.Table
+        So many rows; none where there was none.
+    """
+    if not sequence.num_rows:
+        return sequence
+    again = sequence.take([number % sequence.num_rows for number in range(touches)])
+    place = again.schema.get_field_index("touch")
+    return again.set_column(
+        place, again.schema.field("touch"), pa.array(range(touches), pa.int32())
+    )
+
+
 def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:
     """List those of an object's points that a viewpoint sees, for `adaptive` to choose among.
 
@@ -162,7 +213,7 @@ def _path_table(one: Look, strategy: str, path: Scanpath) -> pa.Table:
 
 
 def _blind(drawn: ProbingLocations) -> dict[str, object]:
-    """No pixel was chosen, so there is none to name."""
+    """Give empty pixel columns: these locations were not chosen by pixel."""
     return {name: [None] * len(drawn.faces) for name in ("pixel_row", "pixel_column", "saliency")}
 
 

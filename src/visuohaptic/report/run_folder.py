@@ -16,14 +16,12 @@ REPORT = "reports/report.html"
 
 _TABLES = ("predictions", "views", "fixations", "touches", "features")
 EXTRAS = {
+    "studies": "results/studies",
     "effect_influence": "results/effect_influence.parquet",
-    "effect_accuracy": "results/effect_accuracy.parquet",
-    "touch_curves": "results/touch_curves.parquet",
     "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",
     "stability": "reports/stability.json",
     "precision": "reports/precision.json",
-    "ablations": "results/ablations.parquet",
 }
 """Tables of phases that not every run has, by section; as in `workflow/rules/report.smk`."""
 
@@ -80,7 +78,7 @@ def find_run(folder: str | Path) -> RunFolder:
     ]
     if missing:
         raise ReportError(
-            f"{folder / missing[0]} is not there, and the report tells of it; name the folder of a "
+            f"{folder / missing[0]} is not there, and the report needs it; name the folder of a "
             "finished run, or run `snakemake -j2` there first."
         )
     parameters = read_parameters(folder / PARAMETERS)
