@@ -77,14 +77,6 @@ def test_parameters_are_read_without_the_libraries_of_the_phases():
     ("values", "sentence"),
     [
         (
-            {"recognition": {"touches": 8}},
-            "recognition.touches is 8 and attention.fixations is 5: a view has no more touches",
-        ),
-        (
-            {"recognition": {"touches": 5}, "attention": {"fixations": 3}},
-            "recognition.touches is 5 and attention.fixations is 3",
-        ),
-        (
             {"probing": {"strategies": ["random", "random"]}},
             "probing.strategies names random 2 times; once is allowed",
         ),
@@ -108,12 +100,22 @@ def test_sections_are_checked_against_each_other(values, sentence):
         ExperimentParameters.from_mapping(values)
 
 
+@pytest.mark.parametrize(("touches", "fixations"), [(8, 5), (5, 3)])
+def test_more_touches_than_fixations_are_refused_before_a_run(touches, fixations):
+    chosen = parameters.check_parameters(
+        {"recognition": {"touches": touches}, "attention": {"fixations": fixations}}, "p"
+    )
+    sentence = f"p: recognition.touches is {touches} and attention.fixations is {fixations}: a view"
+    with pytest.raises(ParameterError, match=sentence):
+        parameters.check_run(chosen, "p")
+
+
 @pytest.mark.parametrize("resolution", [2, 12, 34])
 def test_resolutions_that_the_contourlets_refuse_are_refused_before_a_run(resolution):
-    with pytest.raises(
-        ParameterError, match=f"p: sensor.resolution is {resolution}, and features takes 16 dir"
-    ):
-        parameters.check_parameters({"sensor": {"resolution": resolution}}, "p")
+    chosen = parameters.check_parameters({"sensor": {"resolution": resolution}}, "p")
+    sentence = f"p: sensor.resolution is {resolution}, and features takes 16 directional bands"
+    with pytest.raises(ParameterError, match=sentence):
+        parameters.check_run(chosen, "p")
 
 
 @pytest.mark.parametrize("resolution", [3, 8, 16, 33, 256])
@@ -123,7 +125,7 @@ def test_resolutions_that_the_contourlets_take_are_allowed(resolution):
     from visuohaptic.features.describing import describe_imprints
     from visuohaptic.features.parameters import FeatureParameters
 
-    parameters.check_parameters({"sensor": {"resolution": resolution}}, "p")
+    parameters.check_run(parameters.check_parameters({"sensor": {"resolution": resolution}}, "p"))
     imprint = np.random.default_rng(0).random((1, resolution, resolution), dtype=np.float32)
     assert describe_imprints(imprint, FeatureParameters()).shape == (1, parameters.DIRECTIONS)
 
@@ -137,6 +139,7 @@ def test_the_multiple_is_that_of_the_contourlets():
 
 def test_who_only_touches_may_choose_fewer_fixations():
     few = parameters.as_parameters({"attention.fixations": 3})
+    parameters.check_run(few)
     assert few.attention.fixations == 3
 
 

@@ -95,9 +95,6 @@ class ExperimentParameters(BaseModel):
     @model_validator(mode="after")
     def _sections_agree(self) -> Self:
         found = [*_repeated(self), *_odd_viewpoints(self)]
-        # A caller who touches and doesn't recognise leaves recognition's default as it is.
-        if "touches" in self.recognition.model_fields_set:
-            found += _odd_touches(self)
         if found:
             raise ValueError("; ".join(found))
         return self
@@ -158,26 +155,38 @@ def _odd_viewpoints(parameters: ExperimentParameters) -> Iterator[str]:
         )
 
 
-def check_imprints(parameters: ExperimentParameters) -> None:
-    """Refuse a resolution of the sensor that the features can't be taken of.
+def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
+    """Refuse parameters with which touching or recognition would fail.
 
-    A study may try one all the same: its table says which were refused.
+    A study may try them all the same: its table says which conditions failed.
 
     Parameters
     ----------
     parameters : ExperimentParameters
         What is to be run.
+    source : str
+        Where they come from: a file, or an argument.
 
     Raises
     ------
     ParameterError
-        If the contourlets have no bands for imprints of the resolution.
+        If the contourlets have no bands for imprints of the resolution, or a sequence is to have
+        more touches than a view has fixations; the sentence names both parameters.
     """
+    found = [*_odd_imprints(parameters)]
+    # Who touches and doesn't recognise leaves recognition's default as it is.
+    if "touches" in parameters.recognition.model_fields_set:
+        found += _odd_touches(parameters)
+    if found:
+        raise ParameterError(f"{source}: {'; '.join(found)}.")
+
+
+def _odd_imprints(parameters: ExperimentParameters) -> Iterator[str]:
     resolution = parameters.sensor.resolution
     if resolution % 2 == 0 and resolution % IMPRINT_MULTIPLE:
-        raise ParameterError(
+        yield (
             f"sensor.resolution is {resolution}, and features takes {DIRECTIONS} directional bands of "
-            f"an imprint: a multiple of {IMPRINT_MULTIPLE}, or an odd number, is needed."
+            f"an imprint: a multiple of {IMPRINT_MULTIPLE}, or an odd number, is needed"
         )
 
 
@@ -260,12 +269,10 @@ def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParame
         If a name is unknown or a value not allowed.
     """
     try:
-        checked = ExperimentParameters.from_mapping(values)
-        check_imprints(checked)
+        return ExperimentParameters.from_mapping(values)
     except ParameterError as error:
         found = str(error).removeprefix("params.yaml: ")
         raise ParameterError(f"{source}: {found}") from None
-    return checked
 
 
 def as_parameters(

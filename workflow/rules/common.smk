@@ -16,7 +16,7 @@ from visuohaptic.meshes.catalogue import (
 )
 from visuohaptic.parameters import (
     ExperimentParameters,
-    check_imprints,
+    check_run,
     refuse_repeated_names,
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
@@ -59,7 +59,7 @@ def shipped(path):
 for file in workflow.configfiles:
     or_stop(refuse_repeated_names, file)
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
-or_stop(check_imprints, PARAMETERS)
+or_stop(check_run, PARAMETERS)
 CATALOGUED = {
     model.key: model
     for model in or_stop(

@@ -23,6 +23,7 @@ from visuohaptic.parameters import (
     ExperimentParameters,
     as_parameters,
     check_parameters,
+    check_run,
     read_parameters,
 )
 from visuohaptic.tables.phases import (
@@ -156,6 +157,7 @@ class TouchableObject:
             raise ParameterError("normals need at: the points that they stand on.")
         if viewpoints is not None:
             raise ParameterError("at leaves no choice of viewpoints: leave one of the two out.")
+        check_run(parameters, "touch")
         tables, seconds = touch_points(self.key, self.surface, at, normals, parameters)
         seconds = {"prepare": self.seconds, **seconds}
         return Exploration(self.key, self.surface, parameters, STRATEGY, seconds, **tables)
@@ -539,7 +541,9 @@ def _with_choices(
     values.setdefault("probing", {})["strategies"] = (strategy,)
     if viewpoints is not None:
         values.setdefault("viewpoints", {})["count"] = viewpoints
-    return check_parameters(values, "touch")
+    checked = check_parameters(values, "touch")
+    check_run(checked, "touch")
+    return checked
 
 
 def _check_alike(exploration: Exploration, recogniser: Recogniser) -> None:
