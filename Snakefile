@@ -35,6 +35,7 @@ check_folder()
 
 
 onstart:
+    check_recognition()
     prune()
     start_local_jobs_at_once()
     start_local_jobs_warm()

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from visuohaptic import parameters
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 
@@ -17,8 +18,8 @@ def test_sections_that_are_left_out_take_their_defaults():
 
 
 def test_what_is_dumped_reads_back():
-    parameters = ExperimentParameters.from_mapping({"viewpoints": {"elevations_degrees": [0, 30]}})
-    assert ExperimentParameters.from_mapping(parameters.model_dump(mode="json")) == parameters
+    chosen = ExperimentParameters.from_mapping({"viewpoints": {"elevations_degrees": [0, 30]}})
+    assert ExperimentParameters.from_mapping(chosen.model_dump(mode="json")) == chosen
 
 
 @pytest.mark.parametrize(
@@ -70,3 +71,86 @@ def test_parameters_are_read_without_the_libraries_of_the_phases():
         capture_output=True, text=True, check=True, env={"PYTHONPATH": str(ROOT / "src")},
     ).stdout  # fmt: skip
     assert output == "[]\n"
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        (
+            {"recognition": {"touches": 8}},
+            "recognition.touches is 8 and attention.fixations is 5: a view has no more touches",
+        ),
+        (
+            {"recognition": {"touches": 5}, "attention": {"fixations": 3}},
+            "recognition.touches is 5 and attention.fixations is 3",
+        ),
+        (
+            {"sensor": {"resolution": 34}},
+            "sensor.resolution is 34, and features takes 16 directional bands .* multiple of 8",
+        ),
+        ({"sensor": {"resolution": 2}}, "sensor.resolution is 2, and features"),
+        ({"cost": {"imprint_resolutions": [8, 12]}}, "cost.imprint_resolutions is 12, and"),
+        (
+            {"probing": {"strategies": ["random", "random"]}},
+            "probing.strategies names random 2 times; once is allowed",
+        ),
+        ({"recognition": {"pipelines": ["best", "best"]}}, "recognition.pipelines names best 2"),
+        (
+            {"recognition": {"classifiers": ["naive_bayes"] * 3}},
+            "recognition.classifiers names naive_bayes 3 times",
+        ),
+        ({"cost": {"touches": [1, 1]}}, "cost.touches names 1 2 times"),
+        ({"viewpoints": {"count": 100000}}, "viewpoints.count is 100000: .* less than or equal"),
+        (
+            {"viewpoints": {"count": 1000, "elevations_degrees": [0, 10, 20, 30, 40]}},
+            "viewpoints.count is 1000 and viewpoints.elevations_degrees has 5 rings: 5000",
+        ),
+        ({"rendering": {"resolution": 10000}}, "rendering.resolution is 10000: .* 4096"),
+        ({"cost": {"view_resolutions": [99999]}}, "cost.view_resolutions.0 is 99999"),
+    ],
+)
+def test_sections_are_checked_against_each_other(values, sentence):
+    with pytest.raises(ParameterError, match=sentence):
+        ExperimentParameters.from_mapping(values)
+
+
+@pytest.mark.parametrize("resolution", [3, 8, 16, 33, 256])
+def test_resolutions_that_the_contourlets_take_are_allowed(resolution):
+    import numpy as np
+
+    from visuohaptic.features.describing import describe_imprints
+    from visuohaptic.features.parameters import FeatureParameters
+
+    ExperimentParameters.from_mapping({"sensor": {"resolution": resolution}})
+    imprint = np.random.default_rng(0).random((1, resolution, resolution), dtype=np.float32)
+    assert describe_imprints(imprint, FeatureParameters()).shape == (1, parameters.DIRECTIONS)
+
+
+def test_the_multiple_is_that_of_the_contourlets():
+    from visuohaptic.contourlet.lattice import side_multiple
+
+    directions_log2 = parameters.DIRECTIONS.bit_length() - 1
+    assert side_multiple(directions_log2) == parameters.IMPRINT_MULTIPLE
+
+
+def test_who_only_touches_may_choose_fewer_fixations():
+    few = parameters.as_parameters({"attention.fixations": 3})
+    assert few.attention.fixations == 3
+
+
+def test_a_name_that_stands_twice_is_named_with_its_lines(tmp_path):
+    path = tmp_path / "params.yaml"
+    path.write_text("seed: 1\nsensor:\n  resolution: 8\n  flatness: 0.001\n  resolution: 16\n")
+    with pytest.raises(
+        ParameterError, match=r"sensor\.resolution is in line 3 and again in line 5; once"
+    ):
+        parameters.read_parameters(path)
+    path.write_text("seed: 1\nviewpoints: {count: 2}\nseed: 2\n")
+    with pytest.raises(ParameterError, match="seed is in line 1 and again in line 3"):
+        parameters.read_parameters(path)
+
+
+def test_broken_yaml_is_named_with_its_line(tmp_path):
+    (tmp_path / "params.yaml").write_text("seed: 1\nsensor: {resolution: 8\nprobing: 3\n")
+    with pytest.raises(ParameterError, match=r"params\.yaml can't be read: .*line 3"):
+        parameters.read_parameters(tmp_path / "params.yaml")

@@ -20,6 +20,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
             "TouchableObject",
             "load",
             "read_recogniser",
+            "touch",
         ],
         "parameters": ["read_parameters"],
     },

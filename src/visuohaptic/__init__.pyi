@@ -5,6 +5,7 @@ from .exploration.exploring import Recognition as Recognition
 from .exploration.exploring import TouchableObject as TouchableObject
 from .exploration.exploring import load as load
 from .exploration.exploring import read_recogniser as read_recogniser
+from .exploration.exploring import touch as touch
 from .parameters import read_parameters as read_parameters
 
 __all__ = [
@@ -16,5 +17,6 @@ __all__ = [
     "load",
     "read_parameters",
     "read_recogniser",
+    "touch",
 ]
 __version__: str

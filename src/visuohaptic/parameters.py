@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.errors import ParameterError
@@ -21,13 +22,20 @@ from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 
+MOST_VIEWPOINTS = 4096
+"""Viewpoints of an object, on all rings."""
+
+DIRECTIONS = 16
+IMPRINT_MULTIPLE = 8
+"""What an even resolution must be a multiple of, for so many directional bands (docs/contourlets.md)."""
+
 
 class WorkflowParameters(BaseModel):
     """How the work is divided into jobs; no result depends on it."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    views_per_job: int = Field(16, ge=1, description="Viewpoints that one job covers")
+    views_per_job: int = Field(16, ge=1, le=1024, description="Viewpoints that one job covers")
     conditions_per_job: int | None = Field(
         None,
         ge=1,
@@ -44,23 +52,26 @@ class CostParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    touches: tuple[int, ...] = Field(
+    touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
         (1, 2, 3, 4, 5, 6, 8, 10, 12, 16), min_length=1, description="Touches from one viewpoint"
     )
-    viewpoints: tuple[int, ...] = Field(
+    viewpoints: tuple[Annotated[int, Field(ge=1, le=1024)], ...] = Field(
         (1, 2, 4, 8, 16), min_length=1, description="Viewpoints that vote for an object"
     )
-    imprint_resolutions: tuple[int, ...] = Field(
+    imprint_resolutions: tuple[Annotated[int, Field(ge=2, le=256)], ...] = Field(
         (8, 16, 32, 64), min_length=1, description="Sensing points along each edge of the sensor"
     )
-    view_resolutions: tuple[int, ...] = Field(
+    view_resolutions: tuple[Annotated[int, Field(ge=16, le=4096)], ...] = Field(
         (64, 128, 256, 512), min_length=1, description="Rows and columns of a view (pixels)"
     )
     lean_view_resolution: int = Field(
-        128, ge=16, description="Rows and columns of a view of family `lean_viewpoints` (pixels)"
+        128,
+        ge=16,
+        le=4096,
+        description="Rows and columns of a view of family `lean_viewpoints` (pixels)",
     )
     objects: int = Field(4, ge=1, description="Objects, spread over all, on which time is measured")
-    rounds: int = Field(3, ge=1, description="How often each setting names each of them")
+    rounds: int = Field(3, ge=1, le=1000, description="How often each setting names each of them")
 
 
 class ExperimentParameters(BaseModel):
@@ -80,6 +91,16 @@ class ExperimentParameters(BaseModel):
     features: FeatureParameters = FeatureParameters()
     recognition: RecognitionParameters = RecognitionParameters()
     cost: CostParameters = CostParameters()
+
+    @model_validator(mode="after")
+    def _sections_agree(self) -> Self:
+        found = [*_repeated(self), *_odd_viewpoints(self), *_odd_imprints(self)]
+        # A caller who touches and doesn't recognise leaves recognition's default as it is.
+        if "touches" in self.recognition.model_fields_set:
+            found += _odd_touches(self)
+        if found:
+            raise ValueError("; ".join(found))
+        return self
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object]) -> Self:
@@ -107,6 +128,59 @@ class ExperimentParameters(BaseModel):
             raise ParameterError(f"params.yaml: {found}.") from None
 
 
+def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
+    """Find lists of names or settings that hold one twice: tables would have its rows twice."""
+    recognition, cost = parameters.recognition, parameters.cost
+    lists: dict[str, Sequence[object]] = {
+        "probing.strategies": parameters.probing.strategies,
+        "recognition.pipelines": recognition.pipelines,
+        "recognition.classifiers": recognition.classifiers,
+        "recognition.best.classifiers": recognition.best.classifiers,
+        "recognition.best.cues": recognition.best.cues,
+        "cost.touches": cost.touches,
+        "cost.viewpoints": cost.viewpoints,
+        "cost.imprint_resolutions": cost.imprint_resolutions,
+        "cost.view_resolutions": cost.view_resolutions,
+    }
+    for name, values in lists.items():
+        twice = [value for value, count in Counter(values).items() if count > 1]
+        if twice:
+            yield f"{name} names {twice[0]} {values.count(twice[0])} times; once is allowed"
+
+
+def _odd_viewpoints(parameters: ExperimentParameters) -> Iterator[str]:
+    chosen = parameters.viewpoints
+    if chosen.total > MOST_VIEWPOINTS:
+        yield (
+            f"viewpoints.count is {chosen.count} and viewpoints.elevations_degrees has "
+            f"{len(chosen.elevations_degrees)} rings: {chosen.total} viewpoints, and "
+            f"{MOST_VIEWPOINTS} are allowed"
+        )
+
+
+def _odd_imprints(parameters: ExperimentParameters) -> Iterator[str]:
+    sizes = {
+        "sensor.resolution": (parameters.sensor.resolution,),
+        "cost.imprint_resolutions": parameters.cost.imprint_resolutions,
+    }
+    for name, values in sizes.items():
+        odd = [value for value in values if value % 2 == 0 and value % IMPRINT_MULTIPLE]
+        if odd:
+            yield (
+                f"{name} is {odd[0]}, and features takes {DIRECTIONS} directional bands of an imprint: "
+                f"a multiple of {IMPRINT_MULTIPLE}, or an odd number, is needed"
+            )
+
+
+def _odd_touches(parameters: ExperimentParameters) -> Iterator[str]:
+    touches, fixations = parameters.recognition.touches, parameters.attention.fixations
+    if touches is not None and touches > fixations:
+        yield (
+            f"recognition.touches is {touches} and attention.fixations is {fixations}: a view has no "
+            "more touches than fixations; lower the first or raise the second"
+        )
+
+
 def read_parameters(path: str | Path) -> ExperimentParameters:
     """Read and check parameters.
 
@@ -123,17 +197,37 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     Raises
     ------
     ParameterError
-        If the file can't be read, or holds a name or value that is not allowed.
+        If the file can't be read, holds a name twice, or a name or value that is not allowed.
     """
     import yaml
 
     try:
+        refuse_repeated_names(path)
         values = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ParameterError(f"{path} can't be read: {_reason(error)}.") from error
     if not isinstance(values, dict):
         raise ParameterError(f"{path} holds no parameters; sections as in params.yaml are needed.")
     return check_parameters(values, str(path))
+
+
+def refuse_repeated_names(path: str | Path) -> None:
+    """Refuse a YAML file with a name twice, of which a parser takes the last in silence.
+
+    Parameters
+    ----------
+    path : path
+        A file such as ``params.yaml``.
+
+    Raises
+    ------
+    ParameterError
+        If a name stands twice in a section; the sentence gives both lines.
+    """
+    import yaml
+
+    text = Path(path).read_text(encoding="utf-8")
+    _check_names(yaml.compose(text, Loader=yaml.SafeLoader), str(path), "")
 
 
 def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParameters:
@@ -161,6 +255,81 @@ def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParame
     except ParameterError as error:
         found = str(error).removeprefix("params.yaml: ")
         raise ParameterError(f"{source}: {found}") from None
+
+
+def as_parameters(
+    values: ExperimentParameters | Mapping[str, Any] | None,
+) -> ExperimentParameters:
+    """Give parameters as a caller in Python names them.
+
+    Parameters
+    ----------
+    values : ExperimentParameters or mapping, optional
+        A mapping has sections as in ``params.yaml``, dotted names such as
+        ``"sensor.resolution"``, or both; what it leaves out takes its default.
+
+    Returns
+    -------
+    ExperimentParameters
+        The checked parameters.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or given twice, or a value not allowed.
+    """
+    if values is None:
+        return ExperimentParameters()
+    if isinstance(values, ExperimentParameters):
+        return values
+    if not isinstance(values, Mapping):
+        raise ParameterError(
+            f"parameters is of type {type(values).__name__}; a mapping or ExperimentParameters "
+            "is needed."
+        )
+    return check_parameters(_nested(values), "parameters")
+
+
+def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Turn dotted names into sections."""
+    nested: dict[str, Any] = {}
+    for name, value in _leaves(values, ""):
+        *sections, last = name.split(".")
+        section = nested
+        for depth, part in enumerate(sections):
+            section = section.setdefault(part, {})
+            if not isinstance(section, dict):
+                path = ".".join(sections[: depth + 1])
+                raise ParameterError(f"parameters: {path} is {section!r} and holds {last} as well.")
+        if last in section:
+            raise ParameterError(f"parameters: {name} is given twice.")
+        section[last] = value
+    return nested
+
+
+def _check_names(node: Any, source: str, above: str) -> None:
+    if not isinstance(getattr(node, "value", None), list) or node.id != "mapping":
+        return
+    lines: dict[str, int] = {}
+    for key, value in node.value:
+        name = f"{above}{key.value}"
+        line = key.start_mark.line + 1
+        if name in lines:
+            raise ParameterError(
+                f"{source}: {name} is in line {lines[name]} and again in line {line}; once is allowed."
+            )
+        lines[name] = line
+        _check_names(value, source, f"{name}.")
+
+
+def _leaves(values: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
+    for name, value in values.items():
+        if not isinstance(name, str):
+            raise ParameterError(f"parameters: {name!r} is no name of a parameter.")
+        if isinstance(value, Mapping) and value:
+            yield from _leaves(value, f"{above}{name}.")
+        else:
+            yield f"{above}{name}", value
 
 
 def _sentence(problem: Mapping[str, object]) -> str:

@@ -1,5 +1,6 @@
 """The command, run within this process: a hundred starts would take minutes."""
 
+import signal
 import sys
 from dataclasses import dataclass
 
@@ -26,8 +27,10 @@ def visuohaptic(monkeypatch, capsys, tmp_path):
         monkeypatch.chdir(folder)
         monkeypatch.setattr(sys, "argv", ["visuohaptic", *map(str, arguments)])
         capsys.readouterr()
+        handler = signal.getsignal(signal.SIGINT)
         with pytest.raises(SystemExit) as end:
             main()
+        assert signal.getsignal(signal.SIGINT) is handler
         printed = capsys.readouterr()
         return Ended(end.value.code or 0, printed.out, printed.err)
 

@@ -96,7 +96,7 @@ def test_up_axis_turns_the_object(visuohaptic, small, tmp_path):
         ("bad.stl", b"solid\nfacet", "bad.stl"),
         ("empty.obj", b"", "empty.obj is empty"),
         ("flat.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "flat.obj has no area"),
-        ("mesh.txt", b"x", ".obj, .ply, .stl, .glb, .off are allowed"),
+        ("mesh.txt", b"x", ".obj, .ply, .stl, .glb, .gltf, .off are allowed"),
         ("line\nbreak.obj", b"nothing", "line\\nbreak.obj has no faces"),
         ("bad.ply.gz", b"nothing", "bad.ply.gz"),
     ],
@@ -178,11 +178,12 @@ def test_a_key_of_300_letters_reaches_the_tables_whole(small, tmp_path):
     assert set(found.touches.column("object").to_pylist()) == {name}
 
 
-def test_a_name_that_is_no_text_is_shown_as_it_can_be(visuohaptic, tmp_path):
+def test_a_name_that_is_no_text_is_shown_as_it_can_be(visuohaptic, small, tmp_path):
     mesh = os.fsdecode(b"\xff\xfe.obj")
-    ended = visuohaptic("touch", ring(tmp_path / "ring.obj").rename(tmp_path / mesh))
-    assert ended.code == 1
-    assert "\\udcff\\udcfe.obj can't be read" in ended.err
+    ring(tmp_path / "ring.obj").rename(tmp_path / mesh)
+    ended = visuohaptic("touch", mesh, *small)
+    assert ended.code == 0
+    assert ended.out.startswith("\\udcff\\udcfe.obj: 10 touches")
 
 
 def test_parameters_that_are_none_are_named_with_their_file(visuohaptic, tmp_path):
@@ -272,6 +273,83 @@ def test_an_object_is_recognised_within_a_budget(visuohaptic, tmp_path, model):
     ended = visuohaptic("recognise", mesh, "--model", model, "--budget", "fast", "--json")
     assert ended.code == 0, ended.err
     assert json.loads(ended.out)["viewpoints"] == budgets()["fast"].viewpoints
+
+
+def test_several_meshes_are_touched_into_a_folder_each(visuohaptic, small, tmp_path):
+    for name in ("a.obj", "b.ply"):
+        ring(tmp_path / name)
+    ended = visuohaptic("touch", "a.obj", "b.ply", *small, "--out", "felt")
+    assert ended.code == 0, ended.err
+    assert {path.parent.name for path in tmp_path.rglob("touches.parquet")} == {"a", "b"}
+    values = json.loads(visuohaptic("touch", "a.obj", "b.ply", *small, "--json").out)
+    assert [value["mesh"] for value in values] == ["a.obj", "b.ply"]
+
+
+def test_a_broken_mesh_among_several_is_named_and_the_others_are_touched(
+    visuohaptic, small, tmp_path
+):
+    ring(tmp_path / "a.obj")
+    (tmp_path / "b.obj").write_text("nothing")
+    ended = visuohaptic("touch", "b.obj", "a.obj", *small)
+    assert ended.code == 1
+    assert ended.err == (
+        "error: b.obj has no faces; a surface of triangles or polygons is needed.\n"
+    )
+    assert (tmp_path / "touched" / "a" / "touches.parquet").is_file()
+    assert not (tmp_path / "touched" / "b").exists()
+
+
+def test_two_meshes_that_would_share_a_folder_are_refused_before_any_work(visuohaptic, tmp_path):
+    ended = visuohaptic("touch", "one/a.obj", "two/a.obj")
+    assert ended.code == 2
+    assert "one/a.obj and two/a.obj would both be written to touched/a" in ended.err
+
+
+def test_several_meshes_are_named_in_their_order(visuohaptic, tmp_path, model):
+    for name in ("a.obj", "b.ply"):
+        ring(tmp_path / name)
+    chosen = ("--model", model, "--viewpoints", 1)
+    ended = visuohaptic("recognise", "a.obj", "b.ply", *chosen)
+    assert ended.code == 0, ended.err
+    assert ended.out.index("a.obj: class") < ended.out.index("b.ply: class")
+    values = json.loads(visuohaptic("recognise", "a.obj", "b.ply", *chosen, "--json").out)
+    assert [value["mesh"] for value in values] == ["a.obj", "b.ply"]
+
+
+@pytest.mark.parametrize("command", ["touch", "report", "compare"])
+@pytest.mark.parametrize(
+    ("out", "says"),
+    [
+        ("", "the name is empty; a folder is needed"),
+        ("taken", "taken is a file; a folder is needed"),
+        ("taken/below", "taken is a file; a folder is needed"),
+        ("/proc/felt", "/proc/felt can't be written: "),
+        ("x" * 300, "File name too long"),
+    ],
+    ids=["empty", "file", "below_a_file", "unwritable", "long"],
+)
+def test_where_to_write_is_checked_before_the_work(visuohaptic, tmp_path, command, out, says):
+    (tmp_path / "taken").touch()
+    runs = {"touch": ["none.obj"], "report": ["none"], "compare": ["none", "none"]}
+    ended = visuohaptic(command, *runs[command], "--out", out)
+    assert ended.code == 2
+    assert says in " ".join(ended.err.split())
+
+
+def test_a_folder_is_no_model(visuohaptic, tmp_path):
+    (tmp_path / "models").mkdir()
+    ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--model", "models")
+    assert ended.err == (
+        "error: models is a folder; the model in it is needed, such as models/best.skops.\n"
+    )
+
+
+def test_a_strategy_that_is_for_curves_alone_is_said_to_be(visuohaptic, tmp_path):
+    ended = visuohaptic("touch", ring(tmp_path / "ring.obj"), "--strategy", "adaptive")
+    said = " ".join(ended.err.split())
+    assert ended.code == 2
+    assert "'adaptive' is no strategy of touch, for it is for curves only" in said
+    assert "fixation, random, random_visible, farthest_point, curvature are allowed" in said
 
 
 @pytest.mark.parametrize("command", ["touch", "recognise", "report", "compare"])

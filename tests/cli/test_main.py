@@ -1,13 +1,118 @@
-"""The command as a whole."""
+"""How the command ends: by itself, by Ctrl-C at any moment, or with what it can't do."""
 
+import os
+import signal
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+import trimesh
+from cli.models import fit_on_nonsense
 
 import visuohaptic as package
+from visuohaptic.cli.explore import STRATEGIES
+from visuohaptic.fixations import probing
 
-PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+# A thread sends the signal, for it knows when the command has started, which a clock does not.
+PROGRAM = """
+import os, signal, sys, threading
+from visuohaptic.cli.main import main
+sender = threading.Timer({after}, os.kill, (os.getpid(), signal.SIGINT))
+sender.daemon = True
+sender.start()
+sys.argv[1:] = {arguments}
+main()
+"""
+
+
+def start(arguments, folder, after):
+    program = PROGRAM.format(after=after, arguments=list(map(str, arguments)))
+    return subprocess.Popen(
+        [sys.executable, "-c", program], cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT / "src")},
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+
+
+def files_in(folder):
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("stopped")
+    trimesh.creation.torus(1, 0.4, 16, 8).export(folder / "ring.obj")
+    for name in ("meshes", "params.yaml"):
+        (folder / name).symlink_to(ROOT / name)
+    fit_on_nonsense(folder / "results" / "models")
+    return folder
+
+
+@pytest.mark.parametrize("after", [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.2, 1.5, 1.9, 2.4])
+def test_ctrl_c_stops_a_touch_at_any_moment(folder, after):
+    out = folder / f"felt{after}"
+    process = start(("touch", "ring.obj", "--viewpoints", 1024, "--out", out.name), folder, after)
+    printed, said = process.communicate(timeout=60)
+    assert (process.returncode, printed, said) == (130, "", "stopped.\n")
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("after", [0.05, 0.5, 1.5])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("recognise", "ring.obj", "--viewpoints", 1024),
+        ("meshes", "check", "--set", "paper"),
+        ("meshes", "credits"),
+        ("report", "."),
+        ("compare", "a", "b"),
+        ("meshes", "fetch", "--cache", "cache"),
+    ],
+    ids=lambda arguments: " ".join(map(str, arguments[:2])),
+)
+def test_ctrl_c_stops_every_command_or_comes_after_its_end(folder, arguments, after):
+    before = files_in(folder)
+    process = start(arguments, folder, after)
+    _, said = process.communicate(timeout=60)
+    assert "Traceback" not in said
+    if process.returncode == 130:
+        assert said == "stopped.\n"
+        assert files_in(folder) == before
+    else:
+        assert process.returncode in {0, 1}
+
+
+def test_an_import_that_swallows_the_signal_does_not_swallow_the_stop(tmp_path):
+    (tmp_path / "swallows.py").write_text(
+        "import time\ntry:\n    time.sleep(1)\nexcept BaseException:\n    pass\n"
+    )
+    (tmp_path / "program.py").write_text(
+        "import os, signal, threading, time\n"
+        "from visuohaptic.cli.stopping import stops_at_ctrl_c\n"
+        "threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        "with stops_at_ctrl_c():\n    import swallows\n    time.sleep(30)\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "program.py"], cwd=tmp_path, timeout=20, check=False, text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT / "src")}, capture_output=True,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr) == (130, "stopped.\n")
+
+
+def test_a_handler_of_ctrl_c_is_given_back(visuohaptic):
+    before = signal.getsignal(signal.SIGINT)
+    visuohaptic("--version")
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_the_strategies_of_the_help_are_those_of_the_parameters(visuohaptic):
+    assert probing.STRATEGIES.names == STRATEGIES
+    shown = visuohaptic("touch", "--help").out
+    assert all(strategy in shown for strategy in STRATEGIES)
+    assert "…" not in shown
 
 
 @pytest.mark.parametrize("arguments", [["--version"], ["--version", "touch", "mug.obj"]])

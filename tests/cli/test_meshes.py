@@ -25,7 +25,7 @@ def test_check_finds_every_shipped_and_own_object_touchable(visuohaptic, folder)
     result = visuohaptic("meshes", "check", folder=folder)
     assert result.code == 0
     assert "cup/can: " in result.out
-    assert result.out.endswith("13 of 13 models can be touched.\n")
+    assert result.out.endswith("13 of 13 files can be touched.\n")
 
 
 def test_check_names_a_broken_file_and_ends_with_1(visuohaptic, folder):
@@ -35,6 +35,14 @@ def test_check_names_a_broken_file_and_ends_with_1(visuohaptic, folder):
     findings = json.loads(result.out)
     assert "bad.obj" in findings["cup/bad"]["error"]
     assert findings["cup/can"]["triangles"] > 0
+
+
+def test_a_set_that_was_not_brought_is_said_to_be(visuohaptic, folder):
+    ended = visuohaptic("meshes", "check", "--set", "hard", folder=folder)
+    assert ended.code == 1
+    assert "of set hard are not there, such as potted_plant/" in ended.err
+    assert "run `make meshes SET=hard`" in ended.err
+    assert ended.err.count("\n") == 1
 
 
 def test_credits_name_author_and_licence(visuohaptic):
@@ -71,3 +79,15 @@ def test_wrong_use_ends_with_2(visuohaptic):
 @pytest.mark.parametrize("command", ["fetch", "check", "credits"])
 def test_help_gives_an_example(visuohaptic, command):
     assert f"Example: visuohaptic meshes {command}" in visuohaptic("meshes", command, "--help").out
+
+
+def test_check_names_what_lies_among_the_own_models_but_is_none(visuohaptic, folder):
+    (folder / "meshes" / "own" / "mug.obj").touch()
+    (folder / "meshes" / "own" / "cup" / "mug.fbx").touch()
+    result = visuohaptic("meshes", "check", folder=folder)
+    assert result.code == 1
+    assert (
+        "meshes/own/mug.obj lies in no class's folder; move it to meshes/own/<class>/" in result.out
+    )
+    assert "mug.fbx ends in '.fbx', which can't be read; export it as .glb or .obj" in result.out
+    assert result.out.endswith("13 of 15 files can be touched.\n")

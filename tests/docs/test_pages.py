@@ -18,7 +18,7 @@ import typer
 from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
-from visuohaptic.cli.main import app
+from visuohaptic.cli.commands import app
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 ROOT = Path(__file__).parents[2]

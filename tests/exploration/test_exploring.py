@@ -103,6 +103,38 @@ def test_progress_follows_every_step(ring_file):
     assert len(seen) == 6
 
 
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"sensor.resolution": 16, "rendering.resolution": 64},
+        {"sensor": {"resolution": 16}, "rendering": {"resolution": 64}},
+        {"sensor": {"resolution": 16}, "rendering.resolution": 64},
+    ],
+)
+def test_parameters_are_named_as_in_the_file_or_with_dots(ring_file, parameters):
+    found = vh.load(ring_file).touch(viewpoints=1, parameters=parameters)
+    assert found.imprints.shape == (5, 16, 16)
+    assert found.parameters.rendering.resolution == 64
+
+
+@pytest.mark.parametrize(
+    ("parameters", "sentence"),
+    [
+        ({"sensor.resolutoin": 16}, r"sensor\.resolutoin is no parameter"),
+        (
+            {"sensor.resolution": 16, "sensor": {"resolution": 8}},
+            r"sensor\.resolution is given twice",
+        ),
+        ({"sensor": 3, "sensor.resolution": 16}, "sensor is 3 and holds resolution"),
+        ({3: 4}, "3 is no name"),
+        ("sensor.resolution=16", "str; a mapping or ExperimentParameters"),
+    ],
+)
+def test_parameters_that_are_none_are_named(ring_file, parameters, sentence):
+    with pytest.raises(ParameterError, match=sentence):
+        vh.load(ring_file).touch(viewpoints=1, parameters=parameters)
+
+
 def test_wrong_choices_are_named(ring_file):
     ready = vh.load(ring_file)
     with pytest.raises(ParameterError, match=r"viewpoints.count is 0"):

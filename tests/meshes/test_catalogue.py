@@ -1,5 +1,6 @@
 """Which objects take part, and which names may."""
 
+import os
 from collections import Counter
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 
 from visuohaptic.errors import CatalogueError
 from visuohaptic.meshes.catalogue import (
+    check_classes,
     check_name,
     companions,
     find_own_models,
@@ -51,32 +53,87 @@ def touch(folder, *names):
 
 def test_a_file_in_a_class_folder_is_an_object(tmp_path):
     touch(
-        tmp_path, "cup/b.OBJ", "cup/a.stl", "mug/a.glb", "mug/a.mtl", "README.md", "cup/.hidden.obj"
-    )
+        tmp_path, "cup/b.OBJ", "cup/a.stl", "mug/a.glb", "mug/c.gltf", "mug/a.mtl", "README.md",
+        "cup/.hidden.obj", "cup/textures/wood.png", "cup/licence.txt", ".DS_Store", "mug/c.bin",
+    )  # fmt: skip
     found = find_own_models(tmp_path)
-    assert [model.key for model in found] == ["cup/a", "cup/b", "mug/a"]
-    assert [path.name for path in found.values()] == ["a.stl", "b.OBJ", "a.glb"]
+    assert [model.key for model in found.models] == ["cup/a", "cup/b", "mug/a", "mug/c"]
+    assert [path.name for path in found.models.values()] == ["a.stl", "b.OBJ", "a.glb", "c.gltf"]
+    assert not found.set_aside
 
 
-def test_two_files_of_one_name_are_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("mug.obj", "lies in no class's folder; move it to {own}/<class>/mug.obj."),
+        ("cup/sub/mug.obj", "lies too deep; move it to {own}/cup/mug.obj."),
+        ("cup/a/b/mug.stl", "lies too deep; move it to {own}/cup/mug.stl."),
+        ("cup/mug.fbx", "ends in '.fbx', which can't be read; export it as .glb or .obj."),
+        ("cup/mug.3mf", "ends in '.3mf', which can't be read; export it as .glb or .obj."),
+        ("cup/mug.ply.gz", "ends in '.gz', which can't be read; export it as .glb or .obj."),
+        ("mug.blend", "ends in '.blend', which can't be read; export it as .glb or .obj."),
+        ("cup/mug", "ends in nothing, which can't be read; export it as .glb or .obj."),
+        ("cup/<b>.obj", "'<b>' can't name a class or an object; "),
+        ("c*p/mug.obj", "'c*p' can't name a class or an object; "),
+        (os.fsdecode(b"cup/\xff\xfe.obj"), "can't name a class or an object; "),
+    ],
+)
+def test_a_file_that_is_no_object_is_named_with_what_to_do(tmp_path, name, says):
+    touch(tmp_path, name, "cup/good.obj")
+    found = find_own_models(tmp_path)
+    assert [model.key for model in found.models] == ["cup/good"]
+    assert list(found.set_aside) == [tmp_path / name]
+    sentence = found.set_aside[tmp_path / name]
+    assert sentence.startswith(str(tmp_path / name).encode("utf-8", "backslashreplace").decode())
+    assert says.format(own=tmp_path) in sentence
+    assert sentence.endswith(".")
+
+
+def test_a_link_that_leads_nowhere_is_named(tmp_path):
+    touch(tmp_path, "cup/good.obj")
+    (tmp_path / "cup" / "mug.obj").symlink_to(tmp_path / "gone.obj")
+    found = find_own_models(tmp_path)
+    assert "mug.obj is no file; a file is needed" in found.set_aside[tmp_path / "cup/mug.obj"]
+
+
+def test_a_class_may_be_a_link_to_a_folder_elsewhere(tmp_path):
+    touch(tmp_path, "elsewhere/a.obj")
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "cup").symlink_to(tmp_path / "elsewhere")
+    assert [model.key for model in find_own_models(tmp_path / "own").models] == ["cup/a"]
+
+
+def test_without_a_folder_there_are_no_own_models(tmp_path):
+    found = find_own_models(tmp_path / "none")
+    assert (found.models, found.set_aside) == ({}, {})
+
+
+def test_of_two_files_of_one_name_the_second_is_set_aside(tmp_path):
     touch(tmp_path, "cup/a.obj", "cup/a.ply")
-    with pytest.raises(CatalogueError, match="are both object cup/a; rename one"):
-        find_own_models(tmp_path)
+    found = find_own_models(tmp_path)
+    assert list(found.models.values()) == [tmp_path / "cup/a.obj"]
+    assert found.set_aside == {
+        tmp_path / "cup/a.ply": f"{tmp_path}/cup/a.ply is object cup/a, as {tmp_path}/cup/a.obj is "
+        "already; rename one."
+    }
 
 
 def test_an_own_object_can_not_take_the_place_of_a_catalogued_one(tmp_path):
     touch(tmp_path, "cup/a.obj")
-    with pytest.raises(CatalogueError, match="the catalogue has an object cup/a already"):
-        find_own_models(tmp_path, {"cup/a"})
+    found = find_own_models(tmp_path, {"cup/a"})
+    assert not found.models
+    (sentence,) = found.set_aside.values()
+    assert "is object cup/a, as one of the catalogue is already; rename it" in sentence
 
 
-@pytest.mark.parametrize("name", ["mug", "Tasse à café", "<script>alert(1)<", "a.b", "杯"])
+@pytest.mark.parametrize("name", ["mug", "Tasse à café", "a.b", "杯"])
 def test_names_of_any_language_are_allowed(name):
     check_name(name, "here")
 
 
 @pytest.mark.parametrize(
-    "name", ["", "..", ".a", "-rf", "a/b", "a\\b", "{x}", "a*", "a\n", "a ", "x" * 101]
+    "name",
+    ["", "..", ".a", "-rf", "a/b", "a\\b", "{x}", "a*", "a\n", "a ", "x" * 101, "<b>", "\udcff"],
 )
 def test_names_that_can_not_be_file_names_everywhere_are_refused(name):
     with pytest.raises(CatalogueError, match="can't name a class or an object"):
@@ -87,6 +144,8 @@ def test_materials_and_textures_belong_to_an_obj_only(tmp_path):
     touch(tmp_path, "a.obj", "a.mtl", "wood.JPG", "notes.txt", "b.glb")
     assert [path.name for path in companions(tmp_path / "a.obj")] == ["a.mtl", "wood.JPG"]
     assert companions(tmp_path / "b.glb") == []
+    touch(tmp_path, "c.gltf", "c.bin")
+    assert [path.name for path in companions(tmp_path / "c.gltf")] == ["c.bin", "wood.JPG"]
 
 
 def test_a_catalogue_that_is_not_there_is_named(tmp_path):
@@ -108,3 +167,21 @@ def test_a_broken_row_is_named(tmp_path, old, new, sentence):
     path.write_text(CATALOGUE.read_text().replace(old, new))
     with pytest.raises(CatalogueError, match=sentence):
         read_catalogue(path)
+
+
+@pytest.mark.parametrize(
+    ("keys", "says"),
+    [
+        (["plant/a", "plant/b"], "only plant has them"),
+        (["plant/a", "plant/b", "cup/a"], "only plant has them"),
+        (["plant/a"], "none has them"),
+        ([], "none has them"),
+    ],
+)
+def test_too_few_classes_to_tell_apart_are_said_before_anything_runs(keys, says):
+    with pytest.raises(CatalogueError, match=rf"two objects each, and {says}: .* features_all"):
+        check_classes(keys)
+
+
+def test_two_classes_of_two_are_enough():
+    check_classes(["plant/a", "plant/b", "cup/a", "cup/b", "pen/a"])

@@ -6,7 +6,8 @@ import trimesh
 from PIL import Image
 
 from visuohaptic.errors import MeshError
-from visuohaptic.meshes.model_files import GREY, read_model
+from visuohaptic.meshes.in_memory import GREY
+from visuohaptic.meshes.model_files import read_model
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
@@ -127,3 +128,41 @@ def test_vertices_of_two_coordinates_are_refused_in_one_sentence(tmp_path):
     (tmp_path / "flat.obj").write_text("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n")
     with pytest.raises(MeshError, match=r"flat\.obj has vertices of shape \(3, 2\)"):
         read_model(tmp_path / "flat.obj")
+
+
+def gltf_of(folder, embedded):
+    shape = trimesh.creation.torus(1, 0.4, 16, 8)
+    for name, data in trimesh.exchange.gltf.export_gltf(
+        trimesh.Scene(shape), merge_buffers=True, embed_buffers=embedded
+    ).items():
+        (folder / name).write_bytes(data)
+    (folder / "model.gltf").rename(folder / "mug.gltf")
+    return folder / "mug.gltf", len(shape.faces)
+
+
+@pytest.mark.parametrize("embedded", [True, False])
+def test_gltf_is_read_with_its_buffers_inside_or_beside(tmp_path, embedded):
+    path, faces = gltf_of(tmp_path, embedded)
+    assert len(read_model(path).faces) == faces
+
+
+@pytest.mark.parametrize(
+    ("address", "says"),
+    [
+        ("../secret.bin", "refers to '../secret.bin', which is outside its folder"),
+        ("/etc/passwd", "refers to '/etc/passwd', which is not there|outside its folder"),
+        ("http://localhost/a.bin", "'http://localhost/a.bin', which is outside its folder"),
+        ("gone.bin", "refers to 'gone.bin', which is not there"),
+        ("link.bin", "refers to 'link.bin', which is outside its folder"),
+    ],
+)
+def test_a_buffer_outside_the_folder_is_refused_in_the_users_terms(tmp_path, address, says):
+    (tmp_path / "models").mkdir()
+    path, _ = gltf_of(tmp_path / "models", embedded=False)
+    (buffer,) = path.parent.glob("*.bin")
+    (tmp_path / "secret.bin").write_bytes(buffer.read_bytes())
+    (path.parent / "link.bin").symlink_to(tmp_path / "secret.bin")
+    path.write_text(path.read_text().replace(buffer.name, address))
+    with pytest.raises(MeshError, match=says) as caught:
+        read_model(path)
+    assert "Resolver" not in str(caught.value)

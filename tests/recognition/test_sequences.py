@@ -7,7 +7,12 @@ from recognition.synthetic import features_table, with_column
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.experiment import PAPER_FEATURES
-from visuohaptic.recognition.sequences import classes_of_two, gather_sequences, identical_objects
+from visuohaptic.recognition.sequences import (
+    classes_of_two,
+    gather_sequences,
+    identical_objects,
+    whole_sequences,
+)
 from visuohaptic.tables.schema import matrix
 
 
@@ -92,3 +97,38 @@ def test_a_class_with_a_single_object_is_left_out():
         {"class": ["cup", "cup", "chair", "chair", "lamp"], "object": ["a", "a", "b", "c", "a"]}
     )
     assert classes_of_two(features).column("object").to_pylist() == ["b", "c"]
+
+
+def test_where_every_sequence_is_whole_nothing_is_left_out():
+    table = features_table(objects=(2, 2))
+    for touches in (3, 5, None):
+        kept, sentences = whole_sequences(table, touches)
+        assert kept is table
+        assert sentences == ()
+
+
+@pytest.mark.parametrize("touches", [5, None])
+def test_a_viewpoint_with_too_few_touches_is_left_out_for_every_strategy(touches):
+    whole = features_table("random", objects=(2, 2), viewpoints=3)
+    short = features_table("fixation", objects=(2, 2), viewpoints=3)
+    kept_rows = [row for row in range(short.num_rows) if row not in (3, 4, 10, 11, 12, 13, 14)]
+    both = pa.concat_tables([whole, short.take(kept_rows)])
+    kept, sentences = whole_sequences(both, touches)
+    assert sentences == (
+        "class0/object0 has fewer than 5 touches from viewpoints 0, 2, which are left out.",
+    )
+    for strategy in ("random", "fixation"):
+        mine = kept.filter(pa.compute.equal(kept["strategy"], strategy))
+        sequences = gather_sequences(mine, PAPER_FEATURES, 5)
+        assert sequences.viewpoint.tolist() == [1, 0, 1, 2, 0, 1, 2, 0, 1, 2]
+
+
+def test_fewer_touches_may_be_enough():
+    table = features_table(objects=(2, 2)).slice(0, 78)
+    assert whole_sequences(table, 3) == (table, ())
+    assert len(whole_sequences(table, 4)[1]) == 1
+
+
+def test_a_table_without_rows_is_left_as_it_is():
+    empty = features_table(objects=(1, 1)).slice(0, 0)
+    assert whole_sequences(empty, 5) == (empty, ())

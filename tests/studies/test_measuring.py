@@ -6,8 +6,8 @@ import pytest
 from recognition.synthetic import features_table
 from studies.surfaces import RUN, small_surfaces, write_sources
 
-from visuohaptic import recognition
-from visuohaptic.errors import RecognitionError
+from visuohaptic import phases, recognition
+from visuohaptic.errors import ParameterError, RecognitionError
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.studies import measuring
 from visuohaptic.studies.ablations import ALONE, ablation_study
@@ -180,11 +180,15 @@ def test_conditions_that_differ_in_the_vote_alone_train_once(monkeypatch):
     assert len(calls) == 1
 
 
-def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path):
+def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatch):
+    def refuse(*_):
+        raise ParameterError("sensor.resolution is 8: this sensor can't be described.")
+
+    monkeypatch.setattr(phases, "describe_at", refuse)
     sources, features = run
     conditions = (
         Condition("as run", {**ALONE}),
-        Condition("too small", {**ALONE, "sensor.resolution": 4}),
+        Condition("too small", {**ALONE, "sensor.resolution": 8}),
         Condition("too many", {**ALONE, "recognition.protocol.protocol": "grouped_folds"}, votes=9),
         Condition("fine", {**ALONE, "recognition.classifier.svm_penalty": 2.0}),
     )

@@ -8,8 +8,13 @@ SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")
 sys.path[:0] = map(str, SOURCES)
 
 from visuohaptic.errors import VisuohapticError
-from visuohaptic.meshes.catalogue import companions, find_own_models, models_of_set
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.meshes.catalogue import (
+    check_classes,
+    companions,
+    find_own_models,
+    models_of_set,
+)
+from visuohaptic.parameters import ExperimentParameters, refuse_repeated_names
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic_workflow.brought_files import judge_brought_files
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
@@ -47,6 +52,8 @@ def shipped(path):
     return os.path.relpath(Path(workflow.basedir, path))
 
 
+for file in workflow.configfiles:
+    or_stop(refuse_repeated_names, file)
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 CATALOGUED = {
     model.key: model
@@ -54,10 +61,11 @@ CATALOGUED = {
         models_of_set, shipped("meshes/catalogue.csv"), PARAMETERS.meshes.set
     )
 }
-OWN = {
-    model.key: path
-    for model, path in or_stop(find_own_models, "meshes/own", CATALOGUED).items()
-}
+OWN_MODELS = find_own_models("meshes/own", CATALOGUED)
+OWN = {model.key: path for model, path in OWN_MODELS.models.items()}
+if workflow.is_main_process:
+    for sentence in OWN_MODELS.set_aside.values():
+        print(f"warning: {sentence}", file=sys.stderr)
 DOWNLOADED = {
     key: model
     for key, model in CATALOGUED.items()
@@ -169,6 +177,12 @@ def check_folder():
             "parameters, code or inputs than today's; they run again.",
             file=sys.stderr,
         )
+
+
+def check_recognition():
+    """Stop before the first job where recognition is asked for and has no classes to tell apart."""
+    if any(job.rule.name == "recognition" for job in workflow.dag.needrun_jobs()):
+        or_stop(check_classes, OBJECTS)
 
 
 def prune():

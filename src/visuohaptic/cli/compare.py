@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import check_folder, say, say_json
+from visuohaptic.cli.printing import folder_to_write, say, say_json, write_whole
 from visuohaptic.optional_packages import require
 
 PAGE = "comparison.html"
@@ -21,7 +21,9 @@ def compare(
         ),
     ],
     second: Annotated[Path, typer.Argument(metavar="B", help="The run to compare it with.")],
-    out: Annotated[Path, typer.Option(help="Folder for the page.")] = Path("comparison"),
+    out: Annotated[Path, typer.Option(parser=folder_to_write, help="Folder for the page.")] = Path(
+        "comparison"
+    ),
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
 ) -> None:
     """Write one page of what changed from run A to run B.
@@ -35,11 +37,10 @@ def compare(
     require("report", "jinja2", "plotly")
     from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
 
-    check_folder(out)
     found = compare_runs(read_measured_run(first), read_measured_run(second))
     out.mkdir(parents=True, exist_ok=True)
     page = out / PAGE
-    page.write_text(render_comparison(found), encoding="utf-8")
+    write_whole(page, render_comparison(found))
     if as_json:
         say_json(found.as_values() | {"page": page})
         return

@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from visuohaptic.cli.printing import check_folder, say, say_json, show_progress
+from visuohaptic.cli.printing import (
+    file_to_read,
+    folder_to_write,
+    printable,
+    say,
+    say_error,
+    say_json,
+    show_progress,
+)
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, Recognition, TouchableObject
     from visuohaptic.parameters import ExperimentParameters
 
+Made = TypeVar("Made")
+
 DEFAULT_MODEL = Path("results/models/best.skops")
+
+STRATEGIES = ("fixation", "random", "random_visible", "farthest_point", "curvature")
+"""Those of `visuohaptic.fixations.probing`, which would take too long to import for `--help`."""
 
 _TOUCH_COLUMNS = ("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z")
 
@@ -27,8 +41,29 @@ class UpAxis(StrEnum):
     Z = "z"
 
 
-MeshArgument = Annotated[
-    Path, typer.Argument(metavar="MESH", help="An OBJ, PLY, STL, GLB or OFF file.")
+def _strategy(name: str) -> str:
+    if name in STRATEGIES:
+        return name
+    why = ", for it is for curves only (`curves_all`)" if name == "adaptive" else ""
+    raise typer.BadParameter(
+        f"{name!r} is no strategy of touch{why}; {', '.join(STRATEGIES)} are allowed."
+    )
+
+
+MeshesArgument = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="MESH...", parser=file_to_read, help="OBJ, PLY, STL, GLB, glTF or OFF files."
+    ),
+]
+StrategyOption = Annotated[
+    str,
+    typer.Option(
+        parser=_strategy,
+        metavar=f"[{'|'.join(STRATEGIES)}]",
+        autocompletion=lambda: list(STRATEGIES),
+        help="How to choose where to touch.",
+    ),
 ]
 ViewpointsOption = Annotated[
     int | None, typer.Option(min=1, help="Viewpoints around the object.", show_default="16")
@@ -56,53 +91,64 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machin
 
 
 def touch(
-    mesh: MeshArgument,
+    meshes: MeshesArgument,
     viewpoints: ViewpointsOption = None,
     budget: BudgetOption = None,
-    strategy: Annotated[
-        str, typer.Option(help="How to choose where to touch: fixation, random, ….")
-    ] = "fixation",
+    strategy: StrategyOption = "fixation",
     up: UpOption = None,
     parameters: Annotated[
         Path | None,
-        typer.Option("--params", help="All other parameters, as in params.yaml."),
+        typer.Option(
+            "--params", parser=file_to_read, help="All other parameters, as in params.yaml."
+        ),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the tables and the picture.")] = Path(
-        "touched"
-    ),
+    out: Annotated[
+        Path, typer.Option(parser=folder_to_write, help="Folder for the tables and the picture.")
+    ] = Path("touched"),
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Look at an object and touch it: fixations, imprints, features and a picture.
+    """Look at objects and touch them: fixations, imprints, features and a picture.
+
+    Of several, each has a folder of its own in the folder that --out names.
 
     Example: visuohaptic touch mug.obj --out mug
     """
     from visuohaptic.parameters import ExperimentParameters, read_parameters
 
+    folders = _folders(meshes, out)
     chosen = ExperimentParameters() if parameters is None else read_parameters(parameters)
-    _check_strategy(strategy)
     viewpoints = _viewpoints(viewpoints, budget)
-    check_folder(out)
-    found = _explore(_load(mesh, up, chosen), mesh, viewpoints, strategy, chosen)
-    files = found.save(out)
-    if as_json:
-        say_json(_exploration_values(mesh, found) | {"out": out, "files": files})
-        return
-    say(f"{mesh}: {_counts(found)}, {_seconds(found.seconds)}")
-    for file in files:
-        say(f"  {file}")
+
+    def touch_one(mesh: Path) -> tuple[Exploration, list[Path]]:
+        found = _explore(_load(mesh, up, chosen), mesh, viewpoints, strategy, chosen)
+        return found, found.save(folders[mesh])
+
+    def say_one(mesh: Path, made: tuple[Exploration, list[Path]]) -> None:
+        found, files = made
+        say(f"{mesh}: {_counts(found)}, {_seconds(found.seconds)}")
+        for file in files:
+            say(f"  {file}")
+
+    def values(mesh: Path, made: tuple[Exploration, list[Path]]) -> dict[str, object]:
+        found, files = made
+        return _exploration_values(mesh, found) | {"out": folders[mesh], "files": files}
+
+    _each(meshes, touch_one, values if as_json else None, say_one)
 
 
 def recognise(
-    mesh: MeshArgument,
-    model: Annotated[Path, typer.Option(help="A fitted recognition model.")] = DEFAULT_MODEL,
+    meshes: MeshesArgument,
+    model: Annotated[
+        Path, typer.Option(parser=file_to_read, help="A fitted recognition model.")
+    ] = DEFAULT_MODEL,
     viewpoints: ViewpointsOption = None,
     budget: BudgetOption = None,
     up: UpOption = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Name an object from touch alone, with a model that `snakemake model_all` fitted.
+    """Name objects from touch alone, with a model that `snakemake model_all` fitted.
 
-    It is touched as the objects were from which the model learnt.
+    They are touched as the objects were from which the model learnt.
 
     Example: visuohaptic recognise mug.obj --model results/models/best.skops
     """
@@ -110,23 +156,82 @@ def recognise(
 
     viewpoints = _viewpoints(viewpoints, budget)
     recogniser = read_recogniser(model)
-    strategy = recogniser.model.strategy
-    ready = _load(mesh, up, recogniser.parameters)
-    explored = _explore(ready, mesh, viewpoints, strategy, recogniser.parameters)
-    found = explored.recognise(recogniser)
-    if as_json:
-        say_json(_recognition_values(mesh, model, found))
-        return
-    say(f"{mesh}: {found.name}, {100 * found.probabilities[found.name]:.1f} %")
-    for name, value in found.probabilities.items():
-        say(f"  {name:<20} {100 * value:5.1f} %")
-    views = found.exploration.views.num_rows
-    say(f"{found.touches} touches from {views} viewpoints by {strategy}, {_seconds(found.seconds)}")
-    learnt = len(recogniser.model.objects)
-    classifier = recogniser.model.classifier.replace("_", " ")
-    say(
-        f"{model}: {classifier}, which learnt {learnt} objects of {len(found.probabilities)} classes"
-    )
+    strategy, chosen = recogniser.model.strategy, recogniser.parameters
+
+    def recognise_one(mesh: Path) -> Recognition:
+        explored = _explore(_load(mesh, up, chosen), mesh, viewpoints, strategy, chosen)
+        return explored.recognise(recogniser)
+
+    def say_one(mesh: Path, found: Recognition) -> None:
+        say(f"{mesh}: {found.name}, {100 * found.probabilities[found.name]:.1f} %")
+        for name, value in found.probabilities.items():
+            say(f"  {name:<20} {100 * value:5.1f} %")
+        views = found.exploration.views.num_rows
+        say(
+            f"{found.touches} touches from {views} viewpoints by {strategy}, {_seconds(found.seconds)}"
+        )
+
+    def values(mesh: Path, found: Recognition) -> dict[str, object]:
+        return _recognition_values(mesh, model, found)
+
+    _each(meshes, recognise_one, values if as_json else None, say_one)
+    if not as_json:
+        learnt, classes = len(recogniser.model.objects), len(recogniser.model.classes)
+        classifier = recogniser.model.classifier.replace("_", " ")
+        say(f"{model}: {classifier}, which learnt {learnt} objects of {classes} classes")
+
+
+def _each(
+    meshes: list[Path],
+    work: Callable[[Path], Made],
+    values: Callable[[Path, Made], dict[str, object]] | None,
+    say_one: Callable[[Path, Made], None],
+) -> None:
+    """Work on one mesh after the other; of several, one that can't be read doesn't stop the others.
+
+    Without `values` each is said at once; with them all are printed as JSON, one alone
+    without a list around it.
+    """
+    from visuohaptic.errors import VisuohapticError
+
+    found: list[Path] = []
+    printed: list[dict[str, object]] = []
+    for mesh in meshes:
+        try:
+            made = work(mesh)
+        except VisuohapticError as error:
+            if len(meshes) == 1:
+                raise
+            say_error(error)
+            continue
+        found.append(mesh)
+        if values is None:
+            say_one(mesh, made)
+        else:
+            printed.append(values(mesh, made))
+    if values is not None:
+        say_json(printed[0] if len(meshes) == 1 else printed)
+    if len(found) < len(meshes):
+        raise typer.Exit(1)
+
+
+def _folders(meshes: list[Path], out: Path) -> dict[Path, Path]:
+    """Give each mesh its folder: `out` for one alone, else one below it, named as the mesh."""
+    if len(meshes) == 1:
+        return {meshes[0]: out}
+    folders: dict[Path, Path] = {}
+    for mesh in meshes:
+        # A name such as `...obj` has the stem `..`, which is another folder.
+        folder = out / (mesh.name if mesh.stem.startswith(".") else mesh.stem)
+        other = next((one for one, taken in folders.items() if taken == folder), None)
+        if other is not None:
+            raise typer.BadParameter(
+                f"{printable(str(other))} and {printable(str(mesh))} would both be written to "
+                f"{printable(str(folder))}; touch them one by one.",
+                param_hint="MESH",
+            )
+        folders[mesh] = folder
+    return folders
 
 
 def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | None:
@@ -141,17 +246,6 @@ def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | No
     from visuohaptic.studies.cost.budgets import budgets
 
     return budgets()[budget.value].viewpoints
-
-
-def _check_strategy(strategy: str) -> None:
-    """Refuse a wrong strategy before any work: it is wrong use."""
-    from visuohaptic.errors import RegistryError
-    from visuohaptic.fixations.probing import STRATEGIES
-
-    try:
-        STRATEGIES[strategy]
-    except RegistryError as error:
-        raise typer.BadParameter(str(error), param_hint="--strategy") from None
 
 
 def _load(mesh: Path, up: UpAxis | None, parameters: ExperimentParameters) -> TouchableObject:

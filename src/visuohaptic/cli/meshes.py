@@ -70,8 +70,17 @@ def check(
 
     models = models_of_set(meshes / "catalogue.csv", object_set.value)
     files = {model: _model_file(model, meshes) for model in models}
-    files |= find_own_models(meshes / "own", {model.key for model in models})
-    findings: dict[str, dict[str, object]] = {}
+    missing = [model.key for model, file in files.items() if not file.exists()]
+    if missing:
+        raise MeshError(
+            f"{len(missing)} models of set {object_set.value} are not there, such as {missing[0]}; "
+            f"run `make meshes SET={object_set.value}`."
+        )
+    own = find_own_models(meshes / "own", {model.key for model in models})
+    files |= own.models
+    findings: dict[str, dict[str, object]] = {
+        str(file): {"error": sentence} for file, sentence in own.set_aside.items()
+    }
     for model, file in show_progress(list(files.items()), "checking models"):
         try:
             surface = prepare_object(model, file, MeshParameters())
@@ -83,8 +92,9 @@ def check(
         say_json(findings)
     else:
         for key, finding in findings.items():
-            say(f"{key}: {finding.get('error') or str(finding['triangles']) + ' triangles'}")
-        say(f"{len(findings) - broken} of {len(findings)} models can be touched.")
+            triangles = f"{finding.get('triangles')} triangles"
+            say(f"{key}: {finding.get('error') or triangles}")
+        say(f"{len(findings) - broken} of {len(findings)} files can be touched.")
     if broken:
         raise typer.Exit(1)
 

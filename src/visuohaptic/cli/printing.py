@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TypeVar
@@ -30,6 +31,11 @@ def say_json(values: object) -> None:
     sys.stdout.write(json.dumps(values, indent=2, default=_plain) + "\n")
 
 
+def say_error(error: Exception) -> None:
+    """Print an error as one line."""
+    sys.stderr.write(f"error: {sentence_of(error)}\n")
+
+
 def show_progress(steps: list[Item], doing: str) -> Iterable[Item]:
     """Go through steps with a bar on standard error; without one where nobody is looking."""
     from tqdm import tqdm
@@ -37,12 +43,35 @@ def show_progress(steps: list[Item], doing: str) -> Iterable[Item]:
     return tqdm(steps, desc=printable(doing), leave=False, disable=None, file=sys.stderr)
 
 
-def check_folder(out: Path) -> None:
-    """Refuse, before any work, a file where a folder is to be."""
-    if out.exists() and not out.is_dir():
-        raise typer.BadParameter(
-            f"{printable(str(out))} is a file; a folder is needed.", param_hint="--out"
-        )
+def folder_to_write(name: str) -> Path:
+    """Take the name of a folder for results; refuse, before any work, one that can't be written."""
+    if not name:
+        raise typer.BadParameter("the name is empty; a folder is needed.")
+    folder = Path(name)
+    try:
+        there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+        if not there.is_dir():
+            raise typer.BadParameter(f"{printable(str(there))} is a file; a folder is needed.")
+        with tempfile.TemporaryFile(dir=there):
+            return folder
+    except OSError as error:
+        raise typer.BadParameter(f"{printable(name)} can't be written: {error.strerror}.") from None
+
+
+def file_to_read(name: str) -> Path:
+    """Take the name of a file; an empty one would mean this folder."""
+    if not name:
+        raise typer.BadParameter("the name is empty; a file is needed.")
+    return Path(name)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}-") as waiting:
+        part = Path(waiting, path.name)
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
 
 
 def printable(text: str) -> str:
@@ -68,8 +97,12 @@ def sentence_of(error: Exception) -> str:
     """
     if isinstance(error, VisuohapticError):
         sentence = str(error)
+    elif isinstance(error, MemoryError):
+        sentence = "There is not enough memory for this."
     elif isinstance(error, OSError) and error.filename is not None:
         sentence = f"{error.filename}: {error.strerror}."
+    elif isinstance(error, OSError) and error.strerror is not None:
+        sentence = f"Writing or reading failed: {error.strerror}."
     else:
         kind = type(error).__name__
         sentence = f"{kind}: {error}; `visuohaptic --debug ...` shows where it arose."

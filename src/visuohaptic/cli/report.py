@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from visuohaptic.cli.printing import check_folder, say, say_json, show_progress
+from visuohaptic.cli.printing import folder_to_write, say, say_json, show_progress
 from visuohaptic.optional_packages import require
 
 PAGE = "report.html"
@@ -19,7 +19,9 @@ def report(
     run: Annotated[
         Path, typer.Argument(metavar="RUN", help="Folder of a finished run.", show_default=".")
     ] = Path(),
-    out: Annotated[Path, typer.Option(help="Folder for the page.")] = Path("report"),
+    out: Annotated[Path, typer.Option(parser=folder_to_write, help="Folder for the page.")] = Path(
+        "report"
+    ),
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
 ) -> None:
     """Write the report of a finished run: one HTML page that needs no network.
@@ -32,7 +34,6 @@ def report(
     from visuohaptic.report.files import make_report
     from visuohaptic.report.run_folder import find_run
 
-    check_folder(out)
     found = find_run(run)
     page = out / PAGE
     track: Any = partial(show_progress, doing="writing the report")

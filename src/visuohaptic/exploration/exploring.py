@@ -6,18 +6,25 @@ import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pyarrow as pa
+from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel
 
-from visuohaptic.errors import MeshError, RecognitionError
+from visuohaptic.errors import MeshError, ParameterError, RecognitionError
+from visuohaptic.exploration.sources import is_one_source, mesh_parameters, read_source
 from visuohaptic.geometry.surface import Surface, write_surface
-from visuohaptic.meshes.catalogue import Model, read_catalogue
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import prepare_object
-from visuohaptic.parameters import ExperimentParameters, check_parameters, read_parameters
+from visuohaptic.parameters import (
+    ExperimentParameters,
+    as_parameters,
+    check_parameters,
+    read_parameters,
+)
 from visuohaptic.tables.phases import (
     EFFECTS,
     FEATURES,
@@ -25,17 +32,17 @@ from visuohaptic.tables.phases import (
     TOUCHES,
     VIEWS,
 )
-from visuohaptic.tables.schema import read_table, write_table
+from visuohaptic.tables.schema import images, read_table, write_table
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+    from visuohaptic.exploration.sources import Source
     from visuohaptic.recognition.model import RecognitionModel
 
 DEFAULT_MODEL = Path("results/models/best.skops")
 """Where the workflow leaves its recognition model."""
 
-UNKNOWN_CLASS = "unknown"
 VIEWPOINTS_AT_ONCE = 8
 """Viewpoints that are worked on together; it changes no result."""
 
@@ -43,13 +50,14 @@ _SCHEMAS = {schema.name: schema for schema in (VIEWS, FIXATIONS, TOUCHES, EFFECT
 _TOUCHING_SECTIONS = ("viewpoints", "rendering", "attention", "sensor", "scene", "features")
 _FREE = ("viewpoints.count", "attention.fixations")
 
+Parameters = ExperimentParameters | Mapping[str, Any]
 Steps = Sequence[Callable[[], None]]
 Track = Callable[[Steps], Iterable[Callable[[], None]]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TouchableObject:
-    """An object made ready for the eye and the hand.
+    """An object made ready for the eye and the hand; it is equal to itself alone.
 
     Attributes
     ----------
@@ -65,12 +73,23 @@ class TouchableObject:
     surface: Surface
     seconds: float
 
+    def __repr__(self) -> str:
+        return f"<TouchableObject {self.key}: {len(self.surface.faces):,} triangles>"
+
+    def _repr_png_(self) -> bytes:
+        from visuohaptic.exploration.showing import view_of
+
+        return view_of(self.surface)
+
     def touch(
         self,
         viewpoints: int | None = None,
         strategy: str = "fixation",
-        parameters: ExperimentParameters | None = None,
+        parameters: Parameters | None = None,
         track: Track = iter,
+        *,
+        at: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
     ) -> Exploration:
         """Look at the object from all around, and set the sensor down on it.
 
@@ -80,11 +99,18 @@ class TouchableObject:
             Viewpoints on each ring; without it as `parameters` say.
         strategy : str
             How the probing locations are chosen.
-        parameters : ExperimentParameters, optional
-            Everything else; without it the defaults, which are those of the paper.
+        parameters : ExperimentParameters or mapping, optional
+            Everything else, such as ``{"sensor.resolution": 16}``; what is left out takes
+            its default, which is that of the paper.
         track : callable
             Takes the steps of the work and gives them back one by one, as a progress
             bar such as ``tqdm.tqdm`` does.
+        at : array_like, optional
+            Shape (n, 3), object frame: where to touch, instead of looking. The sensor is set
+            down at the surface's nearest point.
+        normals : array_like, optional
+            Shape (n, 3), object frame, of any length: which way is out at each of `at`;
+            without them as the surface has it.
 
         Returns
         -------
@@ -94,9 +120,13 @@ class TouchableObject:
         Raises
         ------
         ParameterError
-            If the number of viewpoints or the strategy is not allowed.
+            If a parameter, the strategy or a point is not allowed.
+        MeshError
+            If no viewpoint sees a place to touch.
         """
-        chosen = _with_choices(parameters or ExperimentParameters(), viewpoints, strategy)
+        if at is not None or normals is not None:
+            return self._touch_at(at, normals, viewpoints, as_parameters(parameters))
+        chosen = _with_choices(as_parameters(parameters), viewpoints, strategy)
         with tempfile.TemporaryDirectory(prefix="visuohaptic-") as folder:
             work = _Work(self.key, Path(folder), chosen, {})
             write_surface(self.surface, work.mesh)
@@ -105,13 +135,35 @@ class TouchableObject:
             tables = {
                 name: read_table(schema, work.files(name)) for name, schema in _SCHEMAS.items()
             }
+        if not tables["touches"].num_rows:
+            raise MeshError(
+                f"{self.key} shows no viewpoint a place to touch, for it is thinner than a pixel of the "
+                "view; a larger rendering.resolution or strategy random touches it."
+            )
         seconds = {"prepare": self.seconds, **work.seconds}
         return Exploration(self.key, self.surface, chosen, strategy, seconds, **tables)
 
+    def _touch_at(
+        self,
+        at: ArrayLike | None,
+        normals: ArrayLike | None,
+        viewpoints: int | None,
+        parameters: ExperimentParameters,
+    ) -> Exploration:
+        from visuohaptic.exploration.given_points import STRATEGY, touch_points
 
-@dataclass(frozen=True)
+        if at is None:
+            raise ParameterError("normals need at: the points that they stand on.")
+        if viewpoints is not None:
+            raise ParameterError("at leaves no choice of viewpoints: leave one of the two out.")
+        tables, seconds = touch_points(self.key, self.surface, at, normals, parameters)
+        seconds = {"prepare": self.seconds, **seconds}
+        return Exploration(self.key, self.surface, parameters, STRATEGY, seconds, **tables)
+
+
+@dataclass(frozen=True, eq=False)
 class Exploration:
-    """What the eye saw of an object, and what the hand felt.
+    """What the eye saw of an object, and what the hand felt; it is equal to itself alone.
 
     Attributes
     ----------
@@ -122,7 +174,7 @@ class Exploration:
     parameters : ExperimentParameters
         How it was explored.
     strategy : str
-        How the probing locations were chosen.
+        How the probing locations were chosen; ``given`` where the caller chose them.
     seconds : mapping of str to float
         What each phase took: prepare, look, touch, describe.
     views, fixations, touches, effects, features : pyarrow.Table
@@ -139,6 +191,30 @@ class Exploration:
     touches: pa.Table
     effects: pa.Table
     features: pa.Table
+
+    def __repr__(self) -> str:
+        touches, seconds = self.touches.num_rows, sum(self.seconds.values())
+        how = (
+            f"from {self.views.num_rows} viewpoints by {self.strategy}"
+            if self.views.num_rows
+            else "at given points"
+        )
+        return f"<Exploration of {self.key}: {touches} touches {how}, {seconds:.2f} s>"
+
+    def _repr_png_(self) -> bytes:
+        from visuohaptic.exploration.picture import draw_exploration
+        from visuohaptic.exploration.showing import VIEWS_SHOWN, png_of
+
+        views = self.views.slice(0, VIEWS_SHOWN)
+        return png_of(draw_exploration(self.surface, self.parameters, views, self.touches))
+
+    @property
+    def imprints(self) -> NDArray[np.float32]:
+        """What the sensor felt, shape (n, r, r), float32, in [0, 1], in the order of `touches`.
+
+        1 is contact and 0 is out of reach; r is the sensor's resolution.
+        """
+        return images(self.touches)
 
     def recognise(self, model: str | Path | Recogniser = DEFAULT_MODEL) -> Recognition:
         """Name the object from its touches.
@@ -184,7 +260,8 @@ class Exploration:
         Parameters
         ----------
         folder : path
-            Where to; made where missing. The names of the files do not depend on the object.
+            Where to; made where missing. The names of the files do not depend on the object,
+            and all of them appear once the last is written.
 
         Returns
         -------
@@ -192,19 +269,22 @@ class Exploration:
             The files.
         """
         folder = Path(folder)
-        folder.mkdir(parents=True, exist_ok=True)
-        files = []
-        for name, schema in _SCHEMAS.items():
-            files.append(folder / f"{name}.parquet")
-            write_table(schema, getattr(self, name), files[-1])
-        files.append(folder / "picture.png")
-        self.picture().save(files[-1])
-        return files
+        names = [*(f"{name}.parquet" for name in _SCHEMAS), "picture.png"]
+        there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
+        with tempfile.TemporaryDirectory(dir=there, prefix=".visuohaptic-") as temporary:
+            waiting = Path(temporary)
+            for name, schema in _SCHEMAS.items():
+                write_table(schema, getattr(self, name), waiting / f"{name}.parquet")
+            self.picture().save(waiting / names[-1])
+            folder.mkdir(parents=True, exist_ok=True)
+            for name in names:
+                (waiting / name).replace(folder / name)
+        return [folder / name for name in names]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Recognition:
-    """What an object was named.
+    """What an object was named; it is equal to itself alone.
 
     Attributes
     ----------
@@ -226,31 +306,55 @@ class Recognition:
     touches: int
     seconds: Mapping[str, float]
 
+    def __repr__(self) -> str:
+        from visuohaptic.exploration.showing import probability_line
 
-@dataclass(frozen=True)
+        line = probability_line(self.probabilities)
+        return f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches>"
+
+    def _repr_html_(self) -> str:
+        from visuohaptic.exploration.showing import probability_table
+
+        return probability_table(self.exploration.key, self.probabilities, self.touches)
+
+
+@dataclass(frozen=True, eq=False)
 class Recogniser:
     """A recognition model, and how the touches were made from which it learnt."""
 
     model: RecognitionModel
     parameters: ExperimentParameters
 
+    def __repr__(self) -> str:
+        classifier = self.model.classifier.replace("_", " ")
+        classes = ", ".join(self.model.classes)
+        return (
+            f"<Recogniser: {classifier}, which learnt {len(self.model.objects)} objects touched by "
+            f"{self.model.strategy}: {classes}>"
+        )
+
 
 def load(
-    path: str | Path, key: str | None = None, parameters: MeshParameters | None = None
+    source: Source,
+    key: str | None = None,
+    parameters: MeshParameters | Parameters | None = None,
+    file_type: str | None = None,
 ) -> TouchableObject:
-    """Read a mesh file and make it ready.
+    """Read an object and make it ready.
 
     Parameters
     ----------
-    path : path
-        An OBJ, PLY, STL, GLB or OFF file, or a packed model of the repository
+    source : path, trimesh.Trimesh, trimesh.Scene, (vertices, faces) or binary file
+        A mesh file, or a packed model of the repository
         (``meshes/paper/<class>/<name>.ply.gz``), which is turned and stretched as
-        the catalogue above it says.
+        the catalogue above it says; a mesh in memory; or two arrays, shapes (v, 3) and (f, 3).
     key : str, optional
         `class/name`; all chance comes from it and the seed. Without it the class is
-        ``unknown``, or the catalogue's.
-    parameters : MeshParameters, optional
-        Which axis points up, and tolerances.
+        ``unknown``, or the catalogue's, and the name the file's.
+    parameters : MeshParameters, ExperimentParameters or mapping, optional
+        Which axis points up, and tolerances: section `meshes`, or all parameters.
+    file_type : str, optional
+        Format of an open file, such as ``obj``; without it as its name ends.
 
     Returns
     -------
@@ -260,20 +364,58 @@ def load(
     Raises
     ------
     MeshError
-        If the file can't be read or has nothing to touch, or the key is no `class/name`.
+        If the source can't be read or has nothing to touch, or the key is no `class/name`.
+    ParameterError
+        If a parameter is not allowed.
     """
     started = time.perf_counter()
-    path = Path(path)
-    model = _catalogued(path)
-    if model is None:
-        # A file's name may hold bytes that are no text, which no table can hold.
-        name = path.name.removesuffix(".gz").rpartition(".")[0] or path.name
-        model = Model(UNKNOWN_CLASS, name.encode("utf-8", "replace").decode("utf-8"))
-    surface = prepare_object(model, path, parameters or MeshParameters())
-    key = model.key if key is None else key
-    if key.count("/") != 1:
+    if key is not None and (key.count("/") != 1 or not all(key.split("/"))):
         raise MeshError(f"{key!r} is no key of an object; 'class/name' is allowed.")
-    return TouchableObject(key, surface, time.perf_counter() - started)
+    found, surface = read_source(source, file_type, mesh_parameters(parameters))
+    return TouchableObject(found if key is None else key, surface, time.perf_counter() - started)
+
+
+def touch(
+    sources: Source | TouchableObject | Iterable[Source | TouchableObject],
+    viewpoints: int | None = None,
+    strategy: str = "fixation",
+    parameters: Parameters | None = None,
+    track: Callable[[Sequence[TouchableObject]], Iterable[TouchableObject]] | None = None,
+) -> list[Exploration]:
+    """Touch several objects, one after the other.
+
+    Parameters
+    ----------
+    sources : iterable
+        Objects, or what `load` makes them from; one alone needs no list.
+    viewpoints, strategy, parameters
+        As in `TouchableObject.touch`; the same for all.
+    track : callable, optional
+        Takes the objects and gives them back one by one; without it a progress bar.
+
+    Returns
+    -------
+    list of Exploration
+        One an object, in their order.
+
+    Raises
+    ------
+    MeshError
+        If one of them can't be read; nothing is touched then.
+    ParameterError
+        If a choice is not allowed.
+    """
+    chosen = as_parameters(parameters)
+    several: Any = [sources] if is_one_source(sources) else sources
+    ready = [
+        one if isinstance(one, TouchableObject) else load(one, parameters=chosen) for one in several
+    ]
+    if track is None:
+        from tqdm.auto import tqdm
+
+        # A bar for work that takes long enough to wait for.
+        track = partial(tqdm, desc="touching", unit="object", delay=1, leave=False)
+    return [one.touch(viewpoints, strategy, chosen) for one in track(ready)]
 
 
 def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
@@ -297,6 +439,10 @@ def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
     from visuohaptic.recognition.model import load_model
 
     path = Path(path)
+    if path.is_dir():
+        raise RecognitionError(
+            f"{path} is a folder; the model in it is needed, such as {path / DEFAULT_MODEL.name}."
+        )
     for file in (path, path.with_suffix(".yaml")):
         if not file.is_file():
             raise RecognitionError(
@@ -385,25 +531,14 @@ class _Work:
         )
 
 
-def _catalogued(path: Path) -> Model | None:
-    """Find a packed model, `<folder>/<set>/<class>/<name>.ply.gz`, in `<folder>/catalogue.csv`."""
-    folders = path.absolute().parents
-    if not path.name.endswith(".ply.gz") or len(folders) < 3:
-        return None
-    catalogue = folders[2] / "catalogue.csv"
-    if not catalogue.is_file():
-        return None
-    key = f"{folders[0].name}/{path.name.removesuffix('.ply.gz')}"
-    return next((model for model in read_catalogue(catalogue) if model.key == key), None)
-
-
 def _with_choices(
     parameters: ExperimentParameters, viewpoints: int | None, strategy: str
 ) -> ExperimentParameters:
-    values = parameters.model_dump()
-    values["probing"]["strategies"] = (strategy,)
+    # What the caller has left to its default stays so: nobody asked for it.
+    values = parameters.model_dump(exclude_unset=True)
+    values.setdefault("probing", {})["strategies"] = (strategy,)
     if viewpoints is not None:
-        values["viewpoints"]["count"] = viewpoints
+        values.setdefault("viewpoints", {})["count"] = viewpoints
     return check_parameters(values, "touch")
 
 

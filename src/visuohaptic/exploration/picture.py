@@ -49,13 +49,15 @@ def draw_exploration(
     Returns
     -------
     PIL.Image.Image
-        A cell a viewpoint. A filled number is a touch that the eye sees, a hollow one lies
+        A cell a viewpoint; without views one cell of imprints. A filled number is a touch that the eye sees, a hollow one lies
         behind the object; the square is the sensor at its true size. Beside the view each
         imprint, contact white, with the edge of its square in object radii and the contact's state.
     """
     caster = RayCaster(surface)
     cameras = place_cameras(parameters.viewpoints)
     owner = touches.column("viewpoint").to_numpy()
+    if not views.num_rows:
+        return _grid([_cell("given points", None, touches)])
     cells = []
     for row in views.to_pylist():
         mine = touches.filter(pa.array(owner == row["viewpoint"]))
@@ -116,20 +118,22 @@ def _mark(draw: ImageDraw.ImageDraw, place: NDArray[np.float64], text: str, seen
     draw.text((column, row), text, fill=_INK, font=_font(12), anchor="mm")
 
 
-def _cell(title: str, view: Image.Image, touches: pa.Table) -> Image.Image:
+def _cell(title: str, view: Image.Image | None, touches: pa.Table) -> Image.Image:
     imprints = images(touches)
     sizes = touches.column("sensor_size").to_pylist()
     states = touches.column("contact_state").to_pylist()
     pitch = IMPRINT_PIXELS + _LABEL + GAP
     deep = math.ceil(len(imprints) / IMPRINTS_ACROSS) * pitch
-    width = VIEW_PIXELS + IMPRINTS_ACROSS * (IMPRINT_PIXELS + GAP) + GAP
-    cell = Image.new("RGB", (width, _LABEL + max(VIEW_PIXELS, deep)), _BACK)
+    seen = (0, 0) if view is None else view.size
+    width = seen[0] + IMPRINTS_ACROSS * (IMPRINT_PIXELS + GAP) + GAP
+    cell = Image.new("RGB", (width, _LABEL + max(seen[1], deep)), _BACK)
     draw = ImageDraw.Draw(cell)
     draw.text((0, 0), title, fill=_INK, font=_font(12))
-    cell.paste(view, (0, _LABEL))
+    if view is not None:
+        cell.paste(view, (0, _LABEL))
     for number, imprint in enumerate(imprints):
         down, across = divmod(number, IMPRINTS_ACROSS)
-        left = VIEW_PIXELS + GAP + across * (IMPRINT_PIXELS + GAP)
+        left = seen[0] + GAP + across * (IMPRINT_PIXELS + GAP)
         top = _LABEL + down * pitch
         grey = Image.fromarray(np.rint(255.0 * imprint).astype(np.uint8)).convert("RGB")
         square = grey.resize((IMPRINT_PIXELS, IMPRINT_PIXELS), Image.Resampling.NEAREST)

@@ -24,7 +24,10 @@ class ViewpointParameters(BaseModel):
         "`fibonacci`: evenly over the whole sphere",
     )
     count: int = Field(
-        16, gt=0, description="Viewpoints on each ring, or on the whole Fibonacci sphere"
+        16,
+        gt=0,
+        le=1024,  # a third of a degree apart; what one sees, its neighbour sees
+        description="Viewpoints on each ring, or on the whole Fibonacci sphere",
     )
     elevations_degrees: tuple[float, ...] = Field(
         (20.0,),
@@ -73,7 +76,12 @@ class RenderingParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    resolution: int = Field(256, ge=16, description="Rows and columns of a view (pixels)")
+    resolution: int = Field(
+        256,
+        ge=16,
+        le=4096,  # a view of it takes 2 GB while it is rendered
+        description="Rows and columns of a view (pixels)",
+    )
     ambient: float = Field(
         0.4, ge=0.0, le=1.0, description="Share of light that comes evenly from everywhere"
     )

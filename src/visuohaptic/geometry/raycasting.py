@@ -147,6 +147,27 @@ class RayCaster:
         hits.barycentric[again] = settled.barycentric
         return hits
 
+    def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Give the surface's nearest point to each point.
+
+        Parameters
+        ----------
+        points : numpy.ndarray
+            Shape (n, 3), float64; the frame and unit of the surface's vertices.
+
+        Returns
+        -------
+        points : numpy.ndarray
+            Shape (n, 3), float64, on the surface.
+        faces : numpy.ndarray
+            Shape (n,), int64: the face that each lies on, found in float32.
+        """
+        answer = self._scene.compute_closest_points(self._tensor(points.astype(np.float32)))
+        faces = answer["primitive_ids"].numpy().astype(np.int64)
+        second, third = answer["primitive_uvs"].numpy().astype(np.float64).T
+        weights = np.stack([1 - second - third, second, third], axis=1)
+        return np.einsum("nc,ncd->nd", weights, self._corners[faces]), faces
+
     def _cast(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[Hits, NDArray[np.bool_]]:

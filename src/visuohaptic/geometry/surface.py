@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import gzip
+import io
 import json
-import shutil
 import tempfile
 import zlib
 from collections.abc import Iterable, Iterator
@@ -18,14 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
+
+_BLOCK_BYTES = 1 << 20
 
 _SET_ASIDE = "set aside: "
 _LONGEST_HEADER = 1 << 14  # bytes
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Surface:
-    """A triangle mesh with one colour a face.
+    """A triangle mesh with one colour a face; it is equal to itself alone.
 
     Attributes
     ----------
@@ -41,6 +44,9 @@ class Surface:
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
     face_colours: NDArray[np.uint8]
+
+    def __repr__(self) -> str:
+        return f"<Surface: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"
 
     @cached_property
     def triangles(self) -> NDArray[np.float64]:
@@ -157,13 +163,15 @@ def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None
     path.write_bytes(gzip.compress(data, 9, mtime=0) if path.suffix == ".gz" else data)
 
 
-def read_surface(path: str | Path) -> Surface:
+def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     """Read a surface that `write_surface` wrote.
 
     Parameters
     ----------
     path : path
         A ``.ply`` or ``.ply.gz`` file of triangles with face colours.
+    largest_megabytes : float
+        Files that are larger, unpacked, are refused, in 10⁶ bytes.
 
     Returns
     -------
@@ -173,12 +181,13 @@ def read_surface(path: str | Path) -> Surface:
     Raises
     ------
     MeshError
-        If the file is not such a surface.
+        If the file is not such a surface, holds less than its header says, or is too large.
     """
     from plyfile import PlyData, PlyParseError
 
     try:
-        with _plain_file(Path(path)) as stream:
+        with _plain_file(Path(path), largest_megabytes) as stream:
+            _check_header(stream)
             data = PlyData.read(stream, known_list_len={"face": {"vertex_indices": 3}})
         vertex, face = data["vertex"], data["face"]
         vertices = np.column_stack([vertex[name] for name in "xyz"]).astype(np.float64)
@@ -191,14 +200,29 @@ def read_surface(path: str | Path) -> Surface:
     return Surface(vertices, faces, colours.astype(np.uint8))
 
 
+def _check_header(stream: BinaryIO) -> None:
+    """Refuse, before any row is read, what `write_surface` can't have written."""
+    header = read_ply_header(stream.read(LONGEST))
+    if header.ascii:
+        raise ValueError("it is text, and binary is needed; a PLY of your own is read without .gz")
+    check_ply_size(header, stream.seek(0, io.SEEK_END))
+    stream.seek(0)
+
+
 @contextmanager
-def _plain_file(path: Path) -> Iterator[BinaryIO]:
+def _plain_file(path: Path, largest_megabytes: float) -> Iterator[BinaryIO]:
     """Open a file, or what it unpacks to: only what lies in a file is read as one array."""
     if path.suffix != ".gz":
         with path.open("rb") as plain:
             yield plain
         return
     with gzip.open(path, "rb") as packed, tempfile.TemporaryFile() as unpacked:
-        shutil.copyfileobj(packed, unpacked)
+        while block := packed.read(_BLOCK_BYTES):
+            unpacked.write(block)
+            if unpacked.tell() > largest_megabytes * 1e6:
+                raise MeshError(
+                    f"{path} unpacks to more than {largest_megabytes:g} MB, which are allowed "
+                    "(meshes.largest_megabytes)."
+                )
         unpacked.seek(0)
         yield unpacked

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Collection
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -14,15 +15,21 @@ from visuohaptic.errors import CatalogueError
 ObjectSet = Literal["paper", "benchmark", "hard"]
 """`paper` has 12 objects in 4 classes; `benchmark` 142 in 12, the 12 among them; `hard` the plants."""
 
-MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".off")
-COMPANION_SUFFIXES = (".mtl", ".png", ".jpg", ".jpeg", ".bmp", ".tga")
+MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off")
+_TEXTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tga")
+COMPANION_SUFFIXES = {".obj": (".mtl", *_TEXTURE_SUFFIXES), ".gltf": (".bin", *_TEXTURE_SUFFIXES)}
+"""What may lie beside a model and belong to it."""
+
+# Nobody takes these for models.
+_NO_MODEL_SUFFIXES = (".mtl", ".bin", *_TEXTURE_SUFFIXES, ".webp", ".txt", ".md", ".csv", ".pdf")
 
 _MEMBERS_OF_SET = {
     "paper": ("paper",),
     "benchmark": ("paper", "benchmark"),
     "hard": ("hard",),
 }
-_FORBIDDEN_IN_NAMES = re.compile(r"[\x00-\x1f/\\{}*?\[\]]|^[.\-_ ]|[. ]$")
+# Snakemake takes <name> for a variable of its own; U+D800 to U+DFFF are bytes that are no text.
+_FORBIDDEN_IN_NAMES = re.compile(r"[\x00-\x1f\ud800-\udfff/\\{}<>*?\[\]]|^[.\-_ ]|[. ]$")
 _LONGEST_NAME = 100
 
 
@@ -118,50 +125,127 @@ def models_of_set(path: str | Path, object_set: ObjectSet) -> list[Model]:
     return sorted(chosen, key=lambda model: model.key)
 
 
-def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> dict[Model, Path]:
+@dataclass(frozen=True)
+class OwnModels:
+    """The user's own models, and what lies among them but can't take part.
+
+    Attributes
+    ----------
+    models : dict of Model to pathlib.Path
+        Each object and its file, sorted by class and name.
+    set_aside : dict of pathlib.Path to str
+        Each other file, and a sentence that names it and says what to do.
+    """
+
+    models: dict[Model, Path]
+    set_aside: dict[Path, str]
+
+
+def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> OwnModels:
     """Find the user's own models, one file an object, one folder a class.
 
     Parameters
     ----------
     folder : path
-        Holds `<class>/<name>.<suffix>`; files with other suffixes are left alone.
+        Holds `<class>/<name>.<suffix>`. Hidden files, textures, materials and texts are left
+        alone; every other file that is no such model is set aside.
     taken : collection of str
         Keys that other objects have already.
 
     Returns
     -------
-    dict of Model to pathlib.Path
-        Each object and its file, sorted by class and name.
+    OwnModels
+        The models, and the files that were set aside.
+    """
+    folder = Path(folder)
+    models: dict[Model, Path] = {}
+    set_aside: dict[Path, str] = {}
+    for file in _files_below(folder):
+        found = Model(file.parent.name, file.stem)
+        why = _why_not(file, folder) or _taken(found, taken, models)
+        if why is None:
+            models[found] = file
+        else:
+            set_aside[file] = f"{_shown(file)} {why}"
+    return OwnModels(models, set_aside)
+
+
+def _files_below(folder: Path) -> list[Path]:
+    """List what may be meant as a model; a class may be a link to a folder elsewhere."""
+    if not folder.is_dir():
+        return []
+    found: list[Path] = []
+    for entry in sorted(folder.iterdir()):
+        inside = [entry] if not entry.is_dir() else sorted(entry.iterdir())
+        for one in inside:
+            found += sorted(one.rglob("*")) if one.is_dir() else [one]
+    return [file for file in found if _may_be_meant(file, folder)]
+
+
+def _may_be_meant(file: Path, folder: Path) -> bool:
+    hidden = any(part.startswith(".") for part in file.relative_to(folder).parts)
+    return not (hidden or file.is_dir() or file.suffix.lower() in _NO_MODEL_SUFFIXES)
+
+
+def _why_not(file: Path, folder: Path) -> str | None:
+    """Tell why a file can't be an object, and what to do."""
+    if not file.is_file():
+        return "is no file; a file is needed."
+    if file.suffix.lower() not in MODEL_SUFFIXES:
+        ending = repr(file.suffix) if file.suffix else "nothing"
+        return f"ends in {ending}, which can't be read; export it as .glb or .obj."
+    parts = file.relative_to(folder).parts
+    if len(parts) == 1:
+        return f"lies in no class's folder; move it to {folder}/<class>/{_shown(file.name)}."
+    if len(parts) > 2:
+        return f"lies too deep; move it to {folder}/{_shown(parts[0])}/{_shown(file.name)}."
+    try:
+        for name in (file.parent.name, file.stem):
+            check_name(name, "")
+    except CatalogueError as error:
+        return f"can't take part: {str(error).removeprefix(': ')}"
+    return None
+
+
+def _taken(found: Model, taken: Collection[str], models: Mapping[Model, Path]) -> str | None:
+    if found in models:
+        return f"is object {found.key}, as {models[found]} is already; rename one."
+    if found.key in taken:
+        return f"is object {found.key}, as one of the catalogue is already; rename it."
+    return None
+
+
+def _shown(name: str | Path) -> str:
+    """Write out bytes of a name that are no text."""
+    return str(name).encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def check_classes(keys: Iterable[str]) -> None:
+    """Refuse, before anything runs, objects among which recognition can't tell any apart.
+
+    Parameters
+    ----------
+    keys : iterable of str
+        `class/name` of every object.
 
     Raises
     ------
     CatalogueError
-        If a name can't be used as one, or two files share one.
+        If fewer than two classes have two objects or more.
     """
-    files = sorted(
-        file
-        for file in Path(folder).glob("*/*")
-        if file.suffix.lower() in MODEL_SUFFIXES and not file.name.startswith(".")
-    )
-    found: dict[Model, Path] = {}
-    for file in files:
-        for name in (file.parent.name, file.stem):
-            check_name(name, file)
-        model = Model(file.parent.name, file.stem)
-        if model in found:
-            raise CatalogueError(
-                f"{found[model]} and {file} are both object {model.key}; rename one."
-            )
-        if model.key in taken:
-            raise CatalogueError(
-                f"{file}: the catalogue has an object {model.key} already; rename it."
-            )
-        found[model] = file
-    return found
+    counts = Counter(key.split("/")[0] for key in keys)
+    enough = sorted(name for name, count in counts.items() if count >= 2)
+    if len(enough) < 2:
+        found = f"only {enough[0]} has" if enough else "none has"
+        raise CatalogueError(
+            f"Recognition needs two classes with two objects each, and {found} them: put objects into "
+            "meshes/own/<class>/, choose another meshes.set, or go as far as features with "
+            "`snakemake -j2 features_all`."
+        )
 
 
 def companions(file: str | Path) -> list[Path]:
-    """List the files beside an OBJ model that may hold its materials and textures.
+    """List the files beside an OBJ or glTF model that may hold its materials, textures and buffers.
 
     Parameters
     ----------
@@ -174,11 +258,10 @@ def companions(file: str | Path) -> list[Path]:
         Sorted; empty for formats that carry their colours themselves.
     """
     file = Path(file)
-    if file.suffix.lower() != ".obj":
+    suffixes = COMPANION_SUFFIXES.get(file.suffix.lower(), ())
+    if not suffixes:
         return []
-    return sorted(
-        other for other in file.parent.iterdir() if other.suffix.lower() in COMPANION_SUFFIXES
-    )
+    return sorted(other for other in file.parent.iterdir() if other.suffix.lower() in suffixes)
 
 
 def check_name(name: str, source: str | Path) -> None:
@@ -198,8 +281,8 @@ def check_name(name: str, source: str | Path) -> None:
     """
     if not name or len(name) > _LONGEST_NAME or _FORBIDDEN_IN_NAMES.search(name):
         raise CatalogueError(
-            f"{source}: {name[:_LONGEST_NAME]!r} can't name a class or an object; 1 to {_LONGEST_NAME} "
-            "characters are allowed, none of / \\ { } * ? [ ], no blank or dot at an end."
+            f"{source}: {_shown(name[:_LONGEST_NAME])!r} can't name a class or an object; 1 to {_LONGEST_NAME} "
+            "characters are allowed, none of / \\ { } < > * ? [ ], no blank or dot at an end."
         )
 
 

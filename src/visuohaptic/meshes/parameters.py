@@ -20,5 +20,5 @@ class MeshParameters(BaseModel):
         "y", pattern="^[yz]$", description="Axis of own models that points up: y or z"
     )
     largest_megabytes: float = Field(
-        512.0, gt=0, description="Own files above this size are refused (MB)"
+        512.0, gt=0, le=1e4, description="Files above this size, unpacked, are refused (MB)"
     )

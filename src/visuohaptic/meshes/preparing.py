@@ -38,7 +38,7 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
         If the file can't be read or has nothing to touch; the message names the file.
     """
     if str(path).endswith(".ply.gz"):
-        surface = read_surface(path)
+        surface = read_surface(path, parameters.largest_megabytes)
         rotation = np.eye(3) if model.rotation is None else np.reshape(model.rotation, (3, 3))
     else:
         from visuohaptic.meshes.model_files import read_model
@@ -46,6 +46,32 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
         surface = read_model(path, parameters.largest_megabytes)
         rotation = UP_AXES[parameters.own_up_axis]
     return normalise(surface, str(path), rotation, model.dimensions, parameters.merge_tolerance)
+
+
+def prepare_surface(surface: Surface, name: str, parameters: MeshParameters) -> Surface:
+    """Make ready a surface that a caller holds in memory, as `prepare_object` does a user's own file.
+
+    Parameters
+    ----------
+    surface : Surface
+        In any frame and unit.
+    name : str
+        What to call it in an error.
+    parameters : MeshParameters
+        Tolerances and the axis that points up.
+
+    Returns
+    -------
+    Surface
+        In the object frame.
+
+    Raises
+    ------
+    MeshError
+        If it has nothing to touch.
+    """
+    up = UP_AXES[parameters.own_up_axis]
+    return normalise(surface, name, up, merge_tolerance=parameters.merge_tolerance)
 
 
 def normalise(

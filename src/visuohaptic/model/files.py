@@ -11,7 +11,7 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.model import fit_model, save_model
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import classes_of_two
+from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 
@@ -36,7 +36,7 @@ def make_model(
     """
     import yaml
 
-    table = read_table(FEATURES, features)
+    table, _ = whole_sequences(read_table(FEATURES, features), recognition.touches)
     chosen = table.filter(pc.equal(table.column("strategy"), strategy))
     if not chosen.num_rows:
         found = sorted(pc.unique(table.column("strategy")).to_pylist())

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+import logging
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -34,6 +37,8 @@ from visuohaptic.tables.schema import build_table
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.tuning import FitMemory
+
+logger = logging.getLogger(__name__)
 
 AnswerSplit = Callable[[Split, np.random.Generator], Iterator["Answer"]]
 """Trains on a split's training sequences and names its test sequences."""
@@ -87,7 +92,8 @@ def run_pipeline(
     Returns
     -------
     scores : pyarrow.Table
-        `tables.SCORES`, a row for each classifier, split and repeat.
+        `tables.SCORES`, a row for each classifier, split and repeat. A classifier that can't be
+        fitted in a split has no row at all; the log says why.
     predictions : pyarrow.Table
         `tables.PREDICTIONS`, a row for each tested sequence of each.
 
@@ -140,6 +146,7 @@ def run_sequences(
     answers = answer_splits(sequences, parameters, seed, pipeline, answer_split)
     for split, repeat, answer in answers:
         record.add(split, repeat, answer)
+    record.leave_gaps()
     return record.scores(), record.predictions()
 
 
@@ -279,7 +286,7 @@ def run_paper_split(
     Yields
     ------
     Answer
-        One for each classifier.
+        One for each classifier that can be fitted.
     """
     from visuohaptic.recognition.classifiers import fit_classifier
 
@@ -287,9 +294,18 @@ def run_paper_split(
     encoder = fit_sequence_encoder(sequences.features[split.train], parameters, generator)
     training = encoder.encode(sequences.features[split.train])
     tested = encoder.encode(sequences.features[split.test])
+    failed, answered = None, False
     for name in parameters.classifiers:
-        fitted, note = fit_classifier(name, parameters.classifier, training, labels, generator)
+        try:
+            fitted, note = fit_classifier(name, parameters.classifier, training, labels, generator)
+        except RecognitionError as error:
+            logger.warning("%s is left out: %s", name, error)
+            failed = error
+            continue
         yield Answer(name, fitted.predict(tested), note)
+        answered = True
+    if failed is not None and not answered:
+        raise failed
 
 
 def run_best_split(
@@ -320,7 +336,7 @@ def run_best_split(
     Yields
     ------
     Answer
-        One for each classifier, with probabilities.
+        One for each classifier that can be fitted, with probabilities.
     """
     from visuohaptic.recognition.tuning import fit_best_classifiers
 
@@ -378,6 +394,17 @@ class _Record:
         }
         repeated = {name: np.full(len(owners), value) for name, value in key.items()}
         self._predictions.append({**repeated, **columns})
+
+    def leave_gaps(self) -> None:
+        """Leave out whom a split lacks: its mean over the others would compare with no one's."""
+        splits = len({(row["split"], row["seed"]) for row in self._scores})
+        answered = Counter(row["classifier"] for row in self._scores)
+        whole = {name for name, count in answered.items() if count == splits}
+        if not whole:
+            raise RecognitionError("No classifier can be fitted in every split; see the log.")
+        kept = [row["classifier"] in whole for row in self._scores]
+        self._scores = list(itertools.compress(self._scores, kept))
+        self._predictions = list(itertools.compress(self._predictions, kept))
 
     def scores(self) -> pa.Table:
         names = self._scores[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,9 +11,11 @@ import pyarrow.compute as pc
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import classes_of_two
+from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
 from visuohaptic.tables.phases import FEATURES, PREDICTIONS, SCORES
 from visuohaptic.tables.schema import read_table, write_table
+
+logger = logging.getLogger(__name__)
 
 
 def make_scores(
@@ -31,11 +34,19 @@ def make_scores(
     RecognitionError
         If the table has no touch of the strategy, or not what the experiment needs.
     """
-    table = read_table(FEATURES, features)
+    touched = read_table(FEATURES, features)
+    found = sorted(pc.unique(touched.column("strategy")).to_pylist())
+    if strategy not in found:
+        raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
+    table, left_out = whole_sequences(touched, parameters.touches)
+    for sentence in left_out:
+        logger.warning(sentence)
     chosen = table.filter(pc.equal(table.column("strategy"), strategy))
     if not chosen.num_rows:
-        found = sorted(pc.unique(table.column("strategy")).to_pylist())
-        raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
+        raise RecognitionError(
+            f"no viewpoint of any object has {parameters.touches} touches by {strategy}; "
+            "lower recognition.touches."
+        )
     scored, predicted = run_pipeline(classes_of_two(chosen), parameters, seed, pipeline)
     write_table(SCORES, scored, scores)
     write_table(PREDICTIONS, predicted, predictions)

@@ -35,6 +35,7 @@ from visuohaptic.recognition.sequences import (
     TouchSequences,
     gather_sequences,
     spread_contact_states,
+    whole_sequences,
 )
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
@@ -121,14 +122,20 @@ class RecognitionModel:
         Returns
         -------
         dict of str to float
-            Mean probability of each class over the sequences, the likeliest first.
+            Mean probability of each class over the whole sequences, the likeliest first.
 
         Raises
         ------
         RecognitionError
-            If the table lacks a feature, or a sequence a touch.
+            If the table lacks a feature, or no viewpoint has as many touches as the model needs.
         """
-        spread = spread_contact_states(features)
+        whole, _ = whole_sequences(features, self.touches)
+        if not whole.num_rows:
+            raise RecognitionError(
+                f"No viewpoint has {self.touches} touches, which the model needs: the object is too "
+                "slender in all views."
+            )
+        spread = spread_contact_states(whole)
         sequences = gather_sequences(spread, self.feature_names, self.touches)
         mean = self.probabilities(sequences.features).mean(axis=0)
         order = np.argsort(-mean, kind="stable")

@@ -98,22 +98,30 @@ class ProtocolParameters(_Section):
         "`new_viewpoint`: known objects from viewpoints that training never saw",
     )
     maximum_splits: int = Field(
-        81, ge=1, description="Most combinations that are run; of more a seeded, balanced sample"
+        81,
+        ge=1,
+        le=100_000,
+        description="Most combinations that are run; of more a seeded, balanced sample",
     )
     folds: int = Field(
         5, ge=2, description="Folds of `grouped_folds` and of `new_viewpoint`, at most"
     )
-    repeats: int = Field(1, ge=1, description="How often everything is repeated with another seed")
+    repeats: int = Field(
+        1, ge=1, le=1000, description="How often everything is repeated with another seed"
+    )
 
 
 class IntervalParameters(_Section):
     """Resampling over objects."""
 
     confidence: float = Field(0.95, gt=0, lt=1, description="Confidence of the intervals")
-    bootstrap_samples: int = Field(4000, ge=100, description="Bootstrap samples of the objects")
+    bootstrap_samples: int = Field(
+        4000, ge=100, le=1_000_000, description="Bootstrap samples of the objects"
+    )
     permutations: int = Field(
         16384,
         ge=100,
+        le=10_000_000,
         description="Most sign changes of the paired test; where all fit, all are taken",
     )
 
@@ -184,7 +192,10 @@ class RecognitionParameters(_Section):
         description="What is known of a touch: what the skin feels, and where it is (pipeline `paper`)",
     )
     touches: int | None = Field(
-        5, ge=1, description="Touches of a sequence that are used, the first ones; null for all"
+        5,
+        ge=1,
+        le=16,
+        description="Touches of a sequence that are used, the first ones; null for all",
     )
     touch_scaling: Scaling = Field(
         "standardise", description="Scaling of the 22 features before the map"

@@ -220,3 +220,48 @@ def classes_of_two(features: pa.Table) -> pa.Table:
     counts = objects.group_by("class").aggregate([("object", "count")])
     enough = counts.filter(pc.greater_equal(counts.column("object_count"), 2)).column("class")
     return features.filter(pc.is_in(features.column("class"), enough.combine_chunks()))
+
+
+def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, tuple[str, ...]]:
+    """Leave out the viewpoints that show too little of a slender object for a whole sequence.
+
+    A viewpoint is left out for all strategies where one of them lacks touches, so that strategies
+    are compared on the same.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES`, of any strategies.
+    touches : int or None
+        Touches of a whole sequence; None takes as many as the longest has.
+
+    Returns
+    -------
+    pyarrow.Table
+        The rows of the other viewpoints; the same table where none is left out.
+    tuple of str
+        A sentence for each object with such viewpoints.
+    """
+    owner = ["class", "object", "viewpoint"]
+    counts = features.group_by([*owner, "strategy"]).aggregate([("touch", "count")])
+    if not counts.num_rows:
+        return features, ()
+    needed = pc.max(counts.column("touch_count")).as_py() if touches is None else touches
+    strategies = pc.count_distinct(counts.column("strategy")).as_py()
+    least = counts.group_by(owner).aggregate([("touch_count", "min"), ("strategy", "count")])
+    enough = pc.and_(
+        pc.greater_equal(least.column("touch_count_min"), needed),
+        pc.equal(least.column("strategy_count"), strategies),
+    )
+    short = least.filter(pc.invert(enough)).select(owner)
+    if not short.num_rows:
+        return features, ()
+    kept = features.join(short, owner, join_type="left anti").select(features.column_names)
+    left: dict[str, list[int]] = {}
+    for row in short.sort_by([(name, "ascending") for name in owner]).to_pylist():
+        left.setdefault(f"{row['class']}/{row['object']}", []).append(row["viewpoint"])
+    return kept, tuple(
+        f"{key} has fewer than {needed} touches from viewpoints {', '.join(map(str, places))}, "
+        "which are left out."
+        for key, places in left.items()
+    )

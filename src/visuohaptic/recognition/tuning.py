@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import logging
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -21,6 +22,8 @@ from visuohaptic.recognition.classifiers import (
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.splits import grouped_folds
+
+logger = logging.getLogger(__name__)
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
 """Candidates for what scores are divided by before they become probabilities."""
@@ -304,12 +307,12 @@ def fit_best_classifiers(
     Projection
         Fitted on all of them.
     list of (str, TunedClassifier, str or None)
-        Each classifier's name, its fit, and what it needed to be fitted.
+        Each classifier's name, its fit, and what it needed; without those that can't be fitted.
 
     Raises
     ------
     RecognitionError
-        If no descriptor varies over the training sequences.
+        If no descriptor varies over the training sequences, or no classifier can be fitted.
     """
     if not np.ptp(descriptors, axis=0).any():
         raise RecognitionError(
@@ -320,11 +323,19 @@ def fit_best_classifiers(
     projection = fit_projection(descriptors, parameters.best.components)
     projected = projection.apply(descriptors)
     fits = []
+    failed = None
     for name in parameters.best.classifiers:
-        fitted, note = fit_tuned_classifier(
-            name, parameters.classifier, projected, labels, folds, classes, generator
-        )
+        try:
+            fitted, note = fit_tuned_classifier(
+                name, parameters.classifier, projected, labels, folds, classes, generator
+            )
+        except RecognitionError as error:
+            logger.warning("%s is left out: %s", name, error)
+            failed = error
+            continue
         fits.append((name, fitted, note))
+    if failed is not None and not fits:
+        raise failed
     return projection, fits
 
 

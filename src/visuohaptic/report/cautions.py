@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import counted, listed
@@ -25,6 +27,7 @@ def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
     return [
         *_objects_left_out(run),
         *_poor_views(run),
+        *_unfitted_classifiers(run),
         *_missing_models(run),
         *_failed_jobs(seconds),
     ]
@@ -40,6 +43,14 @@ def _objects_left_out(run: Run) -> list[str]:
             f"{_them(untouched)}: {listed(untouched)}."
         )
     untested = sorted(set(run.objects) - set(run.tested_objects))
+    classes = Counter(key.split("/")[0] for key in run.objects)
+    alone = [key for key in untested if classes[key.split("/")[0]] == 1]
+    if alone:
+        warnings.append(
+            f"{counted(len(alone), 'object')} touched, but not tested, for each is alone in its class "
+            f"and recognition needs two objects of a class: {listed(alone)}."
+        )
+    untested = [key for key in untested if key not in alone]
     if untested:
         warnings.append(
             f"{counted(len(untested), 'object')} touched, but never tested by recognition: "
@@ -59,7 +70,22 @@ def _poor_views(run: Run) -> list[str]:
         owners.setdefault(f"{row['class']}/{row['object']}", []).append(str(row["viewpoint"]))
     places = "; ".join(f"{key} in view {listed(views)}" for key, views in sorted(owners.items()))
     found = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
-    return [f"{found}, where some are repeated: {places}."]
+    return [f"{found}, which recognition leaves out where it needs more touches: {places}."]
+
+
+def _unfitted_classifiers(run: Run) -> list[str]:
+    recognition = run.parameters.recognition
+    asked = {"paper": recognition.classifiers, "best": recognition.best.classifiers}
+    warnings = []
+    for pipeline, strategies in run.metrics.get("results", {}).items():
+        fitted = {name for classifiers in strategies.values() for name in classifiers}
+        missing = [name.replace("_", " ") for name in asked.get(pipeline, ()) if name not in fitted]
+        if missing:
+            warnings.append(
+                f"{counted(len(missing), 'classifier')} of pipeline {pipeline} left out, for the "
+                f"training sequences at hand don't allow a fit: {listed(missing)}."
+            )
+    return warnings
 
 
 def _missing_models(run: Run) -> list[str]:

@@ -110,4 +110,4 @@ def _objects(folder: Path, parameters: ExperimentParameters, files: RunFiles) ->
         return tuple(f"{Path(path).parent.name}/{Path(path).stem}" for path in files.meshes)
     catalogued = {model.key for model in models_of_set(catalogue, parameters.meshes.set)}
     own = find_own_models(folder / "meshes/own", catalogued)
-    return tuple(sorted({*catalogued, *(model.key for model in own)}))
+    return tuple(sorted({*catalogued, *(model.key for model in own.models)}))

@@ -124,7 +124,8 @@ def with_changes(
     run : ExperimentParameters
         What is changed.
     changes : mapping of str
-        New values. A new ``scene.preset`` replaces the whole scene.
+        New values. A new ``scene.preset`` replaces the whole scene; more `recognition.touches`
+        than there are fixations bring as many fixations.
     source : str
         Where the changes come from, for errors.
 
@@ -144,6 +145,10 @@ def with_changes(
         values["scene"] = check_parameters(preset, source).scene.model_dump()
     for path, value in changes.items():
         _set(values, path, value, source)
+    touches = values["recognition"]["touches"]
+    if isinstance(touches, int) and "attention.fixations" not in changes:
+        # More touches than the run has are made for the condition.
+        values["attention"]["fixations"] = max(values["attention"]["fixations"], touches)
     return check_parameters(values, source)
 
 

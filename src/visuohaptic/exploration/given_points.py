@@ -1,0 +1,145 @@
+"""Touches at points that the caller chose, without an eye."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import ArrayLike, NDArray
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.geometry.orientation import orient_outwards
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.tables.phases import EFFECTS, FIXATIONS, VIEWS
+from visuohaptic.tables.schema import build_table
+
+STRATEGY = "given"
+
+FARTHEST = 0.1
+"""A point may be so far off the surface, object radii; farther ones are in another frame."""
+
+
+def touch_points(
+    key: str,
+    surface: Surface,
+    at: ArrayLike,
+    normals: ArrayLike | None,
+    parameters: ExperimentParameters,
+) -> tuple[dict[str, pa.Table], dict[str, float]]:
+    """Touch an object at given points.
+
+    Parameters
+    ----------
+    key : str
+        `class/name` of the object.
+    surface : Surface
+        The object.
+    at : array_like
+        Shape (n, 3), object frame; each is moved to the surface's nearest point.
+    normals : array_like or None
+        Shape (n, 3), object frame, outward, of any length; None takes the surface's.
+    parameters : ExperimentParameters
+        Sections `sensor`, `scene` and `features`, and the seed.
+
+    Returns
+    -------
+    tables : dict of str to pyarrow.Table
+        All tables of an exploration; that of the views is empty.
+    seconds : dict of str to float
+        What touching and describing took.
+
+    Raises
+    ------
+    ParameterError
+        If points or normals are none, or a point is too far off the surface.
+    """
+    from visuohaptic.features.describing import describe_touches
+    from visuohaptic.scene.effect_log import effect_table
+    from visuohaptic.touches.touching import touch_locations, touch_table
+
+    started = time.perf_counter()
+    caster = RayCaster(surface)
+    points, faces = _nearest(caster, _rows(at, "at"))
+    sensor = parameters.sensor
+    if normals is None:
+        outwards = orient_outwards(caster, points, surface.face_normals[faces])
+    else:
+        outwards = _unit(_rows(normals, "normals"), len(points))
+        # The caller's normals are the sensor's own, whatever the touched face says.
+        sensor = sensor.model_copy(update={"normal": "given"})
+    fixations = _fixation_table(key, points, outwards, faces)
+    felt = touch_locations(caster, fixations, sensor, parameters.scene, parameters.seed)
+    touches = touch_table(fixations, felt)
+    touched = time.perf_counter()
+    tables = {
+        VIEWS.name: VIEWS.arrow.empty_table(),
+        FIXATIONS.name: fixations,
+        "touches": touches,
+        EFFECTS.name: effect_table(key, 0, parameters.scene.preset, felt.effects),
+        "features": describe_touches(touches, parameters.features),
+    }
+    return tables, {"touch": touched - started, "describe": time.perf_counter() - touched}
+
+
+def _rows(values: ArrayLike, name: str) -> NDArray[np.float64]:
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ParameterError(f"{name} holds no numbers; an array (n, 3) is needed.") from None
+    if array.ndim != 2 or array.shape[1] != 3 or not len(array):
+        raise ParameterError(f"{name} has the shape {array.shape}; (n, 3) is needed.")
+    broken = np.flatnonzero(~np.isfinite(array).all(axis=1))
+    if len(broken):
+        raise ParameterError(f"{name} has NaN or infinite numbers, the first in row {broken[0]}.")
+    return array
+
+
+def _nearest(
+    caster: RayCaster, points: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    nearest, faces = caster.nearest(points)
+    distances = np.linalg.norm(points - nearest, axis=1)
+    off = np.flatnonzero(distances > FARTHEST)
+    if len(off):
+        raise ParameterError(
+            f"point {off[0]} of at is {distances[off[0]]:.2g} object radii off the surface; at most "
+            f"{FARTHEST} is allowed, in the object frame, in which `surface.vertices` are."
+        )
+    return nearest, faces
+
+
+def _unit(normals: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    if len(normals) != count:
+        raise ParameterError(f"There are {len(normals)} normals for {count} points.")
+    lengths = np.linalg.norm(normals, axis=1)
+    lost = np.flatnonzero(~(lengths > 0) | np.isinf(lengths))
+    if len(lost):
+        raise ParameterError(f"normal {lost[0]} has no direction; it is {normals[lost[0]]}.")
+    return normals / lengths[:, None]
+
+
+def _fixation_table(
+    key: str,
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    faces: NDArray[np.int64],
+) -> pa.Table:
+    category, name = key.split("/")
+    columns: dict[str, Any] = {
+        "class": category,
+        "object": name,
+        "viewpoint": 0,
+        "strategy": STRATEGY,
+        "touch": np.arange(len(points)),
+        "face": faces,
+    }
+    # No eye chose them.
+    columns |= dict.fromkeys(("pixel_row", "pixel_column", "saliency"), [None] * len(points))
+    for index, axis in enumerate("xyz"):
+        columns[axis] = points[:, index]
+        columns[f"normal_{axis}"] = normals[:, index]
+    return build_table(FIXATIONS, columns)

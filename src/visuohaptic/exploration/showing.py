@@ -1,0 +1,77 @@
+"""How explorations and answers show themselves in a notebook."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from html import escape
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from visuohaptic.geometry.surface import Surface
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+VIEWS_SHOWN = 4
+"""Views of an exploration that a notebook shows; `picture` has them all."""
+CLASSES_PRINTED = 3
+
+_ROW = (
+    '<tr><td style="text-align:left">{name}</td>'
+    '<td><progress value="{share:.4f}"></progress></td><td>{percent:.1f} %</td></tr>'
+)
+
+
+def probability_line(probabilities: Mapping[str, float]) -> str:
+    """Give the likeliest classes in one line, such as ``chair 90.0 %, car 10.0 %``."""
+    named = [f"{name} {100 * value:.1f} %" for name, value in probabilities.items()]
+    shown = ", ".join(named[:CLASSES_PRINTED])
+    return shown if len(named) <= CLASSES_PRINTED else f"{shown}, …"
+
+
+def probability_table(key: str, probabilities: Mapping[str, float], touches: int) -> str:
+    """Give all classes as a table in HTML, a bar each.
+
+    Parameters
+    ----------
+    key : str
+        `class/name` of the object.
+    probabilities : mapping of str to float
+        Of each class, in the order of the rows.
+    touches : int
+        Touches that they rest on.
+
+    Returns
+    -------
+    str
+        HTML; names are text, whatever they hold.
+    """
+    rows = "".join(
+        _ROW.format(name=escape(name), share=value, percent=100 * value)
+        for name, value in probabilities.items()
+    )
+    return f"<table><caption>{escape(key)}, {touches} touches</caption>{rows}</table>"
+
+
+def png_of(picture: Image) -> bytes:
+    """Encode a picture as PNG."""
+    stored = io.BytesIO()
+    picture.save(stored, "png")
+    return stored.getvalue()
+
+
+def view_of(surface: Surface) -> bytes:
+    """Render an object from the first viewpoint of the defaults, as PNG."""
+    from PIL import Image
+
+    from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+    from visuohaptic.fixations.rendering import render_views
+    from visuohaptic.fixations.viewpoints import place_cameras
+    from visuohaptic.geometry.raycasting import RayCaster
+    from visuohaptic.scene.parameters import EffectModes
+
+    cameras = place_cameras(ViewpointParameters())[:1]
+    seen = render_views(RayCaster(surface), cameras, RenderingParameters(), EffectModes())
+    return png_of(Image.fromarray(np.rint(255.0 * seen.colour[0]).astype(np.uint8)))

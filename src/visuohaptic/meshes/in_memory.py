@@ -1,0 +1,104 @@
+"""Surfaces that a caller holds in memory: a trimesh mesh or scene, or arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from visuohaptic.errors import MeshError
+from visuohaptic.geometry.surface import Surface
+
+GREY = (160, 160, 160)
+"""Colour, sRGB, of a face that has none."""
+
+
+def surface_of_arrays(vertices: ArrayLike, faces: ArrayLike, name: str) -> Surface:
+    """Give a grey surface of vertices and faces.
+
+    Parameters
+    ----------
+    vertices : array_like
+        Shape (v, 3), numbers, in any frame and unit.
+    faces : array_like
+        Shape (f, 3), integers: rows of `vertices`.
+    name : str
+        What to call it in an error.
+
+    Returns
+    -------
+    Surface
+        A copy.
+
+    Raises
+    ------
+    MeshError
+        If a shape or type is another; whether faces name vertices is checked when it is prepared.
+    """
+    corners = _check_columns(faces, "faces", name)
+    if not np.issubdtype(corners.dtype, np.integer):
+        raise MeshError(f"{name} has faces of {corners.dtype}; integers are needed.")
+    points = _check_columns(vertices, "vertices", name)
+    colours = np.tile(np.array(GREY, dtype=np.uint8), (len(corners), 1))
+    return Surface(points.astype(np.float64), corners.astype(np.int64), colours)
+
+
+def surface_of_trimesh(mesh: Any, name: str) -> Surface:
+    """Give the surface of a ``trimesh.Trimesh``, or of all parts of a ``trimesh.Scene``.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh or trimesh.Scene
+        The mesh; materials, textures and vertex colours become a colour a face.
+    name : str
+        What to call it in an error.
+
+    Returns
+    -------
+    Surface
+        In the mesh's own frame and unit.
+
+    Raises
+    ------
+    MeshError
+        If it has no faces.
+    """
+    from visuohaptic.meshes.face_colours import face_colours
+
+    parts = [part for part in _parts(mesh) if len(part.faces)]
+    if not parts:
+        raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
+    flat = [part.vertices.shape for part in parts if part.vertices.shape[1:] != (3,)]
+    if flat:
+        raise MeshError(
+            f"{name} has vertices of shape {flat[0]}; three coordinates for each are needed."
+        )
+    offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    faces = [
+        np.asarray(part.faces, dtype=np.int64) + offset
+        for part, offset in zip(parts, offsets, strict=True)
+    ]
+    return Surface(
+        np.concatenate([np.asarray(part.vertices, dtype=np.float64) for part in parts]),
+        np.concatenate(faces),
+        np.concatenate([face_colours(part) for part in parts]),
+    )
+
+
+def _parts(mesh: Any) -> Sequence[Any]:
+    found = mesh.dump() if hasattr(mesh, "geometry") else [mesh]
+    return [part for part in found if hasattr(part, "faces")]
+
+
+def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise MeshError(f"{name} has {what} of unequal lengths; three each are needed.") from None
+    if array.dtype.kind not in "iuf":
+        raise MeshError(f"{name} has {what} of {array.dtype}; numbers are needed.")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshError(f"{name} has {what} of shape {array.shape}; (n, 3) is needed.")
+    return array

@@ -1,0 +1,96 @@
+"""An object comes from a file, from a mesh in memory, from arrays, or from an open file."""
+
+import io
+
+import numpy as np
+import pytest
+import trimesh
+
+import visuohaptic as vh
+from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.parameters import ExperimentParameters
+
+RING = trimesh.creation.torus(1, 0.4, 16, 8)
+
+
+@pytest.fixture
+def ring_file(tmp_path):
+    RING.export(tmp_path / "ring.ply")
+    return tmp_path / "ring.ply"
+
+
+def test_every_kind_of_source_gives_the_same_surface(ring_file):
+    expected = vh.load(ring_file).surface
+    arrays = (RING.vertices.astype(np.float32), RING.faces)
+    sources = [
+        trimesh.load(ring_file, process=False), arrays, tuple(map(np.ndarray.tolist, arrays)),
+        trimesh.Scene([RING]),
+    ]  # fmt: skip
+    for source in sources:
+        found = vh.load(source)
+        assert found.key == "unknown/object"
+        np.testing.assert_allclose(found.surface.vertices, expected.vertices, atol=1e-6)
+        assert len(found.surface.faces) == len(expected.faces)
+
+
+def test_an_open_file_is_read_as_what_it_is_said_to_be(ring_file):
+    expected = vh.load(ring_file).surface
+    with ring_file.open("rb") as stream:
+        found = vh.load(stream)
+    assert found.key == "unknown/ring"
+    np.testing.assert_array_equal(found.surface.vertices, expected.vertices)
+    content = io.BytesIO(ring_file.read_bytes())
+    found = vh.load(content, key="cup/mug", file_type="ply")
+    assert found.key == "cup/mug"
+    np.testing.assert_array_equal(found.surface.vertices, expected.vertices)
+
+
+def test_an_open_file_needs_a_type_and_bytes(ring_file):
+    with pytest.raises(MeshError, match=r"file_type is needed; obj, ply, .* are allowed"):
+        vh.load(io.BytesIO(b"v 0 0 0"))
+    with pytest.raises(MeshError, match="file_type is 'txt'; obj, ply"):
+        vh.load(io.BytesIO(b"v 0 0 0"), file_type="txt")
+    with pytest.raises(MeshError, match='open it with mode "rb"'):
+        vh.load(io.StringIO("v 0 0 0"), file_type="obj")
+    with pytest.raises(MeshError, match="is empty"):
+        vh.load(io.BytesIO(), file_type="obj")
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        (([[0, 0, 0]], [[0, 0, 0]]), "no area"),
+        (([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]]), r"vertices of shape \(3, 2\)"),
+        (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0, 1, 2]), r"faces of shape \(3,\)"),
+        (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]]), "names vertex 3"),
+        (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0.5, 1, 2]]), "faces of float64"),
+        (("a", "b"), "numbers are needed"),
+        (([], []), "no faces|shape"),
+        (42, "int; a path, a trimesh.Trimesh"),
+        (None, "NoneType; a path, a trimesh.Trimesh"),
+        (trimesh.Trimesh(), "no faces"),
+    ],
+)
+def test_what_is_no_surface_is_one_sentence(source, sentence):
+    with pytest.raises(MeshError, match=sentence):
+        vh.load(source)
+
+
+def test_colours_of_a_mesh_in_memory_are_seen():
+    red = RING.copy()
+    red.visual.face_colors = [255, 0, 0, 255]
+    assert (vh.load(red).surface.face_colours == [255, 0, 0]).all()
+
+
+def test_section_meshes_is_taken_from_whatever_parameters_are_given():
+    cone = trimesh.creation.cone(0.3, 2)
+    for parameters in (
+        {"meshes.own_up_axis": "z"},
+        {"meshes": {"own_up_axis": "z"}},
+        {"own_up_axis": "z"},
+        ExperimentParameters.from_mapping({"meshes": {"own_up_axis": "z"}}),
+    ):
+        found = vh.load(cone, parameters=parameters).surface
+        assert np.argmax(np.ptp(found.vertices, axis=0)) == 1
+    with pytest.raises(ParameterError, match=r"meshes\.own_up_axis is 'x'"):
+        vh.load(cone, parameters={"own_up_axis": "x"})

@@ -1,0 +1,99 @@
+"""A spoon, a wire and a needle take part: a view that shows too little of one stops nothing."""
+
+import numpy as np
+import pyarrow as pa
+import pytest
+import trimesh
+
+import visuohaptic as vh
+from visuohaptic.errors import MeshError, RecognitionError
+from visuohaptic.recognition import files
+from visuohaptic.recognition.model import fit_model
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.sequences import whole_sequences
+from visuohaptic.recognition.summary import summarise
+from visuohaptic.tables.phases import FEATURES, PREDICTIONS, SCORES
+from visuohaptic.tables.schema import read_table, write_table
+
+QUICK = RecognitionParameters.model_validate(
+    {
+        "classifiers": ["naive_bayes", "k_nearest_neighbours"],
+        "best": {"classifiers": ["naive_bayes"], "waves": 20},
+    }
+)
+
+
+def spoon():
+    bowl = trimesh.creation.icosphere(3, 0.2)
+    bowl.apply_scale([1, 0.3, 1.4])
+    handle = trimesh.creation.cylinder(0.03, 2)
+    handle.apply_translation([0, 0, 1.2])
+    return trimesh.util.concatenate([bowl, handle])
+
+
+SHAPES = {
+    "slender/spoon": spoon(),
+    "slender/wire": trimesh.creation.cylinder(0.004, 2),
+    "slender/needle": trimesh.creation.cone(0.002, 2),
+    "round/ball": trimesh.creation.icosphere(3),
+    "round/egg": trimesh.creation.icosphere(3).apply_scale([1, 1.4, 1]),
+}
+
+
+@pytest.fixture(scope="module")
+def table():
+    parts = [
+        vh.load(mesh, key=key).touch(viewpoints=8, strategy=strategy).features
+        for key, mesh in SHAPES.items()
+        for strategy in ("fixation", "random")
+    ]
+    return pa.concat_tables(parts)
+
+
+@pytest.fixture(scope="module")
+def of_needle(table):
+    mine = pa.compute.equal(table["object"], "needle")
+    fixated = pa.compute.equal(table["strategy"], "fixation")
+    return table.filter(pa.compute.and_(mine, fixated))
+
+
+def test_they_show_too_little_in_some_views(table):
+    _, sentences = whole_sequences(table, 5)
+    assert {sentence.split()[0] for sentence in sentences} == {"slender/wire", "slender/needle"}
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "best"])
+def test_recognition_goes_on_without_those_views(table, tmp_path, caplog, pipeline):
+    write_table(FEATURES, table, tmp_path / "features.parquet")
+    for strategy in ("fixation", "random"):
+        files.make_scores(
+            [tmp_path / "features.parquet"], tmp_path / f"scores/{strategy}.parquet",
+            tmp_path / f"predictions/{strategy}.parquet", pipeline, strategy, QUICK, 1,
+        )  # fmt: skip
+    scores, predictions = (
+        read_table(schema, tmp_path / schema.name) for schema in (SCORES, PREDICTIONS)
+    )
+    tested = set(predictions.column("object").to_pylist())
+    assert {"spoon", "wire", "ball", "egg"} <= tested
+    assert "slender/wire has fewer than 5 touches from viewpoints" in caplog.text
+    assert summarise(scores, predictions)["comparisons"][pipeline]["naive_bayes"]
+
+
+def test_a_model_names_by_the_views_that_show_enough(table, of_needle):
+    whole, _ = whole_sequences(table, 5)
+    fixated = whole.filter(pa.compute.equal(whole["strategy"], "fixation"))
+    model = fit_model(fixated, "best", "naive_bayes", QUICK, 1)
+    counts = np.unique(of_needle["viewpoint"].to_numpy(), return_counts=True)[1]
+    assert (counts < 5).any()
+    if (counts == 5).any():
+        assert sum(model.recognise(of_needle).values()) == pytest.approx(1)
+    four = of_needle.filter(pa.compute.less(of_needle["touch"], 4))
+    with pytest.raises(RecognitionError, match="No viewpoint has 5 touches, which the model needs"):
+        model.recognise(four)
+
+
+def test_what_no_view_shows_is_one_sentence():
+    hair = vh.load(trimesh.creation.cylinder(1e-5, 2))
+    with pytest.raises(MeshError, match=r"shows no viewpoint a place .* strategy random"):
+        hair.touch(viewpoints=2)
+    assert hair.touch(viewpoints=2, strategy="random").touches.num_rows == 10
