@@ -78,6 +78,7 @@ for name in ("dvc", "jinja2", "pandas", "plotly", "psutil", "snakemake"):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_an_object_is_loaded_touched_and_saved(run_in_core, tmp_path):
     trimesh.creation.box().export(tmp_path / "box.ply")
     done = run_in_core(COMMAND, "touch", "box.ply", "--viewpoints", 1, "--json")
@@ -86,6 +87,7 @@ def test_an_object_is_loaded_touched_and_saved(run_in_core, tmp_path):
     assert {file.name for file in (tmp_path / "touched").iterdir()} >= {"touches.parquet"}
 
 
+@pytest.mark.slow
 def test_every_module_but_those_of_the_report_can_be_imported(run_in_core):
     done = run_in_core("""
 import importlib, pkgutil

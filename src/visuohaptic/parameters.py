@@ -23,39 +23,44 @@ from visuohaptic.sensor.parameters import SensorParameters
 
 
 class WorkflowParameters(BaseModel):
-    """Section `workflow`: how the work is cut into jobs; it changes no result."""
+    """How the work is divided into jobs; no result depends on it."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    views_per_job: int = Field(16, ge=1, description="viewpoints that one job covers")
+    views_per_job: int = Field(16, ge=1, description="Viewpoints that one job covers")
+    conditions_per_job: int | None = Field(
+        None,
+        ge=1,
+        description="Conditions of a study that one job covers; null for an eighth, at most 25",
+    )
     warm_starts: bool = Field(
         True,  # noqa: FBT003 - a field's default
-        description="whether local jobs are forks of one process that has imported what they need (Linux)",
+        description="Whether local jobs are forks of one process that has imported what they need (Linux)",
     )
 
 
 class CostParameters(BaseModel):
-    """Section `cost`: the settings that are tried beside the run's own, and how they are timed."""
+    """The settings that are tried beside the run's own, and how they are timed."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     touches: tuple[int, ...] = Field(
-        (1, 2, 3, 4, 5, 6, 8, 10, 12, 16), min_length=1, description="touches from one viewpoint"
+        (1, 2, 3, 4, 5, 6, 8, 10, 12, 16), min_length=1, description="Touches from one viewpoint"
     )
     viewpoints: tuple[int, ...] = Field(
-        (1, 2, 4, 8, 16), min_length=1, description="viewpoints that vote for an object"
+        (1, 2, 4, 8, 16), min_length=1, description="Viewpoints that vote for an object"
     )
     imprint_resolutions: tuple[int, ...] = Field(
-        (8, 16, 32, 64), min_length=1, description="sensing points along each edge of the sensor"
+        (8, 16, 32, 64), min_length=1, description="Sensing points along each edge of the sensor"
     )
     view_resolutions: tuple[int, ...] = Field(
-        (64, 128, 256, 512), min_length=1, description="rows and columns of a view, pixels"
+        (64, 128, 256, 512), min_length=1, description="Rows and columns of a view (pixels)"
     )
     lean_view_resolution: int = Field(
-        128, ge=16, description="rows and columns of a view of family lean_viewpoints, pixels"
+        128, ge=16, description="Rows and columns of a view of family `lean_viewpoints` (pixels)"
     )
-    objects: int = Field(4, ge=1, description="objects, spread over all, on which time is taken")
-    rounds: int = Field(3, ge=1, description="times that each setting names each of them")
+    objects: int = Field(4, ge=1, description="Objects, spread over all, on which time is measured")
+    rounds: int = Field(3, ge=1, description="How often each setting names each of them")
 
 
 class ExperimentParameters(BaseModel):
@@ -63,7 +68,7 @@ class ExperimentParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    seed: int = Field(2018, ge=0, description="where all chance comes from")
+    seed: int = Field(2018, ge=0, description="Random seed")
     workflow: WorkflowParameters = WorkflowParameters()
     meshes: MeshParameters = MeshParameters()
     viewpoints: ViewpointParameters = ViewpointParameters()

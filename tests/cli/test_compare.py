@@ -102,6 +102,7 @@ def test_a_missing_run_is_named(visuohaptic):
     assert "a.json can't be read: No such file" in visuohaptic("compare", "a.json", "b.json").err
 
 
+@pytest.mark.slow
 def test_two_revisions_of_a_repository_are_compared(visuohaptic, tmp_path):
     def run(*command):
         identity = ("-c", "user.name=a", "-c", "user.email=a@b.c", "-c", "commit.gpgsign=false")
@@ -143,6 +144,7 @@ def reported(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_reports_beside_metrics_tell_parameters_seconds_and_views(visuohaptic, tmp_path, reported):
     ended = visuohaptic("compare", reported / "a" / "metrics.json", reported / "b", "--json")
     values = json.loads(ended.out)

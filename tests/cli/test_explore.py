@@ -281,6 +281,7 @@ def test_help_gives_an_example(visuohaptic, command):
     assert f"Example: visuohaptic {command}" in ended.out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["--help"], ["touch", "ring.obj", "--params", "small.yaml"]])
 def test_a_closed_pipe_is_no_error(tmp_path, small, arguments):
     ring(tmp_path / "ring.obj")
@@ -295,6 +296,7 @@ def test_a_closed_pipe_is_no_error(tmp_path, small, arguments):
     assert process.wait() == 0
 
 
+@pytest.mark.slow
 def test_the_shell_completes_commands_and_options(tmp_path):
     def offered(*words):
         return subprocess.run(

@@ -20,6 +20,7 @@ def run(tmp_path_factory):
     return lay_out(tmp_path_factory.mktemp("run"), KEYS)
 
 
+@pytest.mark.slow
 def test_the_page_of_a_run_is_one_file_that_leaves_nothing_outside_its_folder(
     visuohaptic, tmp_path, run
 ):

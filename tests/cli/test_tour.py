@@ -60,6 +60,7 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_the_tour_runs_from_end_to_end(folder, visuohaptic, monkeypatch):
     monkeypatch.chdir(folder)
     for command in COMMANDS:

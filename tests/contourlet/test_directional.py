@@ -120,12 +120,14 @@ def test_every_pixel_is_in_one_band(depth, name, extension):
         np.testing.assert_array_equal(np.sort(pixels), np.arange(shape[0] * shape[1]))
 
 
+@pytest.mark.slow
 def test_singular_values_of_sixteen_bands_are_the_known_ones():
     values = np.linalg.svd(matrix_of((32, 32), 4, "pkva", "periodic"), compute_uv=False)
     assert values[-1] == pytest.approx(0.331, abs=5e-4)
     assert values[0] == pytest.approx(3.021, abs=5e-4)
 
 
+@pytest.mark.slow
 def test_symmetric_bank_stays_well_conditioned():
     values = np.linalg.svd(matrix_of((32, 32), 4, "pkva", "symmetric"), compute_uv=False)
     assert values[-1] == pytest.approx(0.230, abs=5e-4)

@@ -35,6 +35,7 @@ def test_the_table_names_the_files_that_each_example_edits():
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_an_example_passes_the_tests_of_every_entry_and_its_own(example, tmp_path):
     left_out = shutil.ignore_patterns("__pycache__")

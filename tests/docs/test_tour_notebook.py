@@ -9,6 +9,7 @@ from cli.models import fit_on_nonsense
 from nbclient import NotebookClient
 
 ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.slow
 NOTEBOOK = ROOT / "docs" / "tour.ipynb"
 
 

@@ -70,6 +70,7 @@ def features_of_the_workflow(key, source, folder, parameters):
     return read_table(FEATURES, folder / "features.parquet")
 
 
+@pytest.mark.slow
 def test_features_of_a_shipped_object_are_those_of_the_workflow(tmp_path):
     """With a worn sensor too, whose chance hangs on the object's key."""
     key = "bottle/sc_com_bath2_jabon_pijo"

@@ -4,8 +4,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from visuohaptic.geometry import compiled_open3d
 
+pytestmark = pytest.mark.slow
 SOURCE = Path(__file__).parents[2] / "src"
 
 

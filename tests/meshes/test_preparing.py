@@ -47,6 +47,7 @@ def test_vertices_are_numbers_that_single_precision_holds(lopsided):
     np.testing.assert_array_equal(vertices, vertices.astype(np.float32))
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(
     exponent=st.floats(-6, 6),

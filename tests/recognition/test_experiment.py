@@ -24,6 +24,7 @@ def predictions_of(table, parameters=SMALL, seed=1):
     return recognition.run_pipeline(table, parameters, seed)[1]
 
 
+@pytest.mark.slow
 def test_81_splits_of_five_classifiers_are_scored_and_every_answer_kept():
     table = features_table(viewpoints=3, separation=3.0)
     scores, predictions = recognition.run_pipeline(table, RecognitionParameters(), 1)

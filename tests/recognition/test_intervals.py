@@ -9,6 +9,7 @@ from visuohaptic.recognition.intervals import (
     balanced_interval,
     compare_paired,
     expanded_tail,
+    holm,
     object_interval,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -16,6 +17,7 @@ from visuohaptic.recognition.parameters import IntervalParameters
 PARAMETERS = IntervalParameters(bootstrap_samples=1000)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("objects", "held"), [(12, 0.94), (40, 0.95)])
 def test_interval_holds_the_mean_of_normal_objects_nearly_as_often_as_it_says(objects, held):
     generator = np.random.default_rng(0)
@@ -106,3 +108,9 @@ def test_p_values_of_the_sampled_test_are_uniform_where_nothing_differs():
     ]
     # Three standard errors of a share of .05 over 400 trials are .033.
     assert abs(np.mean(np.array(p_values) <= 0.05) - 0.05) < 0.033
+
+
+def test_holm_as_by_hand():
+    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
+    assert holm([0.9, 0.8]) == pytest.approx([1.0, 1.0])
+    assert holm([]) == []

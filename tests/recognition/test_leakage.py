@@ -95,6 +95,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("split", SPLITS, ids=lambda split: f"split{split.number}")
@@ -105,6 +106,7 @@ def test_other_test_objects_change_nothing_that_is_fitted(pipeline, change, spli
     assert same(before, after)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_one_other_training_touch_changes_what_is_fitted(pipeline, monkeypatch):
     split = SPLITS[0]

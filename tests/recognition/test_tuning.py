@@ -145,6 +145,7 @@ def test_scores_of_two_classes_favour_the_one_that_the_machine_names():
     assert scores.min() > LEAST_SCORE
 
 
+@pytest.mark.slow
 def test_what_other_splits_have_fitted_changes_no_number():
     descriptors, labels, owners = clusters()
     tested = [owners % 3 == out for out in range(3)]

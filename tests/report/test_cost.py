@@ -75,6 +75,7 @@ def test_what_was_not_measured_has_no_figures(tmp_path):
     assert cost_chart(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:], ("imprint",)) is None
 
 
+@pytest.mark.slow
 def test_the_page_tells_what_accuracy_costs(tmp_path):
     table = cost_table([*POINTS, ("16 touches", 0.5, 0.0)], failed=["8 × 8"])
     write_table(COST, table, tmp_path / "cost.parquet")

@@ -6,6 +6,7 @@ from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
 
 
+@pytest.mark.slow
 def test_a_report_replaces_the_old_one_whole_or_not_at_all(tmp_path):
     files = write_run(tmp_path)
     output = tmp_path / "reports" / "report.html"

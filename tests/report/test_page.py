@@ -195,6 +195,7 @@ def test_no_warning_where_nothing_is_wrong(page):
     assert "Warnings" not in page.text
 
 
+@pytest.mark.slow
 def test_names_are_shown_as_they_are_and_do_nothing(tmp_path):
     keys = (*(f"{NASTY_CLASS}/{name}" for name in NASTY), "cup/mug", "cup/beaker")
     page = read_page(render(write_run(tmp_path, keys), keys))
@@ -208,6 +209,7 @@ def test_names_are_shown_as_they_are_and_do_nothing(tmp_path):
     assert all(re.fullmatch(r"[a-z0-9-]+", name) for name in page.values("id"))
 
 
+@pytest.mark.slow
 def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
     files = write_run(tmp_path)
     bare = RunFiles(
@@ -246,6 +248,7 @@ def test_what_was_left_out_stands_on_top(tmp_path):
     assert "1 job did not finish" in top
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategies", [("random",), ("fixation",)])
 def test_one_strategy_alone_makes_a_page(tmp_path, strategies):
     page = read_page(render(write_run(tmp_path, strategies=strategies)))
@@ -253,6 +256,7 @@ def test_one_strategy_alone_makes_a_page(tmp_path, strategies):
     assert "ahead for" not in page.text
 
 
+@pytest.mark.slow
 def test_several_pipelines_are_told_apart(tmp_path):
     page = read_page(render(write_run(tmp_path, pipelines=("best", "paper"))))
     assert page.mismatches == []
@@ -261,16 +265,6 @@ def test_several_pipelines_are_told_apart(tmp_path):
     assert page.text.index("Pipeline paper") < page.text.index("Pipeline best")
     labels = page.values("aria-label")
     assert len([label for label in labels if label.startswith("Accuracy by vote")]) == 2
-
-
-def test_tables_of_later_phases_get_their_section(tmp_path, files):
-    records = [{"resolution": 256, "milliseconds": 3.25, "distance": 1.25e-6, "passed": True}]
-    resolution = tmp_path / "resolution.json"
-    resolution.write_text(json.dumps(records))
-    extended = RunFiles(**{**vars(files), "extras": {"resolution": resolution}})
-    page = read_page(render(extended))
-    assert "resolution" in page.values("id")
-    assert "256 3.25 1.25e-06 yes" in page.text
 
 
 def test_strategies_are_told_apart_by_shape_too(source):

@@ -32,6 +32,7 @@ def written(folder, data, name="stability.json"):
     return path
 
 
+@pytest.mark.slow
 def test_checks_mutations_and_kernels_come_onto_the_page(tmp_path):
     stability = written(tmp_path, {"checks": [CHECK], "mutations": [MUTATION], "seconds": 3})
     row = {

@@ -126,6 +126,7 @@ def points_on(surface, count, seed):
     return np.einsum("ij,ijk->ik", weights, surface.triangles[rows]), surface.face_normals[rows]
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(bumpy_sheets(), st.integers(0, 1000))
 def test_whatever_the_ground_the_square_is_admissible_and_the_largest(surface, seed):

@@ -46,6 +46,7 @@ def touch_one(surface, point, normal, scene=None, **parameters):
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(surfaces(), scenes(), parameter_sets(), st.integers(0, 1000))
 def test_auto_gives_bit_for_bit_what_always_gives(surface, scene, parameters, seed):
@@ -269,6 +270,7 @@ def test_never_switches_an_effect_off():
     np.testing.assert_array_equal(off.images, plain.images)
 
 
+@pytest.mark.slow
 def test_ten_thousand_touches_of_a_large_mesh_fit_into_memory_and_split_into_batches():
     mesh = trimesh.creation.icosphere(6)
     bumps = 1 + 0.01 * np.sin(40 * mesh.vertices).sum(axis=1, keepdims=True)

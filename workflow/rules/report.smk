@@ -8,7 +8,6 @@ reports/metrics.json and reports/plots/.
 CHECKS_AND_BENCHMARKS = [
     "reports/stability.json",
     "reports/precision.json",
-    "benchmarks/resolution.json",
 ]
 
 CREDITS = [shipped("meshes/catalogue.csv"), shipped("meshes/paper/credits.csv")]
@@ -62,10 +61,8 @@ rule report:
         measured=[
             file
             for file in [
-                *EFFECT_FIGURES,
-                *CURVE_FIGURES,
-                *ABLATION_FIGURES,
-                *COST_FIGURES,
+                *STUDY_FIGURES,
+                *SPECIAL_FIGURES,
                 *CHECKS_AND_BENCHMARKS,
             ]
             if Path(file).exists()
@@ -87,15 +84,12 @@ rule report:
         optional={
             "logs": "logs",
             "extras": {
+                "studies": "results/studies",
                 "effect_influence": "results/effect_influence.parquet",
-                "effect_accuracy": "results/effect_accuracy.parquet",
-                "touch_curves": "results/touch_curves.parquet",
                 "touches_needed": "results/touches_needed.parquet",
-                "resolution": "benchmarks/resolution.json",
                 "cost": "results/cost.parquet",
                 "stability": "reports/stability.json",
                 "precision": "reports/precision.json",
-                "ablations": "results/ablations.parquet",
             },
         },
     message:

@@ -74,55 +74,53 @@ class AttentionParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    weights: ChannelWeights = Field(
-        default=ChannelWeights(), description="Weight of each channel; equal by default."
-    )
+    weights: ChannelWeights = ChannelWeights()
     normalisation: Literal["local_maxima", "iterative", "none"] = Field(
         "local_maxima",
-        description="How a map with one strong peak is promoted over one with many: the operator N.",
+        description="How a map with one strong peak is promoted over one with many: the operator N",
     )
     iterations: int = Field(
         3,
         ge=1,
         le=20,
-        description="Rounds of the iterative operator; ten leave little but the strongest peak.",
+        description="Rounds of the iterative operator; ten leave little but the strongest peak",
     )
     orientations: int = Field(
-        4, ge=4, le=16, description="Number of Gabor angles, evenly spread over 180 degrees."
+        4, ge=4, le=16, description="Number of Gabor angles, evenly spread over 180 degrees"
     )
     centre_levels: tuple[int, ...] = Field(
-        (0, 1, 2), min_length=1, description="Pyramid levels of the centres."
+        (0, 1, 2), min_length=1, description="Pyramid levels of the centres"
     )
     surround_offsets: tuple[int, ...] = Field(
-        (2, 3), min_length=1, description="Levels by which surrounds are coarser than their centre."
+        (2, 3), min_length=1, description="Levels by which surrounds are coarser than their centre"
     )
-    entropy_bins: int = Field(16, ge=2, le=64, description="Grey levels of the local histogram.")
+    entropy_bins: int = Field(16, ge=2, le=64, description="Grey levels of the local histogram")
     symmetry_radii: tuple[int, ...] = Field(
         (4, 8, 12),
         min_length=1,
-        description="Distances at which symmetry is looked for, pixels of the working image.",
+        description="Distances at which symmetry is looked for (pixels of the working image)",
     )
-    fixations: int = Field(5, ge=1, le=16, description="Fixations asked for in each view.")
+    fixations: int = Field(5, ge=1, le=16, description="Fixations in each view")
     inhibition: Literal["surface", "image"] = Field(
         "surface",
-        description="Whether return is inhibited by distance on the object or in the image.",
+        description="Whether return is inhibited by distance on the `surface` or in the `image`",
     )
     focus_radius: float = Field(
         0.2,
         gt=0.0,
-        description="Radius of the focus on the surface, in units of the points, such as object "
-        "radii: no two fixations are closer.",
+        description="Radius of the focus on the surface, in the units of the points (here object "
+        "radii); no two fixations are closer",
     )
     focus_fraction: float = Field(
         0.1,
         gt=0.0,
         le=1.0,
-        description="Radius of the focus in the image, as a fraction of the view's longer edge.",
+        description="Radius of the focus in the image, as a fraction of the view's longer edge",
     )
     inhibition_falloff: float = Field(
         1.0,
         ge=0.0,
-        description="Width of the rim over which inhibition fades out, in focus radii; 0 is a disk.",
+        description="Width of the rim over which inhibition fades out (focus radii); 0 is a disk",
     )
 
     @model_validator(mode="after")

@@ -28,7 +28,7 @@ class Channel:
     name : str
         What parameters and tables call it.
     description : str
-        What it measures, one sentence.
+        What it measures, in a few words.
     planes : callable, optional
         Takes a view on the working image, n rows and columns, and the model's parameters; gives
         `count` planes, shape (n, n), float32, multiplied by the view's certainty.
@@ -126,18 +126,18 @@ def _symmetry(view: WorkingView, parameters: AttentionParameters) -> list[Plane]
 
 ENTRIES = _by_name(
     Channel(
-        "colour", "Red-green and blue-yellow double opponency.", _colour,
+        "colour", "Red-green and blue-yellow double opponency", _colour,
         count=2, two_sided=True, needs="hues",
     ),
     Channel(
-        "intensity", "Light against dark surroundings.", _intensity,
+        "intensity", "Light against dark surroundings", _intensity,
         two_sided=True, needs="colours",
     ),
-    Channel("orientation", "Gabor energy at each angle.", stacks=_orientation, needs="colours"),
-    Channel("contrast", "Local root mean square contrast.", _contrast, needs="colours"),
-    Channel("curvature", "Curvedness of the surface.", _curvature, needs="curvature"),
-    Channel("edge", "Gradient of intensity.", _edge, needs="colours"),
-    Channel("entropy", "Entropy of the local grey level histogram.", _entropy, needs="colours"),
-    Channel("symmetry", "Radial symmetry of gradients.", _symmetry, needs="colours"),
+    Channel("orientation", "Gabor energy at each angle", stacks=_orientation, needs="colours"),
+    Channel("contrast", "Local root mean square contrast", _contrast, needs="colours"),
+    Channel("curvature", "Curvedness of the surface", _curvature, needs="curvature"),
+    Channel("edge", "Gradient of intensity", _edge, needs="colours"),
+    Channel("entropy", "Entropy of the local grey level histogram", _entropy, needs="colours"),
+    Channel("symmetry", "Radial symmetry of gradients", _symmetry, needs="colours"),
 )  # fmt: skip
 """Every channel, in the order in which maps are added up."""

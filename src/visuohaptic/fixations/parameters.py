@@ -20,36 +20,37 @@ class ViewpointParameters(BaseModel):
 
     arrangement: Literal["rings", "fibonacci"] = Field(
         "rings",
-        description="rings: circles around the vertical axis, one for each elevation; "
-        "fibonacci: evenly over the whole sphere.",
+        description="`rings`: circles around the vertical axis, one for each elevation; "
+        "`fibonacci`: evenly over the whole sphere",
     )
     count: int = Field(
-        16, gt=0, description="Viewpoints on each ring, or on the whole Fibonacci sphere."
+        16, gt=0, description="Viewpoints on each ring, or on the whole Fibonacci sphere"
     )
     elevations_degrees: tuple[float, ...] = Field(
         (20.0,),
         min_length=1,
-        description="Height of each ring above the horizon, degrees; not used by fibonacci.",
+        description="Height of each ring above the horizon (degrees); not used by `fibonacci`",
     )
     first_azimuth_degrees: float = Field(
         0.0,
-        description="Azimuth of the first viewpoint, degrees from +z towards +x.",
+        description="Azimuth of the first viewpoint, from +z towards +x (degrees)",
     )
     distance: float = Field(
-        3.0, gt=1.0, description="From the object's centre to the eye, object radii."
+        3.0, gt=1.0, description="From the object's centre to the eye (object radii)"
     )
     projection: Literal["perspective", "orthographic"] = Field(
-        "perspective", description="How rays leave the camera: from one eye, or parallel."
+        "perspective",
+        description="How rays leave the camera: from one point (`perspective`), or parallel (`orthographic`)",
     )
     field_of_view_degrees: float = Field(
         40.0,
         gt=0.0,
         lt=170.0,
-        description="Angle between the view's top and bottom edge, degrees; for an orthographic "
-        "camera the view is as tall as this angle spans at the object's centre.",
+        description="Angle between the view's top and bottom edge (degrees); for an orthographic "
+        "camera the view is as tall as this angle spans at the object's centre",
     )
     roll_degrees: float = Field(
-        0.0, description="Turn of every camera about its own axis, degrees counter-clockwise."
+        0.0, description="Turn of every camera about its own axis, counter-clockwise (degrees)"
     )
 
     @property
@@ -72,41 +73,46 @@ class RenderingParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    resolution: int = Field(256, ge=16, description="Rows and columns of a view, pixels.")
+    resolution: int = Field(256, ge=16, description="Rows and columns of a view (pixels)")
     ambient: float = Field(
-        0.4, ge=0.0, le=1.0, description="Share of light that comes evenly from everywhere."
+        0.4, ge=0.0, le=1.0, description="Share of light that comes evenly from everywhere"
     )
     light_elevation_degrees: float = Field(
         25.0,
         ge=-90.0,
         le=90.0,
-        description="Height of the light above the viewing axis, degrees; it moves with the camera.",
+        description="Height of the light above the viewing axis (degrees); it moves with the camera",
     )
     light_azimuth_degrees: float = Field(
         0.0,
-        description="Turn of the light to the camera's right, degrees; 0 lights both sides alike.",
+        description="Turn of the light to the camera's right (degrees); 0 lights both sides alike",
     )
     crease_angle_degrees: float = Field(
         40.0,
         ge=0.0,
         le=180.0,
-        description="Faces that meet at a larger angle have an edge, not a rounding, degrees.",
+        description="Faces that meet at a larger angle have an edge, not a rounding (degrees)",
     )
     crease_width: float = Field(
         0.03,
         gt=0.0,
-        description="Reach of an edge's curvature to either side, object radii.",
+        description="Reach of an edge's curvature to either side (object radii)",
     )
     background: float = Field(
-        0.85, ge=0.0, le=1.0, description="Grey level where no surface is; no channel looks at it."
+        0.85, ge=0.0, le=1.0, description="Grey level where no surface is; no channel looks at it"
     )
 
 
 class ProbingParameters(BaseModel):
-    """Section `probing` of `params.yaml`."""
+    """How probing locations are chosen."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     strategies: tuple[StrategyName, ...] = Field(
-        ("fixation", "random"), min_length=1, description="how probing locations are chosen"
+        ("fixation", "random"), min_length=1, description="Strategies to compare"
+    )
+    when_exhausted: Literal["stop", "begin_again"] = Field(
+        "stop",
+        description="What a sequence does where a view has no further place: it stays shorter, or it starts "
+        "again at its first place",
     )

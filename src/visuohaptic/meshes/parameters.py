@@ -8,17 +8,17 @@ from visuohaptic.meshes.catalogue import ObjectSet
 
 
 class MeshParameters(BaseModel):
-    """Section `meshes` of `params.yaml`."""
+    """Which objects take part, and how their models are prepared."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    set: ObjectSet = Field("paper", description="which objects of the catalogue take part")
+    set: ObjectSet = Field("paper", description="Objects of the catalogue that take part")
     merge_tolerance: float = Field(
-        1e-6, ge=0, le=1e-3, description="vertices nearer than this become one, in object radii"
+        1e-6, ge=0, le=1e-3, description="Vertices nearer than this become one (object radii)"
     )
     own_up_axis: str = Field(
-        "y", pattern="^[yz]$", description="which axis of own models points up"
+        "y", pattern="^[yz]$", description="Axis of own models that points up: y or z"
     )
     largest_megabytes: float = Field(
-        512.0, gt=0, description="own files above this are refused, in MB"
+        512.0, gt=0, description="Own files above this size are refused (MB)"
     )

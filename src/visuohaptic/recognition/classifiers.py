@@ -75,17 +75,17 @@ class ClassifierParameters(BaseModel):
     )
     discriminant_shrinkage: Literal["ledoit_wolf"] | Annotated[float, Field(gt=0, le=1)] = Field(
         "ledoit_wolf",
-        description="Shrinkage of the classes' covariances (quadratic discriminant)",
+        description="Shrinkage of the classes' covariances, `ledoit_wolf` or a number up to 1 (quadratic discriminant)",
     )
     discriminant_regularisation: Literal["where_singular", "always"] = Field(
         "where_singular",
-        description="Whether covariances are shrunk only where one is singular, which the score's "
-        "note then says, or always (quadratic discriminant)",
+        description="Whether covariances are shrunk only `where_singular`, which the score's note then "
+        "says, or `always` (quadratic discriminant)",
     )
     discriminant_target: Literal["own_variances", "mean_variance"] = Field(
         "own_variances",
         description="What a covariance is shrunk towards: uncorrelated features of their "
-        "own variances, or of one variance (quadratic discriminant)",
+        "`own_variances`, or all of the `mean_variance` (quadratic discriminant)",
     )
     linear_shrinkage: float = Field(
         0.1, gt=0, le=1, description="Shrinkage of the common covariance (linear discriminant)"

@@ -34,12 +34,13 @@ class _Section(BaseModel):
 class SelfOrganisingMapParameters(_Section):
     """The map that reduces a touch's 22 features to five."""
 
-    output: Literal["unit_distances", "one_hot", "lattice", "feature_groups"] = Field(
+    output: Literal["unit_distances", "one_hot", "lattice", "feature_groups", "none"] = Field(
         "unit_distances",
-        description="What the five numbers of a touch are: its distance to each of five units; "
-        "1 for the nearest of five units and 0 for the others; the nearest unit's place on a "
-        "lattice of five axes; or the means of five groups of features, found by a map over the "
-        "features",
+        description="What the five numbers of a touch are; `unit_distances`: its distance to each "
+        "of five units; `one_hot`: 1 for the nearest of five units and 0 for the others; "
+        "`lattice`: the nearest unit's place on a lattice of five axes; `feature_groups`: the "
+        "means of five groups of features, found by a map over the features; `none`: there is no "
+        "map, and a touch keeps all its features",
     )
     outputs: int = Field(5, ge=2, le=8, description="Numbers that are left of a touch")
     lattice_levels: int = Field(
@@ -47,14 +48,14 @@ class SelfOrganisingMapParameters(_Section):
     )
     training: Literal["batch", "online"] = Field(
         "batch",
-        description="Kohonen's batch map, which is deterministic, or one touch after the other "
-        "(MiniSom, at most two axes)",
+        description="`batch`: Kohonen's batch map, which is deterministic; `online`: one touch after "
+        "the other (MiniSom, at most two axes)",
     )
     initial_radius: float = Field(
-        2.0, gt=0, description="Neighbourhood's standard deviation at the start, in units"
+        2.0, gt=0, description="Neighbourhood's standard deviation at the start (units)"
     )
     final_radius: float = Field(
-        0.5, gt=0, description="Neighbourhood's standard deviation at the end, in units"
+        0.5, gt=0, description="Neighbourhood's standard deviation at the end (units)"
     )
     ordering_epochs: int = Field(
         20, ge=1, description="Passes over the touches while the neighbourhood shrinks (batch)"
@@ -75,14 +76,15 @@ class SequenceParameters(_Section):
     levels: int = Field(3, ge=1, le=6, description="Levels of the decomposition")
     extension: ExtensionMode = Field(
         "symmetric",
-        description="How a sequence goes on beyond its ends; with five touches and db2 most "
+        description="How a sequence continues beyond its ends; with five touches and db2 most "
         "coefficients depend on it",
     )
     bands: Literal["details", "approximations"] = Field(
         "details", description="Which coefficients of each level are summarised"
     )
     degrees_of_freedom: Literal["sample", "population"] = Field(
-        "sample", description="Standard deviation divided by N - 1 (as Matlab's std) or by N"
+        "sample",
+        description="Standard deviation divided by N - 1 (`sample`, as Matlab's std) or by N (`population`)",
     )
 
 
@@ -91,8 +93,9 @@ class ProtocolParameters(_Section):
 
     protocol: Literal["leave_one_object_a_class_out", "grouped_folds", "new_viewpoint"] = Field(
         "leave_one_object_a_class_out",
-        description="One object of each class is tested, in all combinations; or folds of whole "
-        "objects, stratified by class; or known objects from viewpoints that training never saw",
+        description="`leave_one_object_a_class_out`: one object of each class is tested, in all "
+        "combinations; `grouped_folds`: folds of whole objects, stratified by class; "
+        "`new_viewpoint`: known objects from viewpoints that training never saw",
     )
     maximum_splits: int = Field(
         81, ge=1, description="Most combinations that are run; of more a seeded, balanced sample"
@@ -160,7 +163,9 @@ class RecognitionParameters(_Section):
     """Recognition from tables of touch features."""
 
     pipelines: tuple[Literal["paper", "best"], ...] = Field(
-        ("paper", "best"), min_length=1, description="Ways from features to an answer"
+        ("paper", "best"),
+        min_length=1,
+        description="Ways from features to an answer: that of the `paper`, and our own, `best`",
     )
     classifiers: tuple[ClassifierName, ...] = Field(
         (
@@ -173,6 +178,11 @@ class RecognitionParameters(_Section):
         min_length=1,
         description="Classifiers to compare (pipeline `paper`)",
     )
+    cues: tuple[Literal["cutaneous", "kinesthetic"], ...] = Field(
+        ("cutaneous", "kinesthetic"),
+        min_length=1,
+        description="What is known of a touch: what the skin feels, and where it is (pipeline `paper`)",
+    )
     touches: int | None = Field(
         5, ge=1, description="Touches of a sequence that are used, the first ones; null for all"
     )
@@ -182,19 +192,9 @@ class RecognitionParameters(_Section):
     sequence_scaling: Scaling = Field(
         "standardise", description="Scaling of the 60 features before the classifier"
     )
-    self_organising_map: SelfOrganisingMapParameters = Field(
-        SelfOrganisingMapParameters(), description="Reduction of a touch"
-    )
-    sequence: SequenceParameters = Field(
-        SequenceParameters(), description="Statistics of a sequence"
-    )
-    classifier: ClassifierParameters = Field(
-        ClassifierParameters(), description="Settings of the classifiers"
-    )
-    best: BestParameters = Field(BestParameters(), description="Pipeline `best`")
-    protocol: ProtocolParameters = Field(
-        ProtocolParameters(), description="Training and test objects"
-    )
-    intervals: IntervalParameters = Field(
-        IntervalParameters(), description="Resampling over objects"
-    )
+    self_organising_map: SelfOrganisingMapParameters = SelfOrganisingMapParameters()
+    sequence: SequenceParameters = SequenceParameters()
+    classifier: ClassifierParameters = ClassifierParameters()
+    best: BestParameters = BestParameters()
+    protocol: ProtocolParameters = ProtocolParameters()
+    intervals: IntervalParameters = IntervalParameters()

@@ -27,18 +27,18 @@ class TactileModes(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    adaptive_size: Mode = Field("auto", description="the square shrinks until nothing penetrates")
-    elastic_cover: Mode = Field("auto", description="an elastic layer turns gaps into pressure")
+    adaptive_size: Mode = Field("auto", description="The square shrinks until nothing penetrates")
+    elastic_cover: Mode = Field("auto", description="An elastic layer turns gaps into pressure")
     force_response: Mode = Field(
-        "auto", description="pressure to conductance, break and saturation"
+        "auto", description="Pressure to conductance, break and saturation"
     )
-    gain_scatter: Mode = Field("auto", description="each cell has its own gain")
-    hysteresis: Mode = Field("auto", description="more output on release than on pressing")
-    drift: Mode = Field("auto", description="output creeps with the logarithm of time")
-    dead_cells: Mode = Field("auto", description="broken cells conduct nothing")
-    crosstalk: Mode = Field("auto", description="sneak paths between rows and columns")
-    noise: Mode = Field("auto", description="additive noise of the amplifier")
-    quantisation: Mode = Field("auto", description="rounding to the converter's levels")
+    gain_scatter: Mode = Field("auto", description="Each cell has its own gain")
+    hysteresis: Mode = Field("auto", description="More output on release than on pressing")
+    drift: Mode = Field("auto", description="Output creeps with the logarithm of time")
+    dead_cells: Mode = Field("auto", description="Broken cells conduct nothing")
+    crosstalk: Mode = Field("auto", description="Sneak paths between rows and columns")
+    noise: Mode = Field("auto", description="Additive noise of the amplifier")
+    quantisation: Mode = Field("auto", description="Rounding to the converter's levels")
 
 
 class VisualModes(BaseModel):
@@ -46,14 +46,14 @@ class VisualModes(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    colour: Mode = Field("auto", description="the object's colours in the view")
-    texture: Mode = Field("auto", description="colours that change within one part")
-    shading: Mode = Field("auto", description="brightness by the surface's slope to the light")
-    cast_shadows: Mode = Field("never", description="parts that stand in each other's light")
+    colour: Mode = Field("auto", description="The object's colours in the view")
+    texture: Mode = Field("auto", description="Colours that change within one part")
+    shading: Mode = Field("auto", description="Brightness by the surface's slope to the light")
+    cast_shadows: Mode = Field("never", description="Parts that stand in each other's light")
 
 
 class EffectModes(VisualModes, TactileModes):
-    """When each effect is simulated."""
+    """When each effect is simulated: `auto` only where it matters, `always`, or `never`."""
 
 
 TACTILE_EFFECTS = tuple(TactileModes.model_fields)
@@ -61,7 +61,7 @@ VISUAL_EFFECTS = tuple(VisualModes.model_fields)
 
 
 class Scene(BaseModel):
-    """The scene of a touch; a preset fills every value that is not given.
+    """The scene of a touch; the preset fills every value that is not given (docs/sensor.md).
 
     The image of a touch is in units of full scale: 1 is the output at
     `full_scale_pressure_pa`, without a cover the output in contact.
@@ -74,15 +74,15 @@ class Scene(BaseModel):
         description="`ideal`: geometry only, as in the paper; `fsr400`: a new array of force sensing resistors under a rubber cover; `worn_fsr`: the same after long use",
     )
     object_radius_m: float = Field(
-        0.05, gt=0, le=100, description="real length of one object radius (metres)"
+        0.05, gt=0, le=100, description="Real length of one object radius (metres)"
     )
     press_depths_m: tuple[float, ...] = Field(
         (0.0005,),
         min_length=1,
-        description="how far the cover is pressed in, one after another (metres); the image is taken at the last",
+        description="How far the cover is pressed in, one after another (metres); the image is taken at the last",
     )
     hold_time_s: float = Field(
-        1.0, gt=0, description="time from reaching the last depth to the reading (seconds)"
+        1.0, gt=0, description="Time from reaching the last depth to the reading (seconds)"
     )
     cover: Cover = Field(
         "none",
@@ -95,54 +95,54 @@ class Scene(BaseModel):
         0.45, ge=0, lt=0.5, description="Poisson's ratio of the cover (1)"
     )
     cover_thickness_m: float = Field(
-        0.003, gt=0, description="thickness of the cover, for `winkler` (metres)"
+        0.003, gt=0, description="Thickness of the cover, for `winkler` (metres)"
     )
     full_scale_pressure_pa: float = Field(
-        1e5, gt=0, description="pressure at which the output is 1 (pascal)"
+        1e5, gt=0, description="Pressure at which the output is 1 (pascal)"
     )
     break_pressure_pa: float = Field(
-        0.0, ge=0, description="pressure below which a cell does not conduct (pascal)"
+        0.0, ge=0, description="Pressure below which a cell does not conduct (pascal)"
     )
     saturation_pressure_pa: float | None = Field(
         None,
         gt=0,
-        description="pressure at which conductance is half of linear (pascal); none: linear",
+        description="Pressure at which conductance is half of linear (pascal); none: linear",
     )
     gain_scatter: float = Field(
-        0.0, ge=0, lt=0.3, description="standard deviation of the cells' gains (1)"
+        0.0, ge=0, lt=0.3, description="Standard deviation of the cells' gains (1)"
     )
     hysteresis: float = Field(
-        0.0, ge=0, le=0.5, description="excess on release at half of the peak output (1)"
+        0.0, ge=0, le=0.5, description="Excess on release at half of the peak output (1)"
     )
     drift_per_decade: float = Field(
-        0.0, ge=-0.5, le=0.5, description="change of output over ten times the time (1)"
+        0.0, ge=-0.5, le=0.5, description="Change of output over ten times the time (1)"
     )
     drift_reference_s: float = Field(
-        1.0, gt=0, description="time after loading at which drift counts as none (seconds)"
+        1.0, gt=0, description="Time after loading at which drift counts as none (seconds)"
     )
     dead_fraction: float = Field(
-        0.0, ge=0, le=1, description="probability of a cell being dead (1)"
+        0.0, ge=0, le=1, description="Probability of a cell being dead (1)"
     )
     readout: Readout = Field(
         "ideal",
         description="`ideal`: each cell alone; `grounded`: other lines held at zero through `line_resistance_ohm`; `floating`: other lines left open",
     )
     line_resistance_ohm: float = Field(
-        0.0, ge=0, description="resistance of each driven or read line (ohm)"
+        0.0, ge=0, description="Resistance of each driven or read line (ohm)"
     )
     full_scale_conductance_s: float = Field(
-        1e-4, gt=0, description="conductance of a cell at output 1 (siemens)"
+        1e-4, gt=0, description="Conductance of a cell at output 1 (siemens)"
     )
     stand_off_conductance_s: float = Field(
-        1e-7, ge=1e-12, description="conductance of an untouched cell, for `floating` (siemens)"
+        1e-7, ge=1e-12, description="Conductance of an untouched cell, for `floating` (siemens)"
     )
     noise: float = Field(
-        0.0, ge=0, le=1, description="standard deviation of additive noise (of full scale)"
+        0.0, ge=0, le=1, description="Standard deviation of additive noise (of full scale)"
     )
     bits: int | None = Field(
-        None, ge=1, le=24, description="resolution of the converter (bits); none: no rounding"
+        None, ge=1, le=24, description="Resolution of the converter (bits); none: no rounding"
     )
-    effects: EffectModes = Field(EffectModes(), description="when each effect is simulated")
+    effects: EffectModes = EffectModes()
 
     def with_effects(self, mode: Mode) -> Scene:
         """Give the same scene with one mode for every effect.

@@ -12,33 +12,33 @@ Normalisation = Literal["per_imprint", "absolute"]
 
 
 class SensorParameters(BaseModel):
-    """Measures of the sensor; every length is in object radii (bounding sphere = 1)."""
+    """Measures of the sensor; the radius of an object's bounding sphere is 1."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     resolution: int = Field(
-        32, ge=2, le=256, description="sensing points (taxels) along each edge of the square"
+        32, ge=2, le=256, description="Sensing points (taxels) along each edge of the square"
     )
     largest_size: float = Field(
-        0.3, gt=0, le=2, description="edge of the largest square, the palm (object radii)"
+        0.3, gt=0, le=2, description="Edge of the largest square, the palm (object radii)"
     )
     smallest_size: float = Field(
-        0.02, gt=0, le=2, description="edge of the smallest square, the fingertip (object radii)"
+        0.02, gt=0, le=2, description="Edge of the smallest square, the fingertip (object radii)"
     )
     penetration_tolerance: float = Field(
         0.002,
         ge=1e-5,
         le=0.1,
-        description="how far the object may stand above the sensor's plane (object radii)",
+        description="How far the object may stand above the sensor's plane (object radii)",
     )
     depth_range: float = Field(
-        0.1, gt=0, le=2, description="how deep below its plane the sensor feels (object radii)"
+        0.1, gt=0, le=2, description="How deep below its plane the sensor feels (object radii)"
     )
     clearance: float = Field(
         0.1,
         gt=0,
         le=2,
-        description="height of the sensor's body: where the approach is blocked farther out, the sensor is set down from this height (object radii)",
+        description="Height of the sensor's body (object radii): where the approach is blocked farther out, the sensor is set down from this height",
     )
     normal: Normal = Field(
         "face",
@@ -46,7 +46,7 @@ class SensorParameters(BaseModel):
     )
     orientation: Orientation = Field(
         "upright",
-        description="how the square is turned about the normal: `upright` keeps the columns horizontal, `transported` turns the frame of an upward normal the shortest way",
+        description="How the square is turned about the normal: `upright` keeps the columns horizontal, `transported` turns the frame of an upward normal the shortest way",
     )
     normalisation: Normalisation = Field(
         "per_imprint",
@@ -56,7 +56,7 @@ class SensorParameters(BaseModel):
         1e-4,
         gt=0,
         le=0.1,
-        description="relief below which `per_imprint` stretches no further, so that a flat contact stays flat (object radii)",
+        description="Relief below which `per_imprint` stretches no further, so that a flat contact stays flat (object radii)",
     )
 
     @model_validator(mode="after")

@@ -1,0 +1,82 @@
+"""params.yaml and its schema come from the descriptions in the code, and an editor can rely on both."""
+
+import json
+import runpy
+from pathlib import Path
+
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+from pydantic import BaseModel
+
+from visuohaptic.parameters import ExperimentParameters
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "params.yaml").read_text()
+SCHEMA = ROOT / "workflow" / "schemas" / "params.schema.json"
+VALIDATOR = Draft202012Validator(json.loads(SCHEMA.read_text()))
+
+
+@pytest.fixture(scope="module")
+def maker():
+    return runpy.run_path(str(ROOT / "docs" / "make_params.py"))
+
+
+def test_parameters_are_those_of_the_code(maker):
+    assert maker["parameters_page"]() == TEXT, "run `make params`"
+
+
+def test_the_schema_is_that_of_the_code(maker):
+    assert maker["schema_page"]() == SCHEMA.read_text(), "run `make params`"
+
+
+def test_an_editor_finds_the_schema():
+    mark = "# yaml-language-server: $schema="
+    first = TEXT.splitlines()[0]
+    assert first.startswith(mark)
+    assert (ROOT / first.removeprefix(mark)) == SCHEMA
+
+
+def test_the_schema_allows_the_defaults():
+    Draft202012Validator.check_schema(VALIDATOR.schema)
+    assert list(VALIDATOR.iter_errors(yaml.safe_load(TEXT))) == []
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"senser": {}},
+        {"sensor": {"largest_sise": 0.3}},
+        {"sensor": {"resolution": 1}},
+        {"scene": {"effects": {"noise": "sometimes"}}},
+        {"probing": {"strategies": ["fixation", "guessing"]}},
+        {"recognition": {"best": {"classifiers": ["oracle"]}}},
+        {"attention": {"weights": {"colour": -1}}},
+    ],
+)
+def test_the_schema_refuses_what_the_program_refuses(values):
+    assert list(VALIDATOR.iter_errors(values))
+
+
+@pytest.mark.parametrize("values", [{"recognition": {"touches": None}}, {"scene": {"bits": 8}}])
+def test_the_schema_allows_what_the_program_allows(values):
+    ExperimentParameters.from_mapping(values)
+    assert list(VALIDATOR.iter_errors(values)) == []
+
+
+def descriptions(model, path=""):
+    for name, field in type(model).model_fields.items():
+        value = getattr(model, name)
+        if isinstance(value, BaseModel):
+            yield from descriptions(value, f"{path}{name}.")
+        else:
+            yield f"{path}{name}", field.description or ""
+
+
+def test_descriptions_begin_with_a_capital_and_have_no_full_stop():
+    wrong = [
+        f"{path}: {text}"
+        for path, text in descriptions(ExperimentParameters())
+        if (not text[:1].isupper() and text[:1] != "`") or text.endswith(".")
+    ]
+    assert wrong == []

@@ -1,0 +1,81 @@
+"""A few small objects of two classes, and what a small run makes of them."""
+
+import numpy as np
+import pyarrow as pa
+import trimesh
+
+from visuohaptic.features.describing import describe_touches
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface, read_surface, write_surface
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.phases import find_locations, touch_at
+from visuohaptic.studies.measuring import Sources
+from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES
+from visuohaptic.tables.schema import write_table
+
+RUN = ExperimentParameters.from_mapping(
+    {
+        "viewpoints": {"count": 4},
+        "rendering": {"resolution": 48},
+        "attention": {"fixations": 2},
+        "probing": {"strategies": ["fixation"]},
+        "sensor": {"resolution": 16},
+        "recognition": {"touches": 2, "intervals": {"bootstrap_samples": 200}},
+        "cost": {
+            "touches": [1, 2, 3],
+            "viewpoints": [1, 2, 4],
+            "imprint_resolutions": [4, 16],
+            "view_resolutions": [24, 48],
+            "lean_view_resolution": 32,
+            "objects": 2,
+            "rounds": 2,
+        },
+    }
+)
+
+
+def small_surfaces():
+    """Give rings and boxes by their keys."""
+    meshes = {}
+    for number, width in enumerate((0.15, 0.25, 0.35)):
+        meshes[f"ring/ring{number}"] = trimesh.creation.torus(0.6, width, 16, 12)
+        meshes[f"box/box{number}"] = trimesh.creation.box((0.5, 0.7 + width, 0.4 + width))
+    return {key: surface_of(mesh) for key, mesh in meshes.items()}
+
+
+def surface_of(mesh):
+    """Give a mesh as a surface within the unit sphere, half of it red."""
+    faces = np.asarray(mesh.faces, dtype=np.int64)
+    vertices = np.asarray(mesh.vertices, dtype=np.float64)
+    colours = np.full((len(faces), 3), 120, dtype=np.uint8)
+    colours[: len(faces) // 2] = (200, 40, 40)
+    return Surface(vertices / np.linalg.norm(vertices, axis=1).max(), faces, colours)
+
+
+def run_tables(surfaces, run=RUN):
+    """Give the locations, touches and features that a run would have made."""
+    located, touched, described = [], [], []
+    for key, surface in surfaces.items():
+        caster = RayCaster(surface)
+        located.append(find_locations(caster, key, run))
+        touched.append(touch_at(caster, located[-1], run))
+        described.append(describe_touches(touched[-1], run.features))
+    keys = [(key, "ascending") for key in FEATURES.keys]
+    return [pa.concat_tables(tables).sort_by(keys) for tables in (located, touched, described)]
+
+
+def write_sources(folder, surfaces, run=RUN):
+    """Write what a run leaves for studies, and give the sources and the features' file."""
+    names = ("fixations", "touches", "features")
+    meshes = []
+    for key, surface in surfaces.items():
+        meshes.append(folder / f"{key}.ply")
+        meshes[-1].parent.mkdir(exist_ok=True)
+        write_surface(surface, meshes[-1])
+    # Files hold float32, so what is made of them differs a little from what is made in memory.
+    surfaces = {f"{mesh.parent.name}/{mesh.stem}": read_surface(mesh) for mesh in meshes}
+    schemas = (FIXATIONS, TOUCHES, FEATURES)
+    for schema, name, table in zip(schemas, names, run_tables(surfaces, run), strict=True):
+        write_table(schema, table, folder / f"{name}.parquet")
+    sources = Sources(meshes, [folder / "fixations.parquet"], [folder / "touches.parquet"])
+    return sources, folder / "features.parquet"

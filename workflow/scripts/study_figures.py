@@ -1,0 +1,15 @@
+"""Sum up a study: each condition's accuracy, and what it gains or loses."""
+
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.studies.figures import make_study_figures
+from visuohaptic_workflow.jobs import job
+
+with job(snakemake):
+    make_study_figures(
+        study=snakemake.params.study,
+        parts=snakemake.input.parts,
+        output=snakemake.output.figures,
+        metrics=snakemake.output.metrics,
+        intervals=IntervalParameters(**snakemake.params.intervals),
+        seed=snakemake.params.seed,
+    )
