@@ -84,8 +84,8 @@ def test_the_page_tells_what_accuracy_costs(tmp_path):
     page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
     assert page.mismatches == []
     text = page.text.replace("\N{NO-BREAK SPACE}", " ")
-    assert "For 95 % take 5 touches (family touches): it takes 100 ms a recognition" in text
-    assert "takes 5.0 times as long" in text
+    assert "For 95 % take 5 touches (family touches): it costs 100 ms a recognition" in text
+    assert "costs 5.0 times as much" in text
     assert "failed: images are too small." in text
     assert "All 5 settings" in text
     assert "dominated" in text

@@ -23,8 +23,8 @@ from visuohaptic.seeds import spawn_generator
 REFERENCE_STRATEGY = "fixation"
 
 METHOD = {
-    "accuracy": "mean over splits of the share of test sequences named rightly",
-    "object_accuracy": "mean over splits of the share of test objects named rightly by a "
+    "accuracy": "mean over splits of the share of test sequences correctly classified",
+    "object_accuracy": "mean over splits of the share of test objects correctly classified by a "
     "vote of their sequences: by mean probability where the pipeline gives probabilities, else by "
     "majority, a tie between k classes counting 1/k",
     "balanced_accuracy": "mean over classes of the mean over a class's objects of their accuracy",

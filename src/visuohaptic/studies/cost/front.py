@@ -25,7 +25,7 @@ AIM = 0.95
 
 
 def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Find the Pareto front: no other point is at most as slow and as wrong, and better in one.
+    """Tell which points no other point beats: at most as slow, at most as wrong, and one of both less.
 
     Parameters
     ----------
@@ -87,10 +87,10 @@ def join_costs(errors: Sequence[Row], seconds: pa.Table) -> pa.Table:
 
 
 def error_rate(cell: Cell, run: ExperimentParameters) -> dict[str, Any]:
-    """Give the share of wrong recognitions, its interval over objects, and the number of objects.
+    """Give the share of recognitions that name wrongly, its interval over objects, and their number.
 
-    If there is no error, resampling can't show how far the rate may be from 0; the upper end is
-    then the exact binomial one for this number of objects (C. Clopper and E. Pearson,
+    Where no object was classified wrongly, resampling can't say how far the rate may be from 0;
+    its upper end is then the exact binomial one for so many objects (C. Clopper and E. Pearson,
     Biometrika 26(4), 1934).
 
     Parameters
@@ -139,7 +139,7 @@ def front_rows(rows: Sequence[Row]) -> list[Row]:
 
 
 def advise(rows: Sequence[Row], aim: float = AIM) -> str:
-    """Advise the user: the setting that reaches an accuracy, and the next better one.
+    """Tell the user what an accuracy takes, and what the next better one would.
 
     Parameters
     ----------
@@ -161,21 +161,21 @@ def advise(rows: Sequence[Row], aim: float = AIM) -> str:
     if not reached:
         best = front[-1]
         return (
-            f"No setting reaches {wanted}: the most accurate, {_named(best)}, correctly "
-            f"classifies {_percent(1 - best['error'])} and takes {_milliseconds(best)} a recognition."
+            f"No setting reaches {wanted}: the most accurate, {_named(best)}, classifies "
+            f"{_percent(1 - best['error'])} correctly and costs {_milliseconds(best)} a recognition."
         )
     row = front[reached[0]]
     said = (
-        f"For {wanted} take {_named(row)}: it takes {_milliseconds(row)} a recognition, and "
-        f"{_percent(row['error'])} are wrong ({_interval(row)})."
+        f"For {wanted} take {_named(row)}: it costs {_milliseconds(row)} a recognition, and "
+        f"{_percent(row['error'])} are classified wrongly ({_interval(row)})."
     )
     if reached[0] + 1 == len(front):
         return f"{said} Nothing that was measured is more accurate."
     following = front[reached[0] + 1]
     times = following["seconds"] / row["seconds"]
     return (
-        f"{said} The next point, {_named(following)}, takes {times:.1f} times as long "
-        f"({_milliseconds(following)}), and {_percent(following['error'])} are wrong "
+        f"{said} The next point, {_named(following)}, costs {times:.1f} times as much "
+        f"({_milliseconds(following)}), and {_percent(following['error'])} are classified wrongly "
         f"({_interval(following)})."
     )
 
