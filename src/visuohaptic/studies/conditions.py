@@ -193,7 +193,7 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
 
 
 def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
-    """Tell of a study what its figures tell, in built-in types."""
+    """Describe a study and its conditions in built-in types."""
     conditions = [
         {
             "name": one.condition.name,
@@ -206,7 +206,7 @@ def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
 
 
 def describe_conditions(planned: Sequence[Planned]) -> list[dict[str, Any]]:
-    """Tell of conditions what measuring them takes, in built-in types."""
+    """Describe conditions, as their measurement needs them, in built-in types."""
     return [
         {
             "name": one.condition.name,
