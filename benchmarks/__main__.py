@@ -14,7 +14,6 @@ from benchmarks.machine import describe_machine
 
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "results.json"
-RESOLUTION = FOLDER / "resolution.json"
 NOT_BENCHMARKS = {"__init__", "__main__", "machine"}
 
 
@@ -32,10 +31,6 @@ def main(names: list[str]) -> None:
         print(f"{name} …", flush=True)
         results[name] = importlib.import_module(f"benchmarks.{name}").run()
         print(json.dumps(results[name], indent=2))
-        if "resolution" in results[name]:
-            # The report shows this table as it is.
-            table = json.dumps(results[name]["resolution"], indent=2)
-            RESOLUTION.write_text(table + "\n", encoding="utf-8")
     results["machine"] = describe_machine()
     RESULTS.write_text(json.dumps(results, indent=2, sort_keys=True) + "\n", encoding="utf-8")
 

@@ -1,6 +1,5 @@
 """The report and the comparison in a real browser, as different readers meet them."""
 
-import json
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
@@ -8,7 +7,6 @@ from browser.conftest import DESK, PHONE, SCREENSHOTS
 from report.synthetic import PARAMETERS, write_run
 
 from visuohaptic.report.files import make_report
-from visuohaptic.report.run import RunFiles
 from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
 
 pytestmark = pytest.mark.slow
@@ -28,9 +26,6 @@ def folder(tmp_path_factory):
     """A report with everything on it, names that mean harm among them, and a comparison."""
     folder = tmp_path_factory.mktemp("pages")
     files = write_run(folder, NAMES, pipelines=("paper", "best"))
-    resolution = folder / "resolution.json"
-    resolution.write_text(json.dumps([{"resolution": 256, "milliseconds": 3.25}]))
-    files = RunFiles(**{**vars(files), "extras": {"resolution": resolution}})
     make_report(files, folder / "report.html", PARAMETERS, [*NAMES, "cup/lost"])
     before = folder / "before"
     before.mkdir()

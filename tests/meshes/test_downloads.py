@@ -3,7 +3,6 @@
 import hashlib
 import http.server
 import io
-import re
 import tarfile
 import threading
 import zipfile
@@ -14,6 +13,7 @@ import pytest
 
 from visuohaptic.errors import DownloadError
 from visuohaptic.geometry.surface import read_surface
+from visuohaptic.meshes import downloads
 from visuohaptic.meshes.catalogue import Credit, Model
 from visuohaptic.meshes.downloads import (
     LIBRARY_FOLDER,
@@ -62,23 +62,18 @@ def library(tmp_path):
     return path
 
 
-class RangeServer(http.server.BaseHTTPRequestHandler):
-    """Serves one content, from the byte that is asked for; remembers what was asked."""
+class ArchiveServer(http.server.BaseHTTPRequestHandler):
+    """Serves one content; counts how often it was asked."""
 
     content = bytes(range(256)) * 4000
     asked: ClassVar[list] = []
 
     def do_GET(self):
-        asked = self.headers.get("Range")
-        self.asked.append(asked)
-        start = int(re.search(r"(\d+)-", asked)[1]) if asked else 0
-        if start >= len(self.content):
-            self.send_error(416)
-            return
-        self.send_response(206 if asked else 200)
-        self.send_header("Content-Length", str(len(self.content) - start))
+        self.asked.append(self.path)
+        self.send_response(200)
+        self.send_header("Content-Length", str(len(self.content)))
         self.end_headers()
-        self.wfile.write(self.content[start:])
+        self.wfile.write(self.content)
 
     def log_message(self, *arguments):
         pass
@@ -86,43 +81,41 @@ class RangeServer(http.server.BaseHTTPRequestHandler):
 
 @pytest.fixture
 def address():
-    RangeServer.asked = []
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), RangeServer)
+    ArchiveServer.asked = []
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), ArchiveServer)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     yield f"http://127.0.0.1:{server.server_port}/archive"
     server.shutdown()
     server.server_close()
 
 
-SHA256 = hashlib.sha256(RangeServer.content).hexdigest()
+SHA256 = hashlib.sha256(ArchiveServer.content).hexdigest()
 
 
 def test_a_download_is_whole_and_checked(address, tmp_path):
     path = download(address, tmp_path / "a.zip", SHA256)
-    assert path.read_bytes() == RangeServer.content
+    assert path.read_bytes() == ArchiveServer.content
     assert [file.name for file in tmp_path.iterdir()] == ["a.zip"]
 
 
-def test_a_download_goes_on_where_it_broke_off(address, tmp_path):
-    (tmp_path / "a.zip.part").write_bytes(RangeServer.content[:70_000])
-    assert download(address, tmp_path / "a.zip", SHA256).read_bytes() == RangeServer.content
-    assert RangeServer.asked == ["bytes=70000-"]
-
-
-def test_a_download_that_had_come_whole_is_taken(address, tmp_path):
-    (tmp_path / "a.zip.part").write_bytes(RangeServer.content)
-    assert download(address, tmp_path / "a.zip", SHA256).read_bytes() == RangeServer.content
-
-
 def test_a_file_that_is_there_is_not_asked_for_again(address, tmp_path):
-    (tmp_path / "a.zip").write_bytes(RangeServer.content)
+    (tmp_path / "a.zip").write_bytes(ArchiveServer.content)
     download(address, tmp_path / "a.zip", SHA256)
-    assert RangeServer.asked == []
+    assert ArchiveServer.asked == []
 
 
 def test_a_download_with_another_hash_is_thrown_away(address, tmp_path):
-    with pytest.raises(DownloadError, match="0000 is pinned; nothing of it was used"):
+    with pytest.raises(
+        DownloadError, match="has not the pinned SHA-256 0000; nothing of it was used"
+    ):
         download(address, tmp_path / "a.zip", "0000")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_download_that_is_too_large_is_refused_and_not_kept(address, tmp_path, monkeypatch):
+    monkeypatch.setattr(downloads, "_LARGEST_ARCHIVE_BYTES", 1000)
+    with pytest.raises(DownloadError, match="that is not the pinned archive"):
+        download(address, tmp_path / "a.zip", SHA256)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -267,16 +267,6 @@ def test_several_pipelines_are_told_apart(tmp_path):
     assert len([label for label in labels if label.startswith("Accuracy by vote")]) == 2
 
 
-def test_tables_of_later_phases_get_their_section(tmp_path, files):
-    records = [{"resolution": 256, "milliseconds": 3.25, "distance": 1.25e-6, "passed": True}]
-    resolution = tmp_path / "resolution.json"
-    resolution.write_text(json.dumps(records))
-    extended = RunFiles(**{**vars(files), "extras": {"resolution": resolution}})
-    page = read_page(render(extended))
-    assert "resolution" in page.values("id")
-    assert "256 3.25 1.25e-06 yes" in page.text
-
-
 def test_strategies_are_told_apart_by_shape_too(source):
     chart = source.split('<svg class="chart')[1].split("</figure>")[0]
     assert chart.count('<g class="series-0"><circle') > 0

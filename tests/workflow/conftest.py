@@ -15,7 +15,7 @@ from small_experiment import SMALL_OBJECTS, copy_experiment, set_parameters
 
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "meshes/paper", "meshes/own", "profiles", "benchmarks/resolution.json",
+    "workflow", "src", "meshes/paper", "meshes/own", "profiles",
 )  # fmt: skip
 SMALL = {
     "viewpoints": {"count": 2},

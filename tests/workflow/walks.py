@@ -1,9 +1,9 @@
 """Random walks over what users do to a working folder; each must end in the results of a clean run.
 
 A walk edits parameters, code and meshes, switches branches, lets DVC bring files, runs, deletes and
-kills, in an order drawn by a seed. Then it runs plain `snakemake` and compares all results with those
-of a run from nothing. The scripts of the phases are replaced by one that writes a hash of all that it
-was given, so that a run takes seconds and every difference shows.
+kills, in an order drawn by a seed. Then it runs `snakemake dvc_all`, which makes all that is shared,
+and compares all results with those of a run from nothing. The scripts of the phases are replaced by
+one that writes a hash of all that it was given, so that a run takes seconds and every difference shows.
 
 `python -m workflow.walks [WALKS] [FIRST_SEED] [SECONDS]` (with `tests` on PYTHONPATH) prints what it finds.
 """
@@ -27,7 +27,7 @@ from small_experiment import copy_experiment, set_parameters
 
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "meshes/paper", "meshes/own", "profiles", "benchmarks/resolution.json",
+    "workflow", "src", "meshes/paper", "meshes/own", "profiles",
 )  # fmt: skip
 OBJECTS = ("bs0_yogurtBottle", "bsby_chair3")
 SMALL = {
@@ -244,7 +244,7 @@ class CleanRuns:
 
     def results_of(self, walked):
         """Give the results of a clean run of a folder's parameters, code and meshes."""
-        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src", "benchmarks"]
+        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src"]
         key = hashlib.sha256()
         for name in inputs:
             path = walked / name
@@ -266,7 +266,7 @@ class CleanRuns:
                     )
                 else:
                     shutil.copy2(walked / name, folder / name)
-            must(folder, "snakemake", "-j2")
+            must(folder, "snakemake", "-j2", "dvc_all")
             self._known[key.digest()] = digests(folder)
             shutil.rmtree(folder)
         return self._known[key.digest()]
@@ -284,7 +284,7 @@ def walk(repository, folder, seed, clean):
     taken = Walk(folder, generator)
     for _ in range(generator.integers(2, 7)):
         taken.take_step()
-    status, output = run(folder, "snakemake", "-j2")
+    status, output = run(folder, "snakemake", "-j2", "dvc_all")
     wrong = None
     if status:
         wrong = f"the last run failed: {output[-1500:]}"

@@ -7,7 +7,6 @@ Takes results/ and, where they are there, logs/ and credits; gives reports/repor
 CHECKS_AND_BENCHMARKS = [
     "reports/stability.json",
     "reports/precision.json",
-    "benchmarks/resolution.json",
 ]
 
 CREDITS = [shipped("meshes/catalogue.csv"), shipped("meshes/paper/credits.csv")]
@@ -90,7 +89,6 @@ rule report:
                 "effect_accuracy": "results/effect_accuracy.parquet",
                 "touch_curves": "results/touch_curves.parquet",
                 "touches_needed": "results/touches_needed.parquet",
-                "resolution": "benchmarks/resolution.json",
                 "cost": "results/cost.parquet",
                 "stability": "reports/stability.json",
                 "precision": "reports/precision.json",

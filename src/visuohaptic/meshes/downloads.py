@@ -16,12 +16,15 @@ import subprocess
 import tarfile
 import zipfile
 from collections.abc import Iterable, Sequence
-from contextlib import closing
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from visuohaptic.errors import DownloadError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.meshes.catalogue import Model
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 DEBIAN_PACKAGE = "sweethome3d-furniture"
 DEBIAN_SHA256 = "3ccb90c63f9525e887a767b9cd5c8b6933b8b6b2973a615a5359ee68a2118668"
@@ -33,7 +36,6 @@ LIBRARY_FOLDER = "usr/share/sweethome3d/furniture"
 
 _LARGEST_ARCHIVE_BYTES = 400 * 10**6
 _LARGEST_MEMBER_BYTES = 100 * 10**6
-_CHUNK_BYTES = 1 << 18
 
 
 def fetch_models(
@@ -42,7 +44,7 @@ def fetch_models(
     """Download models and write each as `<folder>/<class>/<name>.ply.gz`.
 
     What has come stays, in the cache and in the folder, also when the download
-    breaks off; a second call goes on from there.
+    breaks off; a second call downloads what is missing.
 
     Parameters
     ----------
@@ -112,17 +114,16 @@ def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Pa
 
 
 def download(address: str, path: Path, sha256: str | None = None) -> Path:
-    """Download a file, going on where an earlier try broke off.
+    """Download a file unless it is there already.
 
     Parameters
     ----------
     address : str
         HTTP or HTTPS address.
     path : pathlib.Path
-        The file; it appears only when it is whole and its hash is right. A part
-        is kept as `<path>.part`.
+        The file; it appears only when it is whole and its hash is the given one.
     sha256 : str, optional
-        What its content must hash to.
+        The hash of its content.
 
     Returns
     -------
@@ -133,27 +134,44 @@ def download(address: str, path: Path, sha256: str | None = None) -> Path:
     ------
     DownloadError
         If the server can't be reached or refuses, the file is too large, or the
-        hash is another; a part with a wrong hash is deleted.
+        hash is another; nothing of it is kept then.
     """
+    import logging
+
+    import pooch
     import requests
 
-    if path.exists() and (sha256 is None or file_sha256(path) == sha256):
-        return path
-    part = path.with_name(f"{path.name}.part")
+    pooch.get_logger().setLevel(logging.WARNING)
+    known = f"sha256:{sha256}" if sha256 else None
     try:
-        _append(address, part)
-    except requests.RequestException as error:
+        pooch.retrieve(address, known, path.name, path.parent, downloader=_download_bounded)
+    except (requests.RequestException, OSError) as error:
+        raise DownloadError(f"{address} can't be downloaded: {error}; run again.") from error
+    except ValueError as error:
         raise DownloadError(
-            f"{address} can't be downloaded: {error}; run again to go on, {part} keeps what came."
+            f"{address} has not the pinned SHA-256 {sha256}; nothing of it was used, run again."
         ) from error
-    found = file_sha256(part)
-    if sha256 is not None and found != sha256:
-        part.unlink()
-        raise DownloadError(
-            f"{address} has the SHA-256 {found}; {sha256} is pinned; nothing of it was used, run again."
-        )
-    part.replace(path)
     return path
+
+
+def _download_bounded(address: str, path: str, registry: object) -> None:
+    """Download as pooch does, but no more than the largest archive that is expected."""
+    import pooch
+
+    with _BoundedFile(path, "wb") as stream:
+        pooch.HTTPDownloader(progressbar=True, timeout=60)(address, stream, registry)
+
+
+class _BoundedFile(io.FileIO):
+    """A file that refuses to grow beyond the largest archive."""
+
+    def write(self, data: Buffer, /) -> int:
+        if self.tell() + memoryview(data).nbytes > _LARGEST_ARCHIVE_BYTES:
+            raise DownloadError(
+                f"{self.name} grows beyond {_LARGEST_ARCHIVE_BYTES / 1e6:.0f} MB; "
+                "that is not the pinned archive."
+            )
+        return super().write(data)
 
 
 def extract_libraries(package: Path, libraries: dict[str, Path]) -> None:
@@ -290,23 +308,6 @@ def write_credits(models: Iterable[Model], path: str | Path) -> None:
                 )
 
 
-def file_sha256(path: Path) -> str:
-    """Hash a file.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file.
-
-    Returns
-    -------
-    str
-        SHA-256, hexadecimal.
-    """
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
 def _debian_address() -> str | None:
     """Ask apt where the package lies; None where there is no apt, or it doesn't know the package."""
     apt = shutil.which("apt-get")
@@ -333,36 +334,6 @@ def _debian_data(package: Path) -> bytes:
                 return stream.read(size)
             stream.seek(size + size % 2, io.SEEK_CUR)
     raise DownloadError(f"{package} has no data; delete it and run again.")
-
-
-def _append(address: str, part: Path) -> None:
-    import requests
-    from tqdm import tqdm
-
-    have = part.stat().st_size if part.exists() else 0
-    headers = {"Range": f"bytes={have}-"} if have else {}
-    with closing(requests.get(address, headers=headers, stream=True, timeout=60)) as answer:
-        if answer.status_code == requests.codes.requested_range_not_satisfiable:
-            return
-        answer.raise_for_status()
-        resumed = answer.status_code == requests.codes.partial_content
-        total = int(answer.headers.get("content-length", 0)) + (have if resumed else 0)
-        if total > _LARGEST_ARCHIVE_BYTES:
-            raise DownloadError(
-                f"{address} has {total / 1e6:.0f} MB; that is not the pinned archive."
-            )
-        with (
-            part.open("ab" if resumed else "wb") as stream,
-            tqdm(
-                desc=part.stem, total=total, initial=have if resumed else 0,
-                unit="B", unit_scale=True, disable=None,
-            ) as bar,
-        ):  # fmt: skip
-            for chunk in answer.iter_content(_CHUNK_BYTES):
-                stream.write(chunk)
-                bar.update(len(chunk))
-                if stream.tell() > _LARGEST_ARCHIVE_BYTES:
-                    raise DownloadError(f"{address} does not end; that is not the pinned archive.")
 
 
 def _replace_with(path: Path, data: bytes) -> None:

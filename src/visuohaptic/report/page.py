@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.resources import files as package_files
-from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import find_warnings
-from visuohaptic.report.extras import EXTRAS, ExtraTable, read_extra
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import Track, describe_objects
 from visuohaptic.report.provenance import phase_seconds
@@ -52,7 +48,6 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         if values is not None:
             template = environment.get_template(f"{section.name}.html.jinja")
             bodies.append((section.name, section.title, template.render({**shared, **values})))
-        bodies += _extra_bodies(environment, run, section.name)
     has_models = any(page.model is not None for page in story.pages)
     return environment.get_template("page.html.jinja").render(
         bodies=bodies,
@@ -95,20 +90,6 @@ def make_environment() -> Environment:
 def _most_marks(story: Story) -> int:
     numbers = (mark.number for page in story.pages for view in page.views for mark in view.marks)
     return max(numbers, default=0)
-
-
-def _extra_bodies(environment: Environment, run: Run, place: str) -> list[tuple[str, str, str]]:
-    tables: Mapping[str, ExtraTable | None] = {
-        extra.name: read_extra(extra, Path(run.files.extras[extra.name]))
-        for extra in EXTRAS
-        if extra.after == place and extra.name in run.files.extras
-    }
-    template: Any = environment.get_template("extra.html.jinja")
-    return [
-        (table.extra.name, table.extra.title, template.render(table=table))
-        for table in tables.values()
-        if table is not None
-    ]
 
 
 def _text(name: str) -> str:

@@ -51,7 +51,7 @@ class RunFiles:
     checkout : path
         A folder within the source's checkout.
     extras : mapping of str to path
-        Tables of phases that not every run has, by section (see `extras.EXTRAS`).
+        Tables of studies that not every run has, by name.
     """
 
     metrics: str | Path

@@ -20,7 +20,6 @@ EXTRAS = {
     "effect_accuracy": "results/effect_accuracy.parquet",
     "touch_curves": "results/touch_curves.parquet",
     "touches_needed": "results/touches_needed.parquet",
-    "resolution": "benchmarks/resolution.json",
     "cost": "results/cost.parquet",
     "stability": "reports/stability.json",
     "precision": "reports/precision.json",
