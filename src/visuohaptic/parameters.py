@@ -28,6 +28,11 @@ class WorkflowParameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     views_per_job: int = Field(16, ge=1, description="Viewpoints that one job covers")
+    conditions_per_job: int | None = Field(
+        None,
+        ge=1,
+        description="Conditions of a study that one job covers; null for an eighth, at most 25",
+    )
     warm_starts: bool = Field(
         True,  # noqa: FBT003 - a field's default
         description="Whether local jobs are forks of one process that has imported what they need (Linux)",

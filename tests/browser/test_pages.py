@@ -1,6 +1,5 @@
 """The report and the comparison in a real browser, as different readers meet them."""
 
-
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from browser.conftest import DESK, PHONE, SCREENSHOTS

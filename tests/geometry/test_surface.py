@@ -8,6 +8,7 @@ from visuohaptic.geometry.surface import (
     Surface,
     read_surface,
     set_aside_reason,
+    usable_meshes,
     write_set_aside,
     write_surface,
 )
@@ -98,3 +99,9 @@ def test_an_object_that_is_set_aside_says_why(tmp_path):
 def test_an_object_that_takes_part_has_no_reason(tetrahedron, tmp_path):
     write_surface(tetrahedron, tmp_path / "a.ply")
     assert set_aside_reason(tmp_path / "a.ply") is None
+
+
+def test_meshes_of_objects_that_were_set_aside_are_not_usable(tetrahedron, tmp_path):
+    write_surface(tetrahedron, tmp_path / "a.ply")
+    write_set_aside(tmp_path / "b.ply", "b.obj has no faces.")
+    assert usable_meshes([tmp_path / "b.ply", tmp_path / "a.ply"]) == [tmp_path / "a.ply"]

@@ -9,6 +9,7 @@ from visuohaptic.recognition.intervals import (
     balanced_interval,
     compare_paired,
     expanded_tail,
+    holm,
     object_interval,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -107,3 +108,9 @@ def test_p_values_of_the_sampled_test_are_uniform_where_nothing_differs():
     ]
     # Three standard errors of a share of .05 over 400 trials are .033.
     assert abs(np.mean(np.array(p_values) <= 0.05) - 0.05) < 0.033
+
+
+def test_holm_as_by_hand():
+    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
+    assert holm([0.9, 0.8]) == pytest.approx([1.0, 1.0])
+    assert holm([]) == []

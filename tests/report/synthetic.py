@@ -76,6 +76,30 @@ def lay_out(folder, objects=OBJECTS):
     return folder
 
 
+def write_study(folder, name, rows, **columns):
+    """Write a study's figures of (condition, accuracy, compared with, difference), and give the folder."""
+    missing = [row[1] is None for row in rows]
+
+    def shifted(place, by):
+        return [None if row[place] is None else row[place] + by for row in rows]
+
+    figures = {
+        "study": name, "title": name.capitalize(), "pipeline": "paper", "strategy": "fixation",
+        "classifier": "support_vector_machine", "condition": [row[0] for row in rows],
+        "place": list(range(len(rows))), "accuracy": shifted(1, 0), "low": shifted(1, -0.1),
+        "high": shifted(1, 0.1), "compared_with": [row[2] for row in rows], "difference": shifted(3, 0),
+        "difference_low": shifted(3, -0.02), "difference_high": shifted(3, 0.03),
+        "p_value": [None if row[3] is None else 0.5 for row in rows],
+        "adjusted_p": [None if row[3] is None else 1.0 for row in rows],
+        "objects": [None if gone else 12 for gone in missing], "remade": "touches",
+        "seconds": [None if gone else 2.0 for gone in missing],
+        "error": ["too small." if gone else None for gone in missing],
+    }  # fmt: skip
+    table = build_table(SCHEMAS["study_figures"], {**figures, **columns})
+    write_table(SCHEMAS["study_figures"], table, folder / f"{name}.parquet")
+    return folder
+
+
 def ball(rings):
     """Give a unit ball of quadrilaterals cut in two, its halves red and blue."""
     heights, turns = np.meshgrid(

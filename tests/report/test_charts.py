@@ -10,11 +10,11 @@ def test_marks_lie_at_their_percentages():
         ("two", {"fixation": Figure(1.0, 0.9, 1.0)}, {"fixation": 0.9345, "random": 0.8}),
     ]
     chart = interval_chart(rows, ("fixation", "random"), reference=0.25)
-    here = [mark for mark in chart.marks if not mark.published]
-    published = [mark for mark in chart.marks if mark.published]
+    here = [mark for mark in chart.marks if not mark.kind]
+    published = [mark for mark in chart.marks if mark.kind == "published"]
     assert [mark.x for mark in here] == [50.0, 25.0, 100.0]
-    assert (here[0].low, here[0].high) == (40.0, 70.0)
-    assert here[1].low is None
+    assert (here[0].left, here[0].right) == (40.0, 70.0)
+    assert here[1].left is None
     assert [mark.x for mark in published] == [93.45, 80.0]
     assert published[0].y == here[2].y
     assert chart.reference == 25.0

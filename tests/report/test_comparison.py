@@ -1,8 +1,6 @@
 """Sentences follow the figures."""
 
-import pytest
-
-from visuohaptic.report.comparison import agreement, answer, holm, merge_notes, read_tables
+from visuohaptic.report.comparison import agreement, answer, merge_notes, read_tables
 
 
 def interval(mean, half=0.05):
@@ -56,12 +54,6 @@ def table(fixation=(0.93, 0.3), random=(0.8, 0.4), p_values=(0.001, 0.6)):
     return read_tables(
         metrics(*(dict(zip(names, values, strict=True)) for values in (fixation, random, p_values)))
     )[0]
-
-
-def test_holm_as_by_hand():
-    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
-    assert holm([0.9, 0.8]) == pytest.approx([1.0, 1.0])
-    assert holm([]) == []
 
 
 def test_rows_follow_the_published_table():

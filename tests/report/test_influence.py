@@ -2,14 +2,14 @@
 
 import pytest
 from report.pages import read_page
-from report.synthetic import OBJECTS, PARAMETERS, write_run
+from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
 
-from visuohaptic.report.influence import accuracy_rows, hard_places, influence_figures
+from visuohaptic.report.influence import hard_places, influence_figures
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.sensor import CONTACT_STATES, hard_probes
 from visuohaptic.tables.schema import build_table, write_table
-from visuohaptic.tables.studies import EFFECT_ACCURACY, EFFECT_INFLUENCE
+from visuohaptic.tables.studies import EFFECT_INFLUENCE
 
 
 @pytest.fixture
@@ -28,22 +28,6 @@ def influence(tmp_path):
     return path
 
 
-@pytest.fixture
-def accuracy(tmp_path):
-    rows = [
-        ("ideal", "nothing", 0.6, 0.5, 0.7),
-        ("ideal", "adaptive_size", 0.55, 0.4, 0.7),
-        ("worn_fsr", "nothing", 0.5, 0.4, 0.6),
-        ("worn_fsr", "noise", 0.52, 0.4, 0.6),
-    ]
-    names = ("scene", "without", "accuracy", "low", "high")
-    columns = {name: [row[place] for row in rows] for place, name in enumerate(names)}
-    columns |= {"strategy": "fixation", "pipeline": "paper", "classifier": "support_vector_machine"}
-    path = tmp_path / "effect_accuracy.parquet"
-    write_table(EFFECT_ACCURACY, build_table(EFFECT_ACCURACY, columns), path)
-    return path
-
-
 def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence):
     figures = influence_figures(influence, "ideal")
     assert (figures.touches, figures.views) == (500, 8)
@@ -55,17 +39,9 @@ def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence)
     assert figures.view[1].milliseconds_always == pytest.approx(50.0)
 
 
-def test_leaving_an_effect_out_is_told_as_a_change(accuracy):
-    (rows,) = accuracy_rows(accuracy).values()
-    assert [row.without for row in rows] == ["nothing", "adaptive_size", "noise"]
-    assert rows[1].change == {"ideal": pytest.approx(-0.05)}
-    assert rows[2].change == {"worn_fsr": pytest.approx(0.02)}
-
-
 def test_what_was_not_measured_has_no_figures(tmp_path):
     assert influence_figures(None, "ideal") is None
     assert influence_figures(tmp_path / "none.parquet", "ideal") is None
-    assert accuracy_rows(tmp_path / "none.parquet") == {}
 
 
 def test_every_hard_place_has_a_picture_a_size_and_a_state():
@@ -79,13 +55,16 @@ def test_every_hard_place_has_a_picture_a_size_and_a_state():
 
 
 @pytest.mark.slow
-def test_the_page_shows_hard_places_and_the_figures_that_are_there(tmp_path, influence, accuracy):
+def test_the_page_shows_hard_places_and_the_figures_that_are_there(tmp_path, influence):
     files = write_run(tmp_path)
     bare = read_page(render_page(read_run(files, PARAMETERS, OBJECTS)))
     assert "cone, tip" in bare.text
-    assert "Left out" not in bare.text
+    assert "Each scene without an effect" not in bare.text
     assert "ms always" not in bare.text
-    extras = {"effect_influence": influence, "effect_accuracy": accuracy}
+    rows = [("ideal", 0.6, None, None), ("worn_fsr", 0.5, None, None)]
+    rows += [("worn_fsr without noise", 0.52, "worn_fsr", 0.02)]
+    folder = write_study(tmp_path / "studies", "effects", rows)
+    extras = {"effect_influence": influence, "studies": folder}
     measured = RunFiles(**{**vars(files), "extras": extras})
     page = read_page(render_page(read_run(measured, PARAMETERS, OBJECTS)))
     assert page.mismatches == []
@@ -93,5 +72,6 @@ def test_the_page_shows_hard_places_and_the_figures_that_are_there(tmp_path, inf
     assert "500 touches took 0.10 s of effects as this run simulates them, and 0.50 s" in text
     assert "adaptive size 200.0 400.0 25.0 % \u2013 \u2013" in text
     assert "cast shadows 0.00 50.00 0.3 %" in text
-    assert "nothing 60.0 % 50.0 % to 70.0 % \u2013 50.0 % 40.0 % to 60.0 %" in text
-    assert "noise \u2013 \u2013 +2.0" in text
+    assert "Each scene without an effect is compared with the whole scene" in text
+    assert "Worn fsr 50.0 % 40.0 % to 60.0 %" in text
+    assert "Worn fsr without noise 52.0 % 42.0 % to 62.0 % +2.0" in text

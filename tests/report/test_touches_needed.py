@@ -2,13 +2,14 @@
 
 import pytest
 from report.pages import read_page
-from report.synthetic import OBJECTS, PARAMETERS, write_run
+from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
 
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.touches_needed import HEIGHT, curve_figures, verdict
+from visuohaptic.studies.curves.settings import touches_name
 from visuohaptic.tables.schema import build_table, write_table
-from visuohaptic.tables.studies import TOUCH_CURVES, TOUCHES_NEEDED
+from visuohaptic.tables.studies import TOUCHES_NEEDED
 
 KEYS = {"pipeline": "best", "classifier": "support_vector_machine"}
 
@@ -52,17 +53,12 @@ def write_tables(folder, rows=BEHIND):
         for one in rows
         for count in (1, 2)
     ]
-    curve = {
-        "strategy": [strategy for strategy, _, _ in points],
-        "touches": [count for _, count, _ in points],
-        "accuracy": [mean for _, _, mean in points],
-        "low": [mean - 0.08 for _, _, mean in points],
-        "high": [mean + 0.08 for _, _, mean in points],
-    }
-    write_table(
-        TOUCH_CURVES, build_table(TOUCH_CURVES, {**KEYS, **curve}), folder / "curves.parquet"
-    )
-    return folder / "curves.parquet", folder / "needed.parquet"
+    write_study(
+        folder / "studies", "curves", [(touches_name(count), mean, None, None) for _, count, mean in points],
+        **KEYS, strategy=[strategy for strategy, _, _ in points],
+        place=[count - 1 for _, count, _ in points],
+    )  # fmt: skip
+    return folder / "studies", folder / "needed.parquet"
 
 
 def told(rows):
@@ -129,7 +125,7 @@ def test_the_page_shows_the_curves_where_they_were_measured(tmp_path):
     curves, needed = write_tables(tmp_path)
     files = write_run(tmp_path / "run")
     without = render_page(read_run(files, PARAMETERS, OBJECTS))
-    extras = {"touch_curves": curves, "touches_needed": needed}
+    extras = {"studies": curves, "touches_needed": needed}
     measured = RunFiles(**{**vars(files), "extras": extras})
     page = render_page(read_run(measured, PARAMETERS, OBJECTS))
     assert 'id="touches_needed"' not in without

@@ -15,7 +15,7 @@ from small_experiment import SMALL_OBJECTS, copy_experiment, set_parameters
 
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "meshes/paper", "meshes/own", "profiles",
+    "workflow", "src", "meshes/paper", "meshes/own", "profiles", "studies",
 )  # fmt: skip
 SMALL = {
     "viewpoints": {"count": 2},

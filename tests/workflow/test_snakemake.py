@@ -119,7 +119,9 @@ def test_figures_of_the_effects_are_made_on_request_and_then_kept(experiment):
     assert experiment.planned() == {"report": 1}
     experiment.set(sensor={"largest_size": 0.25})
     planned = experiment.planned()
-    assert planned["effect_influence"] == planned["effect_accuracy"] == 1
+    assert planned["effect_influence"] == 1
+    assert planned["features_of_study"] == 22
+    assert planned["block_of_study"] == 8
 
 
 def test_a_changed_mesh_reruns_its_object_and_what_follows(experiment):

@@ -37,18 +37,17 @@ def test_no_output_of_a_stage_persists(stage):
     assert "persist" not in str(STAGES[stage])
 
 
-# Made beside the experiment, by `snakemake effects_all`, `cost_all` and their like.
+# Studies are made on request; studies/dvc.yaml has their stages.
 ASIDE = {
     "workflow/scripts/cost.py",
-    "workflow/scripts/cost_errors.py",
     "workflow/scripts/cost_seconds.py",
-    "workflow/scripts/ablation.py",
-    "workflow/scripts/ablations.py",
-    "workflow/scripts/curve_features.py",
-    "workflow/scripts/curves.py",
-    "workflow/scripts/touches_needed.py",
-    "workflow/scripts/effect_accuracy.py",
     "workflow/scripts/effect_influence.py",
+    "workflow/scripts/study_adaptive.py",
+    "workflow/scripts/study_block.py",
+    "workflow/scripts/study_candidates.py",
+    "workflow/scripts/study_features.py",
+    "workflow/scripts/study_figures.py",
+    "workflow/scripts/touches_needed.py",
 }
 
 

@@ -11,8 +11,6 @@ from visuohaptic.errors import VisuohapticError
 from visuohaptic.meshes.catalogue import companions, find_own_models, models_of_set
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
-from visuohaptic.studies.ablations.settings import ABLATIONS
-from visuohaptic.studies.cost.settings import FAMILIES
 from visuohaptic_workflow.brought_files import judge_brought_files
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
@@ -127,27 +125,6 @@ def scores_of(table, suffix="parquet"):
     )
 
 
-def sources_of_ablation(table):
-    """Give what lists the files of a table for the ablations that start from it."""
-    started_from = {
-        "nothing": ("features",),
-        "descriptors": ("features", "touches"),
-        "touches": ("meshes", "fixations"),
-        "views": ("meshes",),
-    }
-    files = (
-        expand("results/meshes/{object}.ply", object=OBJECTS)
-        if table == "meshes"
-        else parts_of(table)
-    )
-
-    def sources(wildcards):
-        remade = ABLATIONS[wildcards.ablation].remade
-        return files if table in started_from[remade] else []
-
-    return sources
-
-
 def code_of(script):
     """List a script and the modules that it runs: an edit in one of them reruns its jobs."""
     file = Path(workflow.basedir, "workflow/scripts", script)
@@ -159,7 +136,7 @@ def all_cores(wildcards):
     return workflow.cores if workflow.local_exec else 1
 
 
-# Rules whose wildcards stand for other values than in the rest.
+# Rules whose wildcards stand for other values than in the rest, or that list their jobs' wildcards.
 VALUES_OF_RULES = {}
 
 

@@ -60,10 +60,8 @@ rule report:
         measured=[
             file
             for file in [
-                *EFFECT_FIGURES,
-                *CURVE_FIGURES,
-                *ABLATION_FIGURES,
-                *COST_FIGURES,
+                *STUDY_FIGURES,
+                *SPECIAL_FIGURES,
                 *CHECKS_AND_BENCHMARKS,
             ]
             if Path(file).exists()
@@ -85,14 +83,12 @@ rule report:
         optional={
             "logs": "logs",
             "extras": {
+                "studies": "results/studies",
                 "effect_influence": "results/effect_influence.parquet",
-                "effect_accuracy": "results/effect_accuracy.parquet",
-                "touch_curves": "results/touch_curves.parquet",
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",
                 "stability": "reports/stability.json",
                 "precision": "reports/precision.json",
-                "ablations": "results/ablations.parquet",
             },
         },
     message:

@@ -1,12 +1,13 @@
 """Weigh accuracy against time, and mark the front."""
 
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.cost.files import make_cost
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
     make_cost(
-        errors=snakemake.input.errors,
+        parts=snakemake.input.parts,
         seconds=snakemake.input.seconds,
-        output=snakemake.output.cost,
-        metrics=snakemake.output.metrics,
+        output=snakemake.output[0],
+        run=ExperimentParameters.from_mapping(snakemake.params.parameters),
     )

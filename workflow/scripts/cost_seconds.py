@@ -7,7 +7,8 @@ from visuohaptic_workflow.jobs import job
 with job(snakemake):
     make_cost_seconds(
         meshes=snakemake.input.meshes,
-        described=dict(zip(snakemake.params.families, snakemake.input.described, strict=True)),
+        features=snakemake.input.features,
+        made=dict(zip(snakemake.params.remade, snakemake.input.made, strict=True)),
         output=snakemake.output[0],
-        parameters=ExperimentParameters.from_mapping(snakemake.params.parameters),
+        run=ExperimentParameters.from_mapping(snakemake.params.parameters),
     )

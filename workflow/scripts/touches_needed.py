@@ -6,10 +6,9 @@ from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
     make_touches_needed(
-        curves=snakemake.input.curves,
-        points=snakemake.output.points,
+        parts=snakemake.input.parts,
         needed=snakemake.output.needed,
-        figures=snakemake.output.figures,
+        metrics=snakemake.output.metrics,
         intervals=IntervalParameters(**snakemake.params.intervals),
         seed=snakemake.params.seed,
     )

@@ -23,27 +23,33 @@ _KEPT = (*FEATURES.keys, *KINESTHETIC_FEATURES, "sensor_size", "contact_state")
 def describe_imprints(
     imprints: NDArray[np.float32], parameters: FeatureParameters
 ) -> NDArray[np.float64]:
-    """Give the standard deviation of each of the 16 directional sub-bands of each imprint.
+    """Describe imprints: by default the deviation of each of 16 directional sub-bands.
 
     Parameters
     ----------
     imprints : numpy.ndarray
         Shape (n, r, r), float32, in [0, 1].
     parameters : FeatureParameters
-        Filters and extension.
+        Descriptor, filters and extension.
 
     Returns
     -------
     numpy.ndarray
-        Shape (n, 16), float64; each row depends on its own imprint alone.
+        Shape (n, k), float64, k at most 16; each row depends on its own imprint alone.
 
     Raises
     ------
     ParameterError
         If imprints of this resolution can't be divided into 16 bands.
     """
-    from visuohaptic.contourlet import LevelsError, directional_deviations
+    from visuohaptic.contourlet import LevelsError, directional_deviations, wavelet_deviations
 
+    if parameters.descriptor == "image_statistics":
+        return describe_imprint_shape(imprints)
+    if parameters.descriptor == "wavelet":
+        return wavelet_deviations(imprints, "db2", 3)
+    if parameters.descriptor == "nonsubsampled_contourlet":
+        return nonsubsampled_deviations(imprints)
     try:
         return directional_deviations(
             imprints,
@@ -59,6 +65,14 @@ def describe_imprints(
         ) from None
 
 
+def nonsubsampled_deviations(imprints: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Give the deviations (N - 1) of a nonsubsampled contourlet's 16 bands: (n, r, r) to (n, 16)."""
+    from visuohaptic.contourlet import NonsubsampledContourlet
+
+    bands = NonsubsampledContourlet(levels=(4,)).forward(imprints.astype(np.float64)).levels[0]
+    return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
+
+
 def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Table:
     """Give the features of touches.
 
@@ -72,11 +86,13 @@ def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Tab
     Returns
     -------
     pyarrow.Table
-        Rows of `tables.FEATURES`, in the same order; each depends on its own touch alone.
+        Rows of `tables.FEATURES`, in the same order; each depends on its own touch alone. Where the
+        descriptor has fewer than 16 numbers, the rest of the columns ``contourlet_…`` are 0.
     """
     imprints = images(touches)
     columns: dict[str, object] = {name: touches.column(name) for name in _KEPT}
     deviations = describe_imprints(imprints, parameters)
-    columns |= dict(zip(CONTOURLET_FEATURES, deviations.T, strict=True))
+    padding = ((0, 0), (0, len(CONTOURLET_FEATURES) - deviations.shape[1]))
+    columns |= dict(zip(CONTOURLET_FEATURES, np.pad(deviations, padding).T, strict=True))
     columns |= dict(zip(IMPRINT_FEATURES, describe_imprint_shape(imprints).T, strict=True))
     return build_table(FEATURES, columns)

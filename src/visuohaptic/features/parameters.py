@@ -12,6 +12,13 @@ class FeatureParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    descriptor: Literal["contourlet", "nonsubsampled_contourlet", "wavelet", "image_statistics"] = (
+        Field(
+            "contourlet",
+            description="What describes an imprint: deviations of 16 contourlet bands, of 16 bands of a "
+            "nonsubsampled contourlet, of 9 bands of a wavelet (db2, three levels), or 13 statistics of the imprint",
+        )
+    )
     pyramid_filter: Literal["9-7", "5-3", "haar"] = Field(
         "9-7", description="Filters of the Laplacian pyramid"
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.attention.model import Attention
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.fixations.locations import locate, look
+from visuohaptic.fixations.locations import locate_all, look
 from visuohaptic.fixations.parameters import (
     ProbingParameters,
     RenderingParameters,
@@ -76,10 +76,7 @@ def make_fixations(
     seen, attentions = looks[0].seen, [one.attended for one in looks]
     write_table(VIEWS, _view_table(key, cameras, seen, attentions), views)
     write_table(EFFECTS, effect_table(key, block[0], "any", seen.effects), effects)
-    tables = [
-        locate(one, strategy, attention, seed) for one in looks for strategy in probing.strategies
-    ]
-    write_table(FIXATIONS, pa.concat_tables(tables), fixations)
+    write_table(FIXATIONS, locate_all(looks, probing, attention, seed), fixations)
 
 
 def _view_table(

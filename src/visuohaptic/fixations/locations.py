@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import pyarrow as pa
 from visuohaptic.attention.model import Attention, attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
-from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.parameters import ProbingParameters, RenderingParameters
 from visuohaptic.fixations.probing import (
     STRATEGIES,
     ProbingLocations,
@@ -134,6 +134,57 @@ def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) 
     if isinstance(chosen, ProbingLocations):
         return _location_table(one, strategy, chosen, _blind(chosen))
     return _path_table(one, strategy, chosen)
+
+
+def locate_all(
+    looks: Iterable[Look], probing: ProbingParameters, attention: AttentionParameters, seed: int
+) -> pa.Table:
+    """Choose where to touch from several viewpoints, by every strategy.
+
+    Parameters
+    ----------
+    looks : iterable of Look
+        The viewpoints, at least one.
+    probing, attention
+        Sections of the parameters.
+    seed : int
+        The experiment's seed.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.FIXATIONS`.
+    """
+    tables = [
+        locate(one, strategy, attention, seed) for one in looks for strategy in probing.strategies
+    ]
+    if probing.when_exhausted == "begin_again":
+        tables = [begin_again(table, attention.fixations) for table in tables]
+    return pa.concat_tables(tables)
+
+
+def begin_again(sequence: pa.Table, touches: int) -> pa.Table:
+    """Make a sequence as long as asked for by starting again at its first location.
+
+    Parameters
+    ----------
+    sequence : pyarrow.Table
+        Rows of `tables.FIXATIONS` of one sequence, in order.
+    touches : int
+        How many rows to give.
+
+    Returns
+    -------
+    pyarrow.Table
+        So many rows; none where there was none.
+    """
+    if not sequence.num_rows:
+        return sequence
+    again = sequence.take([number % sequence.num_rows for number in range(touches)])
+    place = again.schema.get_field_index("touch")
+    return again.set_column(
+        place, again.schema.field("touch"), pa.array(range(touches), pa.int32())
+    )
 
 
 def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:

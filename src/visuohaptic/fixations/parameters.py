@@ -111,3 +111,8 @@ class ProbingParameters(BaseModel):
     strategies: tuple[StrategyName, ...] = Field(
         ("fixation", "random"), min_length=1, description="Strategies to compare"
     )
+    when_exhausted: Literal["stop", "begin_again"] = Field(
+        "stop",
+        description="What a sequence does where a view has no further place: it stays shorter, or it starts "
+        "again at its first place",
+    )

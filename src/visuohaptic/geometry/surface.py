@@ -7,7 +7,7 @@ import json
 import shutil
 import tempfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -100,6 +100,22 @@ def set_aside_reason(path: str | Path) -> str | None:
         if line.startswith(start):
             return str(json.loads(line[len(start) :]))
     return None
+
+
+def usable_meshes(paths: Iterable[str | Path]) -> list[Path]:
+    """List the mesh files of objects that take part, in the given order.
+
+    Parameters
+    ----------
+    paths : iterable of path
+        PLY files, some of objects that were set aside.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The others.
+    """
+    return [path for path in map(Path, paths) if set_aside_reason(path) is None]
 
 
 def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None:

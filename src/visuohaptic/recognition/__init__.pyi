@@ -1,5 +1,3 @@
-from .curves import TouchCurve as TouchCurve
-from .curves import touch_curves as touch_curves
 from .experiment import run_pipeline as run_pipeline
 from .model import RecognitionModel as RecognitionModel
 from .model import fit_model as fit_model
@@ -15,7 +13,6 @@ __all__ = [
     "Confusion",
     "RecognitionModel",
     "RecognitionParameters",
-    "TouchCurve",
     "confusion",
     "fit_model",
     "load_model",
@@ -23,5 +20,4 @@ __all__ = [
     "save_model",
     "select",
     "summarise",
-    "touch_curves",
 ]

@@ -44,7 +44,7 @@ class Standardiser:
 
 @dataclass(frozen=True)
 class FeatureGroups:
-    """Groups of features that a map over the features found.
+    """Groups of features that a map over the features found; without a map a group each.
 
     Attributes
     ----------
@@ -126,12 +126,13 @@ def fit_sequence_encoder(
     touch_scaling = fit_standardiser(touches, parameters.touch_scaling)
     settings = parameters.self_organising_map
     reduction = _fit_reduction(touch_scaling.apply(touches), settings, generator)
+    outputs = touches.shape[1] if settings.output == "none" else settings.outputs
     unscaled = SequenceEncoder(
         touch_scaling,
         reduction,
         settings,
         parameters.sequence,
-        _identity(settings.outputs * (1 + parameters.sequence.levels) * 3),
+        _identity(outputs * (1 + parameters.sequence.levels) * 3),
     )
     feature_scaling = fit_standardiser(unscaled.encode(sequences), parameters.sequence_scaling)
     return SequenceEncoder(touch_scaling, reduction, settings, parameters.sequence, feature_scaling)
@@ -159,6 +160,8 @@ def _fit_reduction(
     settings: SelfOrganisingMapParameters,
     generator: np.random.Generator,
 ) -> SelfOrganisingMap | FeatureGroups:
+    if settings.output == "none":
+        return FeatureGroups(np.eye(touches.shape[1]))
     if settings.output == "lattice":
         places = lattice(settings.outputs, settings.lattice_levels)
         return _fit_map(touches, places, settings, generator)

@@ -212,8 +212,11 @@ def gather_pipeline(
     RecognitionError
         If there is no such pipeline, or the features don't allow it.
     """
+    bands = _described(features)
     if pipeline == "paper":
-        return gather_sequences(features, PAPER_FEATURES, parameters.touches)
+        cues = {"cutaneous": bands, "kinesthetic": KINESTHETIC_FEATURES}
+        names = [name for cue, names in cues.items() if cue in parameters.cues for name in names]
+        return gather_sequences(features, names, parameters.touches)
     if pipeline != "best":
         raise RecognitionError(f"There is no pipeline {pipeline}; paper and best are allowed.")
     features = spread_contact_states(features)
@@ -222,7 +225,19 @@ def gather_pipeline(
         for name in features.column_names
         if name.startswith(("imprint_", "contact_")) or name == "sensor_size"
     ]
-    return gather_sequences(features, (*PAPER_FEATURES, *extra), parameters.touches)
+    return gather_sequences(features, (*bands, *KINESTHETIC_FEATURES, *extra), parameters.touches)
+
+
+def _described(features: pa.Table) -> tuple[str, ...]:
+    """Name the columns ``contourlet_…`` that the descriptor of the imprint fills; the others are 0."""
+    import pyarrow.compute as pc
+
+    present = [name for name in CONTOURLET_FEATURES if name in features.column_names]
+    ends = [pc.min_max(features.column(name)).as_py() for name in present]
+    filled = [bool(end["min"] or end["max"]) for end in ends]
+    # A band may be 0 by chance; only those after the last filled one are not the descriptor's.
+    last = max((place for place, one in enumerate(filled, start=1) if one), default=len(present))
+    return tuple(present[:last])
 
 
 def _split_runner(

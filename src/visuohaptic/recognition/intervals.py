@@ -7,6 +7,7 @@ with other test objects of the same kind, not with other training.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -184,3 +185,24 @@ def compare_paired(
     reached = np.abs(signs @ parts) >= np.abs(parts.sum()) - 1e-12
     p_value = reached.mean() if exact else (reached.sum() + 1) / (len(signs) + 1)
     return PairedComparison(interval, float(p_value), len(parts), exact)
+
+
+def holm(p_values: Sequence[float]) -> list[float]:
+    """Adjust p values for their number (S. Holm, Scand. J. Statist. 6:65-70, 1979).
+
+    Parameters
+    ----------
+    p_values : sequence of float
+        One a hypothesis.
+
+    Returns
+    -------
+    list of float
+        Adjusted p values in the same order, at most 1.
+    """
+    adjusted = [0.0] * len(p_values)
+    largest = 0.0
+    for rank, place in enumerate(sorted(range(len(p_values)), key=lambda k: p_values[k])):
+        largest = max(largest, min(1.0, (len(p_values) - rank) * p_values[place]))
+        adjusted[place] = largest
+    return adjusted

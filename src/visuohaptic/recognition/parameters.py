@@ -34,12 +34,13 @@ class _Section(BaseModel):
 class SelfOrganisingMapParameters(_Section):
     """The map that reduces a touch's 22 features to five."""
 
-    output: Literal["unit_distances", "one_hot", "lattice", "feature_groups"] = Field(
+    output: Literal["unit_distances", "one_hot", "lattice", "feature_groups", "none"] = Field(
         "unit_distances",
         description="What the five numbers of a touch are; `unit_distances`: its distance to each "
         "of five units; `one_hot`: 1 for the nearest of five units and 0 for the others; "
         "`lattice`: the nearest unit's place on a lattice of five axes; `feature_groups`: the "
-        "means of five groups of features, found by a map over the features",
+        "means of five groups of features, found by a map over the features; `none`: there is no "
+        "map, and a touch keeps all its features",
     )
     outputs: int = Field(5, ge=2, le=8, description="Numbers that are left of a touch")
     lattice_levels: int = Field(
@@ -176,6 +177,11 @@ class RecognitionParameters(_Section):
         ),
         min_length=1,
         description="Classifiers to compare (pipeline `paper`)",
+    )
+    cues: tuple[Literal["cutaneous", "kinesthetic"], ...] = Field(
+        ("cutaneous", "kinesthetic"),
+        min_length=1,
+        description="What is known of a touch: what the skin feels, and where it is (pipeline `paper`)",
     )
     touches: int | None = Field(
         5, ge=1, description="Touches of a sequence that are used, the first ones; null for all"

@@ -5,7 +5,9 @@ Along a chart places are percentages of its width, so that text keeps its size o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from visuohaptic.report.comparison import Figure
@@ -15,6 +17,9 @@ LABEL_HEIGHT = 24
 SERIES_HEIGHT = 18
 ROW_GAP = 10
 AXIS_HEIGHT = 28
+
+STEPS = (1, 2, 5)
+"""Ticks of each decade of a logarithmic axis."""
 
 
 @dataclass(frozen=True)
@@ -31,19 +36,118 @@ class Mark:
         Its place down the chart, pixels.
     label : str
         What it says when pointed at.
-    low, high : float or None
-        Ends of its interval, percent of the width.
-    published : bool
-        Whether it is a published value, drawn hollow.
+    left, right : float or None
+        Ends of its interval along the chart, percent of the width.
+    high, low : float or None
+        Ends of its interval down the chart, pixels.
+    kind : str
+        What it is beside its series, such as ``published``; it gives its shape.
     """
 
     series: int
     x: float
     y: float
     label: str
-    low: float | None = None
+    left: float | None = None
+    right: float | None = None
     high: float | None = None
-    published: bool = False
+    low: float | None = None
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One value of a series, in the units of its axes; `aside` moves it, percent of the width."""
+
+    x: float
+    y: float
+    label: str
+    x_ends: tuple[float, float] | None = None
+    y_ends: tuple[float, float] | None = None
+    kind: str = ""
+    aside: float = 0.0
+
+
+@dataclass(frozen=True)
+class PointChart:
+    """Series of points over two axes.
+
+    Attributes
+    ----------
+    height : int
+        Pixels, the axis across included.
+    bottom : int
+        Where the axis across stands, pixels.
+    x_ticks, y_ticks : tuple of (float, str)
+        Places and texts.
+    lines : tuple of (int, float, float, float, float)
+        Series, x1, y1, x2 and y2.
+    marks : tuple of Mark
+        Those that stand on top come last.
+    """
+
+    height: int
+    bottom: int
+    x_ticks: tuple[tuple[float, str], ...]
+    y_ticks: tuple[tuple[float, str], ...]
+    lines: tuple[tuple[int, float, float, float, float], ...]
+    marks: tuple[Mark, ...]
+
+
+class LogAxis:
+    """A logarithmic axis whose ends are ticks; of its values, those above 0 count."""
+
+    def __init__(self, values: Sequence[float]) -> None:
+        positive = [value for value in values if value > 0]
+        self.low = _step_below(min(positive))
+        self.high = _step_above(max(positive))
+
+    def share(self, value: float) -> float:
+        """Give a value's place, 0 to 1."""
+        place = math.log(value / self.low) / math.log(self.high / self.low)
+        return min(max(place, 0.0), 1.0)
+
+    def ticks(self) -> list[float]:
+        """Give the ticks, both ends among them."""
+        first, last = (math.floor(math.log10(end)) for end in (self.low, self.high))
+        steps = [step * 10.0**power for power in range(first, last + 1) for step in STEPS]
+        return [step for step in steps if self.low * 0.999 <= step <= self.high * 1.001]
+
+
+Place = Callable[[float], float]
+
+
+def place_points(
+    series: Sequence[Sequence[Point]], x_of: Place, y_of: Place, top: str = ""
+) -> tuple[tuple[Mark, ...], tuple[tuple[int, float, float, float, float], ...]]:
+    """Place series of points, each joined by lines.
+
+    Parameters
+    ----------
+    series : sequence of sequence of Point
+        Points in the order in which they are joined.
+    x_of, y_of : callable
+        Place of a value, in percent of the width and in pixels.
+    top : str
+        Marks of this kind are drawn last.
+
+    Returns
+    -------
+    marks : tuple of Mark
+        A mark a point.
+    lines : tuple
+        As in `PointChart`.
+    """
+    marks: list[Mark] = []
+    lines = []
+    for number, points in enumerate(series):
+        placed = [_mark(number, point, x_of, y_of) for point in points]
+        marks += placed
+        lines += [
+            (number, first.x, first.y, second.x, second.y)
+            for first, second in itertools.pairwise(placed)
+        ]
+    return tuple(sorted(marks, key=lambda mark: mark.kind == top)), tuple(lines)
 
 
 @dataclass(frozen=True)
@@ -92,7 +196,7 @@ def interval_chart(
             if name in published:
                 value = published[name]
                 label_of_value = f"published: {percent(value, 2)}"
-                marks.append(Mark(place, _x(value), y, label_of_value, published=True))
+                marks.append(Mark(place, _x(value), y, label_of_value, kind="published"))
         top += LABEL_HEIGHT + len(series) * SERIES_HEIGHT + ROW_GAP
     return IntervalChart(
         height=top + AXIS_HEIGHT,
@@ -111,6 +215,25 @@ def _interval_mark(series: int, figure: Figure, y: float) -> Mark:
         return Mark(series, _x(figure.mean), y, label)
     label += f", interval {percent(figure.low)} to {percent(figure.high)}"
     return Mark(series, _x(figure.mean), y, label, _x(figure.low), _x(figure.high))
+
+
+def _mark(series: int, point: Point, x_of: Place, y_of: Place) -> Mark:
+    left, right = map(x_of, point.x_ends) if point.x_ends else (None, None)
+    low, high = map(y_of, point.y_ends) if point.y_ends else (None, None)
+    x = round(x_of(point.x) + point.aside, 2)
+    return Mark(series, x, y_of(point.y), point.label, left, right, high, low, point.kind)
+
+
+def _step_below(value: float) -> float:
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(step * power for step in STEPS if step * power <= value * (1 + 1e-9))
+
+
+def _step_above(value: float) -> float:
+    power = 10.0 ** math.floor(math.log10(value))
+    above = [step * power for step in (*STEPS, 10) if step * power >= value * (1 - 1e-9)]
+    # An axis needs some length.
+    return min(above) if min(above) > _step_below(value) else 2 * min(above)
 
 
 def _x(share: float) -> float:

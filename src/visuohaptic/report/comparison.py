@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from visuohaptic.recognition.intervals import holm
 from visuohaptic.report.published import TABLE_1
 from visuohaptic.report.wording import (
     classifier_name,
@@ -120,27 +121,6 @@ def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
 def pipeline_order(name: str) -> tuple[bool, str]:
     """Order pipelines by name, the paper's first."""
     return name != PAPER_PIPELINE, name
-
-
-def holm(p_values: Sequence[float]) -> list[float]:
-    """Adjust p values for their number (S. Holm, Scand. J. Statist. 6:65-70, 1979).
-
-    Parameters
-    ----------
-    p_values : sequence of float
-        One a hypothesis.
-
-    Returns
-    -------
-    list of float
-        Adjusted p values in the same order, at most 1.
-    """
-    adjusted = [0.0] * len(p_values)
-    largest = 0.0
-    for rank, place in enumerate(sorted(range(len(p_values)), key=lambda k: p_values[k])):
-        largest = max(largest, min(1.0, (len(p_values) - rank) * p_values[place]))
-        adjusted[place] = largest
-    return adjusted
 
 
 def merge_notes(notes: Collection[str]) -> tuple[str, ...]:

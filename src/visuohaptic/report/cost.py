@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from visuohaptic.report.charts import LogAxis, Mark, Point, PointChart, place_points
 from visuohaptic.report.wording import percent, spaced
 from visuohaptic.studies.cost.front import advise, front_rows, read_costs
 
@@ -18,56 +17,15 @@ HEIGHT = 420
 LANE = 34
 """Height of a strip under it, for settings without an error and for those that failed."""
 
-STEPS = (1, 2, 5)
-
 Row = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class CostMark:
-    """One setting in the chart.
+class CostChart(PointChart):
+    """A chart with strips under the axis, pixels; None where no setting stands there."""
 
-    Attributes
-    ----------
-    family : int
-        Place of its family, which gives its colour.
-    kind : str
-        ``front``, ``dominated`` or ``failed``.
-    x : float
-        Percent of the chart's width.
-    y : float
-        Pixels from the top.
-    label : str
-        What it says when pointed at.
-    high, low : float or None
-        Ends of the error rate's interval, pixels from the top.
-    left, right : float or None
-        Quartiles of the seconds, percent of the width.
-    """
-
-    family: int
-    kind: str
-    x: float
-    y: float
-    label: str
-    high: float | None = None
-    low: float | None = None
-    left: float | None = None
-    right: float | None = None
-
-
-@dataclass(frozen=True)
-class CostChart:
-    """Where everything lies: lines are (family, x1, y1, x2, y2), ticks (place, text)."""
-
-    height: int
-    bottom: int
     none_lane: float | None
     failed_lane: float | None
-    x_ticks: tuple[tuple[float, str], ...]
-    y_ticks: tuple[tuple[float, str], ...]
-    lines: tuple[tuple[int, float, float, float, float], ...]
-    marks: tuple[CostMark, ...]
 
 
 @dataclass(frozen=True)
@@ -146,10 +104,11 @@ def cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None
         return None
     failed = [row for row in rows if row["failed"] is not None]
     flawless = any(row["error"] == 0 for row in placed)
-    across = _Axis([row[name] for row in placed for name in ("seconds_low", "seconds_high")])
-    down = _Axis([row[name] for row in placed for name in ("error", "error_high")])
+    across = LogAxis([row[name] for row in placed for name in ("seconds_low", "seconds_high")])
+    down = LogAxis([row[name] for row in placed for name in ("error", "error_high")])
+    bottom = HEIGHT + LANE * (flawless + bool(failed))
     none_lane = HEIGHT + LANE / 2 if flawless else None
-    failed_lane = HEIGHT + LANE * (flawless + 0.5) if failed else None
+    failed_lane = bottom - LANE / 2 if failed else None
 
     def x_of(seconds: float) -> float:
         return round(100 * across.share(seconds), 2)
@@ -159,79 +118,47 @@ def cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None
             return none_lane or HEIGHT
         return round(HEIGHT * (1 - down.share(error)), 1)
 
-    marks = [
-        CostMark(
-            families.index(row["family"]),
-            "front" if row["on_front"] else "dominated",
-            x_of(row["seconds"]),
-            y_of(row["error"]),
-            _label(row),
-            high=y_of(row["error_high"]),
-            low=y_of(max(row["error_low"], down.low if row["error"] > 0 else 0.0)),
-            left=x_of(row["seconds_low"]),
-            right=x_of(row["seconds_high"]),
-        )
-        # The front is drawn last, on top.
-        for row in sorted(placed, key=lambda row: row["on_front"])
+    lines_of = [
+        [_point(row, down.low) for row in sorted(placed, key=_along) if row["family"] == family]
+        for family in families
     ]
-    for place, row in enumerate(failed):
-        x = round(100 * (place + 0.5) / len(failed), 2)
-        label = f"{spaced(row['family'])}, {row['setting']}: failed. {row['failed']}"
-        marks.append(
-            CostMark(families.index(row["family"]), "failed", x, failed_lane or 0.0, label)
+    marks, lines = place_points(lines_of, x_of, y_of, top="front")
+    failures = tuple(
+        Mark(
+            families.index(row["family"]),
+            round(100 * (place + 0.5) / len(failed), 2),
+            failed_lane or 0.0,
+            f"{spaced(row['family'])}, {row['setting']}: failed. {row['failed']}",
+            kind="failed",
         )
+        for place, row in enumerate(failed)
+    )
     return CostChart(
-        height=HEIGHT + LANE * (flawless + bool(failed)) + 44,
-        bottom=HEIGHT + LANE * (flawless + bool(failed)),
-        none_lane=none_lane,
-        failed_lane=failed_lane,
+        height=bottom + 44,
+        bottom=bottom,
         x_ticks=tuple((x_of(value), _duration(value)) for value in across.ticks()),
         y_ticks=tuple((y_of(value), _share(value)) for value in down.ticks()),
-        lines=tuple(_lines(placed, families, x_of, y_of)),
-        marks=tuple(marks),
+        lines=lines,
+        marks=(*marks, *failures),
+        none_lane=none_lane,
+        failed_lane=failed_lane,
     )
 
 
-class _Axis:
-    """A logarithmic axis whose ends are ticks."""
-
-    def __init__(self, values: Sequence[float]) -> None:
-        positive = [value for value in values if value > 0]
-        self.low = _step_below(min(positive))
-        self.high = _step_above(max(positive))
-
-    def share(self, value: float) -> float:
-        place = math.log(value / self.low) / math.log(self.high / self.low)
-        return min(max(place, 0.0), 1.0)
-
-    def ticks(self) -> list[float]:
-        first, last = (math.floor(math.log10(end)) for end in (self.low, self.high))
-        steps = [step * 10.0**power for power in range(first, last + 1) for step in STEPS]
-        return [step for step in steps if self.low * 0.999 <= step <= self.high * 1.001]
+def _point(row: Row, lowest: float) -> Point:
+    low = max(row["error_low"], lowest if row["error"] > 0 else 0.0)
+    return Point(
+        row["seconds"],
+        row["error"],
+        _label(row),
+        (row["seconds_low"], row["seconds_high"]),
+        (low, row["error_high"]),
+        "front" if row["on_front"] else "dominated",
+    )
 
 
-def _step_below(value: float) -> float:
-    power = 10.0 ** math.floor(math.log10(value))
-    return max(step * power for step in STEPS if step * power <= value * (1 + 1e-9))
-
-
-def _step_above(value: float) -> float:
-    power = 10.0 ** math.floor(math.log10(value))
-    above = [step * power for step in (*STEPS, 10) if step * power >= value * (1 - 1e-9)]
-    # An axis needs some length.
-    return min(above) if min(above) > _step_below(value) else 2 * min(above)
-
-
-def _lines(
-    rows: Sequence[Row], families: Sequence[str], x_of: Any, y_of: Any
-) -> Iterator[tuple[int, float, float, float, float]]:
-    for place, family in enumerate(families):
-        line = sorted(
-            (row for row in rows if row["family"] == family), key=lambda row: row["place"]
-        )
-        for first, second in itertools.pairwise(line):
-            start, end = ((x_of(row["seconds"]), y_of(row["error"])) for row in (first, second))
-            yield (place, *start, *end)
+def _along(row: Row) -> int:
+    return int(row["place"])
 
 
 def _label(row: Row) -> str:

@@ -7,15 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.pictures import imprint_strip
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.studies import EFFECT_ACCURACY, EFFECT_INFLUENCE
-
-NOTHING = "nothing"
+from visuohaptic.tables.studies import EFFECT_INFLUENCE
 
 
 @dataclass(frozen=True)
@@ -49,15 +45,6 @@ class InfluenceFigures:
     touches: int
     seconds: float
     seconds_always: float
-
-
-@dataclass(frozen=True)
-class AccuracyRow:
-    """Accuracy by scene; of a row without an effect, what it is more or less than with it."""
-
-    without: str
-    accuracy: Mapping[str, Mapping[str, float]]
-    change: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -102,26 +89,6 @@ def influence_figures(path: str | Path | None, scene: str) -> InfluenceFigures |
     )
 
 
-def accuracy_rows(path: str | Path | None) -> dict[str, list[AccuracyRow]]:
-    """Read how far each effect moves the accuracy.
-
-    Parameters
-    ----------
-    path : path or None
-        `tables.EFFECT_ACCURACY`.
-
-    Returns
-    -------
-    dict of str to list of AccuracyRow
-        By strategy, with everything first; empty where nothing was measured.
-    """
-    if path is None or not Path(path).is_file():
-        return {}
-    table = read_table(EFFECT_ACCURACY, path)
-    strategies = sorted(set(table.column("strategy").to_pylist()))
-    return {strategy: _accuracy_rows(table, strategy) for strategy in strategies}
-
-
 def hard_places(parameters: ExperimentParameters) -> list[HardPlace]:
     """Touch the hard places with the run's sensor, in the run's scene.
 
@@ -162,24 +129,3 @@ def _effect_figures(
     return EffectFigures(
         name, milliseconds * own["seconds"], milliseconds * own["seconds_always"], shifts
     )
-
-
-def _accuracy_rows(table: pa.Table, strategy: str) -> list[AccuracyRow]:
-    found: dict[str, dict[str, dict[str, Any]]] = {}
-    for row in table.to_pylist():
-        if row["strategy"] == strategy:
-            found.setdefault(row["without"], {})[row["scene"]] = row
-    whole = found.get(NOTHING, {})
-    return [
-        AccuracyRow(
-            without,
-            found[without],
-            {
-                scene: row["accuracy"] - whole[scene]["accuracy"]
-                for scene, row in found[without].items()
-                if scene in whole
-            },
-        )
-        for without in (NOTHING, *EffectModes.model_fields)
-        if without in found
-    ]

@@ -16,14 +16,12 @@ REPORT = "reports/report.html"
 
 _TABLES = ("predictions", "views", "fixations", "touches", "features")
 EXTRAS = {
+    "studies": "results/studies",
     "effect_influence": "results/effect_influence.parquet",
-    "effect_accuracy": "results/effect_accuracy.parquet",
-    "touch_curves": "results/touch_curves.parquet",
     "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",
     "stability": "reports/stability.json",
     "precision": "reports/precision.json",
-    "ablations": "results/ablations.parquet",
 }
 """Tables of phases that not every run has, by section; as in `workflow/rules/report.smk`."""
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from visuohaptic.recognition.summary import Confusion, confusion, select
-from visuohaptic.report.ablations import ablation_name, ablation_tables, remade_name
 from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
@@ -22,7 +21,7 @@ from visuohaptic.report.comparison import (
 )
 from visuohaptic.report.cost import cost_figures
 from visuohaptic.report.effects import sum_channels, sum_effects
-from visuohaptic.report.influence import accuracy_rows, hard_places, influence_figures
+from visuohaptic.report.influence import hard_places, influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import (
     PhaseSeconds,
@@ -33,6 +32,11 @@ from visuohaptic.report.provenance import (
 from visuohaptic.report.published import PAPER
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import read_precision, read_stability
+from visuohaptic.report.studies import (
+    read_own_studies,
+    read_study,
+    remade_name,
+)
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
@@ -120,14 +124,20 @@ def comparison_values(story: Story) -> Values:
 def touches_needed_values(story: Story) -> Values | None:
     """Give the curves of accuracy against touches, where they were measured."""
     extras = story.run.files.extras
-    found = curve_figures(extras.get("touch_curves"), extras.get("touches_needed"))
+    found = curve_figures(extras.get("studies"), extras.get("touches_needed"))
     return {"pipelines": found} if found else None
 
 
 def ablations_values(story: Story) -> Values | None:
     """Give the ablations, where they were measured."""
-    found = ablation_tables(story.run.files.extras.get("ablations"))
-    return {"tables": found, "names": ablation_name, "remade": remade_name} if found else None
+    found = read_study(story.run.files.extras.get("studies"), "ablations")
+    return {"study": found, "remade": remade_name} if found else None
+
+
+def studies_values(story: Story) -> Values | None:
+    """Give the user's own studies, where they were measured."""
+    found = read_own_studies(story.run.files.extras.get("studies"))
+    return {"studies": found, "remade": remade_name} if found else None
 
 
 def cost_values(story: Story) -> Values | None:
@@ -159,7 +169,8 @@ def influence_values(story: Story) -> Values:
     return {
         "places": hard_places(story.run.parameters),
         "influence": influence_figures(extras.get("effect_influence"), scene.preset),
-        "accuracy": accuracy_rows(extras.get("effect_accuracy")),
+        "accuracy": read_study(extras.get("studies"), "effects"),
+        "remade": remade_name,
         "scenes": list(PRESETS),
     }
 
@@ -273,6 +284,7 @@ SECTIONS = (
     Section("influence", "What the sensor makes of hard places and of effects", influence_values),
     Section("stability", "Numerical stability in hard cases", stability_values),
     Section("ablations", "Ablations", ablations_values),
+    Section("studies", "Own studies", studies_values),
     Section("objects", "The objects", objects_values),
     Section("confusion", "What was taken for what", confusion_values),
     Section("methods", "Methods text", methods_values),

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.report.comparison import PAPER_PIPELINE, REFERENCE, SIGNIFICANCE, holm
+from visuohaptic.recognition.intervals import holm
+from visuohaptic.report.charts import Point, PointChart, place_points
+from visuohaptic.report.comparison import PAPER_PIPELINE, REFERENCE, SIGNIFICANCE
+from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import (
     counted,
     listed,
@@ -19,7 +21,7 @@ from visuohaptic.report.wording import (
     strategy_name,
 )
 from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.studies import TOUCH_CURVES, TOUCHES_NEEDED
+from visuohaptic.tables.studies import TOUCHES_NEEDED
 
 HEIGHT = 380
 """Of the curves, pixels."""
@@ -33,28 +35,6 @@ SPREAD = 0.5
 ORDER = (*STRATEGIES.names, "adaptive")
 
 Row = Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class CurveMark:
-    """One point: `x` in percent of the width, all else in pixels from the top."""
-
-    series: int
-    x: float
-    y: float
-    high: float
-    low: float
-    label: str
-
-
-@dataclass(frozen=True)
-class CurveChart:
-    """Where everything lies: lines are (series, x1, y1, x2, y2), ticks (place, text)."""
-
-    x_ticks: tuple[tuple[float, str], ...]
-    y_ticks: tuple[tuple[float, str], ...]
-    lines: tuple[tuple[int, float, float, float, float], ...]
-    marks: tuple[CurveMark, ...]
 
 
 @dataclass(frozen=True)
@@ -72,7 +52,7 @@ class CurveFigures:
     rows : sequence of mapping
         Rows of `tables.TOUCHES_NEEDED` with ``adjusted_p``, the largest area first.
     curves : mapping of str to sequence of mapping
-        Rows of `tables.TOUCH_CURVES` by strategy.
+        Rows of `tables.STUDY_FIGURES` by strategy, with ``touches``.
     chart : CurveChart
         The curves.
     """
@@ -83,16 +63,16 @@ class CurveFigures:
     strategies: tuple[str, ...]
     rows: Sequence[Row]
     curves: Mapping[str, Sequence[Row]]
-    chart: CurveChart
+    chart: PointChart
 
 
-def curve_figures(curves: str | Path | None, needed: str | Path | None) -> list[CurveFigures]:
+def curve_figures(studies: str | Path | None, needed: str | Path | None) -> list[CurveFigures]:
     """Read the curves over touches.
 
     Parameters
     ----------
-    curves : path or None
-        `tables.TOUCH_CURVES`.
+    studies : path or None
+        Folder of `tables.STUDY_FIGURES`, that of study `curves` among them.
     needed : path or None
         `tables.TOUCHES_NEEDED`.
 
@@ -101,9 +81,9 @@ def curve_figures(curves: str | Path | None, needed: str | Path | None) -> list[
     list of CurveFigures
         The paper's pipeline first; empty where nothing was measured.
     """
-    if curves is None or needed is None or not (Path(curves).is_file() and Path(needed).is_file()):
+    points_of = [{**row, "touches": row["place"] + 1} for row in read_figures(studies, "curves")]
+    if not points_of or needed is None or not Path(needed).is_file():
         return []
-    points_of = read_table(TOUCH_CURVES, curves).to_pylist()
     rows_of = read_table(TOUCHES_NEEDED, needed).to_pylist()
     keys = sorted({(row["pipeline"], row["classifier"]) for row in rows_of})
     keys.sort(key=lambda key: key[0] != PAPER_PIPELINE)
@@ -171,7 +151,7 @@ def _figures(
     )
 
 
-def curve_chart(strategies: Sequence[str], curves: Mapping[str, Sequence[Row]]) -> CurveChart:
+def curve_chart(strategies: Sequence[str], curves: Mapping[str, Sequence[Row]]) -> PointChart:
     """Place curves in a chart.
 
     Parameters
@@ -179,50 +159,48 @@ def curve_chart(strategies: Sequence[str], curves: Mapping[str, Sequence[Row]]) 
     strategies : sequence of str
         In the order of their colours.
     curves : mapping of str to sequence of mapping
-        Rows of `tables.TOUCH_CURVES` of each, by touches.
+        Rows of `tables.STUDY_FIGURES` of each, by touches.
 
     Returns
     -------
-    CurveChart
+    PointChart
         The axis of accuracy starts at the tenth below the lowest interval; touches have equal steps.
     """
     counts = sorted({row["touches"] for rows in curves.values() for row in rows})
     lowest = min(row["low"] for rows in curves.values() for row in rows)
     floor = min(int(10 * lowest), 9) / 10
 
-    def x_of(touches: int) -> float:
+    def x_of(touches: float) -> float:
         share = (touches - counts[0]) / max(counts[-1] - counts[0], 1)
         return MARGIN + (100 - 2 * MARGIN) * share
 
     def y_of(accuracy: float) -> float:
         return round(HEIGHT * (1 - (accuracy - floor) / (1 - floor)), 1)
 
-    marks, lines = [], []
-    for series, strategy in enumerate(strategies):
-        aside = SPREAD * (series - (len(strategies) - 1) / 2)
-        placed = [
-            CurveMark(
-                series,
-                round(x_of(row["touches"]) + aside, 2),
-                y_of(row["accuracy"]),
-                y_of(row["high"]),
-                y_of(row["low"]),
+    middle = (len(strategies) - 1) / 2
+    series = [
+        [
+            Point(
+                row["touches"],
+                row["accuracy"],
                 f"{strategy_name(strategy)}, {counted(row['touches'], 'touch')}: "
                 f"{percent(row['accuracy'])}, interval {percent(row['low'])} to {percent(row['high'])}",
+                y_ends=(row["low"], row["high"]),
+                aside=SPREAD * (place - middle),
             )
             for row in curves[strategy]
         ]
-        marks += placed
-        lines += [
-            (series, first.x, first.y, second.x, second.y)
-            for first, second in itertools.pairwise(placed)
-        ]
+        for place, strategy in enumerate(strategies)
+    ]
+    marks, lines = place_points(series, x_of, y_of)
     tenths = range(round(10 * floor), 11)
-    return CurveChart(
-        tuple((round(x_of(count), 2), str(count)) for count in counts),
-        tuple((y_of(tenth / 10), f"{10 * tenth} %") for tenth in tenths),
-        tuple(lines),
-        tuple(marks),
+    return PointChart(
+        height=HEIGHT + 44,
+        bottom=HEIGHT,
+        x_ticks=tuple((round(x_of(count), 2), str(count)) for count in counts),
+        y_ticks=tuple((y_of(tenth / 10), f"{10 * tenth} %") for tenth in tenths),
+        lines=lines,
+        marks=marks,
     )
 
 

@@ -164,7 +164,7 @@ FEATURES = Schema(
     (
         *TOUCH_KEYS,
         *(
-            Column(name, REAL, "standard deviation of one directional sub-band", minimum=0)
+            Column(name, REAL, "standard deviation of one directional sub-band")
             for name in CONTOURLET_FEATURES
         ),
         *POINT,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pyarrow as pa
 
 from visuohaptic.tables.phases import OBJECT_KEYS
@@ -24,60 +26,81 @@ EFFECT_INFLUENCE = Schema(
     names_of(EFFECT_INFLUENCE_KEYS),
 )
 
-EFFECT_ACCURACY_KEYS = (
-    Column("scene", TEXT, "preset of the scene"),
-    Column("without", TEXT, "the effect that is left out, or nothing"),
-    Column("strategy", TEXT, "how the probing locations were chosen"),
-)
-
-EFFECT_ACCURACY = Schema(
-    "effect_accuracy",
-    (
-        *EFFECT_ACCURACY_KEYS,
-        Column("pipeline", TEXT, "how features become an answer"),
-        Column("classifier", TEXT, "the classifier"),
-        Column("accuracy", REAL, "share of test sequences named rightly", "1", 0, 1),
-        Column("low", REAL, "lower end of its interval over objects", "1", 0, 1),
-        Column("high", REAL, "upper end of its interval over objects", "1", 0, 1),
-    ),
-    names_of(EFFECT_ACCURACY_KEYS),
-)
-
-CURVE_KEYS = (
+CELL_KEYS = (
     Column("pipeline", TEXT, "how features become an answer"),
     Column("strategy", TEXT, "how the probing locations were chosen"),
     Column("classifier", TEXT, "the classifier"),
-    Column("touches", COUNT, "touches of a sequence, the first ones", minimum=1),
 )
 
-CURVES = Schema(
-    "curves",
+STUDY_KEYS = (
+    Column("study", TEXT, "the study"),
+    Column("condition", TEXT, "what differs from the run"),
+    *CELL_KEYS,
+)
+
+ERROR = Column("error", TEXT, "why the condition could not be run", nullable=True)
+SECONDS = Column(
+    "seconds", REAL, "training and testing all splits", "s of processor", 0, nullable=True
+)
+
+TESTED_KEYS = (
+    *(replace(column, nullable=True) for column in OBJECT_KEYS),
+    Column("split", COUNT, "number of the train and test split", minimum=0, nullable=True),
+    Column("repeat", COUNT, "repeat with another seed", minimum=0, nullable=True),
+)
+
+STUDY = Schema(
+    "study",
     (
-        *CURVE_KEYS,
-        *OBJECT_KEYS,
-        Column("accuracy", REAL, "share of the object's test sequences named rightly", "1", 0, 1),
-        Column("weight", REAL, "the object's weight in a mean over splits", minimum=0),
+        *STUDY_KEYS,
+        *TESTED_KEYS,
+        Column(
+            "sequences", COUNT, "test sequences; 1 where viewpoints vote", minimum=1, nullable=True
+        ),
+        Column("accuracy", REAL, "share of them that is named correctly", "1", 0, 1, nullable=True),
+        SECONDS,
+        ERROR,
     ),
-    names_of((*CURVE_KEYS, *OBJECT_KEYS)),
+    names_of((*STUDY_KEYS, *TESTED_KEYS)),
 )
 
-TOUCH_CURVES = Schema(
-    "touch_curves",
+STUDY_FIGURES = Schema(
+    "study_figures",
     (
-        *CURVE_KEYS,
-        Column("accuracy", REAL, "share of test sequences named rightly", "1", 0, 1),
-        Column("low", REAL, "lower end of its interval over objects", "1", 0, 1),
-        Column("high", REAL, "upper end of its interval over objects", "1", 0, 1),
+        *STUDY_KEYS,
+        Column("title", TEXT, "what the study is about"),
+        Column("place", COUNT, "place of the condition in its study", minimum=0),
+        Column(
+            "accuracy", REAL, "share of test sequences named correctly", "1", 0, 1, nullable=True
+        ),
+        Column("low", REAL, "lower end of its interval over objects", "1", 0, 1, nullable=True),
+        Column("high", REAL, "upper end of its interval over objects", "1", 0, 1, nullable=True),
+        Column("compared_with", TEXT, "the condition that it is compared with", nullable=True),
+        Column("difference", REAL, "accuracy less that of the other", "1", -1, 1, nullable=True),
+        Column("difference_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
+        Column("difference_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
+        Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
+        Column(
+            "adjusted_p",
+            REAL,
+            "p value adjusted by Holm for the study's conditions",
+            "1",
+            0,
+            1,
+            nullable=True,
+        ),
+        Column("objects", COUNT, "objects tested", minimum=1, nullable=True),
+        Column("remade", TEXT, "first phase that is made again, or recognition"),
+        SECONDS,
+        ERROR,
     ),
-    names_of(CURVE_KEYS),
+    names_of(STUDY_KEYS),
 )
-
-TOUCHES_NEEDED_KEYS = CURVE_KEYS[:3]
 
 TOUCHES_NEEDED = Schema(
     "touches_needed",
     (
-        *TOUCHES_NEEDED_KEYS,
+        *CELL_KEYS,
         Column("level", REAL, "the accuracy to be reached", "1", 0, 1),
         Column(
             "touches",
@@ -112,55 +135,7 @@ TOUCHES_NEEDED = Schema(
         Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
         Column("objects", COUNT, "objects compared", minimum=1),
     ),
-    names_of(TOUCHES_NEEDED_KEYS),
-)
-
-ABLATION_KEYS = (
-    Column("ablation", TEXT, "what is left out or exchanged"),
-    Column("pipeline", TEXT, "how features become an answer"),
-    Column("classifier", TEXT, "the classifier"),
-)
-
-ABLATION_SECONDS = (
-    Column(
-        "making_seconds",
-        REAL,
-        "looking, touching and describing what is made anew",
-        "s of processor",
-        0,
-    ),
-    Column("naming_seconds", REAL, "training and testing all splits", "s of processor", 0),
-)
-
-ABLATION = Schema(
-    "ablation",
-    (
-        *ABLATION_KEYS,
-        *OBJECT_KEYS,
-        Column("accuracy", REAL, "share of the object's test sequences named rightly", "1", 0, 1),
-        Column("weight", REAL, "the object's weight in a mean over splits", minimum=0),
-        *ABLATION_SECONDS,
-    ),
-    names_of((*ABLATION_KEYS, *OBJECT_KEYS)),
-)
-
-ABLATIONS = Schema(
-    "ablations",
-    (
-        *ABLATION_KEYS,
-        Column("group", TEXT, "what it is one of"),
-        Column("remade", TEXT, "what is made anew: nothing, descriptors, touches or views"),
-        Column("accuracy", REAL, "share of test sequences named rightly", "1", 0, 1),
-        Column("low", REAL, "lower end of its interval over objects", "1", 0, 1),
-        Column("high", REAL, "upper end of its interval over objects", "1", 0, 1),
-        Column("loss", REAL, "accuracy of the whole method less this one", "1", -1, 1),
-        Column("loss_low", REAL, "lower end of its interval over objects", "1", -1, 1),
-        Column("loss_high", REAL, "upper end of its interval over objects", "1", -1, 1),
-        Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1),
-        *ABLATION_SECONDS,
-        Column("objects", COUNT, "objects compared", minimum=1),
-    ),
-    names_of(ABLATION_KEYS),
+    names_of(CELL_KEYS),
 )
 
 COST_KEYS = (
@@ -188,8 +163,8 @@ COST_SECONDS = Schema(
     names_of(COST_KEYS),
 )
 
-COST_ERRORS = Schema(
-    "cost_errors",
+COST = Schema(
+    "cost",
     (
         *COST_KEYS,
         Column("place", COUNT, "place along the family's line", minimum=0),
@@ -219,14 +194,6 @@ COST_ERRORS = Schema(
         ),
         Column("objects", COUNT, "objects that were tested", minimum=1, nullable=True),
         Column("failed", TEXT, "why it could not be run", nullable=True),
-    ),
-    names_of(COST_KEYS),
-)
-
-COST = Schema(
-    "cost",
-    (
-        *COST_ERRORS.columns,
         *(Column(name, REAL, text, "s", 0, nullable=True) for name, text in COST_SECONDS_COLUMNS),
         Column("recognitions", COUNT, "recognitions that were timed", minimum=1, nullable=True),
         Column("on_front", pa.bool_(), "whether no other setting is quicker and as accurate"),
@@ -235,15 +202,4 @@ COST = Schema(
     names_of(COST_KEYS),
 )
 
-STUDIES = (
-    EFFECT_INFLUENCE,
-    EFFECT_ACCURACY,
-    CURVES,
-    TOUCH_CURVES,
-    TOUCHES_NEEDED,
-    ABLATION,
-    ABLATIONS,
-    COST_SECONDS,
-    COST_ERRORS,
-    COST,
-)
+STUDIES = (STUDY, STUDY_FIGURES, EFFECT_INFLUENCE, TOUCHES_NEEDED, COST_SECONDS, COST)

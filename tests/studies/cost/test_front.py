@@ -2,10 +2,19 @@
 
 import numpy as np
 import pytest
+from studies.surfaces import RUN
 
-from visuohaptic.studies.cost.front import advise, front_rows, join_costs, pareto_front
+from visuohaptic.studies.cost.front import (
+    advise,
+    clopper_pearson_high,
+    error_rate,
+    front_rows,
+    join_costs,
+    pareto_front,
+)
+from visuohaptic.studies.figures import Cell
 from visuohaptic.tables.schema import build_table
-from visuohaptic.tables.studies import COST_ERRORS, COST_SECONDS
+from visuohaptic.tables.studies import COST_SECONDS
 
 NOTHING = {"error": None, "error_low": None, "error_high": None, "objects": None}
 
@@ -26,7 +35,7 @@ def cost_table(points, failed=()):
     same = {"touches": 5, "viewpoints": 1, "pipeline": "best", "classifier": "naive_bayes"}
     same |= {"changes": "{}"}
     return join_costs(
-        build_table(COST_ERRORS, {**same, **{k: [row[k] for row in errors] for k in errors[0]}}),
+        [{**same, **row} for row in errors],
         build_table(COST_SECONDS, {k: [row[k] for row in seconds] for k in seconds[0]}),
     )
 
@@ -79,3 +88,23 @@ def test_an_aim_that_nothing_reaches_is_told():
 @pytest.mark.parametrize("rows", [[], cost_table([("a", 1.0, 0.1)], ["b"]).to_pylist()[1:]])
 def test_nothing_measured_gives_a_sentence(rows):
     assert advise(rows) == "No setting could be both run and timed."
+
+
+def cell(accuracy):
+    objects = tuple(("a", str(place)) for place in range(len(accuracy)))
+    return Cell(objects, np.array(accuracy), np.ones(len(accuracy)))
+
+
+def test_an_error_rate_is_what_the_accuracy_leaves():
+    rate = error_rate(cell([1.0, 0.5, 0.75, 0.25, 1.0, 0.5]), RUN)
+    assert rate["error"] == pytest.approx(1 / 3)
+    assert 0 <= rate["error_low"] < 1 / 3 < rate["error_high"] <= 1
+    assert rate["objects"] == 6
+
+
+def test_no_error_is_not_taken_for_certainty():
+    rate = error_rate(cell([1.0] * 9), RUN)
+    assert (rate["error"], rate["error_low"]) == (0.0, 0.0)
+    # Of nine objects: 1 - 0.025 ** (1 / 9), as any table of binomial limits has it.
+    assert rate["error_high"] == pytest.approx(0.3363, abs=1e-4)
+    assert clopper_pearson_high(100, 0.95) == pytest.approx(0.0362, abs=1e-4)

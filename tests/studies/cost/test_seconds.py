@@ -3,11 +3,12 @@
 from itertools import pairwise
 
 import pytest
-from studies.cost.surfaces import RUN, run_tables, small_surfaces
+from studies.surfaces import RUN, run_tables, small_surfaces
 
+from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.cost import seconds
 from visuohaptic.studies.cost.seconds import PHASES, make_ready, measure_seconds, recognise_once
-from visuohaptic.studies.cost.settings import condition_of, family_settings
+from visuohaptic.studies.cost.settings import cost_study, make_settings
 
 
 @pytest.fixture(scope="module")
@@ -15,10 +16,16 @@ def surfaces():
     return small_surfaces()
 
 
+def family(name):
+    planned = plan_study(cost_study(RUN), RUN).conditions
+    pairs = zip(make_settings(RUN), planned, strict=True)
+    return [pair for pair in pairs if pair[0].family == name]
+
+
 @pytest.fixture(scope="module")
 def ready(surfaces):
-    found = {(): run_tables(surfaces).features}
-    return [make_ready(setting, found, RUN) for setting in family_settings("viewpoints", RUN)]
+    features = run_tables(surfaces)[2]
+    return [make_ready(setting, one, features, RUN.seed) for setting, one in family("viewpoints")]
 
 
 @pytest.mark.slow
@@ -35,7 +42,7 @@ def test_the_timed_way_feels_what_the_run_felt(surfaces, ready, monkeypatch):
         type(model), "recognise", lambda self, features: seen.append(features), raising=True
     )
     recognise_once(surfaces["box/box1"], "box/box1", range(4), ready[2])
-    expected = run_tables({"box/box1": surfaces["box/box1"]}).features
+    expected = run_tables({"box/box1": surfaces["box/box1"]})[2]
     assert seen[0].equals(expected)
 
 
@@ -59,5 +66,4 @@ def test_settings_take_turns_on_the_same_objects(surfaces, ready, monkeypatch):
 
 
 def test_what_was_refused_is_not_made_ready():
-    setting = family_settings("imprint", RUN)[0]
-    assert make_ready(setting, {condition_of(setting): "too small."}, RUN) == "too small."
+    assert make_ready(*family("imprint")[0], "too small.", RUN.seed) == "too small."

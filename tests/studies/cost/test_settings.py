@@ -2,18 +2,11 @@
 
 import json
 
-import pytest
-from studies.cost.surfaces import RUN
+from studies.surfaces import RUN
 
-from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.cost.settings import (
-    FAMILIES,
-    condition_of,
-    family_settings,
-    make_settings,
-    with_changes,
-)
+from visuohaptic.studies.conditions import plan_study, with_changes
+from visuohaptic.studies.cost.settings import FAMILIES, cost_study, family_settings, make_settings
 
 
 def test_no_setting_has_another_ones_name():
@@ -31,7 +24,7 @@ def test_what_equals_the_run_changes_nothing():
         ("effects", "ideal"),
     ):
         changes = {setting.name: setting.changes for setting in family_settings(family, RUN)}
-        assert changes.pop(own) == ()
+        assert changes.pop(own) == {}
         assert changes
         assert all(changes.values())
 
@@ -39,7 +32,7 @@ def test_what_equals_the_run_changes_nothing():
 def test_a_setting_differs_from_the_run_in_what_it_names_and_in_nothing_else():
     small = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"view_resolutions": (64,)})})
     (setting,) = family_settings("render", small)
-    changed = setting.parameters(small)
+    changed = with_changes(small, setting.condition.changes)
     assert changed.rendering.resolution == 64
     assert changed.rendering.model_copy(update={"resolution": 48}) == small.rendering
     assert changed.sensor == small.sensor
@@ -48,18 +41,20 @@ def test_a_setting_differs_from_the_run_in_what_it_names_and_in_nothing_else():
 
 
 def test_three_channels_are_the_classic_ones():
-    three = family_settings("channels", RUN)[0].parameters(RUN).attention.weights.model_dump()
+    setting = family_settings("channels", RUN)[0]
+    three = with_changes(RUN, setting.condition.changes).attention.weights.model_dump()
     assert {name for name, weight in three.items() if weight} == {
         "colour", "intensity", "orientation",
     }  # fmt: skip
 
 
-def test_settings_that_differ_in_recognition_alone_share_their_features():
-    assert {condition_of(setting) for setting in family_settings("features", RUN)} == {()}
-    assert {condition_of(setting) for setting in family_settings("pipelines", RUN)} == {()}
-    assert len({condition_of(setting) for setting in family_settings("effects", RUN)}) == 3
-
-
-def test_a_change_to_what_is_not_allowed_is_refused():
-    with pytest.raises(ParameterError, match=r"sensor\.resolution"):
-        with_changes(RUN, (("sensor.resolution", -1),))
+def test_what_settings_share_is_made_once():
+    plan = plan_study(cost_study(RUN), RUN)
+    keys = {}
+    for setting, one in zip(make_settings(RUN), plan.conditions, strict=True):
+        keys.setdefault(setting.family, set()).add(one.key)
+    assert keys["features"] == keys["pipelines"] == keys["viewpoints"] == {None}
+    assert len(keys["lean_viewpoints"]) == 1
+    assert len(keys["effects"]) == 3
+    # One and two touches are the run's own, three need more.
+    assert len(keys["touches"]) == 2

@@ -101,7 +101,7 @@ class PlannedJob:
 def plan_jobs(
     rules: Mapping[str, Any],
     values: Mapping[str, Sequence[str]],
-    exceptions: Mapping[str, Mapping[str, Sequence[str]]],
+    exceptions: Mapping[str, Mapping[str, Sequence[str]] | Sequence[Mapping[str, str]]],
 ) -> list[PlannedJob]:
     """List the jobs of all rules that keep a record.
 
@@ -111,8 +111,8 @@ def plan_jobs(
         Rules by name, in the order in which data flows.
     values : mapping of str to sequence of str
         What each wildcard stands for.
-    exceptions : mapping of str to mapping
-        The same for single rules, by name.
+    exceptions : mapping of str to mapping, or to sequence of mapping
+        The same for single rules, by name; or the wildcards of each of a rule's jobs.
 
     Returns
     -------
@@ -123,11 +123,15 @@ def plan_jobs(
     for name, rule in rules.items():
         if not hasattr(rule.output, "record"):
             continue
+        chosen = exceptions.get(name, {})
+        if not isinstance(chosen, Mapping):
+            jobs += [PlannedJob(name, rule, wildcards) for wildcards in chosen]
+            continue
         wildcards = list(dict.fromkeys(_WILDCARD.findall(rule.output.record)))
-        choices = {**values, **exceptions.get(name, {})}
+        choices = {**values, **chosen}
         jobs += [
-            PlannedJob(name, rule, dict(zip(wildcards, chosen, strict=True)))
-            for chosen in product(*(choices[wildcard] for wildcard in wildcards))
+            PlannedJob(name, rule, dict(zip(wildcards, found, strict=True)))
+            for found in product(*(choices[wildcard] for wildcard in wildcards))
         ]
     return jobs
 

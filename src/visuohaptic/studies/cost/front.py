@@ -10,11 +10,15 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.studies.cost.settings import FAMILIES
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.cost.settings import FAMILIES, STRATEGY, make_settings
+from visuohaptic.studies.figures import Cell, CellKey, condition_interval
 from visuohaptic.tables.schema import build_table, read_table
 from visuohaptic.tables.studies import COST
 
 Row = Mapping[str, Any]
+
+_OF_SETTING = ("family", "place", "touches", "viewpoints", "pipeline", "classifier")
 
 AIM = 0.95
 """The accuracy that the sentence for the user is about."""
@@ -40,13 +44,24 @@ def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> N
     return ~beaten & np.isfinite(seconds) & np.isfinite(errors)
 
 
-def join_costs(errors: pa.Table, seconds: pa.Table) -> pa.Table:
+def error_rows(cells: Mapping[CellKey, Cell], run: ExperimentParameters) -> list[Row]:
+    """Give each setting with its error rate, from the study's cells by condition."""
+    rows: list[Row] = []
+    for setting in make_settings(run):
+        key = (setting.condition.name, setting.pipeline, STRATEGY, setting.classifier)
+        row = {name: getattr(setting, name) for name in _OF_SETTING}
+        row |= {"setting": setting.name, "changes": setting.written_changes}
+        rows.append(row | error_rate(cells[key], run))
+    return rows
+
+
+def join_costs(errors: Sequence[Row], seconds: pa.Table) -> pa.Table:
     """Join error rates with seconds, and mark the front.
 
     Parameters
     ----------
-    errors : pyarrow.Table
-        Rows of `tables.COST_ERRORS`.
+    errors : sequence of mapping
+        Settings with their error rates, as `error_rows` gives them.
     seconds : pyarrow.Table
         Rows of `tables.COST_SECONDS`; a setting that failed need not have one.
 
@@ -58,7 +73,7 @@ def join_costs(errors: pa.Table, seconds: pa.Table) -> pa.Table:
     timed = {(row["family"], row["setting"]): row for row in seconds.to_pylist()}
     names = [column.name for column in COST.columns]
     rows = []
-    for row in errors.to_pylist():
+    for row in errors:
         time = timed.get((row["family"], row["setting"]), {})
         rows.append({name: {**time, **row}.get(name) for name in names})
     whole = [row["error"] is not None and row["seconds"] is not None for row in rows]
@@ -69,6 +84,42 @@ def join_costs(errors: pa.Table, seconds: pa.Table) -> pa.Table:
         bool(there and not on) for there, on in zip(whole, on_front, strict=True)
     ]
     return build_table(COST, columns)
+
+
+def error_rate(cell: Cell, run: ExperimentParameters) -> dict[str, Any]:
+    """Give the share of recognitions that name wrongly, its interval over objects, and their number.
+
+    Where no object was ever named wrongly, no resampling can tell how far the rate may be from 0;
+    its upper end is then the exact binomial one for so many objects (C. Clopper and E. Pearson,
+    Biometrika 26(4), 1934).
+
+    Parameters
+    ----------
+    cell : Cell
+        A setting's figures.
+    run : ExperimentParameters
+        The run's: the intervals are its own.
+
+    Returns
+    -------
+    dict of str
+        Columns of `tables.COST`.
+    """
+    if cell.error is not None:
+        return {"failed": cell.error}
+    objects, intervals = len(cell.objects), run.recognition.intervals
+    # Sums of shares may miss 1 by a rounding.
+    if np.all(cell.accuracy > 1 - 1e-12):
+        high = clopper_pearson_high(objects, intervals.confidence)
+        return {"error": 0.0, "error_low": 0.0, "error_high": high, "objects": objects}
+    found = condition_interval(cell, intervals, run.seed)
+    error, low, high = (min(max(1 - end, 0.0), 1.0) for end in (found.mean, found.high, found.low))
+    return {"error": error, "error_low": low, "error_high": high, "objects": objects}
+
+
+def clopper_pearson_high(objects: int, confidence: float) -> float:
+    """Give the upper end of the exact binomial interval of no error among so many objects."""
+    return float(1 - ((1 - confidence) / 2) ** (1 / objects))
 
 
 def read_costs(path: str | Path) -> list[dict[str, Any]]:

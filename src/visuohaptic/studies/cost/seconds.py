@@ -14,13 +14,13 @@ from visuohaptic.features.describing import describe_touches
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.phases import find_locations, touch_at
 from visuohaptic.recognition.model import RecognitionModel, fit_model
-from visuohaptic.recognition.sequences import classes_of_two
-from visuohaptic.studies.cost.errors import REFUSALS, features_of, find_fixations
-from visuohaptic.studies.cost.settings import Changes, Setting
+from visuohaptic.studies.conditions import Planned
+from visuohaptic.studies.cost.settings import STRATEGY, Setting
+from visuohaptic.studies.measuring import REFUSALS, condition_features
 from visuohaptic.tables.schema import build_table
 from visuohaptic.tables.studies import COST_SECONDS
-from visuohaptic.touches.touching import touch_locations, touch_table
 
 PHASES = ("look", "touch", "describe", "name")
 
@@ -60,11 +60,11 @@ def recognise_once(
     parameters = ready.parameters
     clock = [time.process_time()]
     caster = RayCaster(surface)
-    fixations = find_fixations(caster, key, parameters, viewpoints)
+    locations = find_locations(caster, key, parameters, viewpoints)
     clock.append(time.process_time())
-    felt = touch_locations(caster, fixations, parameters.sensor, parameters.scene, parameters.seed)
+    touches = touch_at(caster, locations, parameters)
     clock.append(time.process_time())
-    features = describe_touches(touch_table(fixations, felt), parameters.features)
+    features = describe_touches(touches, parameters.features)
     clock.append(time.process_time())
     ready.model.recognise(features)
     clock.append(time.process_time())
@@ -72,36 +72,15 @@ def recognise_once(
 
 
 def make_ready(
-    setting: Setting, found: Mapping[Changes, pa.Table | str], run: ExperimentParameters
+    setting: Setting, planned: Planned, features: pa.Table | str, seed: int
 ) -> Ready | str:
-    """Train the model of a setting on every object.
-
-    Parameters
-    ----------
-    setting : Setting
-        The setting.
-    found : mapping
-        What `errors.setting_features` gives for it.
-    run : ExperimentParameters
-        The run's parameters.
-
-    Returns
-    -------
-    Ready or str
-        The sentence by which it was refused, where it was.
-    """
-    features = features_of(found, setting)
+    """Train the model of a setting on every object, or give the sentence by which it was refused."""
     if isinstance(features, str):
         return features
+    parameters = planned.parameters
     try:
-        parameters = setting.parameters(run)
-        model = fit_model(
-            classes_of_two(features),
-            setting.pipeline,
-            setting.classifier,
-            parameters.recognition,
-            run.seed,
-        )
+        rows = condition_features(planned, features, STRATEGY)
+        model = fit_model(rows, setting.pipeline, setting.classifier, parameters.recognition, seed)
     except REFUSALS as refusal:
         return str(refusal)
     return Ready(setting, parameters, model)

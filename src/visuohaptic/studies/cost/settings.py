@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
-from visuohaptic.recognition.parameters import Cue
 from visuohaptic.scene.parameters import PRESETS
+from visuohaptic.studies.conditions import Changes, Condition, Study, with_changes
 
 STRATEGY = "fixation"
 PIPELINE = "best"
@@ -20,12 +20,10 @@ CLASSIFIER: ClassifierName = "support_vector_machine"
 CLASSIC_CHANNELS = ("colour", "intensity", "orientation")
 """The channels of Itti, Koch and Niebur (1998)."""
 
-CUES: dict[str, tuple[Cue, ...]] = {
+CUES = {
     "skin alone": ("contourlet", "imprint", "sensor"),
     "pose alone": ("pose", "relations", "embedding"),
 }
-
-Changes = tuple[tuple[str, Any], ...]
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,7 @@ class Setting:
         Viewpoints that vote.
     pipeline, classifier : str
         What names the object.
-    changes : tuple of (str, value)
+    changes : mapping of str
         Other parameters that differ from the run's, by their dotted names.
     """
 
@@ -52,81 +50,35 @@ class Setting:
     name: str
     place: int
     touches: int
-    viewpoints: int
-    pipeline: str
-    classifier: ClassifierName
-    changes: Changes = ()
-
-    @property
-    def before_recognition(self) -> Changes:
-        """The changes that have a say in the touches."""
-        return tuple(change for change in self.changes if not change[0].startswith("recognition"))
+    viewpoints: int = 1
+    pipeline: str = PIPELINE
+    classifier: ClassifierName = CLASSIFIER
+    changes: Changes = field(default_factory=dict)
 
     @property
     def written_changes(self) -> str:
         """The changes as JSON, sorted by name."""
         return json.dumps(dict(self.changes), sort_keys=True)
 
-    def parameters(self, run: ExperimentParameters) -> ExperimentParameters:
-        """Give all parameters of the setting.
-
-        Parameters
-        ----------
-        run : ExperimentParameters
-            The run's.
-
-        Returns
-        -------
-        ExperimentParameters
-            Those with the setting's changes, its touches and its one classifier.
-        """
-        own: Changes = (
-            ("attention.fixations", self.touches),
-            ("recognition.touches", self.touches),
-            ("recognition.classifiers", (self.classifier,)),
-            ("recognition.best.classifiers", (self.classifier,)),
-        )
-        return with_changes(run, (*self.changes, *own))
+    @property
+    def condition(self) -> Condition:
+        """The setting as a condition of the study."""
+        own = {
+            "probing.strategies": (STRATEGY,),
+            "attention.fixations": self.touches,
+            "recognition.touches": self.touches,
+            "recognition.pipelines": (self.pipeline,),
+            "recognition.classifiers": (self.classifier,),
+            "recognition.best.classifiers": (self.classifier,),
+        }
+        name = f"{self.family}, {self.name}"
+        return Condition(name, {**self.changes, **own}, votes=self.viewpoints)
 
 
-def condition_of(setting: Setting) -> Changes:
-    """Give what tells one setting's features from another's, fit to be a key."""
-    return hashable(setting.before_recognition)
-
-
-def hashable(changes: Changes) -> Changes:
-    """Give changes with their values written out, fit to be a key."""
-    return tuple((path, repr(value)) for path, value in changes)
-
-
-def with_changes(run: ExperimentParameters, changes: Changes) -> ExperimentParameters:
-    """Change parameters by their dotted names; a whole section may be named.
-
-    Parameters
-    ----------
-    run : ExperimentParameters
-        What is changed.
-    changes : tuple of (str, value)
-        New values.
-
-    Returns
-    -------
-    ExperimentParameters
-        Checked.
-
-    Raises
-    ------
-    ParameterError
-        If a value is not allowed.
-    """
-    values = run.model_dump()
-    for path, value in changes:
-        *sections, name = path.split(".")
-        section = values
-        for part in sections:
-            section = section[part]
-        section[name] = value
-    return ExperimentParameters.from_mapping(values)
+def cost_study(run: ExperimentParameters) -> Study:
+    """Give the settings of all families as conditions."""
+    conditions = tuple(setting.condition for setting in make_settings(run))
+    return Study("cost", "What accuracy costs in time", conditions)
 
 
 def make_settings(run: ExperimentParameters) -> list[Setting]:
@@ -142,119 +94,82 @@ def make_settings(run: ExperimentParameters) -> list[Setting]:
     list of Setting
         Family by family.
     """
-    return [setting for make in FAMILIES.values() for setting in make(run)]
+    return [setting for family in FAMILIES for setting in family_settings(family, run)]
 
 
 def family_settings(family: str, run: ExperimentParameters) -> list[Setting]:
     """Give the settings of one of `FAMILIES`."""
-    return FAMILIES[family](run)
-
-
-def _make(
-    family: str,
-    run: ExperimentParameters,
-    varied: Iterable[tuple[str, dict[str, Any]]],
-) -> list[Setting]:
     touches = run.recognition.touches or run.attention.fixations
-    usual = {"touches": touches, "viewpoints": 1, "pipeline": PIPELINE, "classifier": CLASSIFIER}
     return [
-        Setting(family=family, name=name, place=place, **{**usual, **values})
-        for place, (name, values) in enumerate(varied)
+        Setting(family, name, place, **{"touches": touches, **values})
+        for place, (name, values) in enumerate(FAMILIES[family](run))
     ]
 
 
-def _touches(run: ExperimentParameters) -> list[Setting]:
-    counts = run.cost.touches
-    return _make(
-        "touches", run, ((_counted(count, "touch", "es"), {"touches": count}) for count in counts)
-    )
+Varied = Iterator[tuple[str, dict[str, Any]]]
 
 
-def _viewpoints(run: ExperimentParameters) -> list[Setting]:
-    return _make("viewpoints", run, _votes(run, ()))
+def _touches(run: ExperimentParameters) -> Varied:
+    for count in run.cost.touches:
+        yield _counted(count, "touch", "es"), {"touches": count}
 
 
-def _lean_viewpoints(run: ExperimentParameters) -> list[Setting]:
-    lean = (
-        ("rendering.resolution", run.cost.lean_view_resolution),
-        ("attention.weights", _weights(run, CLASSIC_CHANNELS)),
-    )
-    return _make("lean_viewpoints", run, _votes(run, lean))
+def _viewpoints(run: ExperimentParameters, changes: Changes | None = None) -> Varied:
+    for count in run.cost.viewpoints:
+        yield _counted(count, "viewpoint", "s"), {"viewpoints": count, "changes": changes or {}}
 
 
-def _imprint(run: ExperimentParameters) -> list[Setting]:
-    return _squares("imprint", run, "sensor.resolution", run.cost.imprint_resolutions)
-
-
-def _render(run: ExperimentParameters) -> list[Setting]:
-    return _squares("render", run, "rendering.resolution", run.cost.view_resolutions)
-
-
-def _squares(
-    family: str, run: ExperimentParameters, parameter: str, sizes: Sequence[int]
-) -> list[Setting]:
-    named = ((f"{size} × {size}", _unless_own(run, parameter, size)) for size in sizes)
-    return _make(family, run, ((name, {"changes": changes}) for name, changes in named))
-
-
-def _channels(run: ExperimentParameters) -> list[Setting]:
-    every = tuple(run.attention.weights.model_dump())
-    return _make(
-        "channels",
+def _lean_viewpoints(run: ExperimentParameters) -> Varied:
+    return _viewpoints(
         run,
-        (
-            (
-                f"{len(kept)} channels",
-                {"changes": _unless_own(run, "attention.weights", _weights(run, kept))},
-            )
-            for kept in (CLASSIC_CHANNELS, every)
-        ),
+        {
+            "rendering.resolution": run.cost.lean_view_resolution,
+            "attention.weights": _weights(run, CLASSIC_CHANNELS),
+        },
     )
 
 
-def _features(run: ExperimentParameters) -> list[Setting]:
-    cues = {**CUES, "skin and pose": run.recognition.best.cues}
-    return _make(
-        "features",
-        run,
-        (
-            (name, {"changes": _unless_own(run, "recognition.best.cues", chosen)})
-            for name, chosen in cues.items()
-        ),
-    )
+def _imprint(run: ExperimentParameters) -> Varied:
+    return _squares(run, "sensor.resolution", run.cost.imprint_resolutions)
 
 
-def _pipelines(run: ExperimentParameters) -> list[Setting]:
-    classifiers = {
-        "paper": run.recognition.classifiers,
-        "best": run.recognition.best.classifiers,
-    }
-    return _make(
-        "pipelines",
-        run,
-        (
-            (
-                f"{pipeline}, {name.replace('_', ' ')}",
-                {"pipeline": pipeline, "classifier": name},
-            )
-            for pipeline, names in classifiers.items()
-            for name in names
-        ),
-    )
+def _render(run: ExperimentParameters) -> Varied:
+    return _squares(run, "rendering.resolution", run.cost.view_resolutions)
 
 
-def _effects(run: ExperimentParameters) -> list[Setting]:
-    return _make(
-        "effects",
-        run,
-        (
-            (preset, {"changes": () if preset == run.scene.preset else (_scene(preset),)})
-            for preset in PRESETS
-        ),
-    )
+def _squares(run: ExperimentParameters, parameter: str, sizes: Sequence[int]) -> Varied:
+    for size in sizes:
+        yield f"{size} × {size}", _unless_own(run, parameter, size)
 
 
-FAMILIES: dict[str, Callable[[ExperimentParameters], list[Setting]]] = {
+def _channels(run: ExperimentParameters) -> Varied:
+    for kept in (CLASSIC_CHANNELS, tuple(run.attention.weights.model_dump())):
+        weights = _weights(run, kept)
+        yield f"{len(kept)} channels", _unless_own(run, "attention.weights", weights)
+
+
+def _features(run: ExperimentParameters) -> Varied:
+    for name, cues in {**CUES, "skin and pose": run.recognition.best.cues}.items():
+        yield name, _unless_own(run, "recognition.best.cues", cues)
+
+
+def _pipelines(run: ExperimentParameters) -> Varied:
+    for pipeline, names in (
+        ("paper", run.recognition.classifiers),
+        ("best", run.recognition.best.classifiers),
+    ):
+        for name in names:
+            words = f"{pipeline}, {name.replace('_', ' ')}"
+            yield words, {"pipeline": pipeline, "classifier": name}
+
+
+def _effects(run: ExperimentParameters) -> Varied:
+    for preset in PRESETS:
+        changes = {} if preset == run.scene.preset else {"scene.preset": preset}
+        yield preset, {"changes": changes}
+
+
+FAMILIES: dict[str, Callable[[ExperimentParameters], Varied]] = {
     "touches": _touches,
     "viewpoints": _viewpoints,
     "lean_viewpoints": _lean_viewpoints,
@@ -267,23 +182,14 @@ FAMILIES: dict[str, Callable[[ExperimentParameters], list[Setting]]] = {
 }
 
 
-def _votes(run: ExperimentParameters, changes: Changes) -> Iterable[tuple[str, dict[str, Any]]]:
-    for count in run.cost.viewpoints:
-        yield _counted(count, "viewpoint", "s"), {"viewpoints": count, "changes": changes}
-
-
-def _scene(preset: str) -> tuple[str, dict[str, str]]:
-    return ("scene", {"preset": preset})
-
-
 def _weights(run: ExperimentParameters, kept: Iterable[str]) -> dict[str, float]:
     weights = run.attention.weights.model_dump()
     return {name: (weights[name] or 1.0) if name in kept else 0.0 for name in weights}
 
 
-def _unless_own(run: ExperimentParameters, path: str, value: object) -> Changes:
-    changed = with_changes(run, ((path, value),))
-    return () if changed == run else ((path, value),)
+def _unless_own(run: ExperimentParameters, path: str, value: object) -> dict[str, Any]:
+    changes = {path: value}
+    return {"changes": {} if with_changes(run, changes) == run else changes}
 
 
 def _counted(count: int, noun: str, ending: str) -> str:

@@ -1,13 +1,14 @@
-"""Compare the ablations with the whole method."""
+"""Sum up a study: each condition's accuracy, and what it gains or loses."""
 
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.studies.ablations.comparing import make_ablations
+from visuohaptic.studies.figures import make_study_figures
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
-    make_ablations(
+    make_study_figures(
+        study=snakemake.params.study,
         parts=snakemake.input.parts,
-        output=snakemake.output.ablations,
+        output=snakemake.output.figures,
         metrics=snakemake.output.metrics,
         intervals=IntervalParameters(**snakemake.params.intervals),
         seed=snakemake.params.seed,

@@ -6,10 +6,12 @@ import trimesh
 
 from visuohaptic.features.describing import describe_touches
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.surface import Surface, read_surface, write_surface
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.cost.errors import RunTables, find_fixations
-from visuohaptic.touches.touching import touch_locations, touch_table
+from visuohaptic.phases import find_locations, touch_at
+from visuohaptic.studies.measuring import Sources
+from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES
+from visuohaptic.tables.schema import write_table
 
 RUN = ExperimentParameters.from_mapping(
     {
@@ -51,12 +53,29 @@ def surface_of(mesh):
 
 
 def run_tables(surfaces, run=RUN):
-    """Give what a run would have made."""
-    fixations, features = [], []
+    """Give the locations, touches and features that a run would have made."""
+    located, touched, described = [], [], []
     for key, surface in surfaces.items():
         caster = RayCaster(surface)
-        found = find_fixations(caster, key, run)
-        felt = touch_locations(caster, found, run.sensor, run.scene, run.seed)
-        fixations.append(found)
-        features.append(describe_touches(touch_table(found, felt), run.features))
-    return RunTables(pa.concat_tables(fixations), pa.concat_tables(features))
+        located.append(find_locations(caster, key, run))
+        touched.append(touch_at(caster, located[-1], run))
+        described.append(describe_touches(touched[-1], run.features))
+    keys = [(key, "ascending") for key in FEATURES.keys]
+    return [pa.concat_tables(tables).sort_by(keys) for tables in (located, touched, described)]
+
+
+def write_sources(folder, surfaces, run=RUN):
+    """Write what a run leaves for studies, and give the sources and the features' file."""
+    names = ("fixations", "touches", "features")
+    meshes = []
+    for key, surface in surfaces.items():
+        meshes.append(folder / f"{key}.ply")
+        meshes[-1].parent.mkdir(exist_ok=True)
+        write_surface(surface, meshes[-1])
+    # Files hold float32, so what is made of them differs a little from what is made in memory.
+    surfaces = {f"{mesh.parent.name}/{mesh.stem}": read_surface(mesh) for mesh in meshes}
+    schemas = (FIXATIONS, TOUCHES, FEATURES)
+    for schema, name, table in zip(schemas, names, run_tables(surfaces, run), strict=True):
+        write_table(schema, table, folder / f"{name}.parquet")
+    sources = Sources(meshes, [folder / "fixations.parquet"], [folder / "touches.parquet"])
+    return sources, folder / "features.parquet"

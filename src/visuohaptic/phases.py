@@ -1,0 +1,80 @@
+"""The phases in memory, one after the other: where to touch, then touch, then describe."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pyarrow as pa
+
+from visuohaptic.features.describing import describe_touches
+from visuohaptic.fixations.locations import locate_all, look
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.touches.touching import touch_locations, touch_table
+
+VIEWS_AT_ONCE = 4
+"""Viewpoints that are looked from together; it changes no result."""
+
+
+def find_locations(
+    caster: RayCaster,
+    key: str,
+    parameters: ExperimentParameters,
+    viewpoints: Sequence[int] | None = None,
+) -> pa.Table:
+    """Look at an object, and give where to touch it.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    key : str
+        `class/name` of the object.
+    parameters : ExperimentParameters
+        How to look, and by which strategies to choose.
+    viewpoints : sequence of int, optional
+        Numbers of the viewpoints; all without it.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.FIXATIONS`, the same as the workflow finds.
+    """
+    placed = place_cameras(parameters.viewpoints)
+    numbers = list(range(len(placed)) if viewpoints is None else viewpoints)
+    parts = []
+    for start in range(0, len(numbers), VIEWS_AT_ONCE):
+        cameras = {number: placed[number] for number in numbers[start : start + VIEWS_AT_ONCE]}
+        rendering, modes = parameters.rendering, parameters.scene.effects
+        looks = look(caster, key, cameras, rendering, parameters.attention, modes)
+        parts.append(locate_all(looks, parameters.probing, parameters.attention, parameters.seed))
+    return pa.concat_tables(parts).combine_chunks()
+
+
+def touch_at(caster: RayCaster, locations: pa.Table, parameters: ExperimentParameters) -> pa.Table:
+    """Touch an object.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    locations : pyarrow.Table
+        Rows of `tables.FIXATIONS`.
+    parameters : ExperimentParameters
+        The sensor and its scene.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.TOUCHES`, in the same order.
+    """
+    felt = touch_locations(caster, locations, parameters.sensor, parameters.scene, parameters.seed)
+    return touch_table(locations, felt)
+
+
+def describe_at(
+    caster: RayCaster, locations: pa.Table, parameters: ExperimentParameters
+) -> pa.Table:
+    """Touch an object and describe its touches: rows of `tables.FEATURES`."""
+    return describe_touches(touch_at(caster, locations, parameters), parameters.features)

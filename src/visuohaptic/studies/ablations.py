@@ -1,0 +1,51 @@
+"""Ablations: one part of the method left out or exchanged, everything else as in the run."""
+
+from __future__ import annotations
+
+from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.conditions import Changes, Condition, Study
+
+WHOLE = "whole_method"
+CLASSIFIER = "support_vector_machine"
+"""The paper's best; one is enough to tell conditions apart."""
+
+ALONE: Changes = {
+    "probing.strategies": ("fixation",),
+    "recognition.classifiers": (CLASSIFIER,),
+    "recognition.best.classifiers": (CLASSIFIER,),
+}
+"""Touches by fixation and one classifier."""
+
+_SKIN = ("contourlet", "imprint", "sensor")
+_POSE = ("pose", "relations", "embedding")
+_ONE_DESCRIPTOR: Changes = {"recognition.best.cues": ("contourlet", "sensor", *_POSE)}
+
+PARTS: dict[str, Changes] = {
+    WHOLE: {},
+    "cutaneous_only": {"recognition.cues": ("cutaneous",), "recognition.best.cues": _SKIN},
+    "kinesthetic_only": {"recognition.cues": ("kinesthetic",), "recognition.best.cues": _POSE},
+    "contourlet_only": _ONE_DESCRIPTOR,
+    **{
+        descriptor: {"features.descriptor": descriptor, **_ONE_DESCRIPTOR}
+        for descriptor in ("nonsubsampled_contourlet", "wavelet", "image_statistics")
+    },
+    "fixed_sensor_size": {"scene.effects.adaptive_size": "never"},
+    "without_map": {
+        "recognition.self_organising_map.output": "none",
+        "recognition.pipelines": ("paper",),
+    },
+    **{preset: {"scene.preset": preset} for preset in ("ideal", "fsr400", "worn_fsr")},
+    **{f"without_{channel}": {f"attention.weights.{channel}": 0.0} for channel in CHANNELS},
+}
+"""What each ablation changes, the whole method first."""
+
+
+def ablation_study(run: ExperimentParameters) -> Study:
+    """Give the ablations of a run; of a run without pipeline `paper` none concerns the map."""
+    conditions = tuple(
+        Condition(name, {**ALONE, **changes})
+        for name, changes in PARTS.items()
+        if set(changes.get("recognition.pipelines", ())) <= set(run.recognition.pipelines)
+    )
+    return Study("ablations", "Ablations", conditions)

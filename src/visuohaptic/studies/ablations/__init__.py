@@ -1,1 +1,0 @@
-"""What the accuracy loses when one part is left out or exchanged."""

@@ -1,0 +1,264 @@
+"""What a study is: conditions, each a name and the parameters that it changes.
+
+What a condition makes again follows from the sections that it changes. What several conditions
+need alike has one key and is made once.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.parameters import ExperimentParameters, check_parameters
+from visuohaptic.scene.parameters import VISUAL_EFFECTS
+
+AS_RUN = "as run"
+"""The condition that changes nothing."""
+
+Changes = Mapping[str, Any]
+"""New values by the parameters' dotted names; a whole section may be named."""
+
+Phase = Literal["views", "touches", "features"]
+"""From which phase on something is made again."""
+
+_ORDER: tuple[Phase, ...] = ("views", "touches", "features")
+_FIXED = {
+    "workflow": "it changes no result",
+    "meshes": "a study has the objects of the run",
+    "cost": "it belongs to the study cost",
+    "recognition.intervals": "all conditions have the intervals of the run",
+}
+_VIEWS: Any = {
+    "seed": True,
+    "viewpoints": True,
+    "rendering": True,
+    "attention": True,
+    "probing": {"when_exhausted"},
+    "scene": {"effects": set(VISUAL_EFFECTS)},
+}
+_SECTIONS: dict[Phase, Any] = {
+    "views": {"include": _VIEWS, "exclude": {"attention": {"fixations"}}},
+    "touches": {
+        "include": {"sensor": True, "scene": True},
+        "exclude": {"scene": {"effects": set(VISUAL_EFFECTS)}},
+    },
+    "features": {"include": {"features"}},
+}
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One way to run the experiment.
+
+    Attributes
+    ----------
+    name : str
+        Any text.
+    changes : mapping of str
+        What differs from the run's parameters.
+    compared_with : str or None
+        Name of the condition that it is compared with; None for the study's first.
+    votes : int or None
+        Viewpoints that vote for an object; None where each sequence counts by itself.
+    """
+
+    name: str
+    changes: Changes = field(default_factory=dict)
+    compared_with: str | None = None
+    votes: int | None = None
+
+
+@dataclass(frozen=True)
+class Study:
+    """Conditions under one title; the first is what the others are compared with."""
+
+    name: str
+    title: str
+    conditions: tuple[Condition, ...]
+
+
+@dataclass(frozen=True)
+class Remake:
+    """Features that a run does not have.
+
+    Attributes
+    ----------
+    phase : str
+        The first phase that is made again.
+    parameters : ExperimentParameters
+        With which; they ask for the strategies and the touches of all conditions that share them.
+    """
+
+    phase: Phase
+    parameters: ExperimentParameters
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A condition, its parameters, and the key of its features; None for those of the run."""
+
+    condition: Condition
+    parameters: ExperimentParameters
+    key: str | None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The conditions of a study in their order, and the features that they need, by key."""
+
+    conditions: tuple[Planned, ...]
+    remakes: Mapping[str, Remake]
+
+
+def with_changes(
+    run: ExperimentParameters, changes: Changes, source: str = "params.yaml"
+) -> ExperimentParameters:
+    """Change parameters by their dotted names.
+
+    Parameters
+    ----------
+    run : ExperimentParameters
+        What is changed.
+    changes : mapping of str
+        New values. A new ``scene.preset`` replaces the whole scene.
+    source : str
+        Where the changes come from, for errors.
+
+    Returns
+    -------
+    ExperimentParameters
+        Checked.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such parameter, it must not vary, or a value is not allowed.
+    """
+    values = run.model_dump()
+    if "scene.preset" in changes:
+        preset = {"scene": {"preset": changes["scene.preset"]}}
+        values["scene"] = check_parameters(preset, source).scene.model_dump()
+    for path, value in changes.items():
+        _set(values, path, value, source)
+    return check_parameters(values, source)
+
+
+def plan_study(study: Study, run: ExperimentParameters, source: str = "params.yaml") -> Plan:
+    """Find out what a study's conditions make again, and what they share.
+
+    Parameters
+    ----------
+    study : Study
+        The conditions.
+    run : ExperimentParameters
+        The run's parameters.
+    source : str
+        Where the conditions come from, for errors.
+
+    Returns
+    -------
+    Plan
+        Conditions that need the same features have the same key.
+
+    Raises
+    ------
+    ParameterError
+        If a condition can't be made; the sentence names it.
+    """
+    own = _upstream(run)
+    planned: list[Planned] = []
+    needs: dict[str, list[tuple[Phase, ExperimentParameters]]] = {}
+    for condition in study.conditions:
+        parameters = with_changes(run, condition.changes, f"{source}: {condition.name}")
+        upstream = _upstream(parameters)
+        phase = next((name for name in _ORDER if upstream[name] != own[name]), None)
+        if _asks_for_more(parameters, run):
+            phase = "views"
+        key = None
+        if phase is not None:
+            text = json.dumps(upstream, sort_keys=True)
+            key = hashlib.sha256(text.encode()).hexdigest()[:12]
+            needs.setdefault(key, []).append((phase, parameters))
+        planned.append(Planned(condition, parameters, key))
+    return Plan(tuple(planned), {key: _merge(found) for key, found in needs.items()})
+
+
+def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
+    """Tell of a study what its figures tell, in built-in types."""
+    conditions = [
+        {
+            "name": one.condition.name,
+            "compared_with": one.condition.compared_with,
+            "remade": plan.remakes[one.key].phase if one.key else "recognition",
+        }
+        for one in plan.conditions
+    ]
+    return {"name": study.name, "title": study.title, "conditions": conditions}
+
+
+def describe_conditions(planned: Sequence[Planned]) -> list[dict[str, Any]]:
+    """Tell of conditions what measuring them takes, in built-in types."""
+    return [
+        {
+            "name": one.condition.name,
+            "changes": dict(one.condition.changes),
+            "votes": one.condition.votes,
+            "key": one.key,
+        }
+        for one in planned
+    ]
+
+
+def touches_needed(parameters: ExperimentParameters) -> int:
+    """Give how many touches a sequence must have: recognition may ask for more than are made."""
+    return max(parameters.attention.fixations, parameters.recognition.touches or 0)
+
+
+def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
+    for fixed, reason in _FIXED.items():
+        if path == fixed or path.startswith(f"{fixed}."):
+            raise ParameterError(f"{source}: {path} can't vary, for {reason}.")
+    *sections, name = path.split(".")
+    section: Any = values
+    for place, part in enumerate((*sections, name)):
+        if not isinstance(section, dict) or part not in section:
+            above = ".".join(sections[:place])
+            allowed = ", ".join(section) if isinstance(section, dict) else "no parts"
+            raise ParameterError(
+                f"{source}: {path} is no parameter; {above or 'an experiment'} has {allowed}."
+            )
+        if place < len(sections):
+            section = section[part]
+    section[name] = new
+
+
+def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
+    """Give the parameters that each phase's tables depend on, but for how many touches are made."""
+    return {
+        phase: parameters.model_dump(mode="json", **sections)
+        for phase, sections in _SECTIONS.items()
+    }
+
+
+def _asks_for_more(parameters: ExperimentParameters, run: ExperimentParameters) -> bool:
+    strategies = set(parameters.probing.strategies) - set(run.probing.strategies)
+    return bool(strategies) or touches_needed(parameters) > run.attention.fixations
+
+
+def _merge(found: Sequence[tuple[Phase, ExperimentParameters]]) -> Remake:
+    phase = min((phase for phase, _ in found), key=_ORDER.index)
+    wanted = [parameters for _, parameters in found]
+    strategies = dict.fromkeys(name for one in wanted for name in one.probing.strategies)
+    merged = {
+        "attention": {"fixations": max(map(touches_needed, wanted))},
+        "probing": {"strategies": tuple(strategies)},
+    }
+    update = {
+        section: getattr(wanted[0], section).model_copy(update=values)
+        for section, values in merged.items()
+    }
+    return Remake(phase, wanted[0].model_copy(update=update))

@@ -1,0 +1,174 @@
+"""The adaptive strategy: each split chooses its touches by what its training objects tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pyarrow as pa
+
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.ablations import CLASSIFIER
+from visuohaptic.studies.conditions import Planned, plan_study
+from visuohaptic.studies.curves.settings import curve_study
+from visuohaptic.studies.measuring import (
+    REFUSALS,
+    Named,
+    cell_rows,
+    error_rows,
+    name_objects,
+)
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table, write_table
+from visuohaptic.tables.studies import STUDY
+
+if TYPE_CHECKING:
+    from visuohaptic.recognition.adaptive import Candidates
+    from visuohaptic.recognition.experiment import Answer
+    from visuohaptic.recognition.sequences import TouchSequences
+    from visuohaptic.recognition.splits import Split
+
+CANDIDATES = 256
+"""Places of an object among which `adaptive` chooses where a viewpoint sees them."""
+
+
+def make_candidates(
+    meshes: Sequence[str | Path], output: str | Path, parameters: ExperimentParameters
+) -> None:
+    """Touch objects wherever `adaptive` may choose to: rows of `tables.FEATURES`, no sequences."""
+    from visuohaptic.fixations.locations import candidate_table, look
+    from visuohaptic.fixations.probing import ProbingLocations, spread_far
+    from visuohaptic.fixations.viewpoints import place_cameras
+    from visuohaptic.geometry.orientation import orient_outwards
+    from visuohaptic.geometry.raycasting import RayCaster
+    from visuohaptic.geometry.surface import read_surface, usable_meshes
+    from visuohaptic.phases import describe_at
+    from visuohaptic.seeds import spawn_generator
+
+    cameras = dict(enumerate(place_cameras(parameters.viewpoints)))
+    parts = []
+    for mesh in usable_meshes(meshes):
+        key, caster = f"{mesh.parent.name}/{mesh.stem}", RayCaster(read_surface(mesh))
+        generator = spawn_generator(parameters.seed, "candidates", key)
+        crowd = spread_far(caster.surface, CANDIDATES, generator)
+        outwards = orient_outwards(caster, crowd.points, crowd.normals)
+        places = ProbingLocations(crowd.points, outwards, crowd.faces)
+        modes = parameters.scene.effects
+        looks = look(caster, key, cameras, parameters.rendering, parameters.attention, modes)
+        located = pa.concat_tables([candidate_table(one, places) for one in looks])
+        parts.append(describe_at(caster, located.combine_chunks(), parameters))
+    write_table(FEATURES, pa.concat_tables(parts), output)
+
+
+def make_adaptive_rows(
+    candidates: str | Path, output: str | Path, pipeline: str, run: ExperimentParameters
+) -> None:
+    """Write `tables.STUDY` of the study's conditions on touches that `adaptive` chooses."""
+    planned = plan_study(curve_study(run), run).conditions
+    rows = adaptive_rows(read_table(FEATURES, candidates), planned, pipeline, run.seed)
+    write_table(STUDY, pa.concat_tables(rows), output)
+
+
+def adaptive_rows(
+    features: pa.Table, planned: Sequence[Planned], pipeline: str, seed: int
+) -> Iterator[pa.Table]:
+    """Choose each split's touches by what its training objects tell, then train and test.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        What `make_candidates` writes.
+    planned : sequence of Planned
+        Conditions that differ in the number of touches.
+    pipeline : str
+        ``paper`` or ``best``.
+    seed : int
+        The experiment's seed.
+
+    Yields
+    ------
+    pyarrow.Table
+        `tables.STUDY` of a condition, by strategy ``adaptive``.
+    """
+    from visuohaptic.recognition.sequences import classes_of_two
+
+    chooser = None
+    for one in planned:
+        key = ("curves", one.condition.name, pipeline, "adaptive")
+        try:
+            chooser = chooser or _Chooser(classes_of_two(features), planned, pipeline, seed)
+            yield from cell_rows(key, chooser.name_objects(one.parameters))
+        except REFUSALS as refusal:
+            yield error_rows(key, (CLASSIFIER,), str(refusal))
+
+
+class _Chooser:
+    """Touches that are chosen once a split, as many as the longest sequence needs."""
+
+    def __init__(
+        self, features: pa.Table, planned: Sequence[Planned], pipeline: str, seed: int
+    ) -> None:
+        from visuohaptic.recognition.adaptive import gather_candidates
+        from visuohaptic.recognition.descriptors import draw_waves
+        from visuohaptic.recognition.experiment import gather_pipeline
+        from visuohaptic.recognition.summary import select
+        from visuohaptic.seeds import spawn_generator
+
+        recognition = planned[0].parameters.recognition
+        # The columns that a pipeline takes are those that it takes of one touch a sequence.
+        first = select(features, touch=0)
+        single = recognition.model_copy(update={"touches": 1})
+        best = gather_pipeline(first, single, "best").feature_names
+        names = gather_pipeline(first, single, pipeline).feature_names
+        self._candidates: Candidates = gather_candidates(features, best)
+        self._used = [best.index(name) for name in names]
+        self._waves = draw_waves(recognition.best, spawn_generator(seed, "recognition", "waves"))
+        self._most = max(one.parameters.recognition.touches or 1 for one in planned)
+        self._chosen: dict[tuple[int, ...], np.ndarray] = {}
+        self._pipeline, self._seed = pipeline, seed
+
+    def name_objects(self, parameters: ExperimentParameters) -> Named:
+        """Train and test every split on its own touches."""
+        from visuohaptic.recognition.descriptors import describe_sequences
+        from visuohaptic.recognition.experiment import run_best_split, run_paper_split
+
+        recognition = parameters.recognition
+
+        def answer(split: Split, generator: np.random.Generator) -> Iterator[Answer]:
+            sequences = self._sequences(split, parameters)
+            if self._pipeline == "paper":
+                return run_paper_split(sequences, split, recognition, generator)
+            described = describe_sequences(
+                sequences.features, sequences.feature_names, self._waves, recognition.best
+            )
+            return run_best_split(sequences, described, split, recognition, generator)
+
+        return name_objects(
+            self._candidates.sequences, parameters, self._pipeline, self._seed, answer
+        )
+
+    def _sequences(self, split: Split, parameters: ExperimentParameters) -> TouchSequences:
+        from dataclasses import replace
+
+        from visuohaptic.recognition.adaptive import choose_sequences
+        from visuohaptic.seeds import spawn_generator
+
+        key = tuple(split.test.tolist())
+        if key not in self._chosen:
+            self._chosen[key] = choose_sequences(
+                self._candidates,
+                split,
+                self._most,
+                parameters.recognition.best,
+                parameters.attention.focus_radius,
+                spawn_generator(self._seed, "adaptive", *key),
+            )
+        rows = self._chosen[key][:, : parameters.recognition.touches]
+        whole = self._candidates.sequences
+        return replace(
+            whole,
+            features=self._candidates.features[rows][:, :, self._used],
+            feature_names=tuple(whole.feature_names[column] for column in self._used),
+        )

@@ -1,0 +1,76 @@
+"""All studies of a run: those of the package and a user's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.ablations import ablation_study
+from visuohaptic.studies.conditions import Plan, Planned, Study
+from visuohaptic.studies.cost.settings import cost_study
+from visuohaptic.studies.curves.settings import curve_study
+from visuohaptic.studies.effects.accuracy import effect_study
+from visuohaptic.studies.own import read_study
+
+PACKAGED: dict[str, Callable[[ExperimentParameters], Study]] = {
+    "cost": cost_study,
+    "curves": curve_study,
+    "ablations": ablation_study,
+    "effects": effect_study,
+}
+"""Studies that come with the package, by name."""
+
+MOST_BLOCKS = 8
+MOST_CONDITIONS_A_BLOCK = 25
+
+
+def declared_studies(run: ExperimentParameters, own: Iterable[str | Path]) -> dict[str, Study]:
+    """Give every study by its name.
+
+    Parameters
+    ----------
+    run : ExperimentParameters
+        The run's parameters.
+    own : iterable of path
+        Files of the user's own studies.
+
+    Returns
+    -------
+    dict of str to Study
+        Those of the package first.
+
+    Raises
+    ------
+    ParameterError
+        If a file holds a name or value that is not allowed.
+    """
+    studies = [make(run) for make in PACKAGED.values()]
+    studies += [read_study(path, run, reserved=PACKAGED) for path in sorted(map(Path, own))]
+    return {study.name: study for study in studies}
+
+
+def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Planned]]:
+    """Cut a study into blocks that a job each measures; what shares features stands together.
+
+    Parameters
+    ----------
+    plan : Plan
+        The study's conditions.
+    conditions_per_job : int or None
+        How many in a block; None for an eighth of them, at most 25.
+
+    Returns
+    -------
+    dict of str to list of Planned
+        By the block's name, such as 0000-0024.
+    """
+    count = len(plan.conditions)
+    step = conditions_per_job or min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK)
+    ordered = sorted(
+        plan.conditions, key=lambda one: (one.key or "", one.parameters.model_dump_json())
+    )
+    return {
+        f"{start:04d}-{min(start + step, count) - 1:04d}": ordered[start : start + step]
+        for start in range(0, count, step)
+    }

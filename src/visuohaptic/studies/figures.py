@@ -1,0 +1,216 @@
+"""Each condition's accuracy with its interval, and what it gains or loses; for all studies alike."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.recognition.intervals import Interval, compare_paired, holm, object_interval
+from visuohaptic.recognition.metrics import round_numbers
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
+from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
+
+Row = dict[str, Any]
+CellKey = tuple[str, str, str, str]
+"""Condition, pipeline, strategy and classifier."""
+
+_UNTOLD = ("study", "title", "condition", "pipeline", "strategy", "classifier", "place", "seconds")
+_CELL = ("condition", "pipeline", "strategy", "classifier")
+_COMPARED = ("difference", "difference_low", "difference_high", "p_value", "adjusted_p")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One condition, pipeline, strategy and classifier, an object each.
+
+    Attributes
+    ----------
+    objects : tuple of (str, str)
+        The o objects as (class, name), sorted; empty where it could not be run.
+    accuracy, weights : numpy.ndarray
+        Shape (o,) each, float64: the weighted mean over objects is the mean over splits.
+    seconds : float or None
+        Of training and testing.
+    error : str or None
+        Why it could not be run.
+    """
+
+    objects: tuple[tuple[str, str], ...]
+    accuracy: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    seconds: float | None = None
+    error: str | None = None
+
+
+def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
+    """Average each object's accuracy over the splits that tested it, one file at a time.
+
+    Parameters
+    ----------
+    parts : iterable of path
+        `tables.STUDY`, the rows of a condition in one file.
+
+    Returns
+    -------
+    dict of tuple to Cell
+        By condition, pipeline, strategy and classifier.
+    """
+    found: dict[CellKey, Cell] = {}
+    for part in parts:
+        found |= cells_of(read_table(STUDY, part))
+    return found
+
+
+def cells_of(rows: pa.Table) -> dict[CellKey, Cell]:
+    """Average each object's accuracy over the splits that tested it: rows of `tables.STUDY`."""
+    names = [rows.column(name).to_pylist() for name in _CELL]
+    places: dict[Any, list[int]] = {}
+    for place, key in enumerate(zip(*names, strict=True)):
+        places.setdefault(key, []).append(place)
+    return {key: _cell(rows.take(chosen)) for key, chosen in places.items()}
+
+
+def condition_interval(cell: Cell, intervals: IntervalParameters, seed: int) -> Interval:
+    """Give a cell's accuracy; all cells have the same draws of objects, so like ones look alike."""
+    generator = spawn_generator(seed, "studies")
+    return object_interval(cell.accuracy, cell.weights, intervals, generator)
+
+
+def study_figures(
+    study: Mapping[str, Any],
+    cells: Mapping[CellKey, Cell],
+    intervals: IntervalParameters,
+    seed: int,
+) -> pa.Table:
+    """Sum up a study.
+
+    Parameters
+    ----------
+    study : mapping
+        Its ``name``, its ``title`` and its ``conditions`` in order, each with ``name``,
+        ``compared_with`` (a name; None for the first one's) and ``remade``.
+    cells : mapping
+        As `read_cells` gives them.
+    intervals : IntervalParameters
+        Resampling over objects.
+    seed : int
+        The experiment's seed.
+
+    Returns
+    -------
+    pyarrow.Table
+        `tables.STUDY_FIGURES`. A condition that was tested on other objects than the one that it is
+        compared with has no difference.
+    """
+    conditions = study["conditions"]
+    order = {condition["name"]: place for place, condition in enumerate(conditions)}
+    rows: list[Row] = []
+    for key in sorted(cells, key=lambda key: (key[1:], order[key[0]])):
+        condition = conditions[order[key[0]]]
+        other = condition["compared_with"] or conditions[0]["name"]
+        row: Row = {
+            "study": study["name"],
+            "title": study["title"],
+            **dict(zip(_CELL, key, strict=True)),
+            "place": order[key[0]],
+            "remade": condition["remade"],
+            "compared_with": None if other == key[0] else other,
+            **_figures(cells[key], cells.get((other, *key[1:])), intervals, seed),
+        }
+        rows.append(row)
+    _adjust(rows)
+    names = [column.name for column in STUDY_FIGURES.columns]
+    return build_table(STUDY_FIGURES, {name: [row[name] for row in rows] for name in names})
+
+
+def make_study_figures(
+    study: Mapping[str, Any],
+    parts: Sequence[str | Path],
+    output: str | Path,
+    metrics: str | Path,
+    intervals: IntervalParameters,
+    seed: int,
+) -> None:
+    """Write `tables.STUDY_FIGURES` of a study, and the same numbers without seconds as JSON."""
+    table = study_figures(study, read_cells(parts), intervals, seed)
+    write_table(STUDY_FIGURES, table, output)
+    write_json(
+        nested(table.to_pylist(), ("pipeline", "strategy", "classifier", "condition")), metrics
+    )
+
+
+def nested(rows: Sequence[Row], keys: Sequence[str]) -> dict[str, Any]:
+    """Nest rows by some of their columns; what identifies a row and seconds are left out."""
+    figures: dict[str, Any] = {}
+    for row in rows:
+        inner = figures
+        for key in keys:
+            inner = inner.setdefault(row[key], {})
+        inner |= {name: value for name, value in row.items() if name not in _UNTOLD}
+    return figures
+
+
+def write_json(figures: object, path: str | Path) -> None:
+    """Write figures, rounded, so that the same tables give the same bytes."""
+    text = json.dumps(round_numbers(figures), indent=2, ensure_ascii=False) + "\n"
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    Path(path).write_text(text, encoding="utf-8")
+
+
+def _cell(rows: pa.Table) -> Cell:
+    error = rows.column("error")[0].as_py()
+    if error is not None:
+        return Cell((), np.empty(0), np.empty(0), None, error)
+    owners = list(
+        zip(*(rows.column(name).to_pylist() for name in ("class", "object")), strict=True)
+    )
+    objects = tuple(sorted(set(owners)))
+    places = {owner: place for place, owner in enumerate(objects)}
+    owner = np.array([places[one] for one in owners])
+    split, repeat, sequences, accuracy = matrix(
+        rows, ["split", "repeat", "sequences", "accuracy"]
+    ).T
+    _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
+    share = sequences / np.bincount(run, weights=sequences)[run]
+    weights = np.bincount(owner, weights=share).astype(np.float64)
+    # Shares times counts are whole numbers but for rounding, except where viewpoints vote.
+    right = np.where(sequences > 1, np.rint(accuracy * sequences), accuracy)
+    means = np.bincount(owner, weights=share * right / sequences) / weights
+    return Cell(objects, means, weights, rows.column("seconds")[0].as_py())
+
+
+def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters, seed: int) -> Row:
+    row: Row = {"seconds": cell.seconds, "error": cell.error, "objects": len(cell.objects) or None}
+    row |= dict.fromkeys(("accuracy", "low", "high", *_COMPARED))
+    if cell.error is not None:
+        return row
+    row |= _ends("accuracy", "", condition_interval(cell, intervals, seed))
+    if other is not None and other is not cell and other.objects == cell.objects:
+        generator = spawn_generator(seed, "studies", "comparison")
+        found = compare_paired(cell.accuracy, other.accuracy, other.weights, intervals, generator)
+        row |= _ends("difference", "difference_", found.difference)
+        row["p_value"] = found.p_value
+    return row
+
+
+def _ends(name: str, prefix: str, interval: Interval) -> Row:
+    held = {name: interval.mean, f"{prefix}low": interval.low, f"{prefix}high": interval.high}
+    return {key: None if np.isnan(value) else value for key, value in held.items()}
+
+
+def _adjust(rows: Sequence[Row]) -> None:
+    """Adjust p values for their number, in each pipeline, strategy and classifier."""
+    of_cell: Callable[[Row], tuple[str, ...]] = lambda row: tuple(row[name] for name in _CELL[1:])  # noqa: E731
+    for key in dict.fromkeys(map(of_cell, rows)):
+        compared = [row for row in rows if of_cell(row) == key and row["p_value"] is not None]
+        for row, value in zip(compared, holm([row["p_value"] for row in compared]), strict=True):
+            row["adjusted_p"] = value

@@ -1,0 +1,81 @@
+"""From a run's tables to the tables of a study, file to file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.conditions import Condition, Planned, Remake, with_changes
+from visuohaptic.studies.measuring import (
+    REFUSALS,
+    Memory,
+    Sources,
+    measure_condition,
+    remake_features,
+)
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table, write_table
+from visuohaptic.tables.studies import STUDY
+
+_ERROR = b"error"
+
+
+def make_study_features(remake: Remake, sources: Sources, output: str | Path) -> None:
+    """Write features that conditions share; where they are refused, an empty table with the reason."""
+    try:
+        table = remake_features(remake, sources)
+    except REFUSALS as refusal:
+        table = FEATURES.arrow.empty_table().replace_schema_metadata({_ERROR: str(refusal)})
+    write_table(FEATURES, table, output)
+
+
+def read_study_features(path: str | Path) -> pa.Table | str:
+    """Read what `make_study_features` wrote: features, or the sentence by which they were refused."""
+    error = (pq.read_schema(path).metadata or {}).get(_ERROR)
+    return read_table(FEATURES, path) if error is None else error.decode("utf-8")
+
+
+def make_study_block(
+    study: str,
+    conditions: Sequence[Mapping[str, Any]],
+    features: Sequence[str | Path],
+    made: Mapping[str, str | Path],
+    output: str | Path,
+    run: ExperimentParameters,
+) -> None:
+    """Measure a block of a study's conditions.
+
+    Parameters
+    ----------
+    study : str
+        The study's name.
+    conditions : sequence of mapping
+        As `studies.conditions.describe_conditions` gives them.
+    features : sequence of path
+        The run's own features; empty where every condition has others.
+    made : mapping of str to path
+        Features by key.
+    output : path
+        The Parquet file to write, rows of `tables.STUDY`.
+    run : ExperimentParameters
+        What the run was made with.
+    """
+    memory = Memory()
+    held: dict[str | None, pa.Table | str] = {}
+    parts: list[pa.Table] = []
+    for row in conditions:
+        key = row["key"]
+        if key not in held:
+            held.clear()  # one table at a time: conditions with the same features are neighbours
+            held[key] = (
+                read_table(FEATURES, features) if key is None else read_study_features(made[key])
+            )
+        condition = Condition(row["name"], row["changes"], votes=row["votes"])
+        planned = Planned(condition, with_changes(run, condition.changes), key)
+        parts += measure_condition(study, planned, held[key], run.seed, memory)
+    write_table(STUDY, pa.concat_tables(parts), output)

@@ -1,0 +1,375 @@
+"""The one engine of all studies: features of a condition, and how well it names objects."""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.attention.errors import AttentionError
+from visuohaptic.contourlet.errors import ContourletError
+from visuohaptic.errors import RecognitionError, VisuohapticError
+from visuohaptic.studies.conditions import Planned, Remake, touches_needed
+from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES
+from visuohaptic.tables.schema import build_table, read_table
+from visuohaptic.tables.studies import STUDY
+
+if TYPE_CHECKING:
+    from visuohaptic.parameters import ExperimentParameters
+    from visuohaptic.recognition.experiment import Answer, AnswerSplit
+    from visuohaptic.recognition.sequences import TouchSequences
+    from visuohaptic.recognition.splits import Split
+
+REFUSALS = (VisuohapticError, AttentionError, ContourletError)
+"""What a condition may fail with; anything else is a fault of the program."""
+
+Paths = Sequence[str | Path]
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Files of the run that features are made from; those of later phases may be empty."""
+
+    meshes: Paths = ()
+    fixations: Paths = ()
+    touches: Paths = ()
+
+
+@dataclass(frozen=True)
+class Named:
+    """What every split's training named.
+
+    Attributes
+    ----------
+    sequences : TouchSequences
+        All sequences.
+    answers : list of (Split, int, Answer)
+        Every split, repeat and classifier.
+    seconds : float
+        Of the processor.
+    """
+
+    sequences: TouchSequences
+    answers: list[tuple[Split, int, Answer]]
+    seconds: float
+
+
+class Memory:
+    """What was named last, so that conditions that differ in the vote alone train once."""
+
+    def __init__(self, kept: int = 4) -> None:
+        self._kept = kept
+        self._named: OrderedDict[Hashable, Named] = OrderedDict()
+
+    def recall(self, key: Hashable, name: Callable[[], Named]) -> Named:
+        """Give what is known of a key; call `name` where it is new."""
+        if key not in self._named:
+            self._named[key] = name()
+        self._named.move_to_end(key)
+        while len(self._named) > self._kept:
+            self._named.popitem(last=False)
+        return self._named[key]
+
+
+def remake_features(remake: Remake, sources: Sources) -> pa.Table:
+    """Make features again, from as late a table of the run as the changes allow.
+
+    Parameters
+    ----------
+    remake : Remake
+        The first phase that is made again, and its parameters.
+    sources : Sources
+        What it starts from: meshes and fixations for touches, meshes for views, else touches.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.FEATURES`, of the strategies that the parameters name.
+    """
+    parts = list(_remade_parts(remake, sources))
+    return pa.concat_tables(parts).sort_by([(key, "ascending") for key in FEATURES.keys])
+
+
+def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
+    from visuohaptic.features.describing import describe_touches
+    from visuohaptic.geometry.raycasting import RayCaster
+    from visuohaptic.geometry.surface import read_surface, usable_meshes
+    from visuohaptic.phases import describe_at, find_locations
+    from visuohaptic.recognition.summary import select
+
+    parameters = remake.parameters
+    if remake.phase == "features":
+        for part in sources.touches:
+            touches = _of_strategies(read_table(TOUCHES, part), parameters.probing.strategies)
+            if touches.num_rows:
+                yield describe_touches(touches, parameters.features)
+        return
+    located = None
+    if remake.phase == "touches":
+        located = read_table(FIXATIONS, sources.fixations)
+        located = _of_strategies(located, parameters.probing.strategies)
+    for mesh in usable_meshes(sources.meshes):
+        category, name = mesh.parent.name, mesh.stem
+        caster = RayCaster(read_surface(mesh))
+        locations = (
+            find_locations(caster, f"{category}/{name}", parameters)
+            if located is None
+            else select(located, **{"class": category}, object=name)
+        )
+        yield describe_at(caster, locations, parameters)
+
+
+def condition_features(planned: Planned, features: pa.Table, strategy: str) -> pa.Table:
+    """Take a condition's rows of features that others share.
+
+    Parameters
+    ----------
+    planned : Planned
+        The condition.
+    features : pyarrow.Table
+        Rows of `tables.FEATURES`.
+    strategy : str
+        Which sequences.
+
+    Returns
+    -------
+    pyarrow.Table
+        Its rows; classes with a single object are left out.
+
+    Raises
+    ------
+    RecognitionError
+        If there are none.
+    """
+    import pyarrow.compute as pc
+
+    from visuohaptic.recognition.sequences import classes_of_two
+    from visuohaptic.recognition.summary import select
+
+    found = select(features, strategy=strategy)
+    if not found.num_rows:
+        raise RecognitionError(f"no touch was made by {strategy}.")
+    needed = touches_needed(planned.parameters)
+    return classes_of_two(found.filter(pc.less(found.column("touch"), needed)))
+
+
+def measure_condition(
+    study: str,
+    planned: Planned,
+    features: pa.Table | str,
+    seed: int,
+    memory: Memory | None = None,
+) -> Iterator[pa.Table]:
+    """Train and test a condition; what can't be run has one row with the reason.
+
+    Parameters
+    ----------
+    study : str
+        The study's name.
+    planned : Planned
+        The condition: its parameters name strategies, pipelines and classifiers.
+    features : pyarrow.Table or str
+        Rows of `tables.FEATURES`, or the sentence by which they were refused.
+    seed : int
+        The experiment's seed.
+    memory : Memory, optional
+        What conditions before it named on the same tables; it changes no number.
+
+    Yields
+    ------
+    pyarrow.Table
+        `tables.STUDY`, of one pipeline and strategy.
+    """
+    memory = memory or Memory()
+    recognition = planned.parameters.recognition
+    for pipeline in recognition.pipelines:
+        for strategy in planned.parameters.probing.strategies:
+            key = (study, planned.condition.name, pipeline, strategy)
+            try:
+                if isinstance(features, str):
+                    raise RecognitionError(features)
+                known = (planned.key, planned.parameters.model_dump_json(), pipeline, strategy)
+                name = partial(_name_condition, planned, features, strategy, pipeline, seed)
+                named = memory.recall(known, name)
+                yield from cell_rows(key, named, planned.condition.votes)
+            except REFUSALS as refusal:
+                names = classifiers_of(planned.parameters, pipeline)
+                yield error_rows(key, names, str(refusal))
+
+
+def name_objects(
+    sequences: TouchSequences,
+    parameters: ExperimentParameters,
+    pipeline: str,
+    seed: int,
+    answer_split: AnswerSplit | None = None,
+) -> Named:
+    """Train and test every split of one pipeline, on the sequences or as `answer_split` does."""
+    from visuohaptic.recognition.experiment import answer_splits
+
+    started = time.process_time()
+    answers = list(answer_splits(sequences, parameters.recognition, seed, pipeline, answer_split))
+    return Named(sequences, answers, time.process_time() - started)
+
+
+def classifiers_of(parameters: ExperimentParameters, pipeline: str) -> tuple[str, ...]:
+    """Name the classifiers that a pipeline compares."""
+    recognition = parameters.recognition
+    return recognition.classifiers if pipeline == "paper" else recognition.best.classifiers
+
+
+def _name_condition(
+    planned: Planned, features: pa.Table, strategy: str, pipeline: str, seed: int
+) -> Named:
+    from visuohaptic.recognition.experiment import gather_pipeline
+
+    rows = condition_features(planned, features, strategy)
+    sequences = gather_pipeline(rows, planned.parameters.recognition, pipeline)
+    return name_objects(sequences, planned.parameters, pipeline, seed)
+
+
+Key = tuple[str, str, str, str]
+"""Study, condition, pipeline and strategy."""
+
+
+def cell_rows(key: Key, named: Named, votes: int | None = None) -> Iterator[pa.Table]:
+    """Give `tables.STUDY` of what was named, a row an object, split and repeat.
+
+    Parameters
+    ----------
+    key : tuple of str
+        Study, condition, pipeline and strategy.
+    named : Named
+        Every split, repeat and classifier.
+    votes : int or None
+        Viewpoints that vote: every evenly spread choice of so many of an object's viewpoints
+        is one recognition. None where each sequence counts by itself.
+
+    Yields
+    ------
+    pyarrow.Table
+        A classifier's rows.
+
+    Raises
+    ------
+    RecognitionError
+        If there are not so many viewpoints.
+    """
+    sequences = named.sequences
+    found: dict[str, list[tuple[NDArray[Any], ...]]] = {}
+    for split, repeat, answer in named.answers:
+        owners, right, counts = (
+            _correct(sequences, split, answer)
+            if votes is None
+            else _voted(sequences, split, answer, votes)
+        )
+        numbers = (np.full(len(owners), number) for number in (split.number, repeat))
+        found.setdefault(answer.classifier, []).append((owners, *numbers, counts, right))
+    objects = np.array(sequences.objects, dtype=object)
+    for classifier, parts in found.items():
+        owners, splits, repeats, counts, right = map(np.concatenate, zip(*parts, strict=True))
+        yield build_table(
+            STUDY,
+            {
+                **dict(zip(("study", "condition", "pipeline", "strategy"), key, strict=True)),
+                "classifier": classifier,
+                "class": objects[owners, 0],
+                "object": objects[owners, 1],
+                "split": splits,
+                "repeat": repeats,
+                "sequences": counts,
+                "accuracy": right / counts,
+                "seconds": named.seconds,
+                "error": [None] * len(owners),
+            },
+        )
+
+
+def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
+    """Give `tables.STUDY` of what can't be run: a row a classifier with the reason."""
+    empty = ("class", "object", "split", "repeat", "sequences", "accuracy", "seconds")
+    return build_table(
+        STUDY,
+        {
+            **dict(zip(("study", "condition", "pipeline", "strategy"), key, strict=True)),
+            "classifier": list(classifiers),
+            **{name: [None] * len(classifiers) for name in empty},
+            "error": error,
+        },
+    )
+
+
+def spread_choices(total: int, count: int) -> NDArray[np.int64]:
+    """Choose places evenly spread over a ring, in every way.
+
+    Parameters
+    ----------
+    total : int
+        Places of the ring.
+    count : int
+        How many to choose, at most `total`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (choices, count), int64: each choice turned on by one place, none twice.
+    """
+    steps = (np.arange(count) * total) // count
+    turned = (steps + np.arange(total)[:, None]) % total
+    return np.unique(np.sort(turned, axis=1), axis=0)
+
+
+def _of_strategies(table: pa.Table, strategies: Iterable[str]) -> pa.Table:
+    import pyarrow.compute as pc
+
+    chosen = pa.array(list(strategies))
+    return table.filter(pc.is_in(table.column("strategy"), chosen)).combine_chunks()
+
+
+def _correct(
+    sequences: TouchSequences, split: Split, answer: Answer
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """Give the tested objects, and how many of how many sequences of each are named correctly."""
+    owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
+    correct = answer.predicted == sequences.labels[split.test]
+    counts = np.bincount(row).astype(np.int64)
+    return owners, np.bincount(row, weights=correct).astype(np.float64), counts
+
+
+def _voted(
+    sequences: TouchSequences, split: Split, answer: Answer, votes: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """Give the tested objects, and how often a vote of viewpoints names each correctly."""
+    numbers = np.unique(sequences.viewpoint)
+    if votes > len(numbers):
+        raise RecognitionError(f"{votes} viewpoints can't vote, for the run has {len(numbers)}.")
+    choices = spread_choices(len(numbers), votes)
+    viewpoint = np.searchsorted(numbers, sequences.viewpoint[split.test])
+    owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
+    ballots = answer.probabilities
+    if ballots is None:
+        ballots = np.eye(len(sequences.classes))[answer.predicted]
+    by_view = np.zeros((len(owners), len(numbers), ballots.shape[1]))
+    there = np.zeros(by_view.shape[:2], dtype=bool)
+    by_view[row, viewpoint] = ballots
+    there[row, viewpoint] = True
+    if votes > 1 and not there.all():
+        raise RecognitionError(
+            "Objects are tested from some of their viewpoints alone, so not all of these can vote; "
+            "choose a protocol that tests whole objects."
+        )
+    sums = by_view[:, choices].sum(axis=2)
+    most = sums == sums.max(axis=2, keepdims=True)
+    own = most[np.arange(len(owners)), :, sequences.class_of_object[owners]]
+    credit = np.where(own, 1.0 / most.sum(axis=2), 0.0)
+    counted = there[:, choices].all(axis=2)
+    shares = (credit * counted).sum(axis=1) / counted.sum(axis=1)
+    return owners, shares, np.ones(len(owners), dtype=np.int64)

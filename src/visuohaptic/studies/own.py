@@ -1,0 +1,129 @@
+"""A user's own study: one YAML file in folder `studies/`."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.conditions import AS_RUN, Changes, Condition, Study, plan_study
+
+USUAL: Changes = {
+    "recognition.pipelines": ["paper"],
+    "recognition.classifiers": ["support_vector_machine"],
+    "recognition.best.classifiers": ["support_vector_machine"],
+}
+"""What all conditions of an own study have, unless the file's `common` says otherwise."""
+
+MOST_CONDITIONS = 20_000
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
+
+
+class StudyFile(BaseModel):
+    """What the file may hold."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    title: str = Field(min_length=1, max_length=200, description="heading in the report")
+    common: dict[str, Any] = Field({}, description="changes of all conditions, `as run` included")
+    conditions: dict[str, dict[str, Any]] = Field({}, description="changes by condition")
+    grid: dict[str, list[Any]] = Field({}, description="values by parameter, all combinations")
+
+    @field_validator("conditions")
+    @classmethod
+    def _names(cls, conditions: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        for name in conditions:
+            if not name.strip() or len(name) > 100 or not name.isprintable() or name == AS_RUN:
+                raise ValueError(
+                    f"{name[:100]!r} is no name of a condition; up to 100 printable characters are "
+                    f"allowed, and {AS_RUN!r} is taken"
+                )
+        return conditions
+
+    @model_validator(mode="after")
+    def _not_empty(self) -> StudyFile:
+        if not self.conditions and not self.grid:
+            raise ValueError("there is neither `conditions` nor `grid`; one of them is needed")
+        return self
+
+
+def read_study(
+    path: str | Path, run: ExperimentParameters, reserved: Collection[str] = ()
+) -> Study:
+    """Read and check a study.
+
+    Parameters
+    ----------
+    path : path
+        ``<name>.yaml``.
+    run : ExperimentParameters
+        The run's parameters.
+    reserved : collection of str
+        Names that other studies have.
+
+    Returns
+    -------
+    Study
+        Its first condition, `AS_RUN`, changes nothing but what is common to all.
+
+    Raises
+    ------
+    ParameterError
+        If the file can't be read, or holds a name or value that is not allowed; the sentence names
+        file, condition and parameter.
+    """
+    path = Path(path)
+    if not _NAME.fullmatch(path.stem) or path.stem in reserved:
+        raise ParameterError(
+            f"{path}: {path.stem!r} is no name of a study; up to 41 small letters, digits and "
+            f"underscores are allowed, a letter first, and none of {', '.join(reserved)}."
+        )
+    found = _read(path)
+    common = {**USUAL, **found.common}
+    named = {AS_RUN: {}, **found.conditions}
+    for name, changes in _combinations(found.grid):
+        if name in named:
+            raise ParameterError(f"{path}: two conditions have the name {name!r}; one is allowed.")
+        named[name] = changes
+    if len(named) > MOST_CONDITIONS:
+        raise ParameterError(
+            f"{path}: there are {len(named):,} conditions; at most {MOST_CONDITIONS:,} are allowed."
+        )
+    conditions = tuple(Condition(name, {**common, **changes}) for name, changes in named.items())
+    study = Study(path.stem, found.title, conditions)
+    plan_study(study, run, str(path))
+    return study
+
+
+def _read(path: Path) -> StudyFile:
+    import yaml
+
+    try:
+        values = yaml.safe_load(path.read_text(encoding="utf-8"))
+        return StudyFile.model_validate(values)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ParameterError(f"{path} can't be read: {' '.join(str(error).split())}.") from error
+    except ValidationError as error:
+        problem = error.errors()[0]
+        place = ".".join(map(str, problem["loc"]))
+        message = problem["msg"].removeprefix("Value error, ")
+        if problem["type"] == "extra_forbidden":
+            message = f"there is no such entry; {', '.join(StudyFile.model_fields)} are allowed"
+        raise ParameterError(f"{path}: {place + ': ' if place else ''}{message}.") from None
+
+
+def _combinations(grid: Mapping[str, list[Any]]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Give every combination of a grid's values with a name such as ``touches 1, neighbours 3``."""
+    if not grid:
+        return
+    short = [path.rpartition(".")[2] for path in grid]
+    names = short if len(set(short)) == len(short) else list(grid)
+    for values in itertools.product(*grid.values()):
+        told = ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
+        yield told[:100], dict(zip(grid, values, strict=True))

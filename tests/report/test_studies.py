@@ -1,0 +1,95 @@
+"""A study's words and rows come from its figures; a user's names are text and nothing else."""
+
+import pytest
+from report.pages import read_page
+from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
+
+from visuohaptic.report.page import render_page
+from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.report.studies import (
+    NAMES,
+    condition_name,
+    read_own_studies,
+    read_study,
+    remade_name,
+)
+from visuohaptic.studies.ablations import PARTS
+from visuohaptic.studies.conditions import _ORDER
+
+ROWS = [
+    ("whole_method", 0.8, None, None),
+    ("kinesthetic_only", 0.85, "whole_method", 0.05),
+    ("cutaneous_only", 0.5, "whole_method", -0.3),
+    ("without_edge", None, None, None),
+]
+SETTLED = [None, 0.4, 0.003, None]
+EVIL = "<script>alert(1)</script>"
+
+
+def sentence(folder, rows=ROWS, **columns):
+    study = read_study(write_study(folder, "ablations", rows, **columns), "ablations")
+    return study.tables[0].sentences[0].replace("\N{NO-BREAK SPACE}", " ")
+
+
+def page_of(tmp_path, folder):
+    files = write_run(tmp_path / "run")
+    measured = RunFiles(**{**vars(files), "extras": {"studies": folder}})
+    return read_page(render_page(read_run(measured, PARAMETERS, OBJECTS)))
+
+
+def test_the_largest_loss_and_gain_are_told(tmp_path):
+    text = sentence(tmp_path, adjusted_p=SETTLED)
+    assert text.startswith("With whole method, 80.0 % are named correctly.")
+    assert "The largest loss is that of cutaneous cues only, −30.0 percentage points" in text
+    assert "the largest gain is that of kinesthetic cues only, +5.0 percentage points" in text
+    assert text.endswith(
+        "Beyond chance with 12 objects (Holm-adjusted p below 0.05): cutaneous cues only."
+    )
+
+
+def test_nothing_is_claimed_beyond_the_table(tmp_path):
+    text = sentence(tmp_path, ROWS[:2])
+    assert "Nothing makes it worse" in text
+    assert "no change is beyond chance (smallest Holm-adjusted p 1)" in text
+    assert sentence(tmp_path, ROWS[:1]) == ""
+
+
+def test_every_ablation_has_a_name_of_its_own_and_every_phase_has_words():
+    assert set(NAMES) <= set(PARTS)
+    assert len({condition_name(name) for name in PARTS}) == len(PARTS)
+    assert all(remade_name(phase) for phase in (*_ORDER, "recognition"))
+
+
+def test_the_page_shows_ablations_with_what_failed(tmp_path):
+    page = page_of(tmp_path, write_study(tmp_path, "ablations", ROWS))
+    assert page.mismatches == []
+    text = page.text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "Cutaneous cues only 50.0 % 40.0 % to 60.0 % −30.0 −32.0 to −27.0 1 touches 2.0" in text
+    assert "Channel edge left out failed: too small." in text
+    assert "ablations" in page.values("id")
+    assert "studies" not in page.values("id")
+
+
+def test_own_studies_have_their_own_section_and_their_names_are_text(tmp_path):
+    rows = [("as run", 0.8, None, None), (EVIL, 0.7, "as run", -0.1)]
+    folder = write_study(tmp_path, "mine", rows, title=EVIL)
+    write_study(tmp_path, "ablations", ROWS)
+    (study,) = read_own_studies(folder)
+    assert study.title == EVIL
+    page = page_of(tmp_path, folder)
+    assert page.mismatches == []
+    assert "studies" in page.values("id")
+    assert page.text.count(EVIL) >= 3
+    assert all("alert(1)" not in (element.attributes.get("src") or "") for element in page.elements)
+
+
+def test_a_users_condition_keeps_its_name(tmp_path):
+    rows = [("as run", 0.8, None, None), ("without_edge", 0.7, "as run", -0.1)]
+    (study,) = read_own_studies(write_study(tmp_path, "mine", rows))
+    assert [row["words"] for row in study.tables[0].rows] == ["as run", "without_edge"]
+
+
+@pytest.mark.parametrize("folder", [None, "none"])
+def test_no_file_gives_no_study(folder):
+    assert read_study(folder, "ablations") is None
+    assert read_own_studies(folder) == []

@@ -1,0 +1,64 @@
+"""The adaptive strategy chooses split by split, the same each time."""
+
+import pyarrow as pa
+import pytest
+from recognition.synthetic import features_table
+from studies.surfaces import RUN, small_surfaces, write_sources
+
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.conditions import plan_study
+from visuohaptic.studies.curves.adaptive import CANDIDATES, adaptive_rows, make_candidates
+from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE, curve_study, touches_name
+from visuohaptic.studies.figures import cells_of
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table
+
+SMALL = ExperimentParameters.from_mapping(
+    {"recognition": {"protocol": {"maximum_splits": 6}, "best": {"waves": 20}}}
+)
+PLANNED = plan_study(curve_study(SMALL), SMALL).conditions
+TABLE = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)
+
+
+def cells(pipeline, counts):
+    planned = [PLANNED[count - 1] for count in counts]
+    return cells_of(pa.concat_tables(adaptive_rows(TABLE, planned, pipeline, 1)))
+
+
+def test_a_curve_has_a_condition_a_number_of_touches_and_all_share_their_touches():
+    plan = plan_study(curve_study(SMALL), SMALL)
+    assert len(plan.conditions) == LONGEST_SEQUENCE
+    (remake,) = plan.remakes.values()
+    assert remake.parameters.attention.fixations == LONGEST_SEQUENCE
+    assert remake.parameters.probing.when_exhausted == "begin_again"
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "best"])
+def test_touches_are_chosen_the_same_each_time_and_tell_the_class(pipeline):
+    found, again = cells(pipeline, [1, 3]), cells(pipeline, [1, 3])
+    assert len(found) == 2
+    for key, cell in found.items():
+        assert cell.accuracy.tolist() == again[key].accuracy.tolist()
+    key = (touches_name(3), pipeline, "adaptive", "support_vector_machine")
+    assert found[key].accuracy.mean() > 0.5
+
+
+def test_a_longer_curve_begins_as_a_shorter_one():
+    longer, shorter = cells("paper", [1, 2, 4]), cells("paper", [1, 2])
+    for key, cell in shorter.items():
+        assert cell.accuracy.tolist() == longer[key].accuracy.tolist()
+
+
+def test_no_candidates_give_the_reason():
+    rows = pa.concat_tables(adaptive_rows(TABLE.slice(0, 0), PLANNED[:1], "paper", 1)).to_pylist()
+    assert [row["accuracy"] for row in rows] == [None]
+    assert rows[0]["error"].endswith(".")
+
+
+def test_candidates_are_some_of_the_objects_places(tmp_path):
+    sources, _ = write_sources(tmp_path, small_surfaces())
+    make_candidates(sources.meshes[:1], tmp_path / "candidates", RUN)
+    found = read_table(FEATURES, tmp_path / "candidates")
+    for viewpoint in range(4):
+        count = found.filter(pa.compute.equal(found.column("viewpoint"), viewpoint)).num_rows
+        assert CANDIDATES // 8 < count < CANDIDATES

@@ -1,0 +1,121 @@
+"""What a condition makes again follows from the sections that it changes; what is alike is shared."""
+
+import pytest
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.scene.parameters import Scene
+from visuohaptic.studies.conditions import Condition, Study, plan_study, with_changes
+from visuohaptic.studies.declared import declared_studies, make_blocks
+
+RUN = ExperimentParameters()
+
+
+def plan(*changes, run=RUN):
+    conditions = tuple(Condition(f"c{number}", one) for number, one in enumerate(changes))
+    return plan_study(Study("mine", "Mine", conditions), run)
+
+
+@pytest.mark.parametrize(
+    ("changes", "phase"),
+    [
+        ({}, None),
+        ({"recognition.classifier.neighbours": 3}, None),
+        ({"recognition.touches": 3}, None),
+        ({"attention.fixations": 3}, None),
+        ({"probing.strategies": ["random"]}, None),
+        ({"features.extension": "symmetric"}, "features"),
+        ({"sensor.largest_size": 0.2}, "touches"),
+        ({"scene.preset": "fsr400"}, "touches"),
+        ({"scene.effects.adaptive_size": "never", "features.extension": "symmetric"}, "touches"),
+        ({"scene.effects.shading": "never"}, "views"),
+        ({"attention.weights.colour": 0.0}, "views"),
+        ({"rendering.resolution": 64}, "views"),
+        ({"recognition.touches": 6}, "views"),
+        ({"probing.strategies": ["curvature"]}, "views"),
+        ({"seed": 1}, "views"),
+    ],
+)
+def test_what_is_made_again_follows_from_what_changes(changes, phase):
+    found = plan(changes)
+    assert [remake.phase for remake in found.remakes.values()] == ([phase] if phase else [])
+
+
+def test_what_equals_the_run_makes_nothing_again():
+    assert not plan(
+        {"sensor.largest_size": RUN.sensor.largest_size, "scene.preset": "ideal"}
+    ).remakes
+
+
+def test_conditions_that_touch_alike_share_their_touches():
+    found = plan(
+        {"sensor.largest_size": 0.2},
+        {"sensor.largest_size": 0.2, "recognition.classifier.neighbours": 3},
+        {"sensor.largest_size": 0.4},
+        {"recognition.classifier.neighbours": 3},
+    )
+    first, second, third, fourth = (one.key for one in found.conditions)
+    assert first == second != third
+    assert fourth is None
+    assert set(found.remakes) == {first, third}
+
+
+def test_shared_touches_are_enough_for_the_longest_and_for_every_strategy():
+    (remake,) = plan(
+        {"recognition.touches": 8, "probing.strategies": ["fixation"]},
+        {"recognition.touches": 12, "probing.strategies": ["curvature"]},
+    ).remakes.values()
+    assert remake.parameters.attention.fixations == 12
+    assert set(remake.parameters.probing.strategies) == {"fixation", "curvature"}
+
+
+def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():
+    run = with_changes(RUN, {"scene.noise": 0.01})
+    found = with_changes(run, {"scene.effects.noise": "never", "scene.preset": "fsr400"})
+    scene = Scene.model_validate({"preset": "fsr400"})
+    modes = scene.effects.model_copy(update={"noise": "never"})
+    assert found.scene == scene.model_copy(update={"effects": modes})
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"sensor.larges_size": 0.2}, r"mine: sensor.larges_size is no parameter; sensor has resolution, .*"),
+        ({"sensr.x": 1}, "mine: sensr.x is no parameter; an experiment has seed, .*"),
+        ({"seed.x": 1}, "mine: seed.x is no parameter; seed has no parts."),
+        ({"sensor.largest_size": -1}, r"mine: sensor.largest_size is -1: .*greater.*"),
+        ({"scene.preset": "moon"}, "mine: scene.preset is 'moon': .*ideal.*"),
+        ({"meshes.set": "all"}, "mine: meshes.set can't vary, for a study has the objects of the run."),
+        ({"workflow": {}}, "mine: workflow can't vary, for .*"),
+    ],
+)  # fmt: skip
+def test_what_is_not_allowed_is_refused_in_one_sentence(changes, sentence):
+    with pytest.raises(ParameterError, match=sentence) as error:
+        with_changes(RUN, changes, "mine")
+    assert "\n" not in str(error.value)
+
+
+def test_blocks_hold_every_condition_once_and_neighbours_share_features():
+    changes = [{"sensor.largest_size": size, "recognition.touches": touches} for touches in (1, 2, 3) for size in (0.2, 0.25, 0.4)]  # fmt: skip
+    found = plan(*changes)
+    blocks = make_blocks(found, 3)
+    assert list(blocks) == ["0000-0002", "0003-0005", "0006-0008"]
+    assert all(len({one.key for one in block}) == 1 for block in blocks.values())
+    assert sorted(one.condition.name for block in blocks.values() for one in block) == [
+        one.condition.name for one in found.conditions
+    ]
+
+
+def test_thousands_of_conditions_become_blocks_of_25():
+    found = plan(*({"recognition.classifier.svm_penalty": 1 + number} for number in range(1000)))
+    assert len(make_blocks(found, None)) == 40
+
+
+def test_the_packages_studies_can_be_planned_for_every_run():
+    for values in ({}, {"recognition": {"pipelines": ["best"]}}, {"scene": {"preset": "worn_fsr"}}):
+        run = ExperimentParameters.from_mapping(values)
+        studies = declared_studies(run, [])
+        assert list(studies) == ["cost", "curves", "ablations", "effects"]
+        for study in studies.values():
+            names = [one.condition.name for one in plan_study(study, run).conditions]
+            assert len(set(names)) == len(names)

@@ -1,0 +1,114 @@
+"""Every condition has its interval, and its difference in pairs over the same objects."""
+
+import json
+
+import numpy as np
+import pytest
+
+from visuohaptic.recognition.intervals import compare_paired, holm
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.figures import (
+    Cell,
+    cells_of,
+    make_study_figures,
+    study_figures,
+)
+from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
+
+INTERVALS = IntervalParameters(bootstrap_samples=200)
+NAMES = ("whole", "better", "worse", "broken")
+STUDY_OF = {
+    "name": "mine",
+    "title": "Mine",
+    "conditions": [
+        {"name": name, "compared_with": None, "remade": "recognition"} for name in NAMES
+    ],
+}
+WHOLE = np.array([0.5, 0.6, 0.7, 0.8, 0.9, 0.3])
+
+
+def cell(accuracy):
+    objects = tuple((f"class{place % 2}", f"object{place}") for place in range(len(accuracy)))
+    return Cell(objects, np.array(accuracy), np.ones(len(accuracy)), 1.5)
+
+
+def key(name):
+    return (name, "paper", "fixation", "naive_bayes")
+
+
+CELLS = {
+    key("worse"): cell(WHOLE - 0.2),
+    key("whole"): cell(WHOLE),
+    key("better"): cell(WHOLE + np.array([0.1, 0.0, 0.1, 0.0, 0.1, 0.0])),
+    key("broken"): Cell((), np.empty(0), np.empty(0), error="too small."),
+}
+
+
+def rows_of(cells):
+    table = study_figures(STUDY_OF, cells, INTERVALS, 1)
+    return {row["condition"]: row for row in table.to_pylist()}
+
+
+def test_conditions_come_in_their_order_with_a_difference_to_the_first():
+    found = rows_of(CELLS)
+    assert tuple(found) == NAMES
+    assert found["whole"]["difference"] is None
+    assert found["worse"]["difference"] == pytest.approx(-0.2)
+    assert found["better"]["difference"] == pytest.approx(0.05)
+    assert found["better"]["low"] < found["better"]["accuracy"] < found["better"]["high"]
+    assert found["broken"]["error"] == "too small."
+
+
+def test_differences_are_paired_and_adjusted_over_the_conditions():
+    found = rows_of(CELLS)
+    generator = spawn_generator(1, "studies", "comparison")
+    better = compare_paired(CELLS[key("better")].accuracy, WHOLE, np.ones(6), INTERVALS, generator)
+    assert found["better"]["p_value"] == better.p_value
+    assert found["better"]["difference_low"] == better.difference.low
+    adjusted = holm([found["better"]["p_value"], found["worse"]["p_value"]])
+    assert [found["better"]["adjusted_p"], found["worse"]["adjusted_p"]] == adjusted
+
+
+def test_equal_conditions_have_equal_intervals_and_no_difference():
+    found = rows_of({**CELLS, key("better"): cell(WHOLE)})
+    assert found["better"]["low"] == found["whole"]["low"]
+    assert (found["better"]["difference"], found["better"]["p_value"]) == (0, 1)
+
+
+def test_conditions_that_were_tested_on_other_objects_are_not_compared():
+    found = rows_of({**CELLS, key("worse"): cell(WHOLE[:4])})
+    assert found["worse"]["difference"] is None
+    assert found["worse"]["accuracy"] == pytest.approx(0.65)
+
+
+def study_rows():
+    # Object a is tested in two splits: 2 of 4 sequences, then 3 of 3; b shares the first split.
+    return build_table(
+        STUDY,
+        {
+            "study": "mine", "condition": "whole", "pipeline": "paper", "strategy": "fixation",
+            "classifier": "naive_bayes", "class": ["a", "b", "a"], "object": ["x", "y", "x"],
+            "split": [0, 0, 1], "repeat": 0, "sequences": [4, 1, 3], "accuracy": [0.5, 1.0, 1.0],
+            "seconds": 2.0, "error": [None] * 3,
+        },
+    )  # fmt: skip
+
+
+def test_the_weighted_mean_over_objects_is_the_mean_over_splits():
+    (found,) = cells_of(study_rows()).values()
+    assert found.objects == (("a", "x"), ("b", "y"))
+    mean = np.average(found.accuracy, weights=found.weights)
+    assert mean == pytest.approx(((2 + 1) / 5 + 1) / 2)
+
+
+def test_the_json_holds_the_same_numbers_and_no_seconds(tmp_path):
+    write_table(STUDY, study_rows(), tmp_path / "block")
+    files = [tmp_path / name for name in ("figures", "figures.json")]
+    make_study_figures(STUDY_OF, [tmp_path / "block"], *files, INTERVALS, 1)
+    (row,) = read_table(STUDY_FIGURES, files[0]).to_pylist()
+    figures = json.loads(files[1].read_text())["paper"]["fixation"]["naive_bayes"]["whole"]
+    assert figures["accuracy"] == pytest.approx(row["accuracy"])
+    assert row["seconds"] == 2.0
+    assert "seconds" not in figures

@@ -1,0 +1,249 @@
+"""A condition changes what it names, from as late a table as it allows, and breaks alone."""
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from recognition.synthetic import features_table
+from studies.surfaces import RUN, small_surfaces, write_sources
+
+from visuohaptic import recognition
+from visuohaptic.errors import RecognitionError
+from visuohaptic.geometry import surface as surfaces_of_files
+from visuohaptic.studies import measuring
+from visuohaptic.studies.ablations import ALONE, ablation_study
+from visuohaptic.studies.conditions import (
+    Condition,
+    Plan,
+    Study,
+    describe_conditions,
+    describe_study,
+    plan_study,
+)
+from visuohaptic.studies.figures import cells_of, make_study_figures
+from visuohaptic.studies.files import make_study_block, make_study_features, read_study_features
+from visuohaptic.studies.measuring import (
+    Memory,
+    Sources,
+    measure_condition,
+    remake_features,
+    spread_choices,
+)
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
+
+# Share of each object's sequences that was named correctly before all studies had one engine: boxes, then rings.
+EARLIER = {
+    ("whole_method", "paper"): [0.8333, 0.8333, 0.75, 0.9167, 0.8333, 1.0],
+    ("whole_method", "best"): [1.0, 0.75, 0.75, 1.0, 0.75, 1.0],
+    ("cutaneous_only", "paper"): [0.9167, 0.6667, 0.75, 0.4167, 0.9167, 1.0],
+    ("cutaneous_only", "best"): [1.0, 0.8333, 1.0, 1.0, 1.0, 1.0],
+    ("kinesthetic_only", "paper"): [0.75, 0.5, 0.5833, 1.0, 0.9167, 0.5833],
+    ("kinesthetic_only", "best"): [1.0, 0.8333, 1.0, 1.0, 1.0, 1.0],
+    ("contourlet_only", "paper"): [0.8333, 0.8333, 0.75, 0.9167, 0.8333, 1.0],
+    ("contourlet_only", "best"): [1.0, 0.75, 0.8333, 1.0, 0.75, 1.0],
+    ("nonsubsampled_contourlet", "paper"): [0.8333, 0.6667, 0.5833, 0.6667, 0.8333, 0.5833],
+    ("nonsubsampled_contourlet", "best"): [1.0, 0.75, 1.0, 1.0, 0.75, 1.0],
+    ("wavelet", "paper"): [0.9167, 0.8333, 0.3333, 0.9167, 0.8333, 0.6667],
+    ("wavelet", "best"): [1.0, 0.8333, 0.8333, 1.0, 0.9167, 1.0],
+    ("image_statistics", "paper"): [0.8333, 0.5833, 0.75, 0.75, 0.6667, 0.75],
+    ("image_statistics", "best"): [1.0, 0.9167, 1.0, 1.0, 1.0, 1.0],
+    ("fixed_sensor_size", "paper"): [1.0, 0.9167, 0.9167, 0.6667, 1.0, 0.8333],
+    ("fixed_sensor_size", "best"): [1.0, 0.8333, 0.75, 1.0, 0.75, 1.0],
+    ("without_map", "paper"): [1.0, 1.0, 1.0, 0.5, 0.5, 0.5833],
+    ("fsr400", "paper"): [1.0, 0.9167, 0.75, 0.9167, 0.8333, 1.0],
+    ("fsr400", "best"): [1.0, 0.8333, 0.8333, 1.0, 0.75, 1.0],
+    ("without_colour", "paper"): [1.0, 0.8333, 0.75, 0.5, 0.8333, 0.9167],
+    ("without_colour", "best"): [1.0, 0.8333, 0.75, 1.0, 1.0, 1.0],
+    ("without_edge", "paper"): [1.0, 0.75, 0.5833, 0.5833, 1.0, 1.0],
+    ("without_edge", "best"): [1.0, 0.75, 0.75, 1.0, 1.0, 1.0],
+}  # fmt: skip
+SYNTHETIC = features_table(objects=(3, 3, 3), viewpoints=4, touches=3, separation=0.3)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    return write_sources(tmp_path_factory.mktemp("run"), small_surfaces())
+
+
+@pytest.fixture(scope="module")
+def ablations(run):
+    sources, features = run
+    plan = plan_study(ablation_study(RUN), RUN)
+    made = {None: read_table(FEATURES, features)}
+    made |= {key: remake_features(remake, sources) for key, remake in plan.remakes.items()}
+    return plan, made
+
+
+def mine(*conditions, run=RUN):
+    return plan_study(Study("mine", "Mine", conditions), run)
+
+
+def cells(planned, features, memory=None):
+    return cells_of(
+        pa.concat_tables(measure_condition("mine", planned, features, RUN.seed, memory))
+    )
+
+
+@pytest.mark.parametrize(("name", "pipeline"), EARLIER)
+def test_accuracies_are_those_of_earlier_studies(ablations, name, pipeline):
+    plan, made = ablations
+    planned = next(one for one in plan.conditions if one.condition.name == name)
+    found = cells(planned, made[planned.key])
+    key = (name, pipeline, "fixation", "support_vector_machine")
+    assert np.round(found[key].accuracy, 4).tolist() == EARLIER[name, pipeline]
+
+
+def test_without_a_map_only_the_papers_pipeline_is_run(ablations):
+    plan, made = ablations
+    planned = next(one for one in plan.conditions if one.condition.name == "without_map")
+    assert {key[1] for key in cells(planned, made[planned.key])} == {"paper"}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"features.extension": "symmetric"},
+        {"sensor.largest_size": 0.2},
+        {"rendering.resolution": 32},
+    ],
+)
+def test_what_comes_before_the_change_is_read_and_not_made(run, monkeypatch, changes):
+    (remake,) = mine(Condition("c", changes)).remakes.values()
+    sources, _ = run
+    needed = {
+        "features": Sources(touches=sources.touches),
+        "touches": Sources(meshes=sources.meshes, fixations=sources.fixations),
+        "views": Sources(meshes=sources.meshes),
+    }[remake.phase]
+    if remake.phase == "features":
+        monkeypatch.setattr(surfaces_of_files, "read_surface", None)
+    found = remake_features(remake, needed)
+    own = read_table(FEATURES, run[1])
+    assert found.column("touch").equals(own.column("touch"))
+    assert not found.column("contourlet_03").equals(own.column("contourlet_03"))
+    assert found.column("x").equals(own.column("x")) == (remake.phase != "views")
+
+
+def test_more_touches_begin_with_those_of_the_run(run):
+    (remake,) = mine(Condition("c", {"recognition.touches": 3})).remakes.values()
+    found = remake_features(remake, Sources(meshes=run[0].meshes))
+    assert found.num_rows == len(small_surfaces()) * 4 * 3
+    own = read_table(FEATURES, run[1])
+    first = found.filter(pa.compute.less(found.column("touch"), 2))
+    assert first.equals(own)
+
+
+def test_a_condition_is_the_run_of_its_parameters():
+    planned = mine(
+        Condition("c", {"recognition.touches": 3, "recognition.classifiers": ["naive_bayes"]})
+    ).conditions[0]
+    found = cells(planned, SYNTHETIC)
+    tables = recognition.run_pipeline(SYNTHETIC, planned.parameters.recognition, RUN.seed, "paper")
+    figures = recognition.summarise(*tables)["results"]["paper"]["fixation"]["naive_bayes"]
+    cell = found["c", "paper", "fixation", "naive_bayes"]
+    mean = np.average(cell.accuracy, weights=cell.weights)
+    assert mean == pytest.approx(figures["accuracy"]["mean"], abs=1e-12)
+    assert 0 < mean < 1
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "best"])
+def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
+    changes = {**ALONE, "recognition.pipelines": [pipeline]}
+    one, every = mine(Condition("1", changes, votes=1), Condition("4", changes, votes=4)).conditions
+    tables = recognition.run_pipeline(SYNTHETIC, one.parameters.recognition, RUN.seed, pipeline)
+    (figures,) = recognition.summarise(*tables)["results"][pipeline]["fixation"].values()
+    for planned, figure in ((one, "accuracy"), (every, "object_accuracy")):
+        (cell,) = cells(planned, SYNTHETIC).values()
+        mean = np.average(cell.accuracy, weights=cell.weights)
+        assert mean == pytest.approx(figures[figure]["mean"])
+
+
+def test_choices_are_even_and_each_place_is_in_as_many():
+    assert spread_choices(16, 4).tolist() == [[k, k + 4, k + 8, k + 12] for k in range(4)]
+    assert spread_choices(4, 1).ravel().tolist() == [0, 1, 2, 3]
+    assert spread_choices(6, 6).tolist() == [[0, 1, 2, 3, 4, 5]]
+    assert set(np.bincount(spread_choices(5, 2).ravel())) == {2}
+
+
+def test_conditions_that_differ_in_the_vote_alone_train_once(monkeypatch):
+    calls = []
+    name_objects = measuring.name_objects
+    monkeypatch.setattr(
+        measuring, "name_objects", lambda *given: calls.append(given) or name_objects(*given)
+    )
+    changes = {**ALONE, "recognition.pipelines": ["paper"]}
+    planned = mine(*(Condition(f"{votes}", changes, votes=votes) for votes in (1, 2, 4))).conditions
+    memory = Memory()
+    for one in planned:
+        cells(one, SYNTHETIC, memory)
+    assert len(calls) == 1
+
+
+def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path):
+    sources, features = run
+    conditions = (
+        Condition("as run", {**ALONE}),
+        Condition("too small", {**ALONE, "sensor.resolution": 4}),
+        Condition("too many", {**ALONE, "recognition.protocol.protocol": "grouped_folds"}, votes=9),
+        Condition("fine", {**ALONE, "recognition.classifier.svm_penalty": 2.0}),
+    )
+    study = Study("mine", "Mine", conditions)
+    plan = plan_study(study, RUN)
+    made = {}
+    for key, remake in plan.remakes.items():
+        made[key] = tmp_path / f"{key}.parquet"
+        make_study_features(remake, sources, made[key])
+        assert isinstance(read_study_features(made[key]), str)
+    block = tmp_path / "block.parquet"
+    make_study_block("mine", describe_conditions(plan.conditions), [features], made, block, RUN)
+    errors = {
+        (row["condition"], row["pipeline"]): row["error"]
+        for row in read_table(STUDY, block).to_pylist()
+    }
+    assert {name for (name, _), error in errors.items() if error} == {"too small", "too many"}
+    assert "9 viewpoints can't vote" in errors["too many", "paper"]
+    make_study_figures(
+        describe_study(study, plan), [block], tmp_path / "figures.parquet", tmp_path / "figures.json",
+        RUN.recognition.intervals, RUN.seed,
+    )  # fmt: skip
+    rows = read_table(STUDY_FIGURES, tmp_path / "figures.parquet").to_pylist()
+    of_name = {(row["condition"], row["pipeline"]): row for row in rows}
+    assert len(of_name) == 4 * 2
+    assert of_name["too small", "best"]["error"] == errors["too small", "best"]
+    assert of_name["too small", "best"]["accuracy"] is None
+    assert of_name["fine", "paper"]["compared_with"] == "as run"
+    assert of_name["fine", "paper"]["p_value"] is not None
+
+
+def test_a_fault_of_the_program_is_not_taken_for_a_refusal(monkeypatch):
+    def fault(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(measuring, "name_objects", fault)
+    with pytest.raises(ZeroDivisionError):
+        cells(mine(Condition("c", ALONE)).conditions[0], SYNTHETIC)
+
+
+def test_a_block_gives_the_same_rows_however_conditions_are_cut(run, tmp_path):
+    conditions = [
+        Condition(f"{penalty}", {**ALONE, "recognition.classifier.svm_penalty": penalty})
+        for penalty in (1.0, 2.0, 4.0)
+    ]
+    plan: Plan = mine(*conditions)
+
+    def rows(name, chosen):
+        path = tmp_path / name
+        make_study_block("mine", describe_conditions(chosen), [run[1]], {}, path, RUN)
+        return read_table(STUDY, path).drop_columns(["seconds"])
+
+    whole = rows("whole", plan.conditions)
+    parts = [rows(f"part{place}", [one]) for place, one in enumerate(plan.conditions)]
+    keys = [(key, "ascending") for key in STUDY.keys]
+    assert pa.concat_tables(parts).sort_by(keys).equals(whole.sort_by(keys))
+
+
+def test_a_strategy_without_touches_is_refused():
+    planned = mine(Condition("c", {**ALONE, "probing.strategies": ["fixation"]})).conditions[0]
+    with pytest.raises(RecognitionError, match="no touch was made by fixation"):
+        measuring.condition_features(planned, SYNTHETIC.slice(0, 0), "fixation")

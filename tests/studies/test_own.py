@@ -1,0 +1,78 @@
+"""A user's own study is one YAML file; what is wrong in it is said in one sentence."""
+
+import pytest
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.own import read_study
+
+RUN = ExperimentParameters()
+
+
+def study(folder, text, name="mine"):
+    path = folder / f"{name}.yaml"
+    path.write_text(text)
+    return read_study(path, RUN, reserved=("cost",))
+
+
+def test_conditions_follow_the_one_that_changes_nothing(tmp_path):
+    found = study(
+        tmp_path, "title: Palm\nconditions:\n  palm 0.2: {sensor.largest_size: 0.2}\n  palm 0.4: {sensor.largest_size: 0.4}\n"
+    )  # fmt: skip
+    assert (found.name, found.title) == ("mine", "Palm")
+    assert [one.name for one in found.conditions] == ["as run", "palm 0.2", "palm 0.4"]
+    assert found.conditions[2].changes["sensor.largest_size"] == 0.4
+    assert "sensor.largest_size" not in found.conditions[0].changes
+
+
+def test_a_grid_is_every_combination(tmp_path):
+    found = study(
+        tmp_path, "title: G\ngrid: {recognition.touches: [1, 2], recognition.classifier.neighbours: [1, 3, 5]}\n"
+    )  # fmt: skip
+    assert len(found.conditions) == 1 + 6
+    assert found.conditions[1].name == "touches 1, neighbours 1"
+    assert found.conditions[6].changes["recognition.classifier.neighbours"] == 5
+
+
+def test_what_is_common_holds_for_all_and_a_condition_goes_before_it(tmp_path):
+    found = study(
+        tmp_path,
+        "title: C\ncommon: {recognition.classifiers: [naive_bayes], recognition.touches: 3}\n"
+        "conditions: {four: {recognition.touches: 4}}\n",
+    )
+    first, second = (one.changes for one in found.conditions)
+    assert first["recognition.classifiers"] == second["recognition.classifiers"] == ["naive_bayes"]
+    assert (first["recognition.touches"], second["recognition.touches"]) == (3, 4)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("title: T\nconditions: {palm: {sensor.large: 1}}", "palm: sensor.large is no parameter; sensor has resolution,"),
+        ("title: T\nconditions: {palm: {sensor.largest_size: big}}", "palm: sensor.largest_size is 'big': "),
+        ("title: T\ngrid: {recognition.touches: [1, 0]}", "touches 0: recognition.touches is 0: "),
+        ("title: T\nconditions: {palm: {meshes.set: hard}}", "palm: meshes.set can't vary"),
+        ("title: T\ncondition: {}", "condition: there is no such entry; title, common, conditions, grid are"),
+        ("title: T", "there is neither `conditions` nor `grid`"),
+        ("conditions: {a: {}}", "title: Field required"),
+        ("title: T\nconditions: {as run: {}}", "is no name of a condition"),
+        ("title: T\nconditions: {'': {}}", "is no name of a condition"),
+        ("title: T\ngrid: {recognition.touches: [1, 1]}", "two conditions have the name 'touches 1'"),
+        ("title: [", "can't be read"),
+        ("just text", "valid dictionary"),
+        ("title: T\ngrid: {recognition.classifier.svm_penalty: " + str(list(range(1, 20003))) + "}", "20,003 conditions"),
+    ],
+)  # fmt: skip
+def test_errors_name_the_file_the_condition_and_what_is_allowed(tmp_path, text, sentence):
+    with pytest.raises(ParameterError) as error:
+        study(tmp_path, text)
+    said = str(error.value)
+    assert said.startswith(f"{tmp_path / 'mine.yaml'}")
+    assert sentence in said
+    assert "\n" not in said
+
+
+@pytest.mark.parametrize("name", ["cost", "My", "a-b", "..", "a b", "ä", "x" * 50])
+def test_a_files_name_must_be_plain_and_free(tmp_path, name):
+    with pytest.raises(ParameterError, match="is no name of a study"):
+        study(tmp_path, "title: T\nconditions: {a: {}}", name)

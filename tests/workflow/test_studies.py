@@ -1,0 +1,139 @@
+"""A user's own study is one file and one command, and only what is unfinished runs again."""
+
+import pyarrow.parquet as pq
+import pytest
+import yaml
+
+pytestmark = pytest.mark.workflow
+
+MINE = {
+    "title": "Does <b>it</b> matter?",
+    "conditions": {
+        "palm 0.2": {"sensor.largest_size": 0.2},
+        "palm 0.2, penalty 2": {
+            "sensor.largest_size": 0.2,
+            "recognition.classifier.svm_penalty": 2.0,
+        },
+        "too small": {"sensor.resolution": 4},
+        "penalty 2": {"recognition.classifier.svm_penalty": 2.0},
+    },
+}
+FIGURES = "results/studies/mine.parquet"
+
+
+def write(experiment, values):
+    text = values if isinstance(values, str) else yaml.safe_dump(values, sort_keys=False)
+    (experiment.folder / "studies").mkdir(exist_ok=True)
+    (experiment.folder / "studies/mine.yaml").write_text(text)
+
+
+def planned(experiment, target="study_mine"):
+    output = experiment.snakemake("-n", "--", target).stdout
+    if "Nothing to be done" in output:
+        return {}
+    table = output.split("Job stats:")[1].split("\n\n")[0].splitlines()[3:]
+    counts = dict(line.split() for line in table)
+    return {name: int(count) for name, count in counts.items() if name not in {"total", target}}
+
+
+@pytest.fixture(scope="module")
+def studied(finished, tmp_path_factory):
+    experiment = finished.copy(tmp_path_factory.mktemp("studied") / "experiment")
+    experiment.set(workflow={"conditions_per_job": 2})
+    write(experiment, MINE)
+    experiment.snakemake("--", "study_mine")
+    return experiment
+
+
+def rows_of(experiment):
+    rows = pq.read_table(experiment.folder / FIGURES).to_pylist()
+    return {(row["condition"], row["strategy"]): row for row in rows}
+
+
+def test_every_condition_has_a_row_a_strategy_and_the_broken_one_its_reason(studied):
+    rows = rows_of(studied)
+    assert {name for name, _ in rows} == {"as run", *MINE["conditions"]}
+    assert {name for (name, _), row in rows.items() if row["error"]} == {"too small"}
+    assert rows["palm 0.2", "random"]["remade"] == "touches"
+    assert rows["penalty 2", "fixation"]["remade"] == "recognition"
+    assert rows["penalty 2", "fixation"]["compared_with"] == "as run"
+    made = list((studied.folder / "results/study_features/mine").glob("*.parquet"))
+    assert len(made) == 2
+
+
+def test_the_run_itself_has_the_accuracy_of_its_metrics(studied):
+    import json
+
+    metrics = json.loads((studied.folder / "reports/metrics.json").read_text())
+    for strategy in ("fixation", "random"):
+        figures = metrics["results"]["paper"][strategy]["support_vector_machine"]["accuracy"]
+        found = rows_of(studied)["as run", strategy]["accuracy"]
+        assert found == pytest.approx(figures["mean"], abs=1e-5)
+
+
+def test_only_the_report_follows_and_then_nothing(studied, tmp_path):
+    experiment = studied.copy(tmp_path / "experiment")
+    assert planned(experiment) == {}
+    assert experiment.planned() == {"report": 1}
+    experiment.snakemake()
+    page = (experiment.folder / "reports/report.html").read_text()
+    assert "Does &lt;b&gt;it&lt;/b&gt; matter?" in page
+    assert experiment.planned() == {}
+
+
+def test_a_lost_block_alone_is_measured_again(studied, tmp_path):
+    experiment = studied.copy(tmp_path / "experiment")
+    blocks = sorted((experiment.folder / "results/study_blocks/mine").glob("*.parquet"))
+    assert len(blocks) == 3
+    blocks[1].unlink()
+    assert planned(experiment) == {"block_of_study": 1, "figures_of_study": 1}
+
+
+def test_an_added_condition_remakes_only_its_own_features(studied, tmp_path):
+    experiment = studied.copy(tmp_path / "experiment")
+    more = {**MINE["conditions"], "palm 0.4": {"sensor.largest_size": 0.4}}
+    write(experiment, {**MINE, "conditions": more})
+    assert planned(experiment)["features_of_study"] == 1
+
+
+def test_a_changed_parameter_of_the_run_reruns_what_depends_on_it(studied, tmp_path):
+    experiment = studied.copy(tmp_path / "experiment")
+    experiment.set(recognition={"intervals": {"confidence": 0.9}})
+    assert planned(experiment) == {"figures_of_study": 1}
+    experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
+    assert planned(experiment) == {"block_of_study": 3, "figures_of_study": 1}
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"title": "T", "conditions": {"a": {"sensor.size": 1}}}, "studies/mine.yaml: a: sensor.size is no parameter; sensor has resolution"),
+        ({"title": "T", "conditions": {"a": {"sensor.resolution": "many"}}}, "studies/mine.yaml: a: sensor.resolution is 'many'"),
+        ("title: [", "studies/mine.yaml can't be read"),
+    ],
+)  # fmt: skip
+def test_a_wrong_file_is_refused_in_one_sentence_before_anything_runs(
+    fresh, tmp_path, values, sentence
+):
+    experiment = fresh.copy(tmp_path / "experiment")
+    write(experiment, values)
+    result = experiment.snakemake("--", "study_mine", check=False)
+    assert result.returncode
+    assert sentence in result.stdout
+    assert "Traceback" not in result.stdout
+    assert not (experiment.folder / "results").exists()
+
+
+def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
+    experiment = repository.copy(tmp_path / "experiment")
+    write(experiment, {**MINE, "conditions": {"penalty 2": MINE["conditions"]["penalty 2"]}})
+    experiment.snakemake("--", "study_mine")
+    assert "up to date" in experiment.run("dvc", "status").stdout
+    pipeline = experiment.folder / "studies/dvc.yaml"
+    pipeline.write_text(pipeline.read_text().replace("versioned: []", "versioned: [mine]"))
+    assert "study@mine" in experiment.run("dvc", "status").stdout
+    experiment.run("dvc", "repro", "studies/dvc.yaml")
+    assert planned(experiment) == {}
+    assert "up to date" in experiment.run("dvc", "status").stdout
+    experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
+    assert "study@mine" in experiment.run("dvc", "status").stdout

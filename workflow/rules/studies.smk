@@ -1,0 +1,271 @@
+"""Studies: conditions that each change some parameters → how accuracy changes with them.
+
+Takes results/meshes/, results/fixations/, results/touches/ and results/features/, and of a user's own studies
+studies/<study>.yaml; gives results/study_features/<study>/ (what conditions share, made once),
+results/study_blocks/<study>/ (some conditions a job), results/studies/<study>.parquet and reports/studies/<study>.json.
+Studies `cost` and `curves` also give results/cost.parquet and results/touches_needed.parquet; what effects cost
+is in results/effect_influence.parquet. None is part of `all`: `snakemake -j2 study_<study>` makes it (of those of
+the package also `cost_all`, `curves_all`, `ablations_all`, `effects_all`); once present it is kept up to date and
+shown in the report.
+"""
+
+STUDY_FIGURES = expand("results/studies/{study}.parquet", study=STUDIES)
+SPECIAL_FIGURES = [
+    "results/cost.parquet",
+    "results/touches_needed.parquet",
+    "results/effect_influence.parquet",
+]
+MESHES = expand("results/meshes/{object}.ply", object=OBJECTS)
+# So few objects, spread over all, tell what takes time.
+COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
+EFFECT_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // 4))]
+# Everything that a condition may depend on.
+RUN = PARAMETERS.model_dump(
+    exclude={
+        "workflow": True,
+        "meshes": True,
+        "cost": True,
+        "recognition": {"intervals"},
+    }
+)
+
+
+wildcard_constraints:
+    study="[a-z][a-z0-9_]*",
+    key="[0-9a-f]+",
+    block=r"\d+-\d+",
+
+
+for study in STUDIES:
+
+    rule:
+        name:
+            f"study_{study}"
+        input:
+            f"results/studies/{study}.parquet",
+            f"reports/studies/{study}.json",
+            # By name, so that a lost block is missed although its figures are there.
+            study_blocks(study),
+
+
+rule cost_all:
+    input:
+        "results/cost.parquet",
+        rules.study_cost.input,
+
+
+rule curves_all:
+    input:
+        "results/touches_needed.parquet",
+        "reports/curves.json",
+        rules.study_curves.input,
+
+
+rule ablations_all:
+    input:
+        rules.study_ablations.input,
+
+
+rule effects_all:
+    input:
+        "results/effect_influence.parquet",
+        rules.study_effects.input,
+
+
+rule features_of_study:
+    input:
+        meshes=remade_from("meshes", {"views", "touches"}),
+        fixations=remade_from("fixations", {"touches"}),
+        touches=remade_from("touches", {"features"}),
+        code=code_of("study_features.py"),
+    output:
+        "results/study_features/{study}/{key}.parquet",
+        record="results/records/features_of_study/{study}/{key}.json",
+    log:
+        "logs/study_features/{study}/{key}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        phase=remade_phase,
+        parameters=remake_parameters,
+    message:
+        "making features again for study {wildcards.study}, from its {params.phase} on"
+    script:
+        "../scripts/study_features.py"
+
+
+rule block_of_study:
+    input:
+        features=own_features,
+        made=block_features,
+        code=code_of("study_block.py"),
+    output:
+        "results/study_blocks/{study}/{block}.parquet",
+        record="results/records/block_of_study/{study}/{block}.json",
+    log:
+        "logs/study_block/{study}/{block}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        conditions=block_conditions,
+        remade=block_keys,
+        parameters=RUN,
+    message:
+        "measuring conditions {wildcards.block} of study {wildcards.study}"
+    script:
+        "../scripts/study_block.py"
+
+
+rule figures_of_study:
+    input:
+        parts=study_parts,
+        code=code_of("study_figures.py"),
+    output:
+        figures="results/studies/{study}.parquet",
+        metrics="reports/studies/{study}.json",
+        record="results/records/figures_of_study/{study}.json",
+    log:
+        "logs/study_figures/{study}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        study=described_study,
+        intervals=PARAMETERS.recognition.intervals.model_dump(),
+        seed=PARAMETERS.seed,
+    message:
+        "summing up study {wildcards.study}"
+    script:
+        "../scripts/study_figures.py"
+
+
+rule candidates_of_study:
+    input:
+        meshes=MESHES,
+        code=code_of("study_candidates.py"),
+    output:
+        "results/study_candidates.parquet",
+        record="results/records/candidates_of_study.json",
+    log:
+        "logs/study_candidates.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        parameters=PARAMETERS.model_dump(
+            exclude={"workflow", "meshes", "cost", "recognition", "probing"}
+        ),
+    message:
+        "touching objects wherever the strategy adaptive may choose to"
+    script:
+        "../scripts/study_candidates.py"
+
+
+rule adaptive_of_study:
+    input:
+        candidates="results/study_candidates.parquet",
+        code=code_of("study_adaptive.py"),
+    output:
+        "results/study_adaptive/{pipeline}.parquet",
+        record="results/records/adaptive_of_study/{pipeline}.json",
+    log:
+        "logs/study_adaptive/{pipeline}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        parameters=RUN,
+    message:
+        "naming objects after 1, 2 and more adaptive touches, pipeline {wildcards.pipeline}"
+    script:
+        "../scripts/study_adaptive.py"
+
+
+rule touches_needed:
+    input:
+        parts=study_blocks("curves"),
+        code=code_of("touches_needed.py"),
+    output:
+        needed="results/touches_needed.parquet",
+        metrics="reports/curves.json",
+        record="results/records/touches_needed.json",
+    log:
+        "logs/touches_needed.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        intervals=PARAMETERS.recognition.intervals.model_dump(),
+        seed=PARAMETERS.seed,
+    message:
+        "summing up the curves over touches"
+    script:
+        "../scripts/touches_needed.py"
+
+
+rule cost_seconds:
+    input:
+        meshes=expand("results/meshes/{object}.ply", object=COST_SAMPLE),
+        features=parts_of("features"),
+        made=made_features("cost", PLANS["cost"].remakes),
+        code=code_of("cost_seconds.py"),
+    output:
+        "results/cost_seconds.parquet",
+        record="results/records/cost_seconds.json",
+    log:
+        "logs/cost_seconds.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    # It works on one, and takes all there are, so that no other job is in its way.
+    threads: all_cores
+    params:
+        remade=list(PLANS["cost"].remakes),
+        parameters={**RUN, "cost": PARAMETERS.cost.model_dump()},
+    message:
+        "timing all settings side by side"
+    script:
+        "../scripts/cost_seconds.py"
+
+
+rule cost:
+    input:
+        parts=study_blocks("cost"),
+        seconds="results/cost_seconds.parquet",
+        code=code_of("cost.py"),
+    output:
+        "results/cost.parquet",
+        record="results/records/cost.json",
+    log:
+        "logs/cost.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        parameters=PARAMETERS.model_dump(exclude={"workflow", "meshes"}),
+    message:
+        "weighing accuracy against time"
+    script:
+        "../scripts/cost.py"
+
+
+rule effect_influence:
+    input:
+        meshes=expand("results/meshes/{object}.ply", object=EFFECT_SAMPLE),
+        fixations=expand(
+            "results/fixations/{object}/{views}.parquet",
+            object=EFFECT_SAMPLE,
+            views=view_blocks()[0],
+        ),
+        code=code_of("effect_influence.py"),
+    output:
+        "results/effect_influence.parquet",
+        record="results/records/effect_influence.json",
+    log:
+        "logs/effect_influence.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        viewpoints=PARAMETERS.viewpoints.model_dump(),
+        rendering=PARAMETERS.rendering.model_dump(),
+        sensor=PARAMETERS.sensor.model_dump(),
+        scene=PARAMETERS.scene.model_dump(),
+        seed=PARAMETERS.seed,
+    message:
+        "measuring what each effect costs, and how far it moves images"
+    script:
+        "../scripts/effect_influence.py"

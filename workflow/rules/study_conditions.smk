@@ -1,0 +1,112 @@
+"""What the rules of studies share: conditions, their blocks, and what each job takes."""
+
+from visuohaptic.studies.conditions import (
+    describe_conditions,
+    describe_study,
+    plan_study,
+)
+from visuohaptic.studies.declared import declared_studies, make_blocks
+
+STUDIES = or_stop(
+    declared_studies,
+    PARAMETERS,
+    [
+        file
+        for file in Path(shipped("studies")).glob("*.yaml")
+        if file.name != "dvc.yaml"
+    ],
+)
+PLANS = {
+    name: or_stop(plan_study, study, PARAMETERS) for name, study in STUDIES.items()
+}
+BLOCKS = {
+    name: make_blocks(plan, PARAMETERS.workflow.conditions_per_job)
+    for name, plan in PLANS.items()
+}
+
+VALUES_OF_RULES["features_of_study"] = [
+    {"study": name, "key": key} for name, plan in PLANS.items() for key in plan.remakes
+]
+VALUES_OF_RULES["block_of_study"] = [
+    {"study": name, "block": block}
+    for name, blocks in BLOCKS.items()
+    for block in blocks
+]
+VALUES_OF_RULES["figures_of_study"] = [{"study": name} for name in STUDIES]
+
+
+def study_blocks(study):
+    """List the files of a study's blocks, and of what is measured beside them."""
+    blocks = [
+        f"results/study_blocks/{study}/{block}.parquet" for block in BLOCKS[study]
+    ]
+    adaptive = expand(
+        "results/study_adaptive/{pipeline}.parquet",
+        pipeline=PARAMETERS.recognition.pipelines,
+    )
+    return [*blocks, *adaptive] if study == "curves" else blocks
+
+
+def remade_from(table, phases):
+    """Give what lists the files of a table for features that are made again from these phases on."""
+
+    def files(wildcards):
+        if remade_phase(wildcards) not in phases:
+            return []
+        return MESHES if table == "meshes" else parts_of(table)
+
+    return files
+
+
+def remake_of(wildcards):
+    """Give the features that a job makes again."""
+    return PLANS[wildcards.study].remakes[wildcards.key]
+
+
+def remade_phase(wildcards):
+    """Name the first phase that a job makes again."""
+    return remake_of(wildcards).phase
+
+
+def remake_parameters(wildcards):
+    """Give the parameters that a job makes features again with."""
+    return remake_of(wildcards).parameters.model_dump(
+        exclude={"workflow", "meshes", "cost", "recognition"}
+    )
+
+
+def block_keys(wildcards):
+    """Name the features of a block, those of the run left out."""
+    block = BLOCKS[wildcards.study][wildcards.block]
+    return sorted({one.key for one in block} - {None})
+
+
+def made_features(study, keys):
+    """List the files of features by their keys."""
+    return [f"results/study_features/{study}/{key}.parquet" for key in keys]
+
+
+def block_features(wildcards):
+    """List the files of features that a block needs and the run does not have."""
+    return made_features(wildcards.study, block_keys(wildcards))
+
+
+def block_conditions(wildcards):
+    """Give the conditions of a block."""
+    return describe_conditions(BLOCKS[wildcards.study][wildcards.block])
+
+
+def described_study(wildcards):
+    """Give what a study's figures tell of it."""
+    return describe_study(STUDIES[wildcards.study], PLANS[wildcards.study])
+
+
+def study_parts(wildcards):
+    """List the files of a study's blocks."""
+    return study_blocks(wildcards.study)
+
+
+def own_features(wildcards):
+    """List the run's own features for a block that needs them."""
+    needed = any(one.key is None for one in BLOCKS[wildcards.study][wildcards.block])
+    return parts_of("features") if needed else []

@@ -1,0 +1,15 @@
+"""Measure a block of a study's conditions."""
+
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.files import make_study_block
+from visuohaptic_workflow.jobs import job
+
+with job(snakemake):
+    make_study_block(
+        study=snakemake.wildcards.study,
+        conditions=snakemake.params.conditions,
+        features=snakemake.input.features,
+        made=dict(zip(snakemake.params.remade, snakemake.input.made, strict=True)),
+        output=snakemake.output[0],
+        run=ExperimentParameters.from_mapping(snakemake.params.parameters),
+    )

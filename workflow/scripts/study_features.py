@@ -1,0 +1,21 @@
+"""Make features again that conditions of a study share."""
+
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.conditions import Remake
+from visuohaptic.studies.files import make_study_features
+from visuohaptic.studies.measuring import Sources
+from visuohaptic_workflow.jobs import job
+
+with job(snakemake):
+    make_study_features(
+        remake=Remake(
+            snakemake.params.phase,
+            ExperimentParameters.from_mapping(snakemake.params.parameters),
+        ),
+        sources=Sources(
+            meshes=snakemake.input.meshes,
+            fixations=snakemake.input.fixations,
+            touches=snakemake.input.touches,
+        ),
+        output=snakemake.output[0],
+    )
