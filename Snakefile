@@ -1,4 +1,4 @@
-"""Look at 3D objects, touch them where the eye would rest, name them from touch alone."""
+"""Look at 3D objects, touch them where the eye would fixate, recognise them from touch alone."""
 
 from pathlib import Path
 
@@ -47,8 +47,8 @@ onsuccess:
 rule all:
     default_target: True
     input:
-        # Every file is asked for by name: Snakemake doesn't miss a part that only
-        # other rules take, once what they made of it is there.
+        # Every file is named: Snakemake does not notice a missing intermediate file
+        # if the outputs made from it exist.
         rules.meshes_all.input,
         rules.fixations_all.input,
         rules.touches_all.input,

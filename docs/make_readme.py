@@ -99,7 +99,7 @@ def speed_table(results: dict[str, Any]) -> str:
             "",
             (
                 f"On {machine['processor']}, {machine['cores']} cores; {share} of the cold run's core seconds "
-                f"go into neither a job's own imports nor its work ({workflow['jobs']} jobs). `make bench` measures anew."
+                f"go into neither a job's own imports nor its work ({workflow['jobs']} jobs). `make bench` measures again."
             ),
         ]
     )

@@ -7,7 +7,7 @@ import lazy_loader
 
 __version__ = "0.1.0"
 
-# By name, not from the stub: what follows a package's stub to tell which code a job runs would
+# By name, not from the stub: what follows a package's stub to find which code a job runs would
 # find all of the package behind this one.
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,

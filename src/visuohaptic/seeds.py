@@ -11,13 +11,13 @@ import numpy as np
 def spawn_generator(seed: int, *keys: object) -> np.random.Generator:
     """Give the random generator that belongs to a seed and a chain of names.
 
-    The generator depends on the seed and the names alone: neither the order of
-    jobs nor the number of processes nor other generators move it.
+    The generator depends only on the seed and the names: not on the order of
+    jobs, the number of processes, or other generators.
 
     Parameters
     ----------
     seed : int
-        The experiment's one seed, at least 0.
+        The experiment's random seed, at least 0.
     *keys : object
         What the generator is for, such as ``("random", "cup/mug", 3)``; each is
         taken by its ``str``.

@@ -77,7 +77,7 @@ def test_the_tour_runs_from_end_to_end(folder, visuohaptic, monkeypatch):
     made = {
         "mug/picture.png",
         "random/features.parquet",
-        "told/report.html",
+        "page/report.html",
         "comparison/comparison.html",
         "mug.png",
     }

@@ -25,7 +25,8 @@ ROOT = Path(__file__).parents[2]
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 # Pages whose Python has a test of its own.
 RUN_ELSEWHERE = {"tour.md"}
-RULES = set(
+STUDIES = {f"study_{file.stem}" for file in ROOT.glob("studies/*.yaml") if file.stem != "dvc"}
+RULES = STUDIES | set(
     re.findall(
         r"^rule (\w+):", "".join(f.read_text() for f in ROOT.glob("workflow/rules/*.smk")), re.M
     )

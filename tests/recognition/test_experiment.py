@@ -135,7 +135,7 @@ def test_features_that_are_all_constant_are_refused():
     table = features_table()
     for name in PAPER_FEATURES:
         table = with_column(table, name, np.full(table.num_rows, 0.5))
-    with pytest.raises(RecognitionError, match="nothing to tell the classes by"):
+    with pytest.raises(RecognitionError, match="the classes can't be distinguished"):
         recognition.run_pipeline(table, SMALL, 1)
 
 

@@ -67,15 +67,15 @@ def test_answer_has_three_sentences_with_the_figures():
     assert "names the class of an unknown object in 93.0\xa0%" in sentences[0]
     assert "88.0\xa0% to 98.0\xa0%" in sentences[0]
     assert "guessing among 4 classes gives 25.0\xa0%" in sentences[0]
-    assert "ahead for 1 of 2 classifiers" in sentences[1]
-    assert "beyond chance for support vector machine (+13.0)" in sentences[1]
+    assert "better than random probing with 1 of 2 classifiers" in sentences[1]
+    assert "significant for support vector machine (+13.0)" in sentences[1]
     assert "93.45\xa0%" in sentences[2]
     assert "1 of its 2 figures" in sentences[2]
 
 
 def test_answer_says_when_nothing_is_beyond_chance():
     sentences = answer([table(p_values=(0.03, 0.6))], 4, 5, "an unknown object", 0.95)
-    assert "no difference is beyond chance (smallest Holm-adjusted p 0.06)" in sentences[1]
+    assert "no difference is significant (smallest Holm-adjusted p 0.06)" in sentences[1]
 
 
 def test_agreement_and_disagreement_are_told_apart():

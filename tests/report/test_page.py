@@ -171,7 +171,7 @@ def test_seconds_are_summed_over_jobs(page):
 
 
 def test_skipped_channels_are_named_with_the_reason(page):
-    assert "Not computed: colour, for every pixel is grey." in page.text
+    assert "Not computed: colour (every pixel is grey)." in page.text
 
 
 def test_effects_are_summed_over_jobs_with_their_reasons(page):

@@ -200,7 +200,7 @@ def test_where_no_server_can_be_started_it_says_so_and_goes_on(monkeypatch, caps
     monkeypatch.setattr(sys, "executable", "/nowhere/python")
     monkeypatch.delenv(ADDRESS, raising=False)
     offer_warm_starts()
-    assert capsys.readouterr().err.startswith("Jobs start by themselves, which takes longer: ")
+    assert capsys.readouterr().err.startswith("Warm start unavailable (")
     assert ADDRESS not in os.environ
 
 

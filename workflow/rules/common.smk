@@ -33,7 +33,7 @@ if Path(workflow.main_snakefile).parent == Path(workflow.basedir):
 
 
 def or_stop(function, *arguments):
-    """Call a function; where it refuses, end with its sentence instead of a traceback."""
+    """Call a function; on an error of this package, end with its message, not a traceback."""
     try:
         return function(*arguments)
     except VisuohapticError as error:
@@ -41,7 +41,7 @@ def or_stop(function, *arguments):
 
 
 def shipped(path):
-    """Give a file or folder of the repository, from whichever folder the workflow is run."""
+    """Give the path of a file or folder of the repository, relative to the working folder."""
     if Path(path).exists():
         return path
     return os.path.relpath(Path(workflow.basedir, path))
@@ -74,7 +74,7 @@ wildcard_constraints:
 
 
 def source_of(wildcards):
-    """Give the file that an object's model comes from, and what lies beside it."""
+    """Give an object's model file, and the files that it refers to."""
     if wildcards.object in OWN:
         return [OWN[wildcards.object], *companions(OWN[wildcards.object])]
     if wildcards.object in DOWNLOADED:
@@ -83,7 +83,7 @@ def source_of(wildcards):
 
 
 def model_of(wildcards):
-    """Give what the catalogue says of an object's shape: its size in cm and its turn upright."""
+    """Give an object's size in cm and its rotation to upright, from the catalogue."""
     model = CATALOGUED.get(wildcards.object)
     if model is None:
         return {}
@@ -91,7 +91,7 @@ def model_of(wildcards):
 
 
 def view_blocks():
-    """Name the blocks of viewpoints that a job each covers, such as 00-15."""
+    """Name the blocks of viewpoints, one a job, such as 00-15."""
     count, step = PARAMETERS.viewpoints.total, PARAMETERS.workflow.views_per_job
     starts = range(0, count, step)
     return [f"{start:02d}-{min(start + step, count) - 1:02d}" for start in starts]
@@ -153,7 +153,7 @@ def planned_jobs():
 
 
 def check_folder():
-    """Let one run at a time write here, and judge files that were not made here."""
+    """Allow one run at a time in this folder, and check files that were not made here."""
     if not workflow.is_main_process:
         return
     or_stop(check_writable)
@@ -187,10 +187,10 @@ def name_objects_set_aside():
 
 
 def start_local_jobs_at_once():
-    """Lift the limit of job starts a second where jobs run on this machine.
+    """Remove the limit of job starts per second if jobs run on this machine.
 
-    For that limit Snakemake looks at all jobs that are ready once a second, and once
-    more for each job that has ended: with 600 jobs it would keep one core busy.
+    For that limit Snakemake checks all ready jobs once a second, and again
+    after each job: with 600 jobs it would keep one core busy.
     """
     scheduler = getattr(workflow, "scheduler", None)
     if workflow.local_exec and hasattr(scheduler, "job_rate_limiter"):
@@ -198,7 +198,7 @@ def start_local_jobs_at_once():
 
 
 def start_local_jobs_warm():
-    """Let jobs on this machine take over what the first of their kind have imported."""
+    """Start jobs on this machine as forks of a process that has done their imports."""
     if workflow.local_exec and PARAMETERS.workflow.warm_starts:
         offer_warm_starts()
         set_job_environment(Path(workflow.basedir, "workflow/warm_start"), *SOURCES)

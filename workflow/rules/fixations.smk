@@ -1,7 +1,7 @@
 """Fixations: surface and viewpoints → rendered views, saliency, and ordered probing locations.
 
 Takes results/meshes/; gives the tables results/views/, results/fixations/ and
-results/effects/views/ (what each effect of the view was called for, and what it took).
+results/effects/views/ (effect log: why each effect of the view was needed, and its run time).
 """
 
 
@@ -32,7 +32,7 @@ rule fixations:
         rendering=PARAMETERS.rendering.model_dump(),
         attention=PARAMETERS.attention.model_dump(),
         probing=PARAMETERS.probing.model_dump(),
-        # The sensor's effects have no say here, so that changing them runs no eye again.
+        # Only visual effects are passed, so a sensor effect does not re-render views.
         modes=PARAMETERS.scene.effects.model_dump(include=set(VISUAL_EFFECTS)),
         seed=PARAMETERS.seed,
     message:

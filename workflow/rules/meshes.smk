@@ -58,7 +58,7 @@ rule credits:
     params:
         models=[asdict(model) for _, model in sorted(DOWNLOADED.items())],
     message:
-        "writing who made the downloaded models"
+        "writing the credits of the downloaded models"
     script:
         "../scripts/credits.py"
 

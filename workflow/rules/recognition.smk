@@ -1,4 +1,4 @@
-"""Recognition: features of all objects → scores and predictions of every split and classifier.
+"""Recognition: features of all objects → scores and predictions for every split and classifier.
 
 Takes results/features/; gives the tables results/scores/ and results/predictions/.
 """

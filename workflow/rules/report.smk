@@ -1,6 +1,7 @@
 """Report: every table → one HTML page, the numbers behind it, and plots for DVC.
 
-Takes results/ and, where they are there, logs/ and credits; gives reports/report.html, reports/metrics.json and reports/plots/.
+Takes results/ and, if they exist, logs/ and credits; gives reports/report.html,
+reports/metrics.json and reports/plots/.
 """
 
 # What `make test-hard` and `make bench` found.
@@ -56,7 +57,7 @@ rule report:
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
         meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
-        # Once they are made they are kept current; a run without them makes none.
+        # Not part of `all`; once present they are kept up to date and shown in the report.
         measured=[
             file
             for file in [
@@ -79,7 +80,7 @@ rule report:
     params:
         parameters=PARAMETERS.model_dump(),
         objects=OBJECTS,
-        # Read where they are there; what is not there leaves its section out.
+        # Read if they exist; else the section is left out.
         optional={
             "logs": "logs",
             "extras": {

@@ -1,7 +1,7 @@
 """Touches: probing locations → tactile imprints, the sensor's pose and size, the contact's state.
 
 Takes results/meshes/ and results/fixations/; gives the tables results/touches/ and
-results/effects/touches/ (what each effect of the sensor was called for, and what it took).
+results/effects/touches/ (effect log: why each effect of the sensor was needed, and its run time).
 """
 
 

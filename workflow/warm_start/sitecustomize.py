@@ -1,7 +1,7 @@
 """Hand a job's script over to the process that starts jobs warm.
 
-Python imports a module of this name at its start. The workflow puts this folder on the path of the
-processes that it starts, and no one else does; where nobody takes the script, it starts as ever.
+Python imports a module of this name at its start. Only the workflow puts this folder on the path,
+for the processes that it starts. If no server takes the script, it starts as a normal process.
 """
 
 import os
@@ -22,7 +22,7 @@ def _start_warm() -> None:
 if len(sys.orig_argv) == 2 and os.path.dirname(sys.orig_argv[1]).endswith(_SCRIPTS):
     _start_warm()
 
-# Whatever other module of this name there is has its turn now.
+# Import the sitecustomize that this one shadows.
 sys.path.remove(os.path.dirname(__file__))
 del sys.modules[__name__]
 import sitecustomize  # noqa: E402, F401

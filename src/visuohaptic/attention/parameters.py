@@ -69,7 +69,7 @@ class AttentionParameters(BaseModel):
 
     Scales are counted in levels of a dyadic pyramid over a working image of 128
     pixels along the view's longer edge: level n averages over about 2^n / 128 of
-    the view, whatever the view's own resolution.
+    the view, independent of the view's own resolution.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")

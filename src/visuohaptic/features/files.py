@@ -14,17 +14,7 @@ from visuohaptic.tables.schema import read_table, write_table
 def make_features(
     touches: str | Path | Sequence[str | Path], output: str | Path, parameters: FeatureParameters
 ) -> None:
-    """Make the feature table of a touch table.
-
-    Parameters
-    ----------
-    touches : path or sequence of path
-        Where the touches lie.
-    output : path
-        The Parquet file to write.
-    parameters : FeatureParameters
-        Section `features`.
-    """
+    """Make the feature table of a touch table."""
     table = read_table(TOUCHES, touches)
     described = (
         describe_touches(table, parameters) if table.num_rows else FEATURES.arrow.empty_table()

@@ -44,27 +44,7 @@ def make_fixations(
     modes: EffectModes,
     seed: int,
 ) -> None:
-    """Make the view and fixation tables of one object and a block of its viewpoints.
-
-    The books of the effects of the view come with them.
-
-    Parameters
-    ----------
-    key : str
-        `class/name` of the object.
-    mesh : path
-        Its surface.
-    fixations, views, effects : path
-        The Parquet files to write.
-    block : sequence of int
-        Numbers of the viewpoints; what a viewpoint gives does not depend on the others.
-    viewpoints, rendering, attention, probing
-        Sections of the parameters.
-    modes : EffectModes
-        When the effects of the view are simulated; all others have no say.
-    seed : int
-        The experiment's seed.
-    """
+    """Make the view, fixation and effect log tables of one object and a block of its viewpoints."""
     if set_aside_reason(mesh):
         for schema, path in ((VIEWS, views), (EFFECTS, effects), (FIXATIONS, fixations)):
             write_table(schema, schema.arrow.empty_table(), path)

@@ -1,4 +1,4 @@
-"""The eye's part: views of an object, what draws attention in them, and where to touch."""
+"""Views of an object, attention in them, and probing locations."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from visuohaptic.tables.schema import build_table
 
 @dataclass(frozen=True)
 class Look:
-    """One viewpoint of an object, and what the eye makes of it.
+    """One viewpoint of an object, with saliency and fixations.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Look:
     place : int
         Which of these views is this one's.
     attended : Attention
-        What drew the eye.
+        Saliency and fixations of the view.
     """
 
     key: str
@@ -213,7 +213,7 @@ def _path_table(one: Look, strategy: str, path: Scanpath) -> pa.Table:
 
 
 def _blind(drawn: ProbingLocations) -> dict[str, object]:
-    """No pixel was chosen, so there is none to name."""
+    """Give empty pixel columns: these locations were not chosen by pixel."""
     return {name: [None] * len(drawn.faces) for name in ("pixel_row", "pixel_column", "saliency")}
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.geometry.surface import Surface
 
-CROWD = 4096
+CANDIDATES = 4096
 """Points, uniform by area, among which `spread_far` chooses."""
 
 SEEN_TOLERANCE = 1e-5
@@ -168,18 +168,18 @@ def spread_far(surface: Surface, count: int, generator: np.random.Generator) -> 
     surface : Surface
         The object.
     count : int
-        How many points, at most `CROWD`; fewer points are the first of more.
+        How many points, at most `CANDIDATES`; fewer points are the first of more.
     generator : numpy.random.Generator
-        Draws the first point, and the crowd among which the others are chosen.
+        Draws the first point, and the candidates among which the others are chosen.
 
     Returns
     -------
     ProbingLocations
-        `count` points; their covering radius over the crowd is at most twice the least that
+        `count` points; their covering radius over the candidates is at most twice the least that
         so many points can reach (T. F. Gonzalez, Theor. Comput. Sci. 38, 1985).
     """
-    crowd = draw_by_area(surface, CROWD, generator)
-    return crowd.take(farthest_order(crowd.points, count))
+    candidates = draw_by_area(surface, CANDIDATES, generator)
+    return candidates.take(farthest_order(candidates.points, count))
 
 
 def farthest_order(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
@@ -211,7 +211,7 @@ def farthest_order(points: NDArray[np.float64], count: int) -> NDArray[np.int64]
 
 
 def sees(caster: RayCaster, camera: Camera, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which points of a surface a camera sees.
+    """Find which points of a surface a camera sees.
 
     Parameters
     ----------

@@ -48,9 +48,9 @@ class Views:
         object radius; zero on the background.
     lit : numpy.ndarray
         Shape (n, h, w), bool: whether no cast shadow falls on the pixel; true where none is
-        simulated or called for.
+        simulated or needed.
     effects : tuple of EffectRecord
-        What became of each visual effect; its touches are views.
+        Record of each visual effect; its touches are views.
     """
 
     colour: NDArray[np.float32]
@@ -90,23 +90,23 @@ def render_views(
     Returns
     -------
     Views
-        n views of ``resolution`` rows and columns. An effect that is simulated where it is
-        not called for moves no bit of them.
+        n views of ``resolution`` rows and columns. Simulating an effect that is not needed
+        changes no bit of them.
 
     Notes
     -----
-    One ray goes through the centre of each pixel. The light stands fixed to
-    the camera, so turning the object and turning the camera are one and the same.
+    One ray goes through the centre of each pixel. The light is fixed to
+    the camera, so rotating the object is the same as rotating the camera.
     """
     modes = modes or EffectModes()
-    books = _Books(plan_visual(modes, caster.surface.face_colours, parameters.ambient))
-    colours = _seen_colours(caster, modes, books)
+    log = _EffectLog(plan_visual(modes, caster.surface.face_colours, parameters.ambient))
+    colours = _seen_colours(caster, modes, log)
     shape = measure_shape(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
-    views = [_render_view(caster, shape, colours, camera, parameters, books) for camera in cameras]
+    views = [_render_view(caster, shape, colours, camera, parameters, log) for camera in cameras]
     if not views:
         views = [_background((0, parameters.resolution, parameters.resolution), parameters)]
     joined = {name: np.concatenate([view[name] for view in views]) for name in views[0]}
-    return Views(**joined, effects=books.records(len(cameras)))
+    return Views(**joined, effects=log.records(len(cameras)))
 
 
 def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[np.float64]:
@@ -117,7 +117,7 @@ def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[
     camera : Camera
         The camera that the light is fixed to.
     parameters : RenderingParameters
-        Where the light stands.
+        Direction of the light.
 
     Returns
     -------
@@ -163,7 +163,7 @@ def decode_srgb(encoded: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
-class _Books:
+class _EffectLog:
     """Which visual effects are simulated, and the time that each takes."""
 
     def __init__(self, plans: Sequence[VisualPlan]) -> None:
@@ -197,8 +197,8 @@ class _Books:
         )
 
 
-def _seen_colours(caster: RayCaster, modes: EffectModes, books: _Books) -> NDArray[np.uint8]:
-    with books.clock("texture" if modes.texture == "never" else "colour"):
+def _seen_colours(caster: RayCaster, modes: EffectModes, log: _EffectLog) -> NDArray[np.uint8]:
+    with log.clock("texture" if modes.texture == "never" else "colour"):
         return seen_colours(caster.surface.face_colours, caster.surface.face_areas, modes)
 
 
@@ -224,7 +224,7 @@ def _render_view(
     face_colours: NDArray[np.uint8],
     camera: Camera,
     parameters: RenderingParameters,
-    books: _Books,
+    log: _EffectLog,
 ) -> _View:
     size = parameters.resolution
     origins, directions = camera.rays(size)
@@ -238,11 +238,11 @@ def _render_view(
     light = light_direction(camera, parameters)
     colours = face_colours[faces] / 255.0
     lit = np.ones(len(seen), dtype=bool)
-    if books.simulates("cast_shadows"):
-        with books.clock("cast_shadows"):
+    if log.simulates("cast_shadows"):
+        with log.clock("cast_shadows"):
             lit = _lit(caster, points, normals, light)
-    if books.simulates("shading"):
-        with books.clock("shading"):
+    if log.simulates("shading"):
+        with log.clock("shading"):
             colours = _shade(colours, normals, lit, light, parameters.ambient)
     view = _background((1, size, size), parameters)
     found: _View = {
@@ -253,7 +253,7 @@ def _render_view(
         "normal": normals,
         "face": faces,
         "curvature": shape.curvature(faces, weights),
-        "lit": lit | (not books.called_for("cast_shadows")),
+        "lit": lit | (not log.called_for("cast_shadows")),
     }
     for name, values in found.items():
         view[name].reshape(size * size, *values.shape[1:])[seen] = values

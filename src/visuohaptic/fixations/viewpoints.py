@@ -1,4 +1,4 @@
-"""Where the eye stands: cameras around an object, and the rays that they send out."""
+"""Viewpoints: cameras around an object, and their rays."""
 
 from __future__ import annotations
 

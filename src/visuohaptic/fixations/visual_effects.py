@@ -1,4 +1,4 @@
-"""The visual effects: what calls for each, and what the eye sees without it."""
+"""The visual effects: when each is needed, and the colours that are seen without it."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class VisualPlan:
     mode : {"auto", "always", "never"}
         When it may be simulated.
     called_for, simulated : bool
-        Whether the object or the light calls for it, and whether it is simulated.
+        Whether the object or the light needs it, and whether it is simulated.
     reason : str
-        Why it is called for, or why not.
+        Why it is needed, or why not.
     """
 
     effect: str
@@ -51,7 +51,7 @@ def plan_visual(
     Returns
     -------
     tuple of VisualPlan
-        One for each of `VISUAL_EFFECTS`. Simulating an effect that is not called for changes no
+        One for each of `VISUAL_EFFECTS`. Simulating an effect that is not needed changes no
         view.
 
     Raises

@@ -218,7 +218,7 @@ def face_adjacency(faces: NDArray[np.int64]) -> FaceAdjacency:
 
 
 def consistent_sides(count: int, adjacency: FaceAdjacency) -> NDArray[np.float64]:
-    """Tell which faces to turn over so that neighbours are wound alike.
+    """Find which faces to flip so that neighbours have the same winding.
 
     Every face gets two nodes, one for each side; neighbours link equal sides
     where they are wound alike and opposite sides where they are not. A part

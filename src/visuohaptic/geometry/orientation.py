@@ -20,7 +20,7 @@ def orient_outwards(
 
     A ray is sent off each side. The side with the longer free way is outside; a ray that
     leaves the object has an endless one. Where both sides are equally free (a single sheet), outside is
-    the side that faces away from the object's centre, whatever the face's winding.
+    the side that faces away from the object's centre, independent of the face's winding.
 
     Parameters
     ----------

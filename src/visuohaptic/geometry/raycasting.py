@@ -1,7 +1,7 @@
 """Rays against a triangle surface, many at once, through Open3D's Embree scene.
 
 Embree finds the face in float32; the distance to that face's plane is computed
-anew in float64. What is left of float32 is the choice of the face, which can be
+again in float64. What is left of float32 is the choice of the face, which can be
 wrong within about 1e-7 of an edge: `RayCaster.settled_hits` looks at such rays again.
 """
 
@@ -22,7 +22,7 @@ Suspects = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 # Embree's float32 may take a ray this far (in the surface's unit) to the wrong side of an edge:
 # eight roundings of coordinates of size 3.
 LATERAL_ERROR = 2e-6
-# Rays that look for candidate faces around a doubtful ray stand this far off it.
+# Rays that look for candidate faces around a doubtful ray are offset by this distance.
 _BUNDLE_RADIUS = 3e-6
 _BUNDLE = np.array(
     [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
@@ -118,7 +118,7 @@ class RayCaster:
         """Cast rays, and cast the doubtful ones again in float64.
 
         Doubtful is a ray that meets its face so near an edge or vertex, or so
-        grazing, that float32 may have taken the wrong face; and whatever `suspects` names,
+        grazing, that float32 may have taken the wrong face; and all that `suspects` names,
         such as a miss between hits.
 
         Parameters

@@ -18,23 +18,7 @@ def make_mesh(
     output: str | Path,
     parameters: MeshParameters,
 ) -> None:
-    """Make the mesh file of one object.
-
-    Parameters
-    ----------
-    key : str
-        `class/name` of the object.
-    model : Model or None
-        Its entry in the catalogue; None for a user's own file.
-    source : path
-        The model's file.
-    output : path
-        The PLY file to write.
-    parameters : MeshParameters
-        Section `meshes`.
-
-    A user's own model that can't be used is set aside: its mesh file is empty and says why, and
-    the other objects go on without it.
+    """Make the mesh file of one object; of an own model that can't be used, an empty one with the reason.
 
     Raises
     ------

@@ -27,25 +27,7 @@ def make_model(
     touching_parameters: Mapping[str, object],
     seed: int,
 ) -> None:
-    """Fit a model on every object of a run, and write it with the parameters of its touches.
-
-    Parameters
-    ----------
-    features : sequence of path
-        The whole feature table, in any order.
-    model : path
-        The ``.skops`` file to write.
-    touching : path
-        The YAML file to write; in the format of `params.yaml`, so that another object can
-        be touched in the same way.
-    pipeline, classifier, strategy : str
-        Which model, from touches by whom.
-    recognition : RecognitionParameters
-        Section `recognition`.
-    touching_parameters : mapping
-        Every section that has a say in the features, and the seed.
-    seed : int
-        The experiment's seed.
+    """Fit a model on every object of a run; write it, and a YAML file of how its touches were made.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Strategy `adaptive`: the next touch is where the touches so far leave the class most open.
+"""Strategy `adaptive`: each next touch has the largest expected information gain.
 
-Before a touch the place and the normal of every candidate are known, as the eye of the
-viewpoint sees them; what a touch there feels like is not. It is foretold from training
-objects: how often, near such a pose, objects of each class gave each kind of imprint.
+Before a touch, the position and normal of every candidate are known, as the viewpoint sees
+them; the imprint is not. It is predicted from training objects: how often, near such a pose,
+objects of each class gave each kind of imprint.
 """
 
 from __future__ import annotations
@@ -24,33 +24,33 @@ from visuohaptic.recognition.tuning import best_temperature
 from visuohaptic.tables.schema import matrix
 
 WORDS = 16
-"""Kinds of imprint that a touch may turn out to be."""
+"""Number of kinds of imprint."""
 
 COMMON_SHARE = 0.1
-"""Share of every class's likelihood that is the mean over the classes: none is ruled out."""
+"""Share of every class's likelihood that is the mean over the classes, so that none is 0."""
 
 LEAST_LIKELIHOOD = 1e-6
-"""Likelihood of a touch that is like none in training."""
+"""Likelihood of a touch unlike any in training."""
 
 SMALLEST_OUTCOME = 1e-300
-"""An outcome of probability 0 adds no entropy."""
+"""Replaces a probability of 0 in a logarithm; it adds no entropy."""
 
 REHEARSED_TOUCHES = 5
-"""Touches of the random sequences of training objects by which the temperature is set."""
+"""Length of the random sequences of training objects that set the temperature."""
 
 
-Feel = Callable[[NDArray[np.int64]], NDArray[np.int64]]
-"""Sets the sensor down: candidates to the words of their imprints."""
+ReadImprints = Callable[[NDArray[np.int64]], NDArray[np.int64]]
+"""Touches candidates and gives the words of their imprints."""
 
 
 @dataclass(frozen=True)
 class Candidates:
-    """Where objects may be touched, and what a touch there gives.
+    """Where objects may be touched, and the features of a touch there.
 
     Attributes
     ----------
     sequences : TouchSequences
-        The s sequences to be, one a viewpoint of an object; its features are empty.
+        The s sequences to choose, one a viewpoint of an object; its features are empty.
     features : numpy.ndarray
         Shape (n, k), float64: of a touch at each candidate.
     sequence : numpy.ndarray
@@ -68,7 +68,7 @@ class Candidates:
 
     @property
     def poses(self) -> NDArray[np.float64]:
-        """Place and normal of each candidate, shape (n, 6): all that is known before a touch."""
+        """Position and normal of each candidate, shape (n, 6): what is known before a touch."""
         return self.features[:, [self.names.index(name) for name in POSE]]
 
     @property
@@ -107,7 +107,7 @@ class TactileWords:
 
 @dataclass(frozen=True)
 class TouchModel:
-    """What touches of each class are like, from training objects alone.
+    """Likelihood of imprints by pose and class, from training objects only.
 
     Attributes
     ----------
@@ -137,15 +137,15 @@ class TouchModel:
     wave_length: float
 
     def log_likelihood(self, poses: NDArray[np.float64], left_out: int) -> NDArray[np.float64]:
-        """Give how likely each class is to be met at a pose and to feel like each word.
+        """Give the log likelihood of each word at each pose, by class.
 
         Parameters
         ----------
         poses : numpy.ndarray
             Shape (n, 6), float64.
         left_out : int
-            A training object that is not asked, -1 for none: what an object felt like
-            itself must not foretell how it feels. The only object of a class stays.
+            A training object to ignore, -1 for none: an object's own touches must not
+            predict its imprints. The only object of a class is kept.
 
         Returns
         -------
@@ -168,7 +168,7 @@ class TouchModel:
         return np.log(mixed + LEAST_LIKELIHOOD)
 
     def _weights(self, left_out: int) -> NDArray[np.float64]:
-        """Weigh touches so that each object counts alike within its class."""
+        """Weigh touches so that all objects of a class have the same weight."""
         objects = np.unique(self.owner)
         kept = objects[objects != left_out]
         classes = self.class_of_owner[objects]
@@ -184,15 +184,15 @@ class TouchModel:
 
 
 @dataclass(frozen=True)
-class _Hand:
-    """Touches one object's candidates, and tells what kind of imprint each gives."""
+class _ImprintReader:
+    """Touches one object's candidates, and gives the kind of imprint of each."""
 
     candidates: Candidates
     words: TactileWords
     rows: NDArray[np.int64]
 
-    def feel(self, asked: NDArray[np.int64]) -> NDArray[np.int64]:
-        return self.words.read(self.candidates.features[self.rows[asked]])
+    def read(self, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
+        return self.words.read(self.candidates.features[self.rows[chosen]])
 
 
 def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
@@ -266,7 +266,7 @@ def choose_sequences(
     focus_radius : float
         No two touches are closer while there is another place, object radii.
     generator : numpy.random.Generator
-        For the words, and for the rehearsal that sets the temperature.
+        For the words, and for the sequences that set the temperature.
 
     Returns
     -------
@@ -281,7 +281,7 @@ def choose_sequences(
         left_out = place if place in training else -1
         first, seen = np.unique(candidates.poses[rows], axis=0, return_inverse=True)
         plans[place] = (rows, seen.reshape(-1), model.log_likelihood(first, left_out))
-    temperature = _rehearse(candidates, model, training, plans, generator)
+    temperature = _fit_temperature(candidates, model, training, plans, generator)
     chosen = np.zeros((len(candidates.sequences.object_index), touches), dtype=np.int64)
     for place, (rows, seen, likelihood) in plans.items():
         members = np.flatnonzero(candidates.sequences.object_index == place)
@@ -290,7 +290,7 @@ def choose_sequences(
             seen,
             np.searchsorted(members, candidates.sequence[rows]),
             likelihood / temperature,
-            _Hand(candidates, model.words, rows).feel,
+            _ImprintReader(candidates, model.words, rows).read,
             touches,
             focus_radius,
         )
@@ -303,17 +303,17 @@ def choose_touches(
     pose_number: NDArray[np.int64],
     view: NDArray[np.int64],
     log_likelihood: NDArray[np.float64],
-    feel: Feel,
+    read_imprints: ReadImprints,
     touches: int,
     focus_radius: float,
 ) -> NDArray[np.int64]:
     """Choose the touches of one object's viewpoints, one after the other.
 
-    Each next touch is the open candidate with the largest expected information gain: after
-    it the class is expected to be least uncertain, averaged over what the touch may feel
-    like, each kind as likely as the belief so far makes it (D. V. Lindley, Ann. Math. Statist. 27,
-    1956). Its pose is known beforehand, so that the pose itself counts as no gain; once touched, pose and
-    imprint both are evidence.
+    Each next touch is the open candidate with the largest expected information gain: the
+    entropy of the class is expected to be least after it, averaged over the kinds of imprint
+    with their probabilities under the belief so far (D. V. Lindley, Ann. Math. Statist. 27,
+    1956). The pose is known before the touch, so it adds no gain; after the touch, pose and
+    imprint are both evidence.
 
     Parameters
     ----------
@@ -325,8 +325,8 @@ def choose_touches(
         Shape (n,), int64: the viewpoint of each, ascending from 0 without a gap.
     log_likelihood : numpy.ndarray
         Shape (u, m, c), float64: of each word under each class, tempered.
-    feel : callable
-        Touches: candidates, shape (v,), to words, shape (v,). It is asked for the chosen ones alone.
+    read_imprints : callable
+        Touches: candidates, shape (v,), to words, shape (v,). It gets only the chosen ones.
     touches : int
         Touches of each viewpoint.
     focus_radius : float
@@ -339,17 +339,17 @@ def choose_touches(
         Shape (v, touches), int64: candidates.
     """
     views = int(view[-1]) + 1
-    foretold = log_likelihood - _log_sum(log_likelihood)
+    predicted = log_likelihood - _log_sum(log_likelihood)
     belief = np.zeros((views, log_likelihood.shape[2]))
     shut = np.zeros(len(poses), dtype=np.int64)
     chosen = np.zeros((views, touches), dtype=np.int64)
     starts = np.searchsorted(view, np.arange(views))
     for turn in range(touches):
-        left = expected_entropy(belief, foretold)[view, pose_number]
+        left = expected_entropy(belief, predicted)[view, pose_number]
         # Lowest first among the least shut: open ones, then near ones, then touched ones.
         order = np.lexsort((left, shut, view))
         chosen[:, turn] = order[starts]
-        kinds = feel(chosen[:, turn])
+        kinds = read_imprints(chosen[:, turn])
         belief += log_likelihood[pose_number[chosen[:, turn]], kinds]
         steps = poses[:, :3] - poses[chosen[view, turn], :3]
         near = np.einsum("nd,nd->n", steps, steps) <= focus_radius**2
@@ -396,12 +396,12 @@ def fit_touch_model(
     parameters: BestParameters,
     generator: np.random.Generator,
 ) -> TouchModel:
-    """Fit what touches of each class are like on a split's training objects.
+    """Fit the touch model on a split's training objects.
 
     Parameters
     ----------
     candidates : Candidates
-        Of these the training objects' alone are looked at, each place once.
+        Only those of training objects are used, each place once.
     split : Split
         Which sequences train.
     parameters : BestParameters
@@ -499,14 +499,14 @@ def _skin(
     return values
 
 
-def _rehearse(
+def _fit_temperature(
     candidates: Candidates,
     model: TouchModel,
     training: NDArray[np.int64],
     plans: dict[int, tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]],
     generator: np.random.Generator,
 ) -> float:
-    """Find by how much belief must be cooled to be right on training objects left out."""
+    """Find the temperature that calibrates the belief on training objects left out."""
     scores, labels = [], []
     for place in training:
         rows, seen, likelihood = plans[place]

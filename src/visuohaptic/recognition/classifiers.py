@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Fit = tuple[Any, str | None]
-"""A fitted scikit-learn classifier, and what it needed to be fitted, such as another setting."""
+"""A fitted scikit-learn classifier, and a note on its fit, such as another setting."""
 
 
 @dataclass(frozen=True)
 class Classifier:
-    """A way to tell classes apart.
+    """A classifier with its settings.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a sequence of touches says as a whole, whatever the order: the input of pipeline `best`.
+"""Descriptors of a sequence of touches, independent of their order: the input of pipeline `best`.
 
 Nothing here is fitted. Objects stand upright, y up, with their front along z, and
 most are about left-right symmetric; the mirrored and view-invariant descriptors

@@ -121,7 +121,7 @@ def fit_sequence_encoder(
     if not np.ptp(touches, axis=0).any():
         raise RecognitionError(
             "Every feature has one and the same value at all training touches; "
-            "there is nothing to tell the classes by."
+            "the classes can't be distinguished."
         )
     touch_scaling = fit_standardiser(touches, parameters.touch_scaling)
     settings = parameters.self_organising_map

@@ -26,19 +26,6 @@ def make_scores(
 ) -> None:
     """Make the score and prediction tables of one pipeline and strategy.
 
-    Parameters
-    ----------
-    features : sequence of path
-        The whole feature table, in any order.
-    scores, predictions : path
-        The Parquet files to write.
-    pipeline, strategy : str
-        Which pipeline, on the touches of which strategy.
-    parameters : RecognitionParameters
-        Section `recognition`.
-    seed : int
-        The experiment's seed.
-
     Raises
     ------
     RecognitionError

@@ -1,7 +1,7 @@
 """Intervals and tests that resample objects, for sequences of one object are not independent.
 
 What is resampled is a value an object (its accuracy over every split that tested
-it), with the predictions as they are: the intervals tell how the figure would vary
+it), with the predictions as they are: the intervals show how the figure would vary
 with other test objects of the same kind, not with other training.
 """
 

@@ -27,24 +27,7 @@ def make_metrics(
     intervals: IntervalParameters,
     seed: int,
 ) -> None:
-    """Sum up scores and predictions into the metrics file and two plot tables.
-
-    Parameters
-    ----------
-    scores, predictions : sequence of path
-        Tables of the recognition phase.
-    metrics : path
-        JSON file: every headline figure with its interval. It holds no seconds:
-        the same tables give the same bytes.
-    accuracy : path
-        CSV file: pipeline, strategy, classifier, mean accuracy and its interval.
-    confusion : path
-        CSV file: one row a tested sequence, its class and what it was named.
-    intervals : IntervalParameters
-        Resampling over objects.
-    seed : int
-        The experiment's seed.
-    """
+    """Write the metrics file and two plot tables; they hold no seconds, so a rerun gives the same bytes."""
     predicted = read_table(PREDICTIONS, predictions)
     summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, seed))
     Path(metrics).parent.mkdir(parents=True, exist_ok=True)

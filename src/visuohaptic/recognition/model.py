@@ -173,7 +173,7 @@ def fit_model(
     if len(sequences.classes) < 2:
         raise RecognitionError(
             f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
-            f"tell them apart."
+            f"distinguish them."
         )
     fitters: dict[str, Callable[..., tuple[Any, TunedClassifier]]] = {
         "paper": _fit_paper,

@@ -169,7 +169,7 @@ def _principal_weights(
     _, scales, directions = np.linalg.svd(touches - centre, full_matrices=False)
     axes = min(positions.shape[1], len(scales))
     directions, scales = directions[:axes], scales[:axes] / np.sqrt(len(touches))
-    # A component's sign is the decomposition's whim; its largest weight counts as positive.
+    # SVD signs are arbitrary; make the largest loading positive.
     largest = np.argmax(np.abs(directions), axis=1)
     directions = directions * np.sign(directions[np.arange(axes), largest])[:, None]
     span = positions.max(axis=0)[:axes] / 2

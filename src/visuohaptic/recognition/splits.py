@@ -60,7 +60,7 @@ def make_splits(
     if len(sequences.classes) < 2:
         raise RecognitionError(
             f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
-            f"tell them apart."
+            f"distinguish them."
         )
     if parameters.protocol == "new_viewpoint":
         return _viewpoint_splits(sequences, parameters.folds)

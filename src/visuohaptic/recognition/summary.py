@@ -23,8 +23,8 @@ from visuohaptic.seeds import spawn_generator
 REFERENCE_STRATEGY = "fixation"
 
 METHOD = {
-    "accuracy": "mean over splits of the share of test sequences named rightly",
-    "object_accuracy": "mean over splits of the share of test objects named rightly by a "
+    "accuracy": "mean over splits of the share of test sequences correctly classified",
+    "object_accuracy": "mean over splits of the share of test objects correctly classified by a "
     "vote of their sequences: by mean probability where the pipeline gives probabilities, else by "
     "majority, a tie between k classes counting 1/k",
     "balanced_accuracy": "mean over classes of the mean over a class's objects of their accuracy",
@@ -38,14 +38,14 @@ METHOD = {
 
 @dataclass(frozen=True)
 class Confusion:
-    """How often sequences of each class were named each class.
+    """Confusion matrix: how often sequences of each class were predicted as each class.
 
     Attributes
     ----------
     classes : tuple of str
         The c classes, sorted.
     counts : numpy.ndarray
-        Shape (c, c), int64: true class by row, named class by column.
+        Shape (c, c), int64: true class by row, predicted class by column.
     """
 
     classes: tuple[str, ...]
@@ -162,7 +162,7 @@ def object_accuracies(
         The o objects as (class, name), sorted.
     accuracy, weights : numpy.ndarray
         Shape (o,) each, float64; the weighted mean over objects is the mean over splits of
-        the share of test sequences named rightly.
+        the share of test sequences correctly classified.
     """
     figures = _object_figures(predictions)
     return figures.objects, figures.accuracy, figures.weights

@@ -112,11 +112,11 @@ class InnerFold:
 
 
 class FitMemory:
-    """Fits by the very numbers that they were trained on, so that none is made twice.
+    """Fits by a hash of their training data, so that none is made twice.
 
     With three objects a class, most inner folds of the 81 splits train on the same objects
-    as an inner fold of another split. What a fold is trained on is its key, number for number:
-    a fit can't come from anything else.
+    as an inner fold of another split. The key is the training data itself, so a fit can't be
+    confused with another.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def fit_projection(descriptors: NDArray[np.float64], components: int) -> Project
     _, spread, directions = np.linalg.svd(scaling.apply(descriptors), full_matrices=False)
     rank = max(int(np.sum(spread > 1e-9 * max(spread[0], 1e-300))), 1)
     kept = directions[: min(components, rank)]
-    # A component's sign is the decomposition's whim; its largest weight counts as positive.
+    # SVD signs are arbitrary; make the largest loading positive.
     largest = np.argmax(np.abs(kept), axis=1)
     signs = np.sign(kept[np.arange(len(kept)), largest])
     return Projection(scaling, np.ascontiguousarray((kept * signs[:, None]).T))
@@ -314,7 +314,7 @@ def fit_best_classifiers(
     if not np.ptp(descriptors, axis=0).any():
         raise RecognitionError(
             "Every descriptor has one and the same value for all training sequences; "
-            "there is nothing to tell the classes by."
+            "the classes can't be distinguished."
         )
     folds = make_inner_folds(descriptors, labels, owners, parameters.best, generator, memory)
     projection = fit_projection(descriptors, parameters.best.components)
@@ -415,7 +415,7 @@ def _fit_in_fold(
     from visuohaptic.recognition.classifiers import draw_seed, fit_classifier
 
     if (name, parameters) in fits.classifiers:
-        # Chance goes on as if it had been fitted again.
+        # Keep the random generator in the same state as after a fit.
         draw_seed(generator)
         return fits.classifiers[name, parameters]
     fitted, _ = fit_classifier(name, parameters, fits.train, fits.labels, generator)

@@ -1,4 +1,4 @@
-"""One answer for an object from the answers to its sequences."""
+"""One prediction for an object from the predictions for its sequences."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ def vote_credit(
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Give each object's credit in a majority vote of its sequences.
 
-    An object has credit 1 where its class has the most votes alone, 1/k where k
-    classes share the most and its own is among them (what tossing for it would
-    give on average), 0 otherwise.
+    An object has credit 1 if its class alone has the most votes, 1/k if k
+    classes share the most and its own is among them (the mean of a random choice),
+    0 otherwise.
 
     Parameters
     ----------
     owners : numpy.ndarray
         Shape (n,), int64: the object of each sequence.
     predicted : numpy.ndarray
-        Shape (n,), int64: the class named for each sequence.
+        Shape (n,), int64: the class predicted for each sequence.
     true_class : numpy.ndarray
         Shape (o,), int64: the class of each object, indexed by `owners`.
 
@@ -41,7 +41,7 @@ def vote_credit(
 
 
 def soft_vote(owners: NDArray[np.int64], probabilities: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Name each object by the mean probabilities of its sequences.
+    """Predict each object's class by the mean probabilities of its sequences.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def soft_vote(owners: NDArray[np.int64], probabilities: NDArray[np.float64]) -> 
     Returns
     -------
     numpy.ndarray
-        Shape (m,), int64: the class named for each object.
+        Shape (m,), int64: the class predicted for each object.
     """
     sums = np.zeros((int(owners.max()) + 1, probabilities.shape[1]))
     np.add.at(sums, owners, probabilities)

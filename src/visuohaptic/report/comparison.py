@@ -34,7 +34,7 @@ class Figure:
     high: float | None
 
     def holds(self, value: float) -> bool:
-        """Tell whether a value lies within the interval, ends included."""
+        """Return whether a value lies within the interval, ends included."""
         return self.low is not None and self.high is not None and self.low <= value <= self.high
 
 
@@ -124,7 +124,7 @@ def pipeline_order(name: str) -> tuple[bool, str]:
 
 
 def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
-    """Say once what notes share, such as ``neighbours 5`` and ``neighbours 15``.
+    """Merge notes that differ only in a number, such as ``neighbours 5`` and ``neighbours 15``.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def answer(
     Returns
     -------
     list of str
-        How well it goes, whether fixations help, and how it stands beside the paper.
+        Accuracy, whether fixations help, and the comparison with the paper.
     """
     table = tables[0]
     best = table.best
@@ -293,7 +293,9 @@ def _interval_clause(figure: Figure, confidence: float) -> str:
 
 
 def _where(strategy: str) -> str:
-    return "where the eye would rest" if strategy == REFERENCE else f"by {strategy_name(strategy)}"
+    return (
+        "where the eye would fixate" if strategy == REFERENCE else f"by {strategy_name(strategy)}"
+    )
 
 
 def _other_clause(other: PipelineTable, confidence: float) -> str:
@@ -320,16 +322,16 @@ def _gain_sentence(table: PipelineTable) -> str:
     ]
     objects = compared[0][1].objects
     verdict = (
-        f"and the difference is beyond chance for {listed(settled)} (Holm-adjusted p below "
+        f"and the difference is significant for {listed(settled)} (Holm-adjusted p below "
         f"{SIGNIFICANCE:g})"
         if settled
-        else f"but with {counted(objects, 'object')} no difference is beyond chance (smallest "
+        else f"but with {counted(objects, 'object')} no difference is significant (smallest "
         f"Holm-adjusted p {probability(min(found.adjusted_p for _, found in compared))})"
     )
     return (
-        f"Touching there instead of at random places is ahead for {len(ahead)} of "
-        f"{counted(len(compared), 'classifier')}, by {points(min(gains))} to {points(max(gains))} "
-        f"percentage points over all of them, {verdict}."
+        f"Fixations are better than random probing with {len(ahead)} of "
+        f"{counted(len(compared), 'classifier')} ({points(min(gains))} to {points(max(gains))} "
+        f"percentage points over all of them), {verdict}."
     )
 
 

@@ -1,4 +1,4 @@
-"""What was simulated and computed, what was not called for, and why."""
+"""Effects and channels that were simulated or computed, those that were not needed, and why."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class EffectSum:
     name : str
         The effect.
     modes, reasons : tuple of str
-        All that occur: when it may be simulated, and why it was called for or not.
+        All that occur: when it may be simulated, and why it was needed or not.
     occasions, called_for, runs : int
-        Touches (views, for an effect of the view), those that called for it, those it was
+        Touches (views, for an effect of the view), those that needed it, those it was
         simulated for.
     seconds : float
         Time spent on it, deciding included.
@@ -49,7 +49,7 @@ class ChannelSum:
 
 
 def sum_effects(table: pa.Table) -> list[EffectSum]:
-    """Sum up the books of the effects over all jobs.
+    """Sum up the effect log over all jobs.
 
     Parameters
     ----------

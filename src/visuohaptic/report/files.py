@@ -19,23 +19,7 @@ def make_report(
     processes: int = 1,
     track: Track = iter,
 ) -> None:
-    """Write the report of a run, whole or not at all.
-
-    Parameters
-    ----------
-    files : RunFiles
-        Where the run's tables lie.
-    output : path
-        The HTML file; its folder is made where missing.
-    parameters : ExperimentParameters
-        What was run.
-    objects : sequence of str
-        Objects that were to take part, `class/name`; those of which there is no
-        table are named in a warning.
-    processes : int
-        Processes to work on, at most; they change nothing but the time.
-    track : callable
-        Takes the objects' names and gives them back one by one, as a progress bar does.
+    """Write the report of a run, completely or not at all.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What is told of each object: where the eye rested, what was felt, and what it was taken for."""
+"""What the page shows of each object: fixations, imprints and predicted classes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _NORMAL = ("normal_x", "normal_y", "normal_z")
 _TANGENT = ("tangent_x", "tangent_y", "tangent_z")
 Track = Callable[[Sequence[str]], Iterable[str]]
 # How often each class was named, by strategy and viewpoint.
-Answers = Mapping[tuple[str, int], Mapping[str, int]]
+PredictionCounts = Mapping[tuple[str, int], Mapping[str, int]]
 # A model for the page: fewer faces where many objects share the page.
 _FACES_OF_ALL = 120_000
 _FACES_AT_MOST = 4_000
@@ -84,7 +84,7 @@ class ViewPage:
 
     @property
     def path(self) -> str:
-        """The way of the eye, as points of an SVG line."""
+        """The fixations in order, as points of an SVG line."""
         return " ".join(f"{mark.column:.1f},{mark.row:.1f}" for mark in self.marks)
 
 
@@ -181,7 +181,7 @@ def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
 
 
 def _variety(sizes: Sequence[float]) -> tuple[int, float]:
-    """Count the sizes that a reader can tell apart, and measure how far they spread."""
+    """Count the distinct sizes, rounded to 0.01, and measure their spread."""
     spread = float(np.std(np.log(np.maximum(sizes, 1e-9)))) if len(sizes) else -1.0
     return len({round(size, 2) for size in sizes}), spread
 
@@ -191,7 +191,7 @@ def _describe(
     mesh: Path | None,
     tables: Sequence[pa.Table],
     cameras: Sequence[Camera],
-    answers: Answers,
+    answers: PredictionCounts,
     faces: int,
 ) -> ObjectPage:
     seen, fixations, touches = tables
@@ -227,7 +227,7 @@ def _view_page(
     fixations: pa.Table,
     touches: pa.Table,
     cameras: Sequence[Camera],
-    answers: Answers,
+    answers: PredictionCounts,
 ) -> ViewPage:
     viewpoint = row["viewpoint"]
     view, (height, width) = shrink_picture(row["view"])
@@ -351,7 +351,7 @@ def _answers(run: Run) -> dict[str, dict[tuple[str, int], dict[str, int]]]:
     return found
 
 
-def _named(answers: Answers) -> dict[str, dict[str, float]]:
+def _named(answers: PredictionCounts) -> dict[str, dict[str, float]]:
     sums: dict[str, dict[str, int]] = {}
     for (strategy, _), counts in answers.items():
         held = sums.setdefault(strategy, {})
@@ -363,7 +363,7 @@ def _named(answers: Answers) -> dict[str, dict[str, float]]:
     }
 
 
-def _right(key: str, viewpoint: int, answers: Answers) -> dict[str, float]:
+def _right(key: str, viewpoint: int, answers: PredictionCounts) -> dict[str, float]:
     category = key.split("/", 1)[0]
     return {
         strategy: counts.get(category, 0) / sum(counts.values())

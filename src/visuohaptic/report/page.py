@@ -27,12 +27,12 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     processes : int
         Processes to work on, at most.
     track : callable
-        As for `make_report`.
+        As for `describe_objects`.
 
     Returns
     -------
     str
-        HTML that asks the network for nothing.
+        HTML that needs no network.
     """
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
     story = Story(run, describe_objects(run, processes, track), seconds)

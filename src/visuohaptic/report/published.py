@@ -22,4 +22,4 @@ TABLE_1 = MappingProxyType(
         "naive_bayes": MappingProxyType({"fixation": 0.5668, "random": 0.5716}),
     }
 )
-"""Share of sequences named rightly, by classifier and strategy, in the table's order."""
+"""Share of sequences correctly classified, by classifier and strategy, in the table's order."""

@@ -40,7 +40,7 @@ class RunFiles:
     predictions, views, fixations, touches, features : sequence of path
         Parts of each table.
     effects : sequence of path
-        Parts of the books of the effects.
+        Parts of the effect log.
     meshes : sequence of path
         ``<class>/<object>.ply`` files; an object without one gets no model to turn.
     credits : sequence of path
@@ -100,7 +100,7 @@ class Run:
 
     @cached_property
     def classes(self) -> list[str]:
-        """Classes that recognition tells apart, sorted."""
+        """Classes that recognition distinguishes, sorted."""
         return sorted({row["class"] for row in _owners(self.predictions)})
 
     @cached_property

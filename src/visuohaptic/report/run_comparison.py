@@ -151,7 +151,7 @@ def read_measured_run(source: str | Path) -> MeasuredRun:
     source : path or str
         A metrics file, or a report; or the folder of a run or of its reports; or a DVC experiment
         or Git revision of the repository around the working folder. Of a metrics file with its own
-        report beside it, the report tells parameters, seconds and views; without one, a
+        report beside it, the report gives parameters, seconds and views; without one, a
         ``params.yaml`` beside the file or one folder above is taken as the run's.
 
     Returns
@@ -198,7 +198,7 @@ def compare_runs(first: MeasuredRun, second: MeasuredRun) -> RunComparison:
     RunComparison
         What differs.
     """
-    # One file can't tell of two runs: it is what the later one was run with, at most.
+    # One file can't describe two runs: at most, it belongs to the later one.
     own = first.parameters_source != second.parameters_source or first.source == second.source
     known = own and first.parameters is not None and second.parameters is not None
     keys = dict.fromkeys([*first.figures, *second.figures])
@@ -260,8 +260,8 @@ def difference_of(first: Figure, second: Figure) -> Figure:
     Notes
     -----
     The method of variance estimates recovery (G. Y. Zou, A. Donner, Statist. Med.
-    27:1693-1702, 2008) for independent estimates. Runs over the same objects err
-    together, so the true interval is narrower.
+    27:1693-1702, 2008) for independent estimates. Runs over the same objects have
+    correlated errors, so the true interval is narrower.
     """
     mean = second.mean - first.mean
     ends = (first.low, first.high, second.low, second.high)
@@ -317,7 +317,7 @@ def _metrics_file(path: Path) -> Path:
 def _report_beside(
     file: Path, figures: Mapping[tuple[str, str, str, str], Figure]
 ) -> Archive | None:
-    """Read the report beside a metrics file; one that tells other figures is another run's."""
+    """Read the report beside a metrics file; None if its figures are those of another run."""
     report = file.parent / _REPORT
     if not report.is_file():
         return None
@@ -331,7 +331,7 @@ def _archive_of(
         archive = read_archive(page, source)
         return archive if _figures(archive.metrics, source) == figures else None
     except ReportError:
-        # The metrics were asked for; an old report beside them is no fault of theirs.
+        # The metrics are valid by themselves, even if the report beside them is outdated.
         return None
 
 
@@ -349,7 +349,7 @@ def _read_experiment(name: str) -> MeasuredRun:
         metrics, parameters = (
             dvc.api.read(path, rev=name).encode() for path in (_METRICS, _PARAMETERS)
         )
-    # DVC and the Git libraries below it raise whatever comes; what is wrong is the name.
+    # DVC and the Git libraries below it raise many types; the cause is a wrong name.
     except (DvcException, OSError, ValueError, KeyError) as error:
         raise ReportError(
             f"{name} is no file, and no experiment of this repository that has {_METRICS} "
@@ -408,7 +408,7 @@ def _yaml(text: bytes, source: str) -> dict[str, Any]:
     try:
         values = yaml.safe_load(text)
     except (UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ReportError(f"{source} can't be read as YAML; mend it or take it away.") from error
+        raise ReportError(f"{source} can't be read as YAML; correct it or delete it.") from error
     return values if isinstance(values, dict) else {}
 
 

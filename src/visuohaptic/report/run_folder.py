@@ -78,7 +78,7 @@ def find_run(folder: str | Path) -> RunFolder:
     ]
     if missing:
         raise ReportError(
-            f"{folder / missing[0]} is not there, and the report tells of it; name the folder of a "
+            f"{folder / missing[0]} is not there, and the report needs it; name the folder of a "
             "finished run, or run `snakemake -j2` there first."
         )
     parameters = read_parameters(folder / PARAMETERS)

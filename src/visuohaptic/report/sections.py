@@ -50,12 +50,12 @@ UNSEEN = {
     "grouped_folds": "an object that it never felt before",
     "new_viewpoint": "a known object from viewpoints that it never felt before",
 }
-"""What training had not met of what is tested, by protocol."""
+"""What is new to the classifier in a test, by protocol."""
 
 
 @dataclass(frozen=True)
 class Story:
-    """All that a section may tell of."""
+    """The data that sections are made from."""
 
     run: Run
     pages: Sequence[ObjectPage]
@@ -147,7 +147,7 @@ def cost_values(story: Story) -> Values | None:
 
 
 def effects_values(story: Story) -> Values:
-    """Give what was simulated and computed, and what was not called for."""
+    """Give what was simulated and computed, and what was not needed."""
     table = story.run.effects
     effects = [] if table is None else sum_effects(table)
     preset = story.run.parameters.scene.preset
@@ -184,7 +184,7 @@ def stability_values(story: Story) -> Values | None:
 
 
 def confusion_values(story: Story) -> Values:
-    """Give what was taken for what, for the best classifier first."""
+    """Give the confusion matrices, the best classifier first."""
     run, table = story.run, story.run.pipelines[0]
     found: list[tuple[str, str, Confusion]] = []
     rows = sorted(table.rows, key=lambda row: row is not table.best)
@@ -280,13 +280,13 @@ SECTIONS = (
     Section("comparison", "Eye fixations against random probing", comparison_values),
     Section("touches_needed", "Accuracy against touches", touches_needed_values),
     Section("cost", "What accuracy costs in time", cost_values),
-    Section("effects", "What was simulated, and what was not called for", effects_values),
+    Section("effects", "Simulated effects, and effects not needed", effects_values),
     Section("influence", "What the sensor makes of hard places and of effects", influence_values),
     Section("stability", "Numerical stability in hard cases", stability_values),
     Section("ablations", "Ablations", ablations_values),
     Section("studies", "Own studies", studies_values),
     Section("objects", "The objects", objects_values),
-    Section("confusion", "What was taken for what", confusion_values),
+    Section("confusion", "Confusion matrix", confusion_values),
     Section("methods", "Methods text", methods_values),
     Section("parameters", "Parameters", parameters_values),
     Section("credits", "Credits", credits_values),

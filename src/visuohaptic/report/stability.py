@@ -14,7 +14,7 @@ from markupsafe import Markup
 from visuohaptic.errors import ReportError
 
 _PLAIN = {"case": "", "tolerance": None, "unit": "", "reason": "", "hardest": ""}
-# Elements and attributes that a drawing may have; whatever else it holds, it is left out.
+# Elements and attributes that a drawing may have; all others are removed.
 _DRAWING = re.compile(
     r"<svg (?: ?(?:viewBox|width|height|role|aria-label)=\"[^\"<>]*\")*>"
     r"(?:<(?:line|circle|rect|polygon|polyline)"

@@ -115,8 +115,8 @@ def verdict(rows: Sequence[Row]) -> tuple[str, ...]:
     most = best["most_touches"]
     first = (
         f"The largest area under the curve of 1 to {counted(most, 'touch')} is that of "
-        f"{strategy_name(best['strategy'])}, {percent(best['area'])} of what naming everything "
-        f"rightly would give."
+        f"{strategy_name(best['strategy'])}, {percent(best['area'])} of the area of perfect "
+        f"classification."
     )
     return tuple(
         sentence

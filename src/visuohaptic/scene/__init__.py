@@ -1,1 +1,1 @@
-"""The world that a touch happens in, and the record of what was simulated of it."""
+"""The simulated scene of a touch, and the log of the effects that were simulated."""

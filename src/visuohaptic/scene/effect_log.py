@@ -1,4 +1,4 @@
-"""The log of the effects: why each was triggered, how often it ran, and how long it took."""
+"""The effect log: why each effect was needed, how often it ran, and its run time."""
 
 from __future__ import annotations
 

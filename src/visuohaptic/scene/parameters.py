@@ -1,8 +1,9 @@
-"""The world that a touch happens in: what is simulated, and how strongly.
+"""The scene of a touch: what is simulated, and how strongly.
 
-A scene is data alone. Each effect has a mode: `auto` simulates it only
-where something calls for it, `always` everywhere, `never` nowhere. What calls for a tactile
-effect stands beside the effect in `visuohaptic.sensor`; what calls for a visual one stands in `visuohaptic.fixations.visual_effects`.
+A scene is data only. Each effect has a mode: `auto` simulates it only
+where it is needed, `always` everywhere, `never` nowhere. When a tactile effect is needed is
+decided beside the effect in `visuohaptic.sensor`; when a visual one is needed, in
+`visuohaptic.fixations.visual_effects`.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ VISUAL_EFFECTS = tuple(VisualModes.model_fields)
 
 
 class Scene(BaseModel):
-    """The world that the touch happens in; the preset fills what is not given (docs/sensor.md).
+    """The scene of a touch; the preset fills every value that is not given (docs/sensor.md).
 
     The image of a touch is in units of full scale: 1 is the output at
     `full_scale_pressure_pa`, without a cover the output in contact.

@@ -1,4 +1,4 @@
-"""What became of an effect: when it was called for, how often it ran, and how long it took."""
+"""Records of the effects: when each was needed, how often it ran, and its run time."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from visuohaptic.scene.parameters import Mode
 
 @dataclass(frozen=True)
 class EffectRecord:
-    """What became of one effect over a batch of touches.
+    """Record of one effect over a batch of touches.
 
     Attributes
     ----------
     effect, mode : str
         The effect and when it may be simulated.
     reason : str
-        Why it was called for, or why not; the same for every batch of the scene.
+        Why it was needed, or why not; the same for every batch of the scene.
     touches, called_for, runs : int
-        Touches of the batch, those that called for it, those it was simulated for.
+        Touches of the batch, those that needed it, those it was simulated for.
     seconds : float
-        Time spent on it, deciding included; no two runs have the same.
+        Run time of the effect, including the decision; it differs from run to run.
     """
 
     effect: str

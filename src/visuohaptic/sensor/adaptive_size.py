@@ -1,4 +1,4 @@
-"""The largest square that the object lets come in, in closed form."""
+"""The largest square that does not penetrate the object, in closed form."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The sensor's effects in the order in which a touch goes through them.
 
-Each effect is a pure function of `elastic`, `cells` or `readout`; here stands what calls for
-it and what it takes from the scene.
+Each effect is a pure function of `elastic`, `cells` or `readout`; this module decides when it
+is needed and passes it the values of the scene.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from visuohaptic.sensor.readout import (
 def simulate(
     situation: Situation, contact: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], tuple[EffectRecord, ...]]:
-    """Take touches through all effects that their scene calls for, in the order of `EFFECTS`.
+    """Apply all effects that the scene needs, in the order of `EFFECTS`.
 
     Parameters
     ----------

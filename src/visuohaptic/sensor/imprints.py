@@ -1,4 +1,4 @@
-"""Casting the sensing points of many sensors at once, and the gaps that they feel."""
+"""Casting the sensing points of many sensors at once."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SMOOTHING_RESOLUTION = 8
 
 @dataclass(frozen=True)
 class Poses:
-    """Where n sensors stand.
+    """Frames of n sensors.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ def stand_on(
     normals: NDArray[np.float64],
     orientation: Orientation = "upright",
 ) -> Poses:
-    """Stand sensors on points of a surface.
+    """Place sensors on points of a surface.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def cast_heights(
     lifts: NDArray[np.float64],
     resolution: int,
 ) -> NDArray[np.float64]:
-    """Cast the sensing points along the normals and give how high the surface stands.
+    """Cast the sensing points along the normals and give the surface's height at each.
 
     Parameters
     ----------
@@ -147,7 +147,8 @@ def smooth_normals(
     """Give the mean normal of the surface under each sensor.
 
     The surface within the clearance above and below the plane is sampled on an even grid of the
-    square; each sample's face counts alike, its normal turned to the sensor, and so does the pose's own.
+    square. Samples have equal weights; their normals are flipped towards the sensor, and the
+    pose's own normal is one more sample.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ def image_shifts(
     scene: Scene,
     fields: RandomFields | None = None,
 ) -> dict[str, float]:
-    """Leave out one effect at a time and tell how far the images move.
+    """Leave out one effect at a time and measure how far the images change.
 
     Parameters
     ----------

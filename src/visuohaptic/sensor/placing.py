@@ -1,4 +1,4 @@
-"""Bringing the sensor to the object: its way in, its size, and how the object stands under it."""
+"""Placing the sensor on the object: the approach, the size, and the heights under the square."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from visuohaptic.sensor.parameters import SensorParameters
 
 @dataclass(frozen=True)
 class Placement:
-    """How n sensors came to stand on the object.
+    """How n sensors are placed on the object.
 
     Attributes
     ----------
@@ -33,9 +33,9 @@ class Placement:
     sizes : numpy.ndarray
         Shape (n,), float64, object radii: edge of each square.
     blocked : numpy.ndarray
-        Shape (n,), bool: the way in is obstructed.
+        Shape (n,), bool: the approach is obstructed.
     record : EffectRecord
-        What became of the adaptive size; deciding is part of its seconds.
+        Record of the adaptive size; its seconds include the decision.
     """
 
     heights: NDArray[np.float64]
@@ -45,12 +45,12 @@ class Placement:
 
 
 def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: Mode) -> Placement:
-    """Bring sensors to the object, as large as it lets them be.
+    """Place sensors on the object, each as large as the object allows.
 
-    Squares are cast from beyond the object, so that whatever stands in the corridor of
-    approach is met; where the centre's own way is obstructed, from within the sensor's clearance instead.
+    Rays start outside the object, so that they hit everything in the corridor of approach; if
+    the centre's own approach is obstructed, they start within the sensor's clearance instead.
 
-    A touch calls for an adaptive size if the object's bounding box reaches above its tangent
+    A touch needs an adaptive size if the object's bounding box reaches above its tangent
     plane. Then the surface's crossings of that plane bound the square in closed form before
     it is cast. What still penetrates (an overhang crosses no plane) bounds it again.
 
@@ -78,7 +78,7 @@ def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: M
     sizes = np.full(len(poses), parameters.largest_size)
 
     started = time.perf_counter()
-    # Half the tolerance is far more than rounding, so what is not called for changes no bit.
+    # Half the tolerance is far above rounding, so touches that don't need it change by no bit.
     called_for = box_heights(caster, poses) > 0.5 * tolerance
     adapting = called_for if mode == "auto" else np.full(len(poses), mode == "always")
     rows = np.flatnonzero(adapting)

@@ -1,4 +1,4 @@
-"""Deciding which touches an effect is simulated for, and keeping the books."""
+"""Deciding which touches an effect is simulated for, and recording it for the effect log."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from visuohaptic.sensor.random_fields import RandomFields
 
 @dataclass(frozen=True)
 class Situation:
-    """What the effects of n touches may look at; r is the sensor's resolution.
+    """Input of the effects for n touches; r is the sensor's resolution.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Situation:
     cell_edges_m : numpy.ndarray
         Shape (n,), float64, metres: edge of a sensing cell.
     fields : RandomFields or None
-        Where random numbers come from; none where nothing random is simulated.
+        Source of random numbers; None if nothing random is simulated.
     """
 
     scene: Scene
@@ -60,13 +60,13 @@ class Situation:
 
 @dataclass(frozen=True)
 class Signal:
-    """The cells' outputs on their way through the sensor.
+    """The cells' outputs between two effects.
 
     Attributes
     ----------
     now, peak : numpy.ndarray
-        Shape (n, r, r) each, float64, of full scale: at the reading, and at the highest since the
-        cells were free. One and the same array where nothing was released.
+        Shape (n, r, r) each, float64, of full scale: at the reading, and the highest since the
+        cells were last unloaded. The same array if nothing was released.
     """
 
     now: NDArray[np.float64]
@@ -91,7 +91,7 @@ class Signal:
 
 @dataclass(frozen=True)
 class Call:
-    """Whether touches call for an effect, shape (n,), bool, and why or why not."""
+    """Whether touches need an effect, shape (n,), bool, and why or why not."""
 
     rows: NDArray[np.bool_]
     reason: str
@@ -106,12 +106,12 @@ class Effect:
     name : str
         Its name among the scene's effect modes.
     call : callable
-        Cheap: which touches call for it.
+        Fast: which touches need it.
     run : callable
-        Simulates it for all touches that it is given. For touches that don't call for it
-        it gives back what it got, bit for bit.
+        Simulates it for all given touches. The outputs of touches that don't need it
+        stay the same, bit for bit.
     example : mapping of str to object
-        Fields of a scene in which a pressed sensor calls for it; tests of every effect use it.
+        Fields of a scene in which a pressed sensor needs it; tests of every effect use it.
     """
 
     name: str
@@ -123,7 +123,7 @@ class Effect:
 def apply_effect(
     effect: Effect, mode: Mode, situation: Situation, signal: Signal
 ) -> tuple[Signal, EffectRecord]:
-    """Simulate an effect for the touches that its mode and their call say.
+    """Simulate an effect for the touches that its mode selects.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Random numbers that belong to a sensor or to a touch, whatever else is switched on."""
+"""Random numbers of a sensor or a touch, independent of the other effects."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from visuohaptic.seeds import spawn_generator
 
 @dataclass(frozen=True)
 class RandomFields:
-    """Where an array's random numbers come from.
+    """Source of the random numbers of a sensor array.
 
-    Every field hangs on the seed, the effect that asks and the sensor or touch it is for: on nothing
-    else, so that effects, batches and the order of touches don't move one another's numbers.
+    Each field depends only on the seed, the effect, and the key of the sensor or touch, so
+    other effects, batching and the order of touches do not matter.
 
     Attributes
     ----------
     seed : int
-        The experiment's seed.
+        The experiment's random seed.
     touches : sequence of tuple
         One chain of names a touch, such as ``("cup/mug", 3, "fixation", 0)``.
     sensor : str
@@ -37,7 +37,7 @@ class RandomFields:
         return RandomFields(self.seed, [self.touches[row] for row in rows], self.sensor)
 
     def of_sensor(self, effect: str) -> np.random.Generator:
-        """Give the generator of what is the sensor's own in an effect."""
+        """Give the random generator of an effect's values that belong to the sensor."""
         return spawn_generator(self.seed, "sensor", self.sensor, effect)
 
     def of_touches(self, effect: str, resolution: int) -> NDArray[np.float64]:

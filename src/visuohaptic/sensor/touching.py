@@ -1,4 +1,4 @@
-"""Touching an object at many places: geometry, then whatever effects the scene calls for."""
+"""Touching an object at many places: geometry, then the effects that the scene needs."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Touches:
         point within the square, down to the object; infinite where nothing is met, negative
         only for what stands above the sensor's clearance.
     effects : tuple of EffectRecord
-        What became of each effect, in the order in which they act.
+        Record of each effect, in the order in which they act.
     """
 
     images: NDArray[np.float32]
@@ -84,7 +84,7 @@ def touch(
     scene : Scene
         What is simulated.
     fields : RandomFields, optional
-        Where random numbers come from, one chain of names a touch; a scene with
+        Source of random numbers, one chain of names a touch; a scene with
         scattered gains, dead cells or noise needs it.
     faces : numpy.ndarray, optional
         Shape (n,), int64: the face under each probing location, for the normal `face`. Without

@@ -130,9 +130,9 @@ EFFECTS = Schema(
             "scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"
         ),
         Column("mode", TEXT, "auto, always or never"),
-        Column("reason", TEXT, "why it was called for, or why not"),
+        Column("reason", TEXT, "why it was needed, or why not"),
         Column("touches", COUNT, "touches of the job; views, for effects of the view", minimum=0),
-        Column("called_for", COUNT, "touches or views that called for it", minimum=0),
+        Column("called_for", COUNT, "touches or views that needed it", minimum=0),
         Column("runs", COUNT, "touches or views that it was simulated for", minimum=0),
         Column("seconds", REAL, "time spent on it; differs from run to run", "s", 0),
     ),
@@ -148,7 +148,7 @@ IMPRINT_FEATURES = {
     "imprint_empty": "share of sensing points out of reach",
     "imprint_contact": "share of sensing points in contact",
     "imprint_bending": "sum of the best quadric's second derivatives",
-    "imprint_saddle": "their difference, whatever the direction",
+    "imprint_saddle": "their difference, independent of the direction",
     "imprint_upright_bending": "their difference between columns and rows",
     "imprint_tilt_columns": "size of the slope along the columns",
     "imprint_tilt_rows": "size of the slope along the rows",
@@ -188,8 +188,10 @@ SCORES = Schema(
     "scores",
     (
         *SCORE_KEYS,
-        Column("accuracy", REAL, "share of test sequences named rightly", "1", 0, 1),
-        Column("object_accuracy", REAL, "share of test objects named rightly by vote", "1", 0, 1),
+        Column("accuracy", REAL, "share of test sequences correctly classified", "1", 0, 1),
+        Column(
+            "object_accuracy", REAL, "share of test objects correctly classified by vote", "1", 0, 1
+        ),
         Column("sequences", COUNT, "test sequences", minimum=1),
         Column(
             "note",
@@ -207,17 +209,22 @@ PREDICTIONS = Schema(
     "predictions",
     (
         *PREDICTION_KEYS,
-        Column("predicted", TEXT, "the class that the classifier named"),
+        Column("predicted", TEXT, "the class that the classifier predicted"),
         Column(
             "probability",
             REAL,
-            "what the classifier gives that class",
+            "the probability that the classifier gives that class",
             "1",
             0,
             1.0001,
             nullable=True,
         ),
-        Column("voted", TEXT, "the class that all sequences of the object name", nullable=True),
+        Column(
+            "voted",
+            TEXT,
+            "the class that the vote of the object's sequences predicts",
+            nullable=True,
+        ),
     ),
     names_of(PREDICTION_KEYS),
 )

@@ -23,23 +23,7 @@ def make_touches(
     scene: Scene,
     seed: int,
 ) -> None:
-    """Make the touch table of an object's probing locations, and the books of the effects.
-
-    Parameters
-    ----------
-    mesh : path
-        The object's surface.
-    fixations : path
-        Its probing locations.
-    touches, effects : path
-        The Parquet files to write.
-    sensor : SensorParameters
-        Section `sensor`.
-    scene : Scene
-        Section `scene`.
-    seed : int
-        The experiment's seed.
-    """
+    """Make the touch table and the effect log of an object from its probing locations."""
     table = read_table(FIXATIONS, fixations)
     if not table.num_rows:
         write_table(TOUCHES, TOUCHES.arrow.empty_table(), touches)
@@ -48,6 +32,6 @@ def make_touches(
     felt = touch_locations(RayCaster(read_surface(mesh)), table, sensor, scene, seed)
     first = table.slice(0, 1).to_pylist()[0]
     key = f"{first['class']}/{first['object']}"
-    books = effect_table(key, first["viewpoint"], scene.preset, felt.effects)
+    log = effect_table(key, first["viewpoint"], scene.preset, felt.effects)
     write_table(TOUCHES, touch_table(table, felt), touches)
-    write_table(EFFECTS, books, effects)
+    write_table(EFFECTS, log, effects)

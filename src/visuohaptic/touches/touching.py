@@ -1,4 +1,4 @@
-"""The hand's part: the sensor is set down at every probing location of an object."""
+"""Touching an object with the sensor at every probing location."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def test_the_sentence_names_the_cheapest_that_reaches_the_aim_and_the_next_point
 def test_an_aim_that_nothing_reaches_is_told():
     said = advise(cost_table([("1 touch", 0.01, 0.3), ("5 touches", 0.04, 0.2)]).to_pylist())
     assert said.startswith("No setting reaches 95 %: the most accurate, 5 touches")
-    assert "names 80.0 % rightly and costs 40 ms" in said
+    assert "classifies 80.0 % correctly and costs 40 ms" in said
 
 
 @pytest.mark.parametrize("rows", [[], cost_table([("a", 1.0, 0.1)], ["b"]).to_pylist()[1:]])

@@ -1,7 +1,7 @@
-"""Which files of this package a script runs, told from its imports without running it.
+"""Which files of this package a script runs, found from its imports without running it.
 
-A workflow engine that watches a script sees no edit in what the script imports.
-With these files among a rule's inputs it does.
+A workflow engine that watches a script does not see edits in the modules that it imports,
+unless these files are inputs of the rule.
 """
 
 from __future__ import annotations

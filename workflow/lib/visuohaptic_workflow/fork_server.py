@@ -1,13 +1,13 @@
 """The process behind warm starts: it imports what scripts import, and forks for each of them.
 
-It is told nothing about the scripts. The first of a kind runs in a fork that imports all by itself
-and reports what that was; before the second of its kind the server imports the same. So a
+It knows nothing about the scripts. The first of a kind runs in a fork that does its own imports
+and reports them; before the second of its kind the server imports the same modules. So a
 script that runs once costs nothing more, and one that runs a hundred times imports twice.
 
-A fork goes on with the parent's memory, so its results are those of a process of its own only as
-long as the parent has done nothing but import, and what it has imported is what lies on the disk. It
-does nothing else; and where an import starts a thread, which a fork would lose, or a module of this
-package has been edited, it ends, and scripts start by themselves from there on.
+A fork continues with the parent's memory, so its results equal those of a normal process only if
+the parent has done nothing but import, and the imported modules equal the files on disk. If an
+import starts a thread, which a fork would lose, or a module of this package has been edited, the
+server ends, and later scripts start as normal processes.
 
 ``python -m visuohaptic_workflow.fork_server LISTENER`` takes a listening socket by its number and ends with its
 standard input.
@@ -47,7 +47,7 @@ _LONGEST_REQUEST = 1 << 20  # bytes
 
 @dataclass(frozen=True)
 class Request:
-    """What a process hands over.
+    """A request of a process to run a script.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Request:
 
     @property
     def suits_this_process(self) -> bool:
-        """Whether a fork would be what was asked for: this Python, and as many threads.
+        """Whether a fork meets the request: the same Python, and the same number of threads.
 
         Libraries read their number of threads once, when they are loaded.
         """
@@ -84,7 +84,7 @@ class Request:
 
     @property
     def kind(self) -> str:
-        """What scripts that import alike have in common: `touches.py` of `tmp7x2.touches.py`."""
+        """The kind of script, which decides its imports: `touches.py` of `tmp7x2.touches.py`."""
         return Path(self.script).name.partition(".")[2]
 
 
@@ -109,7 +109,7 @@ class ForkServer:
         self._versions = _versions_of_modules()
 
     def serve(self) -> None:
-        """Run what is handed over, until the lifeline ends or a fork would not do any more."""
+        """Run requests until the lifeline ends or forks are no longer safe."""
         self._selector.register(self._listener, selectors.EVENT_READ)
         self._selector.register(self._lifeline, selectors.EVENT_READ)
         while True:
@@ -126,7 +126,9 @@ class ForkServer:
                         continue
                     self._learn(request.kind)
                     if reason := self._reason_to_end(request):
-                        sys.stderr.write(f"{reason}; from here on jobs start by themselves.\n")
+                        sys.stderr.write(
+                            f"{reason}; from now on jobs start as normal processes, which is slower.\n"
+                        )
                         return
                     self._fork(connection, request)
 
@@ -151,7 +153,7 @@ class ForkServer:
             return
         self._selector.unregister(key.fd)
         os.close(key.fd)
-        # A script that was killed has told nothing, or half of it.
+        # A script that was killed has reported nothing, or a part.
         if whole:
             self._lessons[kind] = json.loads(heard)
 
@@ -163,7 +165,7 @@ class ForkServer:
                 continue
             try:
                 importlib.import_module(name)
-            except Exception:  # noqa: BLE001 - whatever it is, a script can do it by itself
+            except Exception:  # noqa: BLE001 - the script then imports it itself, and reports the error
                 self._left_to_scripts.add(name)
         if lesson:
             gc.freeze()
@@ -178,7 +180,7 @@ class ForkServer:
             if os.fork() == 0:
                 _run(request, imported, connection, writer, not_its_own)
         except OSError as error:
-            sys.stderr.write(f"{request.kind} starts by itself: {error}.\n")
+            sys.stderr.write(f"{request.kind} starts as a normal process: {error}.\n")
         for file in (writer, *request.files):
             os.close(file)
         self._selector.register(report, selectors.EVENT_READ, (request.kind, bytearray()))
@@ -190,7 +192,7 @@ def _receive_request(connection: socket.socket) -> Request | None:
         return None
     connection.settimeout(_SECONDS_TO_ASK)
     files: list[int] = []
-    # Whatever arrives, the next one is to be served.
+    # A bad request must not stop the server.
     with suppress(Exception):
         message, files, _, _ = socket.recv_fds(connection, 65536, 3)
         while not message.endswith(b"\n") and len(message) < _LONGEST_REQUEST:
@@ -267,12 +269,12 @@ def _run(
         atexit._run_exitfuncs()  # os._exit runs none, and libraries tidy up there
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        # Without a server there is nobody to tell.
+        # The server may have ended.
         with suppress(OSError), report:
             report.write(json.dumps(_imported_since(known)).encode() + b"\n")
         connection.sendall(bytes([status]))
     finally:
-        # Whatever happens, the server's own code is not for a fork to go on with.
+        # A child must never return into the server loop.
         os._exit(status)
 
 
@@ -327,7 +329,7 @@ def _end_with(connection: socket.socket) -> None:
 
 def main(listener: str) -> None:
     """Serve until standard input ends; see the module."""
-    # An interrupt is for the scripts. Forks that have ended need no one to wait for them.
+    # Interrupts are for the scripts. Ended forks are reaped by the kernel.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     with socket.socket(fileno=int(listener)) as listening:

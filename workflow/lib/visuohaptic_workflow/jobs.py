@@ -18,10 +18,10 @@ from visuohaptic_workflow.records import write_record
 
 
 def set_job_environment(*folders: str | Path) -> None:
-    """Set what the processes that this one starts take over.
+    """Set the environment of the processes that this one starts.
 
-    They import the package of this checkout, whatever else is installed; and they
-    compute with one thread each, for the parallelism is in the jobs.
+    They import the package of this checkout, even if another is installed, and they
+    compute with one thread each, as jobs run in parallel.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """One run at a time in a folder: Snakemake's locks, and DVC's.
 
 Snakemake leaves its lock behind when it is killed, and asks for `--unlock`; DVC deletes the outputs
-of a stage before it asks anybody. A file that the kernel locks for as long as a process lives tells
-whether a run is at work, whatever became of earlier ones.
+of a stage without asking. A file that the kernel locks as long as a process lives shows
+whether a run is active, also after earlier runs were killed.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Records: what made a file, written beside the results so that they travel with them.
 
 Snakemake remembers parameters in `.snakemake`, which neither git nor DVC carries. A job's record
-says the same in a file of its own: the parameters of its rule, and the SHA-256 of its code, of its
-inputs and of its outputs. Whoever gets the files, by whichever way, can tell whether they are what
-the rules would make now.
+holds the same in a file: the parameters of its rule, and the SHA-256 of its code, its
+inputs and its outputs. So anyone who gets the files can check whether they are what the rules
+would make now.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def digest(path: str | Path) -> str:
 
 @cache
 def _digest_of_version(path: str, _modified_ns: int, _size: int) -> str:
-    with open(path, "rb") as stream:  # noqa: PTH123 - called for thousands of small files
+    with open(path, "rb") as stream:  # noqa: PTH123 - faster, for thousands of small files
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 

@@ -20,7 +20,7 @@ ADDRESS = "VISUOHAPTIC_WARM_START"
 """The variable of the environment that names the server's socket, which is no file: none is left."""
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""What tells numerical libraries their number of threads; the server's is 1."""
+"""Variables that set the number of threads of numerical libraries; the server's is 1."""
 
 STARTED = b"started"
 """What the server answers once a script runs; its exit status, one byte, is all that follows."""
@@ -34,7 +34,7 @@ def offer_warm_starts() -> None:
 
     From now on `hand_over` finds it, in this process and in all that inherit its environment.
     Nothing is started on other systems than Linux, where forks of so large a process are not
-    safe, and nothing where the system refuses; it says so then, and all start by themselves.
+    safe. If the system refuses, a message says so, and jobs start as normal processes.
     """
     if sys.platform != "linux":
         return
@@ -45,7 +45,9 @@ def offer_warm_starts() -> None:
     try:
         server = _start_server(address)
     except OSError as error:
-        sys.stderr.write(f"Jobs start by themselves, which takes longer: {error}.\n")
+        sys.stderr.write(
+            f"Warm start unavailable ({error}); jobs start as normal processes, which is slower.\n"
+        )
         return
     os.environ[ADDRESS] = address
     # The server's standard input stays open as long as this process lives; its end is the server's.
@@ -119,7 +121,7 @@ def hand_over(script: str | Path) -> int | None:
                 return None
         except OSError:
             return None
-        # An interrupt ends the script along with this process; it alone has something to tell.
+        # An interrupt ends the script along with this process; only the script prints a message.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         status = _receive(connection, 1)
     if not status:

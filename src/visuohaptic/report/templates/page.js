@@ -1,7 +1,7 @@
 "use strict";
-// Without this script the page says the same; with it models turn, objects are filtered, text is copied.
+// The page is complete without this script. It adds 3D models, a filter of objects, and a copy button.
 (() => {
-  const MOST_OPEN = 6; // browsers keep few drawings in 3D at a time
+  const MOST_OPEN = 6; // browsers limit the number of WebGL contexts
   const opened = [];
   let library = null;
 
@@ -57,7 +57,7 @@
     };
   }
 
-  // Corners of a touch's square, lifted a little so that the surface does not swallow it.
+  // Corners of a touch's square, lifted a little so that the surface does not hide it.
   function square([px, py, pz, nx, ny, nz, tx, ty, tz, size]) {
     const [n, t] = [[nx, ny, nz], [tx, ty, tz]];
     const down = [t[1] * n[2] - t[2] * n[1], t[2] * n[0] - t[0] * n[2], t[0] * n[1] - t[1] * n[0]];
@@ -122,7 +122,7 @@
     stage.replaceChildren();
     stage.classList.add("open");
     stage.setAttribute("role", "img");
-    stage.setAttribute("aria-label", `Model of ${figure.dataset.name} with numbered touches; turn it with the buttons below or by dragging`);
+    stage.setAttribute("aria-label", `Model of ${figure.dataset.name} with numbered touches; rotate it with the buttons below or by dragging`);
     await Plotly.newPlot(stage, shown(), layout, { displayModeBar: false, responsive: true, scrollZoom: false });
     const redraw = () => Plotly.react(stage, shown(), stage.layout, { displayModeBar: false, responsive: true, scrollZoom: false });
     const stand = (camera) => Plotly.relayout(stage, { "scene.camera": camera });
@@ -155,13 +155,13 @@
 
   for (const figure of drawsIn3D() ? document.querySelectorAll(".model") : []) {
     const button = figure.querySelector(".open");
-    figure.querySelector(".stage p").textContent = "The model with its touches, to be turned.";
+    figure.querySelector(".stage p").textContent = "The model with its touches; it can be rotated.";
     figure.querySelector(".stage").classList.add("ready");
     button.hidden = false;
     button.addEventListener("click", () => {
       button.disabled = true;
       open(figure).catch((error) => {
-        figure.querySelector(".stage").textContent = `This browser can't draw the model (${error.message}); the views below show it from all around.`;
+        figure.querySelector(".stage").textContent = `This browser can't draw the model (${error.message}); the views below show it from all sides.`;
       }).finally(() => { button.disabled = false; });
     });
   }
@@ -186,7 +186,7 @@
     });
   }
 
-  // An anchor leads to an object even where the filter hides it.
+  // A link to an object shows it even if the filter hides it.
   window.addEventListener("hashchange", () => {
     const target = document.getElementById(location.hash.slice(1));
     if (target?.hidden) { target.hidden = false; target.scrollIntoView(); }

@@ -89,7 +89,7 @@ def join_costs(errors: Sequence[Row], seconds: pa.Table) -> pa.Table:
 def error_rate(cell: Cell, run: ExperimentParameters) -> dict[str, Any]:
     """Give the share of recognitions that name wrongly, its interval over objects, and their number.
 
-    Where no object was ever named wrongly, no resampling can tell how far the rate may be from 0;
+    Where no object was classified wrongly, resampling can't say how far the rate may be from 0;
     its upper end is then the exact binomial one for so many objects (C. Clopper and E. Pearson,
     Biometrika 26(4), 1934).
 
@@ -161,13 +161,13 @@ def advise(rows: Sequence[Row], aim: float = AIM) -> str:
     if not reached:
         best = front[-1]
         return (
-            f"No setting reaches {wanted}: the most accurate, {_named(best)}, names "
-            f"{_percent(1 - best['error'])} rightly and costs {_milliseconds(best)} a recognition."
+            f"No setting reaches {wanted}: the most accurate, {_named(best)}, classifies "
+            f"{_percent(1 - best['error'])} correctly and costs {_milliseconds(best)} a recognition."
         )
     row = front[reached[0]]
     said = (
         f"For {wanted} take {_named(row)}: it costs {_milliseconds(row)} a recognition, and "
-        f"{_percent(row['error'])} are named wrongly ({_interval(row)})."
+        f"{_percent(row['error'])} are classified wrongly ({_interval(row)})."
     )
     if reached[0] + 1 == len(front):
         return f"{said} Nothing that was measured is more accurate."
@@ -175,7 +175,7 @@ def advise(rows: Sequence[Row], aim: float = AIM) -> str:
     times = following["seconds"] / row["seconds"]
     return (
         f"{said} The next point, {_named(following)}, costs {times:.1f} times as much "
-        f"({_milliseconds(following)}), and {_percent(following['error'])} are named wrongly "
+        f"({_milliseconds(following)}), and {_percent(following['error'])} are classified wrongly "
         f"({_interval(following)})."
     )
 

@@ -233,7 +233,7 @@ def _scene_influence(
     seconds, seconds_always = _seconds(lambda: felt(scene).effects, lambda: felt(always).effects)
     for record in whole.effects:
         shift = 0.0
-        # What nothing called for moves no bit, so there is no need to touch again.
+        # An effect that nothing needs changes no bit, so there is no need to touch again.
         if record.runs and record.called_for:
             part = felt(_without(scene, record.effect))
             shift = float(np.abs(part.images - whole.images).mean())
