@@ -85,6 +85,7 @@ def cells(planned, features, memory=None):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "pipeline"), EARLIER)
 def test_accuracies_are_those_of_earlier_studies(ablations, name, pipeline):
     plan, made = ablations
@@ -134,6 +135,7 @@ def test_more_touches_begin_with_those_of_the_run(run):
     assert first.equals(own)
 
 
+@pytest.mark.slow
 def test_a_condition_is_the_run_of_its_parameters():
     planned = mine(
         Condition("c", {"recognition.touches": 3, "recognition.classifiers": ["naive_bayes"]})
@@ -229,6 +231,7 @@ def test_a_fault_of_the_program_is_not_taken_for_a_refusal(monkeypatch):
         cells(mine(Condition("c", ALONE)).conditions[0], SYNTHETIC)
 
 
+@pytest.mark.slow
 def test_a_block_gives_the_same_rows_however_conditions_are_cut(run, tmp_path):
     conditions = [
         Condition(f"{penalty}", {**ALONE, "recognition.classifier.svm_penalty": penalty})
