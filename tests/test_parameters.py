@@ -85,12 +85,6 @@ def test_parameters_are_read_without_the_libraries_of_the_phases():
             "recognition.touches is 5 and attention.fixations is 3",
         ),
         (
-            {"sensor": {"resolution": 34}},
-            "sensor.resolution is 34, and features takes 16 directional bands .* multiple of 8",
-        ),
-        ({"sensor": {"resolution": 2}}, "sensor.resolution is 2, and features"),
-        ({"cost": {"imprint_resolutions": [8, 12]}}, "cost.imprint_resolutions is 12, and"),
-        (
             {"probing": {"strategies": ["random", "random"]}},
             "probing.strategies names random 2 times; once is allowed",
         ),
@@ -114,6 +108,14 @@ def test_sections_are_checked_against_each_other(values, sentence):
         ExperimentParameters.from_mapping(values)
 
 
+@pytest.mark.parametrize("resolution", [2, 12, 34])
+def test_resolutions_that_the_contourlets_refuse_are_refused_before_a_run(resolution):
+    with pytest.raises(
+        ParameterError, match=f"p: sensor.resolution is {resolution}, and features takes 16 dir"
+    ):
+        parameters.check_parameters({"sensor": {"resolution": resolution}}, "p")
+
+
 @pytest.mark.parametrize("resolution", [3, 8, 16, 33, 256])
 def test_resolutions_that_the_contourlets_take_are_allowed(resolution):
     import numpy as np
@@ -121,7 +123,7 @@ def test_resolutions_that_the_contourlets_take_are_allowed(resolution):
     from visuohaptic.features.describing import describe_imprints
     from visuohaptic.features.parameters import FeatureParameters
 
-    ExperimentParameters.from_mapping({"sensor": {"resolution": resolution}})
+    parameters.check_parameters({"sensor": {"resolution": resolution}}, "p")
     imprint = np.random.default_rng(0).random((1, resolution, resolution), dtype=np.float32)
     assert describe_imprints(imprint, FeatureParameters()).shape == (1, parameters.DIRECTIONS)
 

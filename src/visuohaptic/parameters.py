@@ -94,7 +94,7 @@ class ExperimentParameters(BaseModel):
 
     @model_validator(mode="after")
     def _sections_agree(self) -> Self:
-        found = [*_repeated(self), *_odd_viewpoints(self), *_odd_imprints(self)]
+        found = [*_repeated(self), *_odd_viewpoints(self)]
         # A caller who touches and doesn't recognise leaves recognition's default as it is.
         if "touches" in self.recognition.model_fields_set:
             found += _odd_touches(self)
@@ -158,18 +158,27 @@ def _odd_viewpoints(parameters: ExperimentParameters) -> Iterator[str]:
         )
 
 
-def _odd_imprints(parameters: ExperimentParameters) -> Iterator[str]:
-    sizes = {
-        "sensor.resolution": (parameters.sensor.resolution,),
-        "cost.imprint_resolutions": parameters.cost.imprint_resolutions,
-    }
-    for name, values in sizes.items():
-        odd = [value for value in values if value % 2 == 0 and value % IMPRINT_MULTIPLE]
-        if odd:
-            yield (
-                f"{name} is {odd[0]}, and features takes {DIRECTIONS} directional bands of an imprint: "
-                f"a multiple of {IMPRINT_MULTIPLE}, or an odd number, is needed"
-            )
+def check_imprints(parameters: ExperimentParameters) -> None:
+    """Refuse a resolution of the sensor that the features can't be taken of.
+
+    A study may try one all the same: its table says which were refused.
+
+    Parameters
+    ----------
+    parameters : ExperimentParameters
+        What is to be run.
+
+    Raises
+    ------
+    ParameterError
+        If the contourlets have no bands for imprints of the resolution.
+    """
+    resolution = parameters.sensor.resolution
+    if resolution % 2 == 0 and resolution % IMPRINT_MULTIPLE:
+        raise ParameterError(
+            f"sensor.resolution is {resolution}, and features takes {DIRECTIONS} directional bands of "
+            f"an imprint: a multiple of {IMPRINT_MULTIPLE}, or an odd number, is needed."
+        )
 
 
 def _odd_touches(parameters: ExperimentParameters) -> Iterator[str]:
@@ -251,10 +260,12 @@ def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParame
         If a name is unknown or a value not allowed.
     """
     try:
-        return ExperimentParameters.from_mapping(values)
+        checked = ExperimentParameters.from_mapping(values)
+        check_imprints(checked)
     except ParameterError as error:
         found = str(error).removeprefix("params.yaml: ")
         raise ParameterError(f"{source}: {found}") from None
+    return checked
 
 
 def as_parameters(

@@ -23,7 +23,11 @@ OBJECTS = ("cup/mug", "cup/beaker", "ball/football", "ball/marble")
 STRATEGIES = ("fixation", "random")
 CLASSIFIERS = ("k_nearest_neighbours", "support_vector_machine", "naive_bayes")
 PARAMETERS = ExperimentParameters.from_mapping(
-    {"viewpoints": {"count": 4}, "rendering": {"resolution": 48}}
+    {
+        "viewpoints": {"count": 4},
+        "rendering": {"resolution": 48},
+        "recognition": {"classifiers": CLASSIFIERS, "best": {"classifiers": CLASSIFIERS}},
+    }
 )
 VIEWPOINTS = 4
 TOUCHES = 5

@@ -13,6 +13,7 @@ def test_an_object_alone_in_its_class_is_said_to_need_another():
         named_objects=("cup/mug", "ball/a", "ball/b"),
         objects=("cup/mug", "ball/a", "ball/b"),
         tested_objects=("ball/a",),
+        set_aside={},
     )
     alone, untested = _objects_left_out(run)
     assert "1 object touched, but not tested, for each is alone in its class" in alone

@@ -14,7 +14,11 @@ from visuohaptic.meshes.catalogue import (
     find_own_models,
     models_of_set,
 )
-from visuohaptic.parameters import ExperimentParameters, refuse_repeated_names
+from visuohaptic.parameters import (
+    ExperimentParameters,
+    check_imprints,
+    refuse_repeated_names,
+)
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic_workflow.brought_files import judge_brought_files
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
@@ -55,6 +59,7 @@ def shipped(path):
 for file in workflow.configfiles:
     or_stop(refuse_repeated_names, file)
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
+or_stop(check_imprints, PARAMETERS)
 CATALOGUED = {
     model.key: model
     for model in or_stop(

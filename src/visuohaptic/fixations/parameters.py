@@ -26,7 +26,7 @@ class ViewpointParameters(BaseModel):
     count: int = Field(
         16,
         gt=0,
-        le=1024,  # a third of a degree apart; what one sees, its neighbour sees
+        le=1024,  # a third of a degree apart: neighbours see the same
         description="Viewpoints on each ring, or on the whole Fibonacci sphere",
     )
     elevations_degrees: tuple[float, ...] = Field(
@@ -79,7 +79,7 @@ class RenderingParameters(BaseModel):
     resolution: int = Field(
         256,
         ge=16,
-        le=4096,  # a view of it takes 2 GB while it is rendered
+        le=4096,  # rendering such a view takes 2 GB
         description="Rows and columns of a view (pixels)",
     )
     ambient: float = Field(

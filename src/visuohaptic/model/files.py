@@ -36,11 +36,16 @@ def make_model(
     """
     import yaml
 
-    table, _ = whole_sequences(read_table(FEATURES, features), recognition.touches)
-    chosen = table.filter(pc.equal(table.column("strategy"), strategy))
-    if not chosen.num_rows:
+    table = read_table(FEATURES, features)
+    if strategy not in table.column("strategy").unique().to_pylist():
         found = sorted(pc.unique(table.column("strategy")).to_pylist())
         raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
+    whole, _ = whole_sequences(table, recognition.touches)
+    chosen = whole.filter(pc.equal(whole.column("strategy"), strategy))
+    if not chosen.num_rows:
+        raise RecognitionError(
+            f"No viewpoint of any object has {recognition.touches} touches (recognition.touches)."
+        )
     fitted = fit_model(classes_of_two(chosen), pipeline, classifier, recognition, seed)
     save_model(fitted, model)
     text = yaml.safe_dump(dict(touching_parameters), sort_keys=False, allow_unicode=True)

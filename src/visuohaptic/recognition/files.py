@@ -34,18 +34,17 @@ def make_scores(
     RecognitionError
         If the table has no touch of the strategy, or not what the experiment needs.
     """
-    touched = read_table(FEATURES, features)
-    found = sorted(pc.unique(touched.column("strategy")).to_pylist())
-    if strategy not in found:
+    table = read_table(FEATURES, features)
+    if strategy not in table.column("strategy").unique().to_pylist():
+        found = sorted(pc.unique(table.column("strategy")).to_pylist())
         raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
-    table, left_out = whole_sequences(touched, parameters.touches)
+    whole, left_out = whole_sequences(table, parameters.touches)
     for sentence in left_out:
         logger.warning(sentence)
-    chosen = table.filter(pc.equal(table.column("strategy"), strategy))
+    chosen = whole.filter(pc.equal(whole.column("strategy"), strategy))
     if not chosen.num_rows:
         raise RecognitionError(
-            f"no viewpoint of any object has {parameters.touches} touches by {strategy}; "
-            "lower recognition.touches."
+            f"No viewpoint of any object has {parameters.touches} touches (recognition.touches)."
         )
     scored, predicted = run_pipeline(classes_of_two(chosen), parameters, seed, pipeline)
     write_table(SCORES, scored, scores)
