@@ -64,7 +64,7 @@ def run() -> dict[str, object]:
 
 
 def _maps(touches: NDArray[np.float64]) -> dict[str, Callable[[], float]]:
-    """Give trainings; each tells the mean distance of a touch to its nearest unit."""
+    """Give trainings; each reports the mean distance of a touch to its nearest unit."""
 
     def ours() -> float:
         fitted = fit_batch_map(touches, line(5), SelfOrganisingMapParameters())

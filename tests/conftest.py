@@ -1,7 +1,12 @@
-"""What holds for every test: the same examples in every run, and no clock."""
+"""What holds for every test: the same examples in every run, no clock, and long files first."""
 
 from hypothesis import settings
 
 # A busy machine is no failure, and a failure must come back.
 settings.register_profile("suite", derandomize=True, deadline=None)
 settings.load_profile("suite")
+
+
+def pytest_collection_modifyitems(items):
+    """Begin with the workflow, whose files take minutes, so that no process waits for one at the end."""
+    items.sort(key=lambda item: "workflow" not in item.path.parts)

@@ -80,6 +80,7 @@ def link_installed(requirements, folder):
                 (folder / top).symlink_to(installed.locate_file(top))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_its_wheel_works_where_only_its_dependencies_are(name, tmp_path):
     ignored = shutil.ignore_patterns("__pycache__")

@@ -122,6 +122,7 @@ def test_oddity_of_a_sphere_is_fixated_first(shape, azimuth, elevation):
     assert np.degrees(np.arccos(first @ direction / np.linalg.norm(first))) < 15.0
 
 
+@pytest.mark.slow
 def test_turning_the_object_equals_the_next_viewpoint():
     thing = scenes.lopsided()
     _, still = scenes.look(thing, CAMERAS[1::2])
@@ -170,6 +171,7 @@ def test_uniform_sphere_gives_five_distinct_points(normalisation, modes):
     assert views.mask[0][path.rows, path.columns].all()
 
 
+@pytest.mark.slow
 def test_fixations_are_never_on_the_background_or_the_outline():
     attention = AttentionParameters(fixations=16, focus_radius=0.1)
     views, results = scenes.look(scenes.lopsided(), CAMERAS, attention)

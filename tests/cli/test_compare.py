@@ -65,7 +65,7 @@ def test_parameters_that_nobody_named_are_not_called_equal(visuohaptic, tmp_path
     ended = visuohaptic("compare", other, "a")
     assert ended.out.startswith("parameters not known; ")
     page = (tmp_path / "comparison" / "comparison.html").read_text()
-    assert "what was changed is not known" in page
+    assert "so the changed parameters are not known" in page
 
 
 def test_names_are_shown_escaped_and_stay_in_the_folder(visuohaptic, tmp_path):

@@ -88,6 +88,7 @@ def test_constant_images_leak_rounding_alone(extension):
     assert max(np.abs(band).max() for band in coefficients.bands[1:]) < 1e-13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("extension", EXTENSIONS)
 @pytest.mark.parametrize("directions_log2", [3, 4])
 def test_the_band_of_a_gratings_direction_is_the_strongest(extension, directions_log2):

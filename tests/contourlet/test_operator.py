@@ -51,6 +51,7 @@ def test_a_row_of_a_product_does_not_depend_on_the_others(count, rng):
     np.testing.assert_allclose(whole, rows @ matrix, atol=1e-11)
 
 
+@pytest.mark.slow
 def test_products_do_not_depend_on_the_number_of_threads():
     program = (
         "import numpy as np, hashlib\n"

@@ -65,7 +65,8 @@ def read_snakemake(arguments):
     brought = [word for word in arguments if word not in {"--profile", "profiles/slurm"}]
     chosen = get_argument_parser().parse_args(brought)
     targets = set(getattr(chosen, "targets", None) or ())
-    assert {target for target in targets if "/" not in target} <= RULES | {"all"}
+    studies = {f"study_{file.stem}" for file in (ROOT / "studies").glob("*.yaml")}
+    assert {target for target in targets if "/" not in target} <= RULES | studies | {"all"}
 
 
 def read_dvc(arguments):

@@ -39,7 +39,7 @@ def page_of(tmp_path, folder):
 
 def test_the_largest_loss_and_gain_are_told(tmp_path):
     text = sentence(tmp_path, adjusted_p=SETTLED)
-    assert text.startswith("With whole method, 80.0 % are named correctly.")
+    assert text.startswith("With whole method, 80.0 % are correctly classified.")
     assert "The largest loss is that of cutaneous cues only, −30.0 percentage points" in text
     assert "the largest gain is that of kinesthetic cues only, +5.0 percentage points" in text
     assert text.endswith(

@@ -24,7 +24,7 @@ RUN = ExperimentParameters.from_mapping(
         "cost": {
             "touches": [1, 2, 3],
             "viewpoints": [1, 2, 4],
-            "imprint_resolutions": [4, 16],
+            "imprint_resolutions": [8, 16],
             "view_resolutions": [24, 48],
             "lean_view_resolution": 32,
             "objects": 2,

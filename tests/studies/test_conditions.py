@@ -22,7 +22,7 @@ def plan(*changes, run=RUN):
         ({}, None),
         ({"recognition.classifier.neighbours": 3}, None),
         ({"recognition.touches": 3}, None),
-        ({"attention.fixations": 3}, None),
+        ({"attention.fixations": 3, "recognition.touches": 3}, None),
         ({"probing.strategies": ["random"]}, None),
         ({"features.extension": "symmetric"}, "features"),
         ({"sensor.largest_size": 0.2}, "touches"),

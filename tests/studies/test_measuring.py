@@ -6,8 +6,8 @@ import pytest
 from recognition.synthetic import features_table
 from studies.surfaces import RUN, small_surfaces, write_sources
 
-from visuohaptic import recognition
-from visuohaptic.errors import RecognitionError
+from visuohaptic import phases, recognition
+from visuohaptic.errors import ParameterError, RecognitionError
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.studies import measuring
 from visuohaptic.studies.ablations import ALONE, ablation_study
@@ -85,6 +85,7 @@ def cells(planned, features, memory=None):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "pipeline"), EARLIER)
 def test_accuracies_are_those_of_earlier_studies(ablations, name, pipeline):
     plan, made = ablations
@@ -134,6 +135,7 @@ def test_more_touches_begin_with_those_of_the_run(run):
     assert first.equals(own)
 
 
+@pytest.mark.slow
 def test_a_condition_is_the_run_of_its_parameters():
     planned = mine(
         Condition("c", {"recognition.touches": 3, "recognition.classifiers": ["naive_bayes"]})
@@ -180,11 +182,15 @@ def test_conditions_that_differ_in_the_vote_alone_train_once(monkeypatch):
     assert len(calls) == 1
 
 
-def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path):
+def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatch):
+    def refuse(*_):
+        raise ParameterError("sensor.resolution is 8: this sensor can't be described.")
+
+    monkeypatch.setattr(phases, "describe_at", refuse)
     sources, features = run
     conditions = (
         Condition("as run", {**ALONE}),
-        Condition("too small", {**ALONE, "sensor.resolution": 4}),
+        Condition("too small", {**ALONE, "sensor.resolution": 8}),
         Condition("too many", {**ALONE, "recognition.protocol.protocol": "grouped_folds"}, votes=9),
         Condition("fine", {**ALONE, "recognition.classifier.svm_penalty": 2.0}),
     )
@@ -225,6 +231,7 @@ def test_a_fault_of_the_program_is_not_taken_for_a_refusal(monkeypatch):
         cells(mine(Condition("c", ALONE)).conditions[0], SYNTHETIC)
 
 
+@pytest.mark.slow
 def test_a_block_gives_the_same_rows_however_conditions_are_cut(run, tmp_path):
     conditions = [
         Condition(f"{penalty}", {**ALONE, "recognition.classifier.svm_penalty": penalty})

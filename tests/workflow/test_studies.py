@@ -130,10 +130,10 @@ def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
     experiment.snakemake("--", "study_mine")
     assert "up to date" in experiment.run("dvc", "status").stdout
     pipeline = experiment.folder / "studies/dvc.yaml"
-    pipeline.write_text(pipeline.read_text().replace("versioned: []", "versioned: [mine]"))
-    assert "study@mine" in experiment.run("dvc", "status").stdout
+    pipeline.write_text(pipeline.read_text().replace("own: []", "own: [mine]"))
+    assert "own@mine" in experiment.run("dvc", "status").stdout
     experiment.run("dvc", "repro", "studies/dvc.yaml")
     assert planned(experiment) == {}
     assert "up to date" in experiment.run("dvc", "status").stdout
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    assert "study@mine" in experiment.run("dvc", "status").stdout
+    assert "own@mine" in experiment.run("dvc", "status").stdout

@@ -16,7 +16,7 @@ SPECIAL_FIGURES = [
     "results/effect_influence.parquet",
 ]
 MESHES = expand("results/meshes/{object}.ply", object=OBJECTS)
-# So few objects, spread over all, tell what takes time.
+# A few objects, spread over all, are enough to measure run times.
 COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
 EFFECT_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // 4))]
 # Everything that a condition may depend on.

@@ -97,7 +97,7 @@ def block_conditions(wildcards):
 
 
 def described_study(wildcards):
-    """Give what a study's figures tell of it."""
+    """Give the description of a study for its figures."""
     return describe_study(STUDIES[wildcards.study], PLANS[wildcards.study])
 
 

@@ -14,7 +14,7 @@ from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import Track, describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run
-from visuohaptic.report.sections import SECTIONS, Story
+from visuohaptic.report.sections import SECTIONS, ReportContext
 
 
 def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
@@ -35,7 +35,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         HTML that needs no network.
     """
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
-    story = Story(run, describe_objects(run, processes, track), seconds)
+    context = ReportContext(run, describe_objects(run, processes, track), seconds)
     environment = make_environment()
     shared = {
         "parameters": run.parameters,
@@ -44,17 +44,17 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     }
     bodies = []
     for section in SECTIONS:
-        values = section.values(story)
+        values = section.values(context)
         if values is not None:
             template = environment.get_template(f"{section.name}.html.jinja")
             bodies.append((section.name, section.title, template.render({**shared, **values})))
-    has_models = any(page.model is not None for page in story.pages)
+    has_models = any(page.model is not None for page in context.pages)
     return environment.get_template("page.html.jinja").render(
         bodies=bodies,
-        pages=story.pages,
-        marks=_most_marks(story),
+        pages=context.pages,
+        marks=_most_marks(context),
         warnings=find_warnings(run, seconds),
-        summary=summarise_run(run, story.pages, seconds),
+        summary=summarise_run(run, context.pages, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
         script=_text("page.js"),
@@ -87,8 +87,8 @@ def make_environment() -> Environment:
     return environment
 
 
-def _most_marks(story: Story) -> int:
-    numbers = (mark.number for page in story.pages for view in page.views for mark in view.marks)
+def _most_marks(context: ReportContext) -> int:
+    numbers = (mark.number for page in context.pages for view in page.views for mark in view.marks)
     return max(numbers, default=0)
 
 

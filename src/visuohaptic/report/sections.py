@@ -1,4 +1,4 @@
-"""The page's sections in the order of its story.
+"""The page's sections in the order in which they appear.
 
 A section is a name (its anchor and its template), a title, and a function that gives the
 template's values, or None where the run has nothing for it: it is left out then. A new
@@ -54,7 +54,7 @@ UNSEEN = {
 
 
 @dataclass(frozen=True)
-class Story:
+class ReportContext:
     """The data that sections are made from."""
 
     run: Run
@@ -68,12 +68,12 @@ class Section:
 
     name: str
     title: str
-    values: Callable[[Story], Values | None]
+    values: Callable[[ReportContext], Values | None]
 
 
-def answer_values(story: Story) -> Values:
+def answer_values(context: ReportContext) -> Values:
     """Give the question's answer."""
-    run = story.run
+    run = context.run
     recognition = run.parameters.recognition
     touches = min(
         recognition.touches or run.parameters.attention.fixations,
@@ -89,10 +89,10 @@ def answer_values(story: Story) -> Values:
     return {"sentences": sentences, "touches": touches}
 
 
-def method_values(story: Story) -> Values:
+def method_values(context: ReportContext) -> Values:
     """Give one real sequence, from the view to the answer."""
-    page = most_varied(story.pages)
-    features = story.run.features
+    page = most_varied(context.pages)
+    features = context.run.features
     of_touch = select(
         features,
         **{"class": page.category},
@@ -108,49 +108,49 @@ def method_values(story: Story) -> Values:
     return {"page": page, "bands": bands, "pose": pose}
 
 
-def comparison_values(story: Story) -> Values:
+def comparison_values(context: ReportContext) -> Values:
     """Give the table of classifiers, beside the published one where it is comparable."""
-    tables = story.run.pipelines
+    tables = context.run.pipelines
     agrees, differs = agreement(tables[0]) if tables[0].name == PAPER_PIPELINE else ([], [])
     return {
-        "tables": [(table, _chart(story.run, table)) for table in tables],
+        "tables": [(table, _chart(context.run, table)) for table in tables],
         "agrees": agrees,
         "differs": differs,
         "paper": PAPER,
-        "method": story.run.metrics["method"],
+        "method": context.run.metrics["method"],
     }
 
 
-def touches_needed_values(story: Story) -> Values | None:
+def touches_needed_values(context: ReportContext) -> Values | None:
     """Give the curves of accuracy against touches, where they were measured."""
-    extras = story.run.files.extras
+    extras = context.run.files.extras
     found = curve_figures(extras.get("studies"), extras.get("touches_needed"))
     return {"pipelines": found} if found else None
 
 
-def ablations_values(story: Story) -> Values | None:
+def ablations_values(context: ReportContext) -> Values | None:
     """Give the ablations, where they were measured."""
-    found = read_study(story.run.files.extras.get("studies"), "ablations")
+    found = read_study(context.run.files.extras.get("studies"), "ablations")
     return {"study": found, "remade": remade_name} if found else None
 
 
-def studies_values(story: Story) -> Values | None:
+def studies_values(context: ReportContext) -> Values | None:
     """Give the user's own studies, where they were measured."""
-    found = read_own_studies(story.run.files.extras.get("studies"))
+    found = read_own_studies(context.run.files.extras.get("studies"))
     return {"studies": found, "remade": remade_name} if found else None
 
 
-def cost_values(story: Story) -> Values | None:
+def cost_values(context: ReportContext) -> Values | None:
     """Give what accuracy costs in time, where that was measured."""
-    figures = cost_figures(story.run.files.extras.get("cost"))
+    figures = cost_figures(context.run.files.extras.get("cost"))
     return None if figures is None else {"cost": figures}
 
 
-def effects_values(story: Story) -> Values:
+def effects_values(context: ReportContext) -> Values:
     """Give what was simulated and computed, and what was not needed."""
-    table = story.run.effects
+    table = context.run.effects
     effects = [] if table is None else sum_effects(table)
-    preset = story.run.parameters.scene.preset
+    preset = context.run.parameters.scene.preset
     return {
         "groups": [
             (title, noun, [effect for effect in effects if (effect.name in VISUAL_EFFECTS) == seen])
@@ -159,15 +159,15 @@ def effects_values(story: Story) -> Values:
                 (f"Effects of touch in the scene {preset}", "touches", False),
             )
         ],
-        "channels": sum_channels(story.run.views),
+        "channels": sum_channels(context.run.views),
     }
 
 
-def influence_values(story: Story) -> Values:
+def influence_values(context: ReportContext) -> Values:
     """Give hard places, and what effects cost and change where that was measured."""
-    extras, scene = story.run.files.extras, story.run.parameters.scene
+    extras, scene = context.run.files.extras, context.run.parameters.scene
     return {
-        "places": hard_places(story.run.parameters),
+        "places": hard_places(context.run.parameters),
         "influence": influence_figures(extras.get("effect_influence"), scene.preset),
         "accuracy": read_study(extras.get("studies"), "effects"),
         "remade": remade_name,
@@ -175,17 +175,17 @@ def influence_values(story: Story) -> Values:
     }
 
 
-def stability_values(story: Story) -> Values | None:
+def stability_values(context: ReportContext) -> Values | None:
     """Give what the numerical suite found, where it was run."""
-    extras = story.run.files.extras
+    extras = context.run.files.extras
     figures = read_stability(extras.get("stability"))
     kernels = read_precision(extras.get("precision"))
     return {"figures": figures, "kernels": kernels} if figures or kernels else None
 
 
-def confusion_values(story: Story) -> Values:
+def confusion_values(context: ReportContext) -> Values:
     """Give the confusion matrices, the best classifier first."""
-    run, table = story.run, story.run.pipelines[0]
+    run, table = context.run, context.run.pipelines[0]
     found: list[tuple[str, str, Confusion]] = []
     rows = sorted(table.rows, key=lambda row: row is not table.best)
     for row in rows:
@@ -205,36 +205,36 @@ def confusion_values(story: Story) -> Values:
     }
 
 
-def objects_values(story: Story) -> Values:
+def objects_values(context: ReportContext) -> Values:
     """Give every object, and how often each kind of contact was met."""
-    strategies = sorted({name for page in story.pages for name in page.states})
+    strategies = sorted({name for page in context.pages for name in page.states})
     states = {
         strategy: {
-            state: sum(page.states.get(strategy, {}).get(state, 0) for page in story.pages)
+            state: sum(page.states.get(strategy, {}).get(state, 0) for page in context.pages)
             for state in CONTACT_STATES
         }
         for strategy in strategies
     }
     return {
-        "pages": story.pages,
-        "credits": story.run.credits,
-        "best": story.run.pipelines[0].best,
-        "classes": story.run.classes,
+        "pages": context.pages,
+        "credits": context.run.credits,
+        "best": context.run.pipelines[0].best,
+        "classes": context.run.classes,
         "strategies": strategies,
         "states": states,
         "meanings": CONTACT_STATES,
     }
 
 
-def methods_values(story: Story) -> Values:
+def methods_values(context: ReportContext) -> Values:
     """Give the parameters that the methods text is made of."""
-    weights = story.run.parameters.attention.weights.model_dump()
+    weights = context.run.parameters.attention.weights.model_dump()
     return {
-        "table": story.run.pipelines[0],
-        "objects": len(story.pages),
-        "classes": story.run.classes,
+        "table": context.run.pipelines[0],
+        "objects": len(context.pages),
+        "classes": context.run.classes,
         "elevations": [
-            f"{value:g}" for value in story.run.parameters.viewpoints.elevations_degrees
+            f"{value:g}" for value in context.run.parameters.viewpoints.elevations_degrees
         ],
         "weighted": [
             name if weight == 1.0 else f"{name} (weight {weight:g})"
@@ -244,9 +244,9 @@ def methods_values(story: Story) -> Values:
     }
 
 
-def parameters_values(story: Story) -> Values:
+def parameters_values(context: ReportContext) -> Values:
     """Give every parameter, section by section, with what it means."""
-    model = story.run.parameters
+    model = context.run.parameters
     return {
         "groups": [
             (name, list(_flattened(getattr(model, name), name)))
@@ -257,20 +257,20 @@ def parameters_values(story: Story) -> Values:
     }
 
 
-def provenance_values(story: Story) -> Values:
+def provenance_values(context: ReportContext) -> Values:
     """Give versions, commit, machine, and seconds a phase."""
     return {
         "versions": find_versions(),
-        "commit": find_commit(story.run.files.checkout),
+        "commit": find_commit(context.run.files.checkout),
         "machine": describe_machine(),
-        "seconds": story.seconds,
+        "seconds": context.seconds,
     }
 
 
-def credits_values(story: Story) -> Values:
+def credits_values(context: ReportContext) -> Values:
     """Give the credit of every object's model."""
     return {
-        "rows": [(key, story.run.credits.get(key)) for key in story.run.objects],
+        "rows": [(key, context.run.credits.get(key)) for key in context.run.objects],
     }
 
 

@@ -160,7 +160,7 @@ def _sentence(rows: Sequence[Row]) -> str:
         return ""
     one_reference = {row["compared_with"] for row in others} == {whole["condition"]}
     text = (
-        f"With {whole['words']}, {percent(whole['accuracy'])} are named correctly. "
+        f"With {whole['words']}, {percent(whole['accuracy'])} are correctly classified. "
         if one_reference
         else ""
     )

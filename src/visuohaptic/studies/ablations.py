@@ -8,7 +8,7 @@ from visuohaptic.studies.conditions import Changes, Condition, Study
 
 WHOLE = "whole_method"
 CLASSIFIER = "support_vector_machine"
-"""The paper's best; one is enough to tell conditions apart."""
+"""The paper's best; one is enough to compare conditions."""
 
 ALONE: Changes = {
     "probing.strategies": ("fixation",),

@@ -124,7 +124,8 @@ def with_changes(
     run : ExperimentParameters
         What is changed.
     changes : mapping of str
-        New values. A new ``scene.preset`` replaces the whole scene.
+        New values. A new ``scene.preset`` replaces the whole scene; more `recognition.touches`
+        than there are fixations bring as many fixations.
     source : str
         Where the changes come from, for errors.
 
@@ -144,6 +145,10 @@ def with_changes(
         values["scene"] = check_parameters(preset, source).scene.model_dump()
     for path, value in changes.items():
         _set(values, path, value, source)
+    touches = values["recognition"]["touches"]
+    if isinstance(touches, int) and "attention.fixations" not in changes:
+        # More touches than the run has are made for the condition.
+        values["attention"]["fixations"] = max(values["attention"]["fixations"], touches)
     return check_parameters(values, source)
 
 
@@ -188,7 +193,7 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
 
 
 def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
-    """Tell of a study what its figures tell, in built-in types."""
+    """Describe a study and its conditions in built-in types."""
     conditions = [
         {
             "name": one.condition.name,
@@ -201,7 +206,7 @@ def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
 
 
 def describe_conditions(planned: Sequence[Planned]) -> list[dict[str, Any]]:
-    """Tell of conditions what measuring them takes, in built-in types."""
+    """Describe conditions, as their measurement needs them, in built-in types."""
     return [
         {
             "name": one.condition.name,

@@ -1,4 +1,4 @@
-"""Each condition's accuracy with its interval, and what it gains or loses; for all studies alike."""
+"""Each condition's accuracy with its interval, and what it gains or loses; the same for all studies."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def cells_of(rows: pa.Table) -> dict[CellKey, Cell]:
 
 
 def condition_interval(cell: Cell, intervals: IntervalParameters, seed: int) -> Interval:
-    """Give a cell's accuracy; all cells have the same draws of objects, so like ones look alike."""
+    """Give a cell's accuracy; all cells have the same draws of objects, so equal ones stay equal."""
     generator = spawn_generator(seed, "studies")
     return object_interval(cell.accuracy, cell.weights, intervals, generator)
 

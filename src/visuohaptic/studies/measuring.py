@@ -337,7 +337,7 @@ def _of_strategies(table: pa.Table, strategies: Iterable[str]) -> pa.Table:
 def _correct(
     sequences: TouchSequences, split: Split, answer: Answer
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Give the tested objects, and how many of how many sequences of each are named correctly."""
+    """Give the tested objects, and how many of how many sequences of each are correctly classified."""
     owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
     correct = answer.predicted == sequences.labels[split.test]
     counts = np.bincount(row).astype(np.int64)

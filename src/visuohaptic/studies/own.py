@@ -125,5 +125,5 @@ def _combinations(grid: Mapping[str, list[Any]]) -> Iterator[tuple[str, dict[str
     short = [path.rpartition(".")[2] for path in grid]
     names = short if len(set(short)) == len(short) else list(grid)
     for values in itertools.product(*grid.values()):
-        told = ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
-        yield told[:100], dict(zip(grid, values, strict=True))
+        label = ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
+        yield label[:100], dict(zip(grid, values, strict=True))

@@ -57,7 +57,9 @@ STUDY = Schema(
         Column(
             "sequences", COUNT, "test sequences; 1 where viewpoints vote", minimum=1, nullable=True
         ),
-        Column("accuracy", REAL, "share of them that is named correctly", "1", 0, 1, nullable=True),
+        Column(
+            "accuracy", REAL, "share of them that is correctly classified", "1", 0, 1, nullable=True
+        ),
         SECONDS,
         ERROR,
     ),
@@ -71,7 +73,13 @@ STUDY_FIGURES = Schema(
         Column("title", TEXT, "what the study is about"),
         Column("place", COUNT, "place of the condition in its study", minimum=0),
         Column(
-            "accuracy", REAL, "share of test sequences named correctly", "1", 0, 1, nullable=True
+            "accuracy",
+            REAL,
+            "share of test sequences correctly classified",
+            "1",
+            0,
+            1,
+            nullable=True,
         ),
         Column("low", REAL, "lower end of its interval over objects", "1", 0, 1, nullable=True),
         Column("high", REAL, "upper end of its interval over objects", "1", 0, 1, nullable=True),
@@ -144,10 +152,10 @@ COST_KEYS = (
 )
 
 COST_SECONDS_COLUMNS = (
-    ("seconds", "what a recognition takes, median"),
+    ("seconds", "run time of a recognition, median"),
     ("seconds_low", "its lower quartile"),
     ("seconds_high", "its upper quartile"),
-    ("seconds_look", "of it: making views, looking at them"),
+    ("seconds_look", "of it: rendering and attention"),
     ("seconds_touch", "of it: touching"),
     ("seconds_describe", "of it: features"),
     ("seconds_name", "of it: classification"),
@@ -173,7 +181,7 @@ COST = Schema(
         Column("pipeline", TEXT, "how features become an answer"),
         Column("classifier", TEXT, "the classifier"),
         Column("changes", TEXT, "other parameters that differ from the run's, JSON"),
-        Column("error", REAL, "share of recognitions that name wrongly", "1", 0, 1, nullable=True),
+        Column("error", REAL, "share of recognitions that are wrong", "1", 0, 1, nullable=True),
         Column(
             "error_low",
             REAL,

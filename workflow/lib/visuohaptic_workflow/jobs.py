@@ -74,7 +74,7 @@ def job(snakemake: Any) -> Iterator[None]:
 def _keep_pandas_out() -> None:
     """Keep pyarrow from importing pandas with its first array, which would cost each job 0.4 s.
 
-    Whoever asks pyarrow for a pandas object later still gets one.
+    pyarrow can still give pandas objects later.
     """
     pyarrow = sys.modules.get("pyarrow")
     if pyarrow is None or "pandas" in sys.modules:

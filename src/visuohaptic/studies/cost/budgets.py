@@ -9,7 +9,7 @@ the number of viewpoints alone,
   two's, an error rate of 0 counting as half the least one above it.
 
 ``budgets.json`` beside this file holds the line as it was measured, on which set, and what the rule
-makes of it; `python -m visuohaptic.studies.cost.budgets results/cost.parquet` writes it anew.
+makes of it; `python -m visuohaptic.studies.cost.budgets results/cost.parquet` writes it again.
 """
 
 from __future__ import annotations

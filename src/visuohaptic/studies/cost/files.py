@@ -12,7 +12,7 @@ from visuohaptic.geometry.surface import read_surface, usable_meshes
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.cost.front import error_rows, join_costs
-from visuohaptic.studies.cost.seconds import Ready, make_ready, measure_seconds
+from visuohaptic.studies.cost.seconds import FittedSetting, fit_setting, measure_seconds
 from visuohaptic.studies.cost.settings import cost_study, make_settings
 from visuohaptic.studies.figures import read_cells
 from visuohaptic.studies.files import read_study_features
@@ -46,13 +46,13 @@ def make_cost_seconds(
         The run's.
     """
     held: dict[str | None, pa.Table | str] = {None: read_table(FEATURES, features)}
-    settings: list[Ready] = []
+    settings: list[FittedSetting] = []
     planned = plan_study(cost_study(run), run).conditions
     for setting, one in zip(make_settings(run), planned, strict=True):
         if one.key is not None and one.key not in held:
             held[one.key] = read_study_features(made[one.key])
-        ready = make_ready(setting, one, held[one.key], run.seed)
-        settings += [ready] if isinstance(ready, Ready) else []
+        fitted = fit_setting(setting, one, held[one.key], run.seed)
+        settings += [fitted] if isinstance(fitted, FittedSetting) else []
     if not settings:
         raise RecognitionError("No setting can be run, so there is none to time.")
     surfaces = {

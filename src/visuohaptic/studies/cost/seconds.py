@@ -1,4 +1,4 @@
-"""What one recognition takes under each setting, imports and files apart."""
+"""Run time of one recognition under each setting, without imports and files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PHASES = ("look", "touch", "describe", "name")
 
 
 @dataclass(frozen=True)
-class Ready:
+class FittedSetting:
     """A setting with its parameters and a model that was trained for it."""
 
     setting: Setting
@@ -35,29 +35,28 @@ class Ready:
 
 
 def recognise_once(
-    surface: Surface, key: str, viewpoints: Sequence[int], ready: Ready
+    surface: Surface, key: str, viewpoints: Sequence[int], fitted: FittedSetting
 ) -> dict[str, float]:
-    """Name one object once, from its surface in memory to its class.
+    """Recognise one object once, from its surface in memory to its class.
 
     Parameters
     ----------
     surface : Surface
         The object.
     key : str
-        `class/name` of the object; chance comes from it, not the answer.
+        `class/name` of the object; for the random generators, not for the prediction.
     viewpoints : sequence of int
         Numbers of the viewpoints.
-    ready : Ready
+    fitted : FittedSetting
         How.
 
     Returns
     -------
     dict of str to float
-        Processor seconds of each of `PHASES`, which on one thread of an idle machine are what the
-        clock on the wall shows, and on a busy one hardly more. Making the surface ready for
-        rays is a part of ``look``.
+        Processor seconds of each of `PHASES`; on one thread of an idle machine they equal
+        the clock's. Preparing the surface for rays is a part of ``look``.
     """
-    parameters = ready.parameters
+    parameters = fitted.parameters
     clock = [time.process_time()]
     caster = RayCaster(surface)
     locations = find_locations(caster, key, parameters, viewpoints)
@@ -66,15 +65,15 @@ def recognise_once(
     clock.append(time.process_time())
     features = describe_touches(touches, parameters.features)
     clock.append(time.process_time())
-    ready.model.recognise(features)
+    fitted.model.recognise(features)
     clock.append(time.process_time())
     return dict(zip(PHASES, np.diff(clock).tolist(), strict=True))
 
 
-def make_ready(
+def fit_setting(
     setting: Setting, planned: Planned, features: pa.Table | str, seed: int
-) -> Ready | str:
-    """Train the model of a setting on every object, or give the sentence by which it was refused."""
+) -> FittedSetting | str:
+    """Train the model of a setting on every object, or give the error message."""
     if isinstance(features, str):
         return features
     parameters = planned.parameters
@@ -83,12 +82,12 @@ def make_ready(
         model = fit_model(rows, setting.pipeline, setting.classifier, parameters.recognition, seed)
     except REFUSALS as refusal:
         return str(refusal)
-    return Ready(setting, parameters, model)
+    return FittedSetting(setting, parameters, model)
 
 
 def measure_seconds(
     surfaces: Mapping[str, Surface],
-    settings: Sequence[Ready],
+    settings: Sequence[FittedSetting],
     rounds: int,
 ) -> pa.Table:
     """Time settings on the same objects, all of them in turn, again and again.
@@ -97,11 +96,11 @@ def measure_seconds(
     ----------
     surfaces : mapping of str to Surface
         The objects by their keys.
-    settings : sequence of Ready
+    settings : sequence of FittedSetting
         The settings.
     rounds : int
-        How often each names each object. Whatever else the machine does meanwhile hurts all alike,
-        for no setting comes twice before every other one has come once.
+        How often each recognises each object. The settings take turns, so other work on the
+        machine affects all equally.
 
     Returns
     -------
@@ -113,30 +112,30 @@ def measure_seconds(
     taken: list[list[dict[str, float]]] = [[] for _ in settings]
     with threadpool_limits(limits=1), _one_thread():
         first = next(iter(surfaces.items()))
-        for ready in settings:  # what is made once for all, such as operators, is made here
-            _time(ready, first[0], first[1], 0)
+        for fitted in settings:  # what is made once for all, such as operators, is made here
+            _time(fitted, first[0], first[1], 0)
         for turn in range(rounds):
             for key, surface in surfaces.items():
-                for place, ready in enumerate(settings):
-                    taken[place].append(_time(ready, key, surface, turn))
+                for place, fitted in enumerate(settings):
+                    taken[place].append(_time(fitted, key, surface, turn))
     return build_table(COST_SECONDS, _columns(settings, taken))
 
 
-def _time(ready: Ready, key: str, surface: Surface, turn: int) -> dict[str, float]:
-    total, count = ready.parameters.viewpoints.total, ready.setting.viewpoints
+def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> dict[str, float]:
+    total, count = fitted.parameters.viewpoints.total, fitted.setting.viewpoints
     # Another side of the object in each round.
     numbers = (np.arange(count) * total // count + 3 * turn) % total
-    return recognise_once(surface, key, sorted(numbers.tolist()), ready)
+    return recognise_once(surface, key, sorted(numbers.tolist()), fitted)
 
 
 def _columns(
-    settings: Sequence[Ready], taken: Sequence[Sequence[Mapping[str, float]]]
+    settings: Sequence[FittedSetting], taken: Sequence[Sequence[Mapping[str, float]]]
 ) -> dict[str, object]:
     whole = np.array([[sum(once.values()) for once in each] for each in taken])
     low, middle, high = np.quantile(whole, [0.25, 0.5, 0.75], axis=1)
     columns: dict[str, object] = {
-        "family": [ready.setting.family for ready in settings],
-        "setting": [ready.setting.name for ready in settings],
+        "family": [fitted.setting.family for fitted in settings],
+        "setting": [fitted.setting.name for fitted in settings],
         "seconds": middle,
         "seconds_low": low,
         "seconds_high": high,

@@ -1,4 +1,4 @@
-"""The adaptive strategy: each split chooses its touches by what its training objects tell."""
+"""The adaptive strategy: each split chooses its touches by its training objects."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def make_adaptive_rows(
 def adaptive_rows(
     features: pa.Table, planned: Sequence[Planned], pipeline: str, seed: int
 ) -> Iterator[pa.Table]:
-    """Choose each split's touches by what its training objects tell, then train and test.
+    """Choose each split's touches by its training objects, then train and test.
 
     Parameters
     ----------

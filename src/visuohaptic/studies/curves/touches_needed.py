@@ -28,7 +28,7 @@ from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import TOUCHES_NEEDED
 
 LEVEL = 0.9
-"""The accuracy of which is told how many touches it needs."""
+"""The accuracy for which the number of touches is reported."""
 
 _KEYS = ("pipeline", "strategy", "classifier")
 _GAIN = ("gain", "gain_low", "gain_high", "p_value")
