@@ -76,6 +76,15 @@ def test_what_is_no_surface_is_one_sentence(source, sentence):
         vh.load(source)
 
 
+def test_a_scene_whose_parts_can_not_be_laid_out_is_one_sentence(monkeypatch):
+    def fail(_):
+        raise ZeroDivisionError("of a kind.")
+
+    monkeypatch.setattr(trimesh.Scene, "dump", fail)
+    with pytest.raises(MeshError, match=r"object can't be read as one surface: of a kind\.$"):
+        vh.load(trimesh.Scene([RING]))
+
+
 def test_colours_of_a_mesh_in_memory_are_seen():
     red = RING.copy()
     red.visual.face_colors = [255, 0, 0, 255]

@@ -67,7 +67,7 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
     """
     from visuohaptic.meshes.face_colours import face_colours
 
-    parts = [part for part in _parts(mesh) if len(part.faces)]
+    parts = [part for part in _parts(mesh, name) if len(part.faces)]
     if not parts:
         raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
     flat = [part.vertices.shape for part in parts if part.vertices.shape[1:] != (3,)]
@@ -87,8 +87,13 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
     )
 
 
-def _parts(mesh: Any) -> Sequence[Any]:
-    found = mesh.dump() if hasattr(mesh, "geometry") else [mesh]
+def _parts(mesh: Any, name: str) -> Sequence[Any]:
+    try:
+        found = mesh.dump() if hasattr(mesh, "geometry") else [mesh]
+    # Parts that don't fit each other may fail in any way; the scene is what is wrong.
+    except Exception as error:
+        reason = " ".join(str(error).split())[:200].rstrip(".!") or type(error).__name__
+        raise MeshError(f"{name} can't be read as one surface: {reason}.") from error
     return [part for part in found if hasattr(part, "faces")]
 
 
