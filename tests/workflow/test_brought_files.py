@@ -53,7 +53,7 @@ def test_after_a_pull_both_tools_find_nothing_to_do(pulled):
 def test_a_dry_run_changes_no_file(pulled):
     before = digests(pulled.folder)
     pulled.set(**WIDER_FOCUS)
-    assert pulled.planned()["fixations"] == 2
+    assert pulled.planned()["fixations"] == 4
     assert digests(pulled.folder) == before
     pulled.run("git", "checkout", "-q", "params.yaml")
     assert pulled.planned() == {}
@@ -94,7 +94,7 @@ def test_code_edited_after_a_pull_runs_again(pulled):
     module = pulled.folder / "workflow/scripts/features.py"
     module.write_text(module.read_text() + "\n# edited\n")
     planned = pulled.planned()
-    assert planned["features"] == 2
+    assert planned["features"] == 4
     assert "touches" not in planned
 
 
@@ -106,7 +106,7 @@ def test_links_to_the_cache_are_judged_like_copies(shared, tmp_path, kind):
     assert experiment.planned() == {}
     experiment.set(**SMALLER_SENSOR)
     planned = experiment.planned()
-    assert planned["touches"] == 2
+    assert planned["touches"] == 4
     assert "fixations" not in planned
 
 

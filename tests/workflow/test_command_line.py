@@ -36,7 +36,7 @@ def fresh(tmp_path):
 
 @pytest.mark.parametrize("option", [["-j8"], ["-c8"], ["--cores", "8"]])
 def test_eight_jobs_run_at_a_time(fresh, option):
-    fresh.set(viewpoints={"count": 4}, workflow={"views_per_job": 1})
+    fresh.set(workflow={"views_per_job": 1})
     fresh.snakemake("meshes_all")
     script = fresh.folder / "workflow/scripts/fixations.py"
     script.write_text(WAITS_FOR_SEVEN_OTHERS + script.read_text())

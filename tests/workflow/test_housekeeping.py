@@ -59,7 +59,7 @@ def test_an_edited_script_reruns_its_phase_and_what_follows(experiment):
     script = experiment.folder / "workflow/scripts/features.py"
     script.write_text(f"{script.read_text()}# edited\n")
     planned = experiment.planned()
-    assert planned["features"] == 2
+    assert planned["features"] == 4
     assert "touches" not in planned
 
 

@@ -23,13 +23,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from small_experiment import copy_experiment, set_parameters
+from small_experiment import SMALL_OBJECTS, copy_experiment, set_parameters
 
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
     "workflow", "src", "meshes/paper", "meshes/own", "profiles",
 )  # fmt: skip
-OBJECTS = ("bs0_yogurtBottle", "bsby_chair3")
 SMALL = {
     "viewpoints": {"count": 2},
     "workflow": {"views_per_job": 2, "warm_starts": False},
@@ -108,7 +107,7 @@ def digests(folder):
 
 def make_experiment(folder):
     """Make a small experiment whose scripts are stand-ins."""
-    copy_experiment(folder, COPIED, OBJECTS, SMALL)
+    copy_experiment(folder, COPIED, SMALL_OBJECTS, SMALL)
     for script in (folder / "workflow/scripts").glob("*.py"):
         script.write_text(STAND_IN)
 

@@ -186,7 +186,8 @@ def check_folder():
 
 def check_recognition():
     """Stop before the first job where recognition is asked for and has no classes to tell apart."""
-    if any(job.rule.name == "recognition" for job in workflow.dag.needrun_jobs()):
+    planned = getattr(getattr(workflow, "dag", None), "needrun_jobs", list)
+    if any(job.rule.name == "recognition" for job in planned()):
         or_stop(check_classes, OBJECTS)
 
 
