@@ -40,14 +40,14 @@ def clean_digests(shared, folder, changes):
     """Give the results of a run from nothing."""
     experiment = clone(shared, folder)
     experiment.set(**changes)
-    experiment.snakemake()
+    experiment.snakemake("dvc_all")
     return digests(experiment.folder)
 
 
 def test_after_a_pull_both_tools_find_nothing_to_do(pulled):
     assert pulled.planned() == {}
     assert "up to date" in pulled.run("dvc", "status").stdout
-    assert "Nothing to be done" in pulled.snakemake().stdout
+    assert "Nothing to be done" in pulled.snakemake("dvc_all").stdout
 
 
 def test_a_dry_run_changes_no_file(pulled):
@@ -63,14 +63,14 @@ def test_a_parameter_changed_after_a_pull_gives_the_results_of_a_clean_run(
     pulled, shared, tmp_path
 ):
     pulled.set(**WIDER_FOCUS)
-    pulled.snakemake()
+    pulled.snakemake("dvc_all")
     assert digests(pulled.folder) == clean_digests(shared, tmp_path / "clean", WIDER_FOCUS)
     assert pulled.planned() == {}
 
 
 def test_a_change_tried_put_back_and_made_again_gives_the_results_of_a_clean_run(shared, tmp_path):
     experiment = shared.copy(tmp_path / "experiment")
-    experiment.snakemake()
+    experiment.snakemake("dvc_all")
     experiment.run(
         "dvc", "exp", "run",
         "-S", "sensor.largest_size=0.2", "-S", "recognition.classifier.neighbours=3",
@@ -79,14 +79,14 @@ def test_a_change_tried_put_back_and_made_again_gives_the_results_of_a_clean_run
     experiment.run("dvc", "checkout")
     changes = merged(SMALLER_SENSOR, THREE_NEIGHBOURS)
     experiment.set(**changes)
-    experiment.snakemake()
+    experiment.snakemake("dvc_all")
     assert digests(experiment.folder) == clean_digests(shared, tmp_path / "clean", changes)
 
 
 def test_a_branch_without_its_results_gives_the_results_of_a_clean_run(shared, tmp_path):
     experiment = shared.copy(tmp_path / "experiment")
     experiment.run("git", "checkout", "-q", "other")
-    experiment.snakemake()
+    experiment.snakemake("dvc_all")
     assert digests(experiment.folder) == clean_digests(shared, tmp_path / "clean", WIDER_FOCUS)
 
 
@@ -116,10 +116,10 @@ def test_an_older_table_put_back_by_hand_is_noticed(pulled):
     kept = experiment.folder / "kept.parquet"
     shutil.copy2(experiment.folder / part, kept)
     experiment.set(features={"extension": "symmetric"})
-    experiment.snakemake()
+    experiment.snakemake("dvc_all")
     right = digests(experiment.folder)
     shutil.copy2(kept, experiment.folder / part)
-    experiment.snakemake()
+    experiment.snakemake("dvc_all")
     assert digests(experiment.folder) == right
 
 

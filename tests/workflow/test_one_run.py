@@ -50,7 +50,7 @@ def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("finished") / "experiment"
     make_experiment(folder)
     experiment = Experiment(folder)
-    experiment.snakemake()
+    experiment.snakemake("dvc_all")
     return experiment
 
 
@@ -68,8 +68,8 @@ def test_the_plain_command_goes_on_after_a_run_was_ended(fresh, finished, how, w
     process = start(fresh, "snakemake", "-j2")
     wait_for(lambda: parts(fresh, table))
     (os.killpg if whom == "group" else os.kill)(process.pid, how)
-    process.wait(timeout=60)
-    fresh.snakemake()
+    process.wait(timeout=300)
+    fresh.snakemake("dvc_all")
     assert digests(fresh.folder) == digests(finished.folder)
     assert fresh.planned() == {}
 
@@ -79,7 +79,7 @@ def test_dvc_repro_goes_on_after_it_was_killed(fresh, finished):
     process = start(fresh, "dvc", "repro")
     wait_for(lambda: parts(fresh, "views"))
     os.killpg(process.pid, signal.SIGKILL)
-    process.wait(timeout=60)
+    process.wait(timeout=300)
     fresh.run("dvc", "repro")
     assert digests(fresh.folder) == digests(finished.folder)
 
@@ -97,7 +97,7 @@ def at_work(fresh):
     wait_for(lambda: parts(experiment, "touches"))
     yield experiment
     os.killpg(process.pid, signal.SIGKILL)
-    process.wait(timeout=60)
+    process.wait(timeout=300)
 
 
 @pytest.mark.parametrize("command", [("snakemake", "-j2"), ("dvc", "repro")])
