@@ -69,7 +69,6 @@ def test_ctrl_c_stops_a_touch_at_any_moment(folder, after):
         ("meshes", "credits"),
         ("report", "."),
         ("compare", "a", "b"),
-        ("meshes", "fetch", "--cache", "cache"),
     ],
     ids=lambda arguments: " ".join(map(str, arguments[:2])),
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import suppress
 
 from visuohaptic.cli.stopping import Stop, stops_at_ctrl_c
 
@@ -37,6 +38,8 @@ def _run(arguments: list[str], stop: Stop) -> None:
         if debug or stop.asked:
             raise
         say_error(error)
+        with suppress(OSError):  # what can't be written is given up, and named above
+            _flush()
         raise SystemExit(1) from None
 
 

@@ -157,9 +157,11 @@ def download(address: str, path: Path, sha256: str | None = None) -> Path:
 def _download_bounded(address: str, path: str, registry: object) -> None:
     """Download as pooch does, but no more than the largest archive that is expected."""
     import pooch
+    from tqdm import tqdm
 
+    bar = tqdm(desc="downloading", unit="B", unit_scale=True, disable=None)
     with _BoundedFile(path, "wb") as stream:
-        pooch.HTTPDownloader(progressbar=True, timeout=60)(address, stream, registry)
+        pooch.HTTPDownloader(progressbar=bar, timeout=60)(address, stream, registry)
 
 
 class _BoundedFile(io.FileIO):
