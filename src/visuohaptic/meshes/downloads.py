@@ -13,6 +13,7 @@ import io
 import re
 import shutil
 import subprocess
+import sys
 import tarfile
 import zipfile
 from collections.abc import Iterable, Sequence
@@ -157,10 +158,9 @@ def download(address: str, path: Path, sha256: str | None = None) -> Path:
 def _download_bounded(address: str, path: str, registry: object) -> None:
     """Download as pooch does, but no more than the largest archive that is expected."""
     import pooch
-    from tqdm import tqdm
 
-    bar = tqdm(desc="downloading", unit="B", unit_scale=True, disable=None)
     with _BoundedFile(path, "wb") as stream:
+        bar = sys.stderr.isatty()
         pooch.HTTPDownloader(progressbar=bar, timeout=60)(address, stream, registry)
 
 
