@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import pyarrow as pa
 
 from visuohaptic.features.describing import describe_touches
-from visuohaptic.fixations.locations import locate_all, look
+from visuohaptic.fixations.locations import Standpoint, locate_all, look
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.parameters import ExperimentParameters
@@ -23,7 +24,7 @@ def find_locations(
     parameters: ExperimentParameters,
     viewpoints: Sequence[int] | None = None,
 ) -> pa.Table:
-    """Look at an object, and give where to touch it.
+    """Look at an object if a strategy needs it, and give where to touch it.
 
     Parameters
     ----------
@@ -43,12 +44,16 @@ def find_locations(
     """
     placed = place_cameras(parameters.viewpoints)
     numbers = list(range(len(placed)) if viewpoints is None else viewpoints)
+    probing, attention = parameters.probing, parameters.attention
+    if not any(STRATEGIES[name].looks for name in probing.strategies):
+        stands = [Standpoint(key, number, caster, placed[number]) for number in numbers]
+        return locate_all(stands, probing, attention, parameters.seed).combine_chunks()
     parts = []
     for start in range(0, len(numbers), VIEWS_AT_ONCE):
         cameras = {number: placed[number] for number in numbers[start : start + VIEWS_AT_ONCE]}
         rendering, modes = parameters.rendering, parameters.scene.effects
-        looks = look(caster, key, cameras, rendering, parameters.attention, modes)
-        parts.append(locate_all(looks, parameters.probing, parameters.attention, parameters.seed))
+        looks = look(caster, key, cameras, rendering, attention, modes)
+        parts.append(locate_all(looks, probing, attention, parameters.seed))
     return pa.concat_tables(parts).combine_chunks()
 
 

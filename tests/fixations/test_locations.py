@@ -7,7 +7,7 @@ import trimesh
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.errors import RegistryError
-from visuohaptic.fixations.locations import candidate_table, locate, look
+from visuohaptic.fixations.locations import Standpoint, candidate_table, locate, look
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.probing import STRATEGIES, spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
@@ -114,6 +114,19 @@ def test_candidates_are_what_the_viewpoint_sees(caster):
         assert 0 < len(points) < 60
         assert (np.sum(normals * (one.camera.eye - points), axis=1) > 0).all()
         assert table.column("touch").to_pylist() == list(range(len(points)))
+
+
+@pytest.mark.parametrize("strategy", list(STRATEGIES), ids=lambda strategy: strategy.name)
+def test_strategies_that_do_not_look_need_no_view(caster, strategy):
+    one = looks_of(caster)[1]
+    blind = Standpoint(one.key, one.viewpoint, one.caster, one.camera)
+    if strategy.looks:
+        with pytest.raises(AttributeError, match="Standpoint"):
+            locate(blind, strategy.name, ATTENTION, 3)
+    else:
+        assert locate(blind, strategy.name, ATTENTION, 3).equals(
+            locate(one, strategy.name, ATTENTION, 3)
+        )
 
 
 def test_an_unknown_strategy_is_refused(caster):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import pyarrow as pa
@@ -28,8 +29,8 @@ from visuohaptic.tables.schema import build_table
 
 
 @dataclass(frozen=True)
-class Look:
-    """One viewpoint of an object, with saliency and fixations.
+class Standpoint:
+    """One viewpoint of an object, without a look.
 
     Attributes
     ----------
@@ -41,6 +42,20 @@ class Look:
         The object.
     camera : Camera
         The viewpoint.
+    """
+
+    key: str
+    viewpoint: int
+    caster: RayCaster
+    camera: Camera
+
+
+@dataclass(frozen=True)
+class Look(Standpoint):
+    """One viewpoint of an object, with saliency and fixations.
+
+    Attributes
+    ----------
     seen : Views
         The views of all viewpoints that were looked from together.
     place : int
@@ -49,10 +64,6 @@ class Look:
         Saliency and fixations of the view.
     """
 
-    key: str
-    viewpoint: int
-    caster: RayCaster
-    camera: Camera
     seen: Views
     place: int
     attended: Attention
@@ -102,13 +113,13 @@ def look(
     ]
 
 
-def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
+def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
     """Choose where to touch.
 
     Parameters
     ----------
-    one : Look
-        The viewpoint.
+    one : Standpoint
+        The viewpoint; a `Look` where the strategy looks.
     strategy : str
         One of `probing.STRATEGIES`.
     attention : AttentionParameters
@@ -128,23 +139,25 @@ def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) 
     RegistryError
         If there is no such strategy.
     """
-    chosen = STRATEGIES[strategy].choose(
-        one, attention, spawn_generator(seed, strategy, one.key, one.viewpoint)
-    )
+    generator = spawn_generator(seed, strategy, one.key, one.viewpoint)
+    chosen = STRATEGIES[strategy].choose(cast("Look", one), attention, generator)
     if isinstance(chosen, ProbingLocations):
         return _location_table(one, strategy, chosen, _blind(chosen))
     return _path_table(one, strategy, chosen)
 
 
 def locate_all(
-    looks: Iterable[Look], probing: ProbingParameters, attention: AttentionParameters, seed: int
+    looks: Iterable[Standpoint],
+    probing: ProbingParameters,
+    attention: AttentionParameters,
+    seed: int,
 ) -> pa.Table:
     """Choose where to touch from several viewpoints, by every strategy.
 
     Parameters
     ----------
-    looks : iterable of Look
-        The viewpoints, at least one.
+    looks : iterable of Standpoint
+        The viewpoints, at least one; each a `Look` where a strategy looks.
     probing, attention
         Sections of the parameters.
     seed : int
@@ -187,7 +200,7 @@ def begin_again(sequence: pa.Table, touches: int) -> pa.Table:
     )
 
 
-def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:
+def candidate_table(one: Standpoint, crowd: ProbingLocations) -> pa.Table:
     """List those of an object's points that a viewpoint sees, for `adaptive` to choose among.
 
     Parameters
@@ -206,7 +219,7 @@ def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:
     return _location_table(one, "adaptive", turn_towards(shown, one.camera), _blind(shown))
 
 
-def _path_table(one: Look, strategy: str, path: Scanpath) -> pa.Table:
+def _path_table(one: Standpoint, strategy: str, path: Scanpath) -> pa.Table:
     pixels = {"pixel_row": path.rows, "pixel_column": path.columns, "saliency": path.saliency}
     locations = ProbingLocations(path.points, path.normals, path.faces)
     return _location_table(one, strategy, locations, pixels)
@@ -218,7 +231,7 @@ def _blind(drawn: ProbingLocations) -> dict[str, object]:
 
 
 def _location_table(
-    one: Look, strategy: str, locations: ProbingLocations, looked: Mapping[str, object]
+    one: Standpoint, strategy: str, locations: ProbingLocations, looked: Mapping[str, object]
 ) -> pa.Table:
     category, name = one.key.split("/")
     columns: dict[str, object] = {

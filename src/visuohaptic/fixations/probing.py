@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from visuohaptic.attention.parameters import AttentionParameters
     from visuohaptic.attention.scanpath import Scanpath
-    from visuohaptic.fixations.locations import Look
+    from visuohaptic.fixations.locations import Look, Standpoint
     from visuohaptic.fixations.viewpoints import Camera
     from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.geometry.surface import Surface
@@ -56,12 +56,15 @@ class Strategy:
         there are no more; fewer are the first of more.
     random : bool
         Whether the generator changes the places.
+    looks : bool
+        Whether it needs the view and its saliency; one that does not takes any `Standpoint`.
     """
 
     name: str
     label: str
     choose: Callable[[Look, AttentionParameters, np.random.Generator], Scanpath | ProbingLocations]
     random: bool = True
+    looks: bool = True
 
 
 @dataclass(frozen=True)
@@ -321,20 +324,20 @@ def _follow_curvature(one: Look, attention: AttentionParameters, *_: object) -> 
 
 
 def _probe_anywhere(
-    one: Look, attention: AttentionParameters, generator: np.random.Generator
+    one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
     drawn = draw_by_area(one.caster.surface, attention.fixations, generator)
     return face_outwards(one.caster, drawn)
 
 
 def _probe_what_is_seen(
-    one: Look, attention: AttentionParameters, generator: np.random.Generator
+    one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
     return draw_visible(one.caster, one.camera, attention.fixations, generator)
 
 
 def _probe_far_apart(
-    one: Look, attention: AttentionParameters, generator: np.random.Generator
+    one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
     spread = spread_far(one.caster.surface, attention.fixations, generator)
     return face_outwards(one.caster, spread)
@@ -343,9 +346,9 @@ def _probe_far_apart(
 STRATEGIES = Registry(
     "probing strategy",
     Strategy("fixation", "eye fixations", _follow_the_eye, random=False),
-    Strategy("random", "random probing", _probe_anywhere),
-    Strategy("random_visible", "random probing of what is seen", _probe_what_is_seen),
-    Strategy("farthest_point", "farthest points", _probe_far_apart),
+    Strategy("random", "random probing", _probe_anywhere, looks=False),
+    Strategy("random_visible", "random probing of what is seen", _probe_what_is_seen, looks=False),
+    Strategy("farthest_point", "farthest points", _probe_far_apart, looks=False),
     Strategy("curvature", "the most curved places", _follow_curvature, random=False),
 )
 """Every strategy that places touches from a view or the surface, in the order of reports."""
