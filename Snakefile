@@ -55,6 +55,8 @@ rule all:
         rules.touches_all.input,
         rules.features_all.input,
         rules.recognition_all.input,
+        rules.frontier_all.input,
+        rules.effect_influence.output,
         rules.report_all.input,
 
 

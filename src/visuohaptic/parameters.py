@@ -68,7 +68,29 @@ class CostParameters(BaseModel):
         128,
         ge=16,
         le=4096,
-        description="Rows and columns of a view of family `lean_viewpoints` (pixels)",
+        description="Rows and columns of a view of families `lean_viewpoints`, `small_view` and `lean_view` (pixels)",
+    )
+    frontier_touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
+        (1, 2, 3, 5),
+        min_length=1,
+        description="Touches from one viewpoint in the frontier of every run; those that the run does not make are left out",
+    )
+    frontier_viewpoints: tuple[Annotated[int, Field(ge=1, le=1024)], ...] = Field(
+        (1, 4),
+        min_length=1,
+        description="Viewpoints that vote in the frontier of every run; those that the run does not have are left out",
+    )
+    lean_imprint_resolution: int = Field(
+        16,
+        ge=2,
+        le=256,
+        description="Sensing points along each edge of the sensor of family `small_imprint`",
+    )
+    touch_seconds: float = Field(
+        5.0, ge=0, description="Time that a robot takes for a touch, without computing (seconds)"
+    )
+    look_seconds: float = Field(
+        0.5, ge=0, description="Time that a robot takes for a look, without computing (seconds)"
     )
     objects: int = Field(4, ge=1, description="Objects, spread over all, on which time is measured")
     rounds: int = Field(3, ge=1, le=1000, description="How often each setting names each of them")
@@ -138,6 +160,8 @@ def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
         "cost.viewpoints": cost.viewpoints,
         "cost.imprint_resolutions": cost.imprint_resolutions,
         "cost.view_resolutions": cost.view_resolutions,
+        "cost.frontier_touches": cost.frontier_touches,
+        "cost.frontier_viewpoints": cost.frontier_viewpoints,
     }
     for name, values in lists.items():
         twice = [value for value, count in Counter(values).items() if count > 1]

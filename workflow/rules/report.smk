@@ -57,6 +57,8 @@ rule report:
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
         meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
+        frontier="results/frontier.parquet",
+        influence="results/effect_influence.parquet",
         # Not part of `all`; once present they are kept up to date and shown in the report.
         measured=[
             file
@@ -85,6 +87,7 @@ rule report:
             "logs": "logs",
             "extras": {
                 "studies": "results/studies",
+                "frontier": "results/frontier.parquet",
                 "effect_influence": "results/effect_influence.parquet",
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",

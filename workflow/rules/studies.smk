@@ -3,22 +3,21 @@
 Takes results/meshes/, results/fixations/, results/touches/ and results/features/, and of a user's own studies
 studies/<study>.yaml; gives results/study_features/<study>/ (what conditions share, made once),
 results/study_blocks/<study>/ (some conditions a job), results/studies/<study>.parquet and reports/studies/<study>.json.
-Studies `cost` and `curves` also give results/cost.parquet and results/touches_needed.parquet; what effects cost
-is in results/effect_influence.parquet. None is part of `all`: `snakemake -j2 study_<study>` makes it (of those of
-the package also `cost_all`, `curves_all`, `ablations_all`, `effects_all`); once present it is kept up to date and
-shown in the report.
+Studies `cost` and `curves` also give results/cost.parquet and results/touches_needed.parquet. Study `frontier`, which
+gives results/frontier.parquet, and what effects cost, results/effect_influence.parquet, are part of `all`. The others
+are not: `snakemake -j2 study_<study>` makes one (of those of the package also `cost_all`, `curves_all`,
+`ablations_all`, `effects_all`); once present it is kept up to date and shown in the report.
 """
 
 STUDY_FIGURES = expand("results/studies/{study}.parquet", study=STUDIES)
 SPECIAL_FIGURES = [
     "results/cost.parquet",
     "results/touches_needed.parquet",
-    "results/effect_influence.parquet",
 ]
 MESHES = expand("results/meshes/{object}.ply", object=OBJECTS)
 # A few objects, spread over all, are enough to measure run times.
 COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
-EFFECT_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // 4))]
+EFFECT_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // 2))]
 # Everything that a condition may depend on.
 RUN = PARAMETERS.model_dump(
     exclude={
@@ -31,6 +30,7 @@ RUN = PARAMETERS.model_dump(
 
 
 wildcard_constraints:
+    weighed="frontier|cost",
     study="[a-z][a-z0-9_]*",
     key="[0-9a-f]+",
     block=r"\d+-\d+",
@@ -46,6 +46,13 @@ for study in STUDIES:
             f"reports/studies/{study}.json",
             # By name, so that a lost block is missed although its figures are there.
             study_blocks(study),
+
+
+rule frontier_all:
+    input:
+        "results/frontier.parquet",
+        # By name, so that a lost block is missed although its figures are there.
+        study_blocks("frontier"),
 
 
 rule cost_all:
@@ -203,42 +210,48 @@ rule cost_seconds:
     input:
         meshes=expand("results/meshes/{object}.ply", object=COST_SAMPLE),
         features=parts_of("features"),
-        made=made_features("cost", PLANS["cost"].remakes),
+        made=all_made_features,
         code=code_of("cost_seconds.py"),
     output:
-        "results/cost_seconds.parquet",
-        record="results/records/cost_seconds.json",
+        "results/{weighed}_seconds.parquet",
+        record="results/records/{weighed}_seconds.json",
     log:
-        "logs/cost_seconds.log",
+        "logs/{weighed}_seconds.log",
     conda:
         "../envs/visuohaptic.yaml"
-    # It works on one, and takes all there are, so that no other job is in its way.
-    threads: all_cores
+    # It works on one; where it measures the whole study, it takes all there are, so that no other
+    # job is in its way.
+    threads: cores_for_timing
     params:
-        remade=list(PLANS["cost"].remakes),
-        parameters={**RUN, "cost": PARAMETERS.cost.model_dump()},
+        study=weighed_study,
+        remade=all_keys,
+        parameters={
+            **RUN,
+            "cost": PARAMETERS.cost.model_dump(exclude={"touch_seconds", "look_seconds"}),
+        },
     message:
-        "timing all settings side by side"
+        "timing all settings of study {wildcards.weighed} side by side"
     script:
         "../scripts/cost_seconds.py"
 
 
 rule cost:
     input:
-        parts=study_blocks("cost"),
-        seconds="results/cost_seconds.parquet",
+        parts=weighed_blocks,
+        seconds="results/{weighed}_seconds.parquet",
         code=code_of("cost.py"),
     output:
-        "results/cost.parquet",
-        record="results/records/cost.json",
+        "results/{weighed}.parquet",
+        record="results/records/{weighed}.json",
     log:
-        "logs/cost.log",
+        "logs/{weighed}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        study=weighed_study,
         parameters=PARAMETERS.model_dump(exclude={"workflow", "meshes"}),
     message:
-        "weighing accuracy against time"
+        "weighing accuracy against time, study {wildcards.weighed}"
     script:
         "../scripts/cost.py"
 

@@ -32,6 +32,10 @@ VALUES_OF_RULES["block_of_study"] = [
     for name, blocks in BLOCKS.items()
     for block in blocks
 ]
+VALUES_OF_RULES["cost_seconds"] = VALUES_OF_RULES["cost"] = [
+    {"weighed": "frontier"},
+    {"weighed": "cost"},
+]
 VALUES_OF_RULES["figures_of_study"] = [{"study": name} for name in STUDIES]
 
 
@@ -110,3 +114,28 @@ def own_features(wildcards):
     """List the run's own features for a block that needs them."""
     needed = any(one.key is None for one in BLOCKS[wildcards.study][wildcards.block])
     return parts_of("features") if needed else []
+
+
+def weighed_study(wildcards):
+    """Name the study that a job weighs."""
+    return wildcards.weighed
+
+
+def all_keys(wildcards):
+    """Name the features of a weighed study that the run does not have."""
+    return list(PLANS[wildcards.weighed].remakes)
+
+
+def all_made_features(wildcards):
+    """List their files."""
+    return made_features(wildcards.weighed, all_keys(wildcards))
+
+
+def weighed_blocks(wildcards):
+    """List the files of a weighed study's blocks."""
+    return study_blocks(wildcards.weighed)
+
+
+def cores_for_timing(wildcards):
+    """Give one core to the frontier, which is small and part of every run, and all to a whole study."""
+    return 1 if wildcards.weighed == "frontier" else all_cores(wildcards)

@@ -6,6 +6,7 @@ from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
     make_cost(
+        study=snakemake.params.study,
         parts=snakemake.input.parts,
         seconds=snakemake.input.seconds,
         output=snakemake.output[0],

@@ -6,6 +6,7 @@ from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
     make_cost_seconds(
+        study=snakemake.params.study,
         meshes=snakemake.input.meshes,
         features=snakemake.input.features,
         made=dict(zip(snakemake.params.remade, snakemake.input.made, strict=True)),

@@ -95,6 +95,73 @@ def object_interval(
     return Interval(mean, float(low), float(high))
 
 
+def rate_interval(
+    values: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    parameters: IntervalParameters,
+    generator: np.random.Generator,
+) -> Interval:
+    """Give a mean of shares as `object_interval` does, with exact limits at 0 and at 1.
+
+    Where every object has the same share of 0 or of 1, resampling gives an interval of no length;
+    its open end is then the exact binomial limit for so many objects.
+
+    Parameters
+    ----------
+    values, weights, parameters, generator
+        As in `object_interval`; values are 0 to 1.
+
+    Returns
+    -------
+    Interval
+        The interval; of a single object within 0 and 1 it is NaN on both ends.
+    """
+    # Sums of shares may miss 1 by a rounding.
+    if np.all(values > 1 - 1e-12):
+        return Interval(1.0, 1 - exact_limit(len(values), parameters.confidence), 1.0)
+    if np.all(values < 1e-12):
+        return Interval(0.0, 0.0, exact_limit(len(values), parameters.confidence))
+    return object_interval(values, weights, parameters, generator)
+
+
+def difference_interval(
+    first: NDArray[np.float64],
+    second: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    parameters: IntervalParameters,
+    generator: np.random.Generator,
+) -> Interval:
+    """Give the mean paired difference of shares, with exact limits where no object differs.
+
+    Parameters
+    ----------
+    first, second : numpy.ndarray
+        Shape (o,), float64: a share an object under each treatment.
+    weights, parameters, generator
+        As in `object_interval`.
+
+    Returns
+    -------
+    Interval
+        Of the first less the second. Where all objects have the same share under both, so many
+        objects can't exclude that others differ: the ends are plus and minus the exact binomial
+        limit.
+    """
+    differences = first - second
+    if np.all(np.abs(differences) < 1e-12):
+        limit = exact_limit(len(differences), parameters.confidence)
+        return Interval(0.0, -limit, limit)
+    return object_interval(differences, weights, parameters, generator)
+
+
+def exact_limit(objects: int, confidence: float) -> float:
+    """Give the largest rate that no event among so many objects leaves possible.
+
+    The upper end of the exact binomial interval (C. Clopper and E. Pearson, Biometrika 26(4), 1934).
+    """
+    return float(1 - ((1 - confidence) / 2) ** (1 / objects))
+
+
 def balanced_interval(
     values: NDArray[np.float64],
     classes: NDArray[np.int64],

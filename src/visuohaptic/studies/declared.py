@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
+from itertools import accumulate, groupby
 from pathlib import Path
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.ablations import ablation_study
 from visuohaptic.studies.conditions import Plan, Planned, Study
-from visuohaptic.studies.cost.settings import cost_study
+from visuohaptic.studies.cost.settings import make_study
 from visuohaptic.studies.curves.settings import curve_study
 from visuohaptic.studies.effects.accuracy import effect_study
 from visuohaptic.studies.own import read_study
 
 PACKAGED: dict[str, Callable[[ExperimentParameters], Study]] = {
-    "cost": cost_study,
+    "frontier": partial(make_study, "frontier"),
+    "cost": partial(make_study, "cost"),
     "curves": curve_study,
     "ablations": ablation_study,
     "effects": effect_study,
@@ -58,7 +61,7 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
     plan : Plan
         The study's conditions.
     conditions_per_job : int or None
-        How many in a block; None for an eighth of them, at most 25.
+        How many in a block, or some more; None for an eighth of them, at most 25.
 
     Returns
     -------
@@ -67,10 +70,18 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
     """
     count = len(plan.conditions)
     step = conditions_per_job or min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK)
-    ordered = sorted(
-        plan.conditions, key=lambda one: (one.key or "", one.parameters.model_dump_json())
-    )
+
+    def training(one: Planned) -> tuple[str, str]:
+        return one.key or "", one.parameters.model_dump_json()
+
+    blocks: list[list[Planned]] = [[]]
+    # Conditions that differ in the vote alone are trained once, by one job.
+    for _, alike in groupby(sorted(plan.conditions, key=training), key=training):
+        if len(blocks[-1]) >= step:
+            blocks.append([])
+        blocks[-1] += alike
+    ends = [0, *accumulate(map(len, blocks))]
     return {
-        f"{start:04d}-{min(start + step, count) - 1:04d}": ordered[start : start + step]
-        for start in range(0, count, step)
+        f"{start:04d}-{end - 1:04d}": block
+        for start, end, block in zip(ends, ends[1:], blocks, strict=False)
     }

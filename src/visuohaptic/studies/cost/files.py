@@ -7,13 +7,12 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from visuohaptic.errors import RecognitionError
 from visuohaptic.geometry.surface import read_surface, usable_meshes
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study
-from visuohaptic.studies.cost.front import error_rows, join_costs
+from visuohaptic.studies.cost.front import weigh
 from visuohaptic.studies.cost.seconds import FittedSetting, fit_setting, measure_seconds
-from visuohaptic.studies.cost.settings import cost_study, make_settings
+from visuohaptic.studies.cost.settings import make_settings, make_study
 from visuohaptic.studies.figures import read_cells
 from visuohaptic.studies.files import read_study_features
 from visuohaptic.tables.phases import FEATURES
@@ -24,6 +23,7 @@ Paths = Sequence[str | Path]
 
 
 def make_cost_seconds(
+    study: str,
     meshes: Paths,
     features: Paths,
     made: Mapping[str, str | Path],
@@ -34,6 +34,8 @@ def make_cost_seconds(
 
     Parameters
     ----------
+    study : {"frontier", "cost"}
+        Whose settings.
     meshes : sequence of path
         Surfaces of the objects on which time is taken.
     features : sequence of path
@@ -47,14 +49,12 @@ def make_cost_seconds(
     """
     held: dict[str | None, pa.Table | str] = {None: read_table(FEATURES, features)}
     settings: list[FittedSetting] = []
-    planned = plan_study(cost_study(run), run).conditions
-    for setting, one in zip(make_settings(run), planned, strict=True):
+    planned = plan_study(make_study(study, run), run).conditions
+    for setting, one in zip(make_settings(run, study), planned, strict=True):
         if one.key is not None and one.key not in held:
             held[one.key] = read_study_features(made[one.key])
         fitted = fit_setting(setting, one, held[one.key], run.seed)
         settings += [fitted] if isinstance(fitted, FittedSetting) else []
-    if not settings:
-        raise RecognitionError("No setting can be run, so there is none to time.")
     surfaces = {
         f"{mesh.parent.name}/{mesh.stem}": read_surface(mesh) for mesh in usable_meshes(meshes)
     }
@@ -63,12 +63,14 @@ def make_cost_seconds(
 
 
 def make_cost(
-    parts: Paths, seconds: str | Path, output: str | Path, run: ExperimentParameters
+    study: str, parts: Paths, seconds: str | Path, output: str | Path, run: ExperimentParameters
 ) -> None:
     """Join error rates and seconds, and mark the front.
 
     Parameters
     ----------
+    study : {"frontier", "cost"}
+        Whose settings.
     parts : sequence of path
         `tables.STUDY` of all settings.
     seconds : path
@@ -78,6 +80,5 @@ def make_cost(
     run : ExperimentParameters
         The run's.
     """
-    errors = error_rows(read_cells(parts), run)
-    table = join_costs(errors, read_table(COST_SECONDS, seconds))
+    table = weigh(read_cells(parts), read_table(COST_SECONDS, seconds), run, study)
     write_table(COST, table, output)

@@ -11,14 +11,19 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.cost.settings import FAMILIES, STRATEGY, make_settings
-from visuohaptic.studies.figures import Cell, CellKey, condition_interval
+from visuohaptic.recognition.intervals import Interval, difference_interval, rate_interval
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.cost.settings import FAMILIES, is_reference, make_settings
+from visuohaptic.studies.figures import Cell, CellKey
 from visuohaptic.tables.schema import build_table, read_table
 from visuohaptic.tables.studies import COST
 
-Row = Mapping[str, Any]
+Row = dict[str, Any]
 
-_OF_SETTING = ("family", "place", "touches", "viewpoints", "pipeline", "classifier")
+_OF_SETTING = (
+    "family", "place", "touches", "viewpoints", "looks", "strategy", "pipeline", "classifier",
+)  # fmt: skip
+_LOST = ("lost", "lost_low", "lost_high")
 
 AIM = 0.95
 """The accuracy that the sentence for the user is about."""
@@ -44,18 +49,54 @@ def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> N
     return ~beaten & np.isfinite(seconds) & np.isfinite(errors)
 
 
-def error_rows(cells: Mapping[CellKey, Cell], run: ExperimentParameters) -> list[Row]:
-    """Give each setting with its error rate, from the study's cells by condition."""
+def weigh(
+    cells: Mapping[CellKey, Cell], seconds: pa.Table, run: ExperimentParameters, study: str
+) -> pa.Table:
+    """Compare a study's settings: error rate against run time.
+
+    Parameters
+    ----------
+    cells : mapping
+        As `studies.figures.read_cells` gives them.
+    seconds : pyarrow.Table
+        Rows of `tables.COST_SECONDS`; a setting that failed need not have one.
+    run : ExperimentParameters
+        The run's.
+    study : str
+        Which study.
+
+    Returns
+    -------
+    pyarrow.Table
+        `tables.COST`.
+    """
+    rows = join_costs(error_rows(cells, run, study), seconds)
+    mark_steps(rows, cells, run)
+    return cost_table(rows)
+
+
+def error_rows(cells: Mapping[CellKey, Cell], run: ExperimentParameters, study: str) -> list[Row]:
+    """Give each setting with its error rate, and what it is more than the reference's."""
+    settings = make_settings(run, study)
+    keys = [(one.condition.name, one.pipeline, one.strategy, one.classifier) for one in settings]
+    reference = next(
+        (cells[key] for one, key in zip(settings, keys, strict=True) if is_reference(one, run)),
+        None,
+    )
     rows: list[Row] = []
-    for setting in make_settings(run):
-        key = (setting.condition.name, setting.pipeline, STRATEGY, setting.classifier)
+    for setting, key in zip(settings, keys, strict=True):
         row = {name: getattr(setting, name) for name in _OF_SETTING}
         row |= {"setting": setting.name, "changes": setting.written_changes}
-        rows.append(row | error_rate(cells[key], run))
+        row |= error_rate(cells[key], run)
+        if reference is not None:
+            lost = _gain(reference, cells[key], run)
+            ends = (None, None, None) if lost is None else (lost.mean, lost.low, lost.high)
+            row |= dict(zip(_LOST, ends, strict=True))
+        rows.append(row)
     return rows
 
 
-def join_costs(errors: Sequence[Row], seconds: pa.Table) -> pa.Table:
+def join_costs(errors: Sequence[Row], seconds: pa.Table) -> list[Row]:
     """Join error rates with seconds, and mark the front.
 
     Parameters
@@ -67,31 +108,43 @@ def join_costs(errors: Sequence[Row], seconds: pa.Table) -> pa.Table:
 
     Returns
     -------
-    pyarrow.Table
-        `tables.COST`, a row a setting, in the order of `errors`.
+    list of dict
+        A row a setting, in the order of `errors`.
     """
     timed = {(row["family"], row["setting"]): row for row in seconds.to_pylist()}
-    names = [column.name for column in COST.columns]
-    rows = []
-    for row in errors:
-        time = timed.get((row["family"], row["setting"]), {})
-        rows.append({name: {**time, **row}.get(name) for name in names})
-    whole = [row["error"] is not None and row["seconds"] is not None for row in rows]
+    rows: list[Row] = [{**timed.get((row["family"], row["setting"]), {}), **row} for row in errors]
     on_front = pareto_front(_column(rows, "seconds"), _column(rows, "error"))
-    columns: dict[str, Any] = {name: [row[name] for row in rows] for name in names}
-    columns["on_front"] = on_front.tolist()
-    columns["dominated"] = [
-        bool(there and not on) for there, on in zip(whole, on_front, strict=True)
-    ]
-    return build_table(COST, columns)
+    for row, on in zip(rows, on_front.tolist(), strict=True):
+        whole = row.get("error") is not None and row.get("seconds") is not None
+        row |= {"on_front": on, "dominated": whole and not on, "step": False}
+    return rows
+
+
+def mark_steps(
+    rows: Sequence[Row], cells: Mapping[CellKey, Cell], run: ExperimentParameters
+) -> None:
+    """Mark the points of the front that are surely more accurate than the step before.
+
+    The quickest point is the first step. Each further step is the quickest point whose accuracy
+    is above that of the step before by an interval over objects that excludes 0.
+    """
+    last: Cell | None = None
+    for row in front_rows(rows):
+        name = f"{row['family']}, {row['setting']}"
+        cell = cells[name, row["pipeline"], row["strategy"], row["classifier"]]
+        gain = None if last is None else _gain(cell, last, run)
+        row["step"] = last is None or (gain is not None and gain.low > 0)
+        last = cell if row["step"] else last
+
+
+def cost_table(rows: Sequence[Row]) -> pa.Table:
+    """Make `tables.COST` of rows as `join_costs` gives them."""
+    names = [column.name for column in COST.columns]
+    return build_table(COST, {name: [row.get(name) for row in rows] for name in names})
 
 
 def error_rate(cell: Cell, run: ExperimentParameters) -> dict[str, Any]:
     """Give the share of recognitions that name wrongly, its interval over objects, and their number.
-
-    Where no object was classified wrongly, resampling can't say how far the rate may be from 0;
-    its upper end is then the exact binomial one for so many objects (C. Clopper and E. Pearson,
-    Biometrika 26(4), 1934).
 
     Parameters
     ----------
@@ -107,25 +160,18 @@ def error_rate(cell: Cell, run: ExperimentParameters) -> dict[str, Any]:
     """
     if cell.error is not None:
         return {"failed": cell.error}
-    objects, intervals = len(cell.objects), run.recognition.intervals
-    # Sums of shares may miss 1 by a rounding.
-    if np.all(cell.accuracy > 1 - 1e-12):
-        high = clopper_pearson_high(objects, intervals.confidence)
-        return {"error": 0.0, "error_low": 0.0, "error_high": high, "objects": objects}
-    found = condition_interval(cell, intervals, run.seed)
-    error, low, high = (min(max(1 - end, 0.0), 1.0) for end in (found.mean, found.high, found.low))
-    return {"error": error, "error_low": low, "error_high": high, "objects": objects}
-
-
-def clopper_pearson_high(objects: int, confidence: float) -> float:
-    """Give the upper end of the exact binomial interval of no error among so many objects."""
-    return float(1 - ((1 - confidence) / 2) ** (1 / objects))
+    found = rate_interval(
+        1 - cell.accuracy, cell.weights, run.recognition.intervals, _generator(run)
+    )
+    error, low, high = (min(max(end, 0.0), 1.0) for end in (found.mean, found.low, found.high))
+    return {"error": error, "error_low": low, "error_high": high, "objects": len(cell.objects)}
 
 
 def read_costs(path: str | Path) -> list[dict[str, Any]]:
     """Read `tables.COST` as rows, family by family, each along its line."""
     rows: list[dict[str, Any]] = read_table(COST, path).to_pylist()
-    order = {family: place for place, family in enumerate(FAMILIES)}
+    families = [family for study in FAMILIES.values() for family in study]
+    order = {family: place for place, family in enumerate(families)}
     return sorted(rows, key=lambda row: (order[row["family"]], row["place"]))
 
 
@@ -180,8 +226,24 @@ def advise(rows: Sequence[Row], aim: float = AIM) -> str:
     )
 
 
+def _gain(first: Cell, second: Cell, run: ExperimentParameters) -> Interval | None:
+    """Give how much more accurate the first is, where both name the same objects."""
+    if not first.objects or first.objects != second.objects:
+        return None
+    intervals = run.recognition.intervals
+    return difference_interval(
+        first.accuracy, second.accuracy, second.weights, intervals, _generator(run)
+    )
+
+
+def _generator(run: ExperimentParameters) -> np.random.Generator:
+    """Give the same draws of objects for all, so that equal figures have equal intervals."""
+    return spawn_generator(run.seed, "studies")
+
+
 def _column(rows: Sequence[Row], name: str) -> NDArray[np.float64]:
-    return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=np.float64)
+    found = [row.get(name) for row in rows]
+    return np.array([np.nan if value is None else value for value in found], dtype=np.float64)
 
 
 def _named(row: Row) -> str:

@@ -17,7 +17,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import find_locations, touch_at
 from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.studies.conditions import Planned
-from visuohaptic.studies.cost.settings import STRATEGY, Setting
+from visuohaptic.studies.cost.settings import Setting
 from visuohaptic.studies.measuring import REFUSALS, condition_features
 from visuohaptic.tables.schema import build_table
 from visuohaptic.tables.studies import COST_SECONDS
@@ -78,7 +78,7 @@ def fit_setting(
         return features
     parameters = planned.parameters
     try:
-        rows = condition_features(planned, features, STRATEGY)
+        rows = condition_features(planned, features, setting.strategy)
         model = fit_model(rows, setting.pipeline, setting.classifier, parameters.recognition, seed)
     except REFUSALS as refusal:
         return str(refusal)
@@ -111,35 +111,44 @@ def measure_seconds(
 
     taken: list[list[dict[str, float]]] = [[] for _ in settings]
     with threadpool_limits(limits=1), _one_thread():
-        first = next(iter(surfaces.items()))
-        for fitted in settings:  # what is made once for all, such as operators, is made here
-            _time(fitted, first[0], first[1], 0)
+        for key, surface in list(surfaces.items())[:1]:
+            for fitted in settings:  # what is made once for all, such as operators, is made here
+                _time(fitted, key, surface, 0)
         for turn in range(rounds):
             for key, surface in surfaces.items():
                 for place, fitted in enumerate(settings):
-                    taken[place].append(_time(fitted, key, surface, turn))
-    return build_table(COST_SECONDS, _columns(settings, taken))
+                    taken[place] += _time(fitted, key, surface, turn)
+    timed = [place for place, each in enumerate(taken) if each]
+    return build_table(
+        COST_SECONDS, _columns([settings[at] for at in timed], [taken[at] for at in timed])
+    )
 
 
-def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> dict[str, float]:
+def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> list[dict[str, float]]:
+    """Time one recognition; none where the object has not enough places to touch."""
     total, count = fitted.parameters.viewpoints.total, fitted.setting.viewpoints
     # Another side of the object in each round.
     numbers = (np.arange(count) * total // count + 3 * turn) % total
-    return recognise_once(surface, key, sorted(numbers.tolist()), fitted)
+    try:
+        return [recognise_once(surface, key, sorted(numbers.tolist()), fitted)]
+    except REFUSALS:
+        return []
 
 
 def _columns(
     settings: Sequence[FittedSetting], taken: Sequence[Sequence[Mapping[str, float]]]
 ) -> dict[str, object]:
-    whole = np.array([[sum(once.values()) for once in each] for each in taken])
-    low, middle, high = np.quantile(whole, [0.25, 0.5, 0.75], axis=1)
+    quartiles = [
+        np.quantile([sum(once.values()) for once in each], [0.25, 0.5, 0.75]) for each in taken
+    ]
+    low, middle, high = np.reshape(quartiles, (-1, 3)).T
     columns: dict[str, object] = {
         "family": [fitted.setting.family for fitted in settings],
         "setting": [fitted.setting.name for fitted in settings],
         "seconds": middle,
         "seconds_low": low,
         "seconds_high": high,
-        "recognitions": np.full(len(settings), whole.shape[1]),
+        "recognitions": [len(each) for each in taken],
     }
     for phase in PHASES:
         columns[f"seconds_{phase}"] = [

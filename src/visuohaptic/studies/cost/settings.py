@@ -1,12 +1,19 @@
-"""The settings that are weighed: families in each of which one thing varies."""
+"""The settings whose accuracy and run time are compared, in two studies.
+
+`frontier` is small and part of every run: few touches and viewpoints by each of the run's
+strategies, where accuracy is not yet at its limit, and some ways to save time. `cost` has families
+in each of which one thing varies over its whole range.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.scene.parameters import PRESETS
@@ -40,6 +47,8 @@ class Setting:
         Touches from each viewpoint.
     viewpoints : int
         Viewpoints that vote.
+    strategy : str
+        What chooses the places to touch.
     pipeline, classifier : str
         What names the object.
     changes : mapping of str
@@ -51,9 +60,15 @@ class Setting:
     place: int
     touches: int
     viewpoints: int = 1
+    strategy: str = STRATEGY
     pipeline: str = PIPELINE
     classifier: ClassifierName = CLASSIFIER
     changes: Changes = field(default_factory=dict)
+
+    @property
+    def looks(self) -> int:
+        """Views that must be looked at; a strategy that needs no view looks at none."""
+        return self.viewpoints if STRATEGIES[self.strategy].looks else 0
 
     @property
     def written_changes(self) -> str:
@@ -64,7 +79,7 @@ class Setting:
     def condition(self) -> Condition:
         """The setting as a condition of the study."""
         own = {
-            "probing.strategies": (STRATEGY,),
+            "probing.strategies": (self.strategy,),
             "attention.fixations": self.touches,
             "recognition.touches": self.touches,
             "recognition.pipelines": (self.pipeline,),
@@ -75,35 +90,54 @@ class Setting:
         return Condition(name, {**self.changes, **own}, votes=self.viewpoints)
 
 
-def cost_study(run: ExperimentParameters) -> Study:
-    """Give the settings of all families as conditions."""
-    conditions = tuple(setting.condition for setting in make_settings(run))
-    return Study("cost", "What accuracy costs in time", conditions)
+TITLES = {"frontier": "Accuracy against time", "cost": "What accuracy costs in time"}
 
 
-def make_settings(run: ExperimentParameters) -> list[Setting]:
-    """Give every setting of every family.
+def make_study(name: str, run: ExperimentParameters) -> Study:
+    """Give a study's settings as conditions."""
+    conditions = tuple(setting.condition for setting in make_settings(run, name))
+    return Study(name, TITLES[name], conditions)
+
+
+def make_settings(run: ExperimentParameters, study: str) -> list[Setting]:
+    """Give every setting of a study.
 
     Parameters
     ----------
     run : ExperimentParameters
         The run's; its own values are those of all that a family does not vary.
+    study : {"frontier", "cost"}
+        Which study.
 
     Returns
     -------
     list of Setting
         Family by family.
     """
-    return [setting for family in FAMILIES for setting in family_settings(family, run)]
+    return [
+        setting for family in FAMILIES[study] for setting in family_settings(study, family, run)
+    ]
 
 
-def family_settings(family: str, run: ExperimentParameters) -> list[Setting]:
-    """Give the settings of one of `FAMILIES`."""
-    touches = run.recognition.touches or run.attention.fixations
+def family_settings(study: str, family: str, run: ExperimentParameters) -> list[Setting]:
+    """Give the settings of one of a study's families."""
+    touches = run_touches(run)
     return [
         Setting(family, name, place, **{"touches": touches, **values})
-        for place, (name, values) in enumerate(FAMILIES[family](run))
+        for place, (name, values) in enumerate(FAMILIES[study][family](run))
     ]
+
+
+def is_reference(setting: Setting, run: ExperimentParameters) -> bool:
+    """Tell whether a setting is what others are compared with: the run's own, from one viewpoint."""
+    own = (run_touches(run), 1, STRATEGY, PIPELINE, CLASSIFIER)
+    varied = (setting.touches, setting.viewpoints, setting.strategy)
+    return (*varied, setting.pipeline, setting.classifier) == own and not setting.changes
+
+
+def run_touches(run: ExperimentParameters) -> int:
+    """Give the touches of a sequence in the run."""
+    return run.recognition.touches or run.attention.fixations
 
 
 Varied = Iterator[tuple[str, dict[str, Any]]]
@@ -169,17 +203,70 @@ def _effects(run: ExperimentParameters) -> Varied:
         yield preset, {"changes": changes}
 
 
-FAMILIES: dict[str, Callable[[ExperimentParameters], Varied]] = {
-    "touches": _touches,
-    "viewpoints": _viewpoints,
-    "lean_viewpoints": _lean_viewpoints,
-    "imprint": _imprint,
-    "render": _render,
-    "channels": _channels,
-    "features": _features,
-    "pipelines": _pipelines,
-    "effects": _effects,
+def _probed(strategy: str, run: ExperimentParameters) -> Varied:
+    if strategy not in run.probing.strategies:
+        return
+    for touches in _within(run.cost.frontier_touches, run_touches(run)):
+        for viewpoints in _within(run.cost.frontier_viewpoints, run.viewpoints.total):
+            name = f"{_counted(touches, 'touch', 'es')}, {_counted(viewpoints, 'viewpoint', 's')}"
+            yield name, {"touches": touches, "viewpoints": viewpoints, "strategy": strategy}
+
+
+def _small_view(run: ExperimentParameters) -> Varied:
+    return _lean(run, {"rendering.resolution": run.cost.lean_view_resolution})
+
+
+def _lean_view(run: ExperimentParameters) -> Varied:
+    weights = _weights(run, CLASSIC_CHANNELS)
+    return _lean(
+        run,
+        {"rendering.resolution": run.cost.lean_view_resolution, "attention.weights": weights},
+    )
+
+
+def _small_imprint(run: ExperimentParameters) -> Varied:
+    return _lean(run, {"sensor.resolution": run.cost.lean_imprint_resolution})
+
+
+def _lean(run: ExperimentParameters, changes: Changes) -> Varied:
+    """Vary the touches from one viewpoint with something made smaller; nothing where nothing is."""
+    if STRATEGY not in run.probing.strategies or with_changes(run, changes) == run:
+        return
+    for touches in _within(run.cost.frontier_touches, run_touches(run))[1::2]:
+        yield _counted(touches, "touch", "es"), {"touches": touches, "changes": changes}
+
+
+def _paper(run: ExperimentParameters) -> Varied:
+    if STRATEGY in run.probing.strategies:
+        touches = run_touches(run)
+        yield _counted(touches, "touch", "es"), {"pipeline": "paper"}
+
+
+def _within(values: Sequence[int], most: int) -> list[int]:
+    return sorted({min(value, most) for value in values})
+
+
+FAMILIES: dict[str, dict[str, Callable[[ExperimentParameters], Varied]]] = {
+    "frontier": {
+        **{name: partial(_probed, name) for name in STRATEGIES.names},
+        "small_view": _small_view,
+        "lean_view": _lean_view,
+        "small_imprint": _small_imprint,
+        "paper": _paper,
+    },
+    "cost": {
+        "touches": _touches,
+        "viewpoints": _viewpoints,
+        "lean_viewpoints": _lean_viewpoints,
+        "imprint": _imprint,
+        "render": _render,
+        "channels": _channels,
+        "features": _features,
+        "pipelines": _pipelines,
+        "effects": _effects,
+    },
 }
+"""By study and family, what varies."""
 
 
 def _weights(run: ExperimentParameters, kept: Iterable[str]) -> dict[str, float]:
