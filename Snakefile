@@ -56,7 +56,7 @@ rule all:
         rules.features_all.input,
         rules.recognition_all.input,
         rules.frontier_all.input,
-        rules.effect_influence.output,
+        rules.influence_all.input,
         rules.report_all.input,
 
 

@@ -3,11 +3,12 @@
 import pytest
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
-from studies.cost.test_front import cost_table
+from studies.cost.test_front import BLIND, RENDER, cost_rows, cost_table
 
-from visuohaptic.report.cost import HEIGHT, cost_chart, cost_figures
+from visuohaptic.report.cost import HEIGHT, advise, advise_robot, cost_chart, cost_figures
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.studies.cost.front import on_robot
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
 
@@ -70,9 +71,74 @@ def test_figures_that_are_all_alike_still_have_an_axis():
 
 
 def test_what_was_not_measured_has_no_figures(tmp_path):
-    assert cost_figures(None) is None
-    assert cost_figures(tmp_path / "none.parquet") is None
+    assert cost_figures(None, PARAMETERS) is None
+    assert cost_figures(tmp_path / "none.parquet", PARAMETERS) is None
     assert cost_chart(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:], ("imprint",)) is None
+
+
+def said(rows):
+    return [sentence.replace("\N{NO-BREAK SPACE}", " ") for sentence in advise(rows, PARAMETERS)]
+
+
+def test_the_advice_names_steps_with_their_price_and_what_can_not_be_told_apart():
+    rows = cost_rows([("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.1), ("5 touches", 0.1, 0.08)])
+    rows[0]["step"] = rows[1]["step"] = True
+    first, second, rest = said(rows)
+    assert first == (
+        "The quickest setting, touches, 1 touch, takes 10 ms a recognition and is wrong in 40.0 % "
+        "(20.0 % to 90.0 %)."
+    )
+    assert second == (
+        "The next step that is more accurate with 95 % confidence is touches, 2 touches: 2 times the "
+        "time, 10.0 % wrong (5.0 % to 30.0 %)."
+    )
+    assert (
+        rest == "1 further point of the front can't be told apart from that step with 12 objects."
+    )
+    assert said([]) == ["No setting could be both run and timed."]
+
+
+@pytest.mark.parametrize(
+    ("lost", "verdict"),
+    [
+        ((0.001, -0.002, 0.009), "and costs less than 1 point of accuracy with 95 % confidence."),
+        (
+            (0.001, -0.002, 0.02),
+            (
+                "; its accuracy can't be told apart from the run's own with 12 objects "
+                "(\N{MINUS SIGN}0.2 to +2.0 points of error)."
+            ),
+        ),
+        ((0.03, 0.005, 0.06), "and costs +3.0 points of error (+0.5 to +6.0)."),
+    ],
+)
+def test_a_saving_is_given_with_how_sure_its_price_is(lost, verdict):
+    own = ("own", 0.1, 0.01, {"lost": 0.0, "lost_low": 0.0, "lost_high": 0.0})
+    figures = dict(zip(("lost", "lost_low", "lost_high"), lost, strict=True))
+    rows = cost_rows([own, ("lean", 0.06, 0.02, {**figures, "changes": RENDER})])
+    assert said(rows)[-1].startswith(
+        "Touches, lean (rendering.resolution 64) saves 40 % of the time"
+    )
+    assert said(rows)[-1].endswith(verdict)
+
+
+def test_the_advice_says_from_which_price_on_looking_pays():
+    rows = cost_rows(
+        [
+            ("blind", 0.01, 0.05, {**BLIND, "touches": 3, "viewpoints": 4}),
+            ("looking", 0.1, 0.04, {"touches": 2, "viewpoints": 2, "looks": 2}),
+        ]
+    )
+    cost = PARAMETERS.cost
+    computing, robot, price = advise_robot(rows, on_robot(rows, cost), cost)
+    assert computing == "By computing time, the front holds random probing and eye fixations."
+    assert robot.endswith("5 s for a touch and 0.5 s for a look, the front holds eye fixations.")
+    assert price.replace("\N{NO-BREAK SPACE}", " ") == (
+        "Without a look the error rate falls to 5.0 % at best, with 12 touches; 4 touches and 2 looks "
+        "reach the same or better, so looking pays as long as a look takes less time than 4 touches "
+        "(here 0.5 s, and 20 s)."
+    )
+    assert advise_robot(rows[:1], rows[:1], cost) == advise_robot(rows[1:], rows[1:], cost) == []
 
 
 @pytest.mark.slow
@@ -84,8 +150,9 @@ def test_the_page_tells_what_accuracy_costs(tmp_path):
     page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
     assert page.mismatches == []
     text = page.text.replace("\N{NO-BREAK SPACE}", " ")
-    assert "For 95 % take 5 touches (family touches): it costs 100 ms a recognition" in text
-    assert "costs 5.0 times as much" in text
+    assert (
+        "The quickest setting, touches, 1 touch, takes 10 ms a recognition and is wrong in" in text
+    )
     assert "failed: images are too small." in text
     assert "All 5 settings" in text
     assert "dominated" in text

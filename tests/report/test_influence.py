@@ -4,7 +4,7 @@ import pytest
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
 
-from visuohaptic.report.influence import hard_places, influence_figures
+from visuohaptic.report.influence import effects_answer, hard_places, influence_figures
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.sensor import CONTACT_STATES, hard_probes
@@ -15,11 +15,11 @@ from visuohaptic.tables.studies import EFFECT_INFLUENCE
 @pytest.fixture
 def influence(tmp_path):
     rows = [
-        ("any", "shading", 8, 0.08, 0.08, 0.06),
-        ("any", "cast_shadows", 8, 0.0, 0.4, 0.003),
-        ("ideal", "adaptive_size", 500, 0.1, 0.2, 0.25),
-        ("ideal", "noise", 500, 0.0, 0.3, 0.0),
-        ("worn_fsr", "noise", 500, 0.3, 0.3, 0.0125),
+        ("any", "shading", 8, 8, 0.08, 0.08, 0.06, True),
+        ("any", "cast_shadows", 8, 0, 0.0, 0.4, 0.003, True),
+        ("ideal", "adaptive_size", 500, 400, 0.1, 0.2, 0.25, True),
+        ("ideal", "noise", 500, 0, 0.0, 0.3, 0.0, True),
+        ("worn_fsr", "noise", 500, 500, 0.3, 0.3, 0.0125, True),
     ]
     names = [column.name for column in EFFECT_INFLUENCE.columns]
     columns = {name: [row[place] for row in rows] for place, name in enumerate(names)}
@@ -31,8 +31,14 @@ def influence(tmp_path):
 def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence):
     figures = influence_figures(influence, "ideal")
     assert (figures.touches, figures.views) == (500, 8)
-    assert figures.seconds == pytest.approx(0.1)
-    assert figures.seconds_always == pytest.approx(0.5)
+    ideal, worn = figures.scenes
+    assert (ideal.needed, ideal.unneeded) == (("adaptive_size",), ("noise",))
+    assert (ideal.milliseconds, ideal.milliseconds_always) == pytest.approx((200.0, 1000.0))
+    assert (worn.name, worn.needed, worn.unneeded) == ("worn_fsr", ("noise",), ())
+    assert effects_answer(figures).replace("\xa0", " ") == (
+        "Scene ideal needs 1 of 2 effects of touch; leaving out the others saves 80 % of the time of "
+        "effects, and no bit changes. Scene worn_fsr needs 1 of 1 effect of touch."
+    )
     size, noise = figures.touch
     assert (size.milliseconds, size.milliseconds_always) == pytest.approx((200.0, 400.0))
     assert noise.shifts == {"worn_fsr": 0.0125}
@@ -69,7 +75,7 @@ def test_the_page_shows_hard_places_and_the_figures_that_are_there(tmp_path, inf
     page = read_page(render_page(read_run(measured, PARAMETERS, OBJECTS)))
     assert page.mismatches == []
     text = page.text.replace("\xa0", " ")
-    assert "500 touches took 0.10 s of effects as this run simulates them, and 0.50 s" in text
+    assert "ideal adaptive size noise 200 1000 bit for bit" in text
     assert "adaptive size 200.0 400.0 25.0 % \u2013 \u2013" in text
     assert "cast shadows 0.00 50.00 0.3 %" in text
     assert "Each scene without an effect is compared with the whole scene" in text

@@ -37,15 +37,10 @@ def test_no_output_of_a_stage_persists(stage):
     assert "persist" not in str(STAGES[stage])
 
 
-# Studies are made on request; studies/dvc.yaml has their stages.
+# Other studies are made on request; studies/dvc.yaml has their stages.
 ASIDE = {
-    "workflow/scripts/cost.py",
-    "workflow/scripts/cost_seconds.py",
-    "workflow/scripts/effect_influence.py",
     "workflow/scripts/study_adaptive.py",
-    "workflow/scripts/study_block.py",
     "workflow/scripts/study_candidates.py",
-    "workflow/scripts/study_features.py",
     "workflow/scripts/study_figures.py",
     "workflow/scripts/touches_needed.py",
 }

@@ -55,6 +55,11 @@ rule frontier_all:
         study_blocks("frontier"),
 
 
+rule influence_all:
+    input:
+        "results/effect_influence.parquet",
+
+
 rule cost_all:
     input:
         "results/cost.parquet",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from visuohaptic.report.comparison import Figure
@@ -118,14 +118,14 @@ Place = Callable[[float], float]
 
 
 def place_points(
-    series: Sequence[Sequence[Point]], x_of: Place, y_of: Place, top: str = ""
+    series: Iterable[tuple[int, Sequence[Point]]], x_of: Place, y_of: Place, top: str = ""
 ) -> tuple[tuple[Mark, ...], tuple[tuple[int, float, float, float, float], ...]]:
     """Place series of points, each joined by lines.
 
     Parameters
     ----------
-    series : sequence of sequence of Point
-        Points in the order in which they are joined.
+    series : iterable of (int, sequence of Point)
+        Number of a series, and points of it in the order in which they are joined.
     x_of, y_of : callable
         Place of a value, in percent of the width and in pixels.
     top : str
@@ -140,7 +140,7 @@ def place_points(
     """
     marks: list[Mark] = []
     lines = []
-    for number, points in enumerate(series):
+    for number, points in series:
         placed = [_mark(number, point, x_of, y_of) for point in points]
         marks += placed
         lines += [

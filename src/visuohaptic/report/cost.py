@@ -1,23 +1,40 @@
-"""What accuracy costs in time: the chart of seconds against error rate, and the table behind it."""
+"""What accuracy costs in time: charts of seconds against error rate, and what follows from them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
+from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.report.charts import LogAxis, Mark, Point, PointChart, place_points
-from visuohaptic.report.wording import percent, spaced
-from visuohaptic.studies.cost.front import advise, front_rows, read_costs
+from visuohaptic.report.wording import (
+    counted,
+    listed,
+    percent,
+    points,
+    strategy_name,
+    titled,
+)
+from visuohaptic.studies.cost.front import (
+    Row,
+    Saving,
+    all_touches,
+    break_even,
+    find_savings,
+    front_rows,
+    on_robot,
+    read_costs,
+    reference_row,
+)
 
 HEIGHT = 420
 """Of the part with the logarithmic axis, pixels."""
 
 LANE = 34
 """Height of a strip under it, for settings without an error and for those that failed."""
-
-Row = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -30,7 +47,7 @@ class CostChart(PointChart):
 
 @dataclass(frozen=True)
 class CostFigures:
-    """The section's numbers.
+    """The section's numbers, of one study.
 
     Attributes
     ----------
@@ -38,29 +55,36 @@ class CostFigures:
         Names of the families, in the order of their colours.
     rows, front : sequence of mapping
         Rows of `tables.COST`: all, and those on the front, the quickest first.
-    advice : str
-        The plain sentence.
+    advice : list of str
+        What follows from them, in sentences.
     recognitions : int
-        Recognitions that each setting was timed on.
-    chart : CostChart or None
-        None where nothing could be both run and timed.
+        Recognitions that each setting was timed on, at most.
+    reference : mapping or None
+        The row of the run's own setting from one viewpoint.
+    chart, robot : CostChart or None
+        Computing time, and a robot's time, against error rate; None where nothing could be both
+        run and timed.
     """
 
     families: tuple[str, ...]
     rows: Sequence[Row]
     front: Sequence[Row]
-    advice: str
+    advice: list[str]
     recognitions: int
+    reference: Row | None
     chart: CostChart | None
+    robot: CostChart | None
 
 
-def cost_figures(path: str | Path | None) -> CostFigures | None:
+def cost_figures(path: str | Path | None, run: ExperimentParameters) -> CostFigures | None:
     """Read what accuracy costs.
 
     Parameters
     ----------
     path : path or None
         `tables.COST`.
+    run : ExperimentParameters
+        What was run; it has a robot's prices, and the confidence of intervals.
 
     Returns
     -------
@@ -71,17 +95,140 @@ def cost_figures(path: str | Path | None) -> CostFigures | None:
         return None
     rows = read_costs(path)
     families = tuple(dict.fromkeys(row["family"] for row in rows))
+    robot = on_robot(rows, run.cost)
     return CostFigures(
         families,
         rows,
         front_rows(rows),
-        advise(rows),
+        [*advise(rows, run), *advise_robot(rows, robot, run.cost)],
         max((row["recognitions"] or 0 for row in rows), default=0),
+        reference_row(rows),
         cost_chart(rows, families),
+        cost_chart(robot, families),
     )
 
 
-def cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None:
+def cost_answer(figures: CostFigures) -> str:
+    """Say in one or two sentences what accuracy costs."""
+    if not figures.front:
+        return "No setting could be both run and timed."
+    first, last = figures.front[0], figures.front[-1]
+    said = (
+        f"From {_duration(first['seconds'])} a recognition at {percent(first['error'])} wrong "
+        f"({_named(first)}) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
+        f"({_interval(last)}; {_named(last)})."
+    )
+    own = figures.reference
+    if own is None or own in (first, last) or own["seconds"] is None:
+        return said
+    return (
+        f"{said} The run's own setting, {_named(own)}, takes {_duration(own['seconds'])} and is "
+        f"wrong in {percent(own['error'])} ({_interval(own)})."
+    )
+
+
+def cue_sentences(rows: Sequence[Row]) -> list[str]:
+    """Say what positions alone and imprints alone are worth, and the map of the paper's pipeline."""
+    found = {(row["family"], row["setting"]): row for row in rows if row["error"] is not None}
+    pose, skin = (found.get(("cues", name)) for name in ("pose alone", "skin alone"))
+    sentences = []
+    if pose and skin:
+        sentences.append(
+            f"“From touch alone” is mostly where the touches are, in an upright frame: with pipeline "
+            f"best, positions and normals alone give {_correct(pose)}, imprints alone {_correct(skin)}."
+        )
+    without = found.get(("paper", "without the map"))
+    if without:
+        sentences.append(f"Without its map the paper's pipeline gives {_correct(without)}.")
+    return sentences
+
+
+def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
+    """Say which settings are worth their time, and how sure that is.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        Rows of `tables.COST`.
+    run : ExperimentParameters
+        What was run.
+
+    Returns
+    -------
+    list of str
+        Sentences: the steps of the front, then what each smaller setting saves and loses.
+    """
+    steps = [row for row in front_rows(rows) if row["step"]]
+    if not steps:
+        return ["No setting could be both run and timed."]
+    confidence = f"{100 * run.recognition.intervals.confidence:g} %"
+    first, *further = steps
+    told = [
+        (
+            f"The quickest setting, {_named(first)}, takes {_duration(first['seconds'])} a recognition "
+            f"and is wrong in {percent(first['error'])} ({_interval(first)})."
+        )
+    ]
+    for before, row in pairwise(steps):
+        ratio = _times(row["seconds"] / before["seconds"])
+        told.append(
+            f"The next step that is more accurate with {confidence} confidence is {_named(row)}: "
+            f"{ratio}, {percent(row['error'])} wrong ({_interval(row)})."
+        )
+    last = steps[-1]
+    rest = [row for row in front_rows(rows) if row["seconds"] > last["seconds"]]
+    if rest:
+        told.append(
+            f"{counted(len(rest), 'further point').capitalize()} of the front can't be told apart "
+            f"from {'that step' if further else 'it'} with {counted(last['objects'], 'object')}."
+        )
+    return told + [_saving_sentence(saving, confidence) for saving in find_savings(rows)]
+
+
+def advise_robot(rows: Sequence[Row], robot: Sequence[Row], cost: CostParameters) -> list[str]:
+    """Say which strategy is ahead by computing time and by a robot's time, and from which price on.
+
+    Parameters
+    ----------
+    rows, robot : sequence of mapping
+        Rows of `tables.COST` with computing time and with a robot's time.
+    cost : CostParameters
+        The prices.
+
+    Returns
+    -------
+    list of str
+        Sentences; none where only one kind of strategy was measured.
+    """
+    found = break_even(rows)
+    if found is None or not any(row["looks"] for row in rows):
+        return []
+    priced = f"{cost.touch_seconds:g} s for a touch and {cost.look_seconds:g} s for a look"
+    told = [
+        f"By {clock}, the front holds {listed(_strategies(front_rows(table)))}."
+        for clock, table in (
+            ("computing time", rows),
+            (f"the time of a robot that takes {priced}", robot),
+        )
+    ]
+    reached = (
+        f"Without a look the error rate falls to {percent(found.error)} at best, with "
+        f"{counted(all_touches(found.blind), 'touch')}"
+    )
+    price = found.touches_a_look
+    if found.looking is None or price is None:
+        return [*told, f"{reached}; no setting that looks is as accurate."]
+    touches = counted(all_touches(found.looking), "touch")
+    reached += f"; {touches} and {counted(found.looking['looks'], 'look')} reach the same or better"
+    if price <= 0:
+        return [*told, f"{reached}, so here looking saves no touch."]
+    limit = f"{price:.2g} touches (here {cost.look_seconds:g} s, and {price * cost.touch_seconds:.3g} s)"
+    return [*told, f"{reached}, so looking pays as long as a look takes less time than {limit}."]
+
+
+def cost_chart(
+    rows: Sequence[Row], families: Sequence[str], height: int = HEIGHT
+) -> CostChart | None:
     """Place settings in a chart with two logarithmic axes.
 
     A logarithm has no place for an error rate of 0: such settings stand in a strip under
@@ -93,6 +240,8 @@ def cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None
         Rows of `tables.COST`.
     families : sequence of str
         The families in the order of their colours.
+    height : int
+        Of the part with the logarithmic axis, pixels.
 
     Returns
     -------
@@ -106,8 +255,8 @@ def cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None
     flawless = any(row["error"] == 0 for row in placed)
     across = LogAxis([row[name] for row in placed for name in ("seconds_low", "seconds_high")])
     down = LogAxis([row[name] for row in placed for name in ("error", "error_high")])
-    bottom = HEIGHT + LANE * (flawless + bool(failed))
-    none_lane = HEIGHT + LANE / 2 if flawless else None
+    bottom = height + LANE * (flawless + bool(failed))
+    none_lane = height + LANE / 2 if flawless else None
     failed_lane = bottom - LANE / 2 if failed else None
 
     def x_of(seconds: float) -> float:
@@ -115,12 +264,13 @@ def cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None
 
     def y_of(error: float) -> float:
         if error <= 0:
-            return none_lane or HEIGHT
-        return round(HEIGHT * (1 - down.share(error)), 1)
+            return none_lane or height
+        return round(height * (1 - down.share(error)), 1)
 
     lines_of = [
-        [_point(row, down.low) for row in sorted(placed, key=_along) if row["family"] == family]
-        for family in families
+        (number, [_point(row, down.low) for row in line])
+        for number, family in enumerate(families)
+        for line in _lines([row for row in placed if row["family"] == family])
     ]
     marks, lines = place_points(lines_of, x_of, y_of, top="front")
     failures = tuple(
@@ -128,7 +278,7 @@ def cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None
             families.index(row["family"]),
             round(100 * (place + 0.5) / len(failed), 2),
             failed_lane or 0.0,
-            f"{spaced(row['family'])}, {row['setting']}: failed. {row['failed']}",
+            f"{strategy_name(row['family'])}, {row['setting']}: failed. {row['failed']}",
             kind="failed",
         )
         for place, row in enumerate(failed)
@@ -157,18 +307,72 @@ def _point(row: Row, lowest: float) -> Point:
     )
 
 
-def _along(row: Row) -> int:
-    return int(row["place"])
+def _lines(rows: Sequence[Row]) -> list[list[Row]]:
+    """Cut a family's settings where touches and viewpoints change both: a line is about one thing."""
+    lines: list[list[Row]] = []
+    for row in sorted(rows, key=lambda row: int(row["place"])):
+        before = lines[-1][-1] if lines else row
+        changed = sum(row[name] != before[name] for name in ("touches", "viewpoints"))
+        if changed > 1 or not lines:
+            lines.append([])
+        lines[-1].append(row)
+    return lines
 
 
 def _label(row: Row) -> str:
     kind = "on the front" if row["on_front"] else "dominated"
     return (
-        f"{spaced(row['family'])}, {row['setting']}: {_duration(row['seconds'], 3)} (quartiles "
+        f"{strategy_name(row['family'])}, {row['setting']}: {_duration(row['seconds'], 3)} (quartiles "
         f"{_duration(row['seconds_low'], 3)} to {_duration(row['seconds_high'], 3)}), "
         f"{percent(row['error'], 2)} wrong (interval {percent(row['error_low'], 2)} to "
         f"{percent(row['error_high'], 2)}), {kind}"
     )
+
+
+def _saving_sentence(saving: Saving, confidence: str) -> str:
+    row = saving.row
+    said = f"{titled(_named(row))} ({_changes(row)}) saves {percent(saving.saved, 0)} of the time"
+    ends = f"{points(row['lost_low'])} to {points(row['lost_high'])}"
+    if saving.verdict == "free":
+        return f"{said} and costs less than 1 point of accuracy with {confidence} confidence."
+    if saving.verdict == "open":
+        return (
+            f"{said}; its accuracy can't be told apart from the run's own with "
+            f"{counted(row['objects'], 'object')} ({ends} points of error)."
+        )
+    return f"{said} and costs {points(row['lost'])} points of error ({ends})."
+
+
+def _changes(row: Row) -> str:
+    changes = json.loads(row["changes"])
+    return listed([f"{name} {_short(value)}" for name, value in changes.items()])
+
+
+def _short(value: object) -> str:
+    if isinstance(value, dict):
+        return listed([name for name, weight in value.items() if weight])
+    return listed(value) if isinstance(value, list) else str(value)
+
+
+def _strategies(rows: Sequence[Row]) -> list[str]:
+    return list(dict.fromkeys(strategy_name(row["strategy"]) for row in rows))
+
+
+def _named(row: Row) -> str:
+    return f"{strategy_name(row['family'])}, {row['setting']}"
+
+
+def _times(ratio: float) -> str:
+    return f"{ratio:.2g} times the time" if ratio >= 1.05 else "as long"
+
+
+def _correct(row: Row) -> str:
+    ends = f"{percent(1 - row['error_high'])} to {percent(1 - row['error_low'])}"
+    return f"{percent(1 - row['error'])} ({ends})"
+
+
+def _interval(row: Row) -> str:
+    return f"{percent(row['error_low'])} to {percent(row['error_high'])}"
 
 
 def _duration(seconds: float, digits: int = 2) -> str:

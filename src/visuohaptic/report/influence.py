@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.pictures import imprint_strip
+from visuohaptic.report.wording import counted, percent
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
@@ -36,15 +37,38 @@ class EffectFigures:
 
 
 @dataclass(frozen=True)
+class SceneFigures:
+    """All effects of touch in one scene, on a sample.
+
+    Attributes
+    ----------
+    name : str
+        The scene's preset.
+    needed, unneeded : tuple of str
+        Effects that some touch needed, and those that none did.
+    milliseconds, milliseconds_always : float
+        For a thousand touches: as simulated, and with everything simulated always.
+    equal : bool or None
+        Whether both gave the same images, bit for bit; None where the scene switches effects off.
+    """
+
+    name: str
+    needed: tuple[str, ...]
+    unneeded: tuple[str, ...]
+    milliseconds: float
+    milliseconds_always: float
+    equal: bool | None
+
+
+@dataclass(frozen=True)
 class InfluenceFigures:
-    """All effects on a sample, those of the view apart, and the seconds of all of touch."""
+    """All effects on a sample, those of the view apart, and each scene as a whole."""
 
     view: list[EffectFigures]
     touch: list[EffectFigures]
+    scenes: list[SceneFigures]
     views: int
     touches: int
-    seconds: float
-    seconds_always: float
 
 
 @dataclass(frozen=True)
@@ -78,15 +102,22 @@ def influence_figures(path: str | Path | None, scene: str) -> InfluenceFigures |
     rows = {(row["scene"], row["effect"]): row for row in table.to_pylist()}
     touch = [name for name in EffectModes.model_fields if (scene, name) in rows]
     view = [name for name in VISUAL_EFFECTS if ("any", name) in rows]
-    own = [rows[scene, name] for name in touch]
     return InfluenceFigures(
         view=[_effect_figures(name, rows, "any", 1) for name in view],
         touch=[_effect_figures(name, rows, scene, 1000) for name in touch],
+        scenes=[
+            _scene_figures(name, [row for row in rows.values() if row["scene"] == name])
+            for name in PRESETS
+            if any(found == name for found, _ in rows)
+        ],
         views=max((rows["any", name]["touches"] for name in view), default=0),
-        touches=max((row["touches"] for row in own), default=0),
-        seconds=sum(row["seconds"] for row in own),
-        seconds_always=sum(row["seconds_always"] for row in own),
+        touches=max((rows[scene, name]["touches"] for name in touch), default=0),
     )
+
+
+def effects_answer(figures: InfluenceFigures) -> str:
+    """Say in a sentence a scene which effects were needed, and what leaving out the rest saves."""
+    return " ".join(_scene_sentence(scene) for scene in figures.scenes)
 
 
 def hard_places(parameters: ExperimentParameters) -> list[HardPlace]:
@@ -114,6 +145,32 @@ def hard_places(parameters: ExperimentParameters) -> list[HardPlace]:
         )
         for probe, felt in touched
     ]
+
+
+def _scene_figures(name: str, rows: Sequence[Mapping[str, Any]]) -> SceneFigures:
+    order = {effect: place for place, effect in enumerate(EffectModes.model_fields)}
+    rows = sorted(rows, key=lambda row: order[row["effect"]])
+    scale = 1e6 / max(row["touches"] for row in rows)
+    return SceneFigures(
+        name,
+        needed=tuple(row["effect"] for row in rows if row["called_for"]),
+        unneeded=tuple(row["effect"] for row in rows if not row["called_for"]),
+        milliseconds=scale * sum(row["seconds"] for row in rows),
+        milliseconds_always=scale * sum(row["seconds_always"] for row in rows),
+        equal=rows[0]["equal_to_always"],
+    )
+
+
+def _scene_sentence(scene: SceneFigures) -> str:
+    count = len(scene.needed) + len(scene.unneeded)
+    said = f"Scene {scene.name} needs {len(scene.needed)} of {counted(count, 'effect')} of touch"
+    if not scene.unneeded:
+        return f"{said}."
+    saved = 1 - scene.milliseconds / scene.milliseconds_always
+    if saved > 0:
+        said += f"; leaving out the others saves {percent(saved, 0)} of the time of effects"
+    bits = {True: ", and no bit changes", False: ", and images change", None: ""}[scene.equal]
+    return f"{said}{bits}."
 
 
 def _effect_figures(

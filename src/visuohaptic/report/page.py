@@ -14,7 +14,7 @@ from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import Track, describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run
-from visuohaptic.report.sections import SECTIONS, ReportContext
+from visuohaptic.report.sections import CHAPTERS, ReportContext
 
 
 def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
@@ -42,15 +42,17 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         "pipeline": run.pipelines[0],
         "several": len(run.pipelines) > 1,
     }
-    bodies = []
-    for section in SECTIONS:
-        values = section.values(context)
-        if values is not None:
-            template = environment.get_template(f"{section.name}.html.jinja")
-            bodies.append((section.name, section.title, template.render({**shared, **values})))
+    chapters: dict[str, list[tuple[str, str, str]]] = {}
+    for chapter, sections in CHAPTERS.items():
+        for section in sections:
+            values = section.values(context)
+            if values is not None:
+                template = environment.get_template(f"{section.name}.html.jinja")
+                body = template.render({**shared, **values})
+                chapters.setdefault(chapter, []).append((section.name, section.title, body))
     has_models = any(page.model is not None for page in context.pages)
     return environment.get_template("page.html.jinja").render(
-        bodies=bodies,
+        chapters=chapters,
         pages=context.pages,
         marks=_most_marks(context),
         warnings=find_warnings(run, seconds),

@@ -2,13 +2,14 @@
 
 A section is a name (its anchor and its template), a title, and a function that gives the
 template's values, or None where the run has nothing for it: it is left out then. A new
-section is one such function, one template, and one line in `SECTIONS`.
+section is one such function, one template, and one line in `CHAPTERS`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from visuohaptic.recognition.summary import Confusion, confusion, select
@@ -19,9 +20,9 @@ from visuohaptic.report.comparison import (
     agreement,
     answer,
 )
-from visuohaptic.report.cost import cost_figures
+from visuohaptic.report.cost import cost_answer, cost_chart, cost_figures, cue_sentences
 from visuohaptic.report.effects import sum_channels, sum_effects
-from visuohaptic.report.influence import hard_places, influence_figures
+from visuohaptic.report.influence import effects_answer, hard_places, influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import (
     PhaseSeconds,
@@ -79,6 +80,7 @@ def answer_values(context: ReportContext) -> Values:
         recognition.touches or run.parameters.attention.fixations,
         run.parameters.attention.fixations,
     )
+    cost = cost_figures(run.files.extras.get("frontier"), run.parameters)
     sentences = answer(
         run.pipelines,
         len(run.classes),
@@ -86,7 +88,16 @@ def answer_values(context: ReportContext) -> Values:
         UNSEEN[recognition.protocol.protocol],
         recognition.intervals.confidence,
     )
-    return {"sentences": sentences, "touches": touches}
+    preset = run.parameters.scene.preset
+    return {
+        "sentences": [*sentences[:2], *(cue_sentences(cost.rows) if cost else ())],
+        "touches": touches,
+        "cost": cost,
+        "cost_answer": cost_answer,
+        "small_chart": partial(cost_chart, height=150),
+        "influence": influence_figures(run.files.extras.get("effect_influence"), preset),
+        "effects_answer": effects_answer,
+    }
 
 
 def method_values(context: ReportContext) -> Values:
@@ -141,9 +152,12 @@ def studies_values(context: ReportContext) -> Values | None:
 
 
 def cost_values(context: ReportContext) -> Values | None:
-    """Give what accuracy costs in time, where that was measured."""
-    figures = cost_figures(context.run.files.extras.get("cost"))
-    return None if figures is None else {"cost": figures}
+    """Give what accuracy costs in time: in this run, and in the whole study where it was made."""
+    extras, parameters = context.run.files.extras, context.run.parameters
+    frontier, study = (cost_figures(extras.get(name), parameters) for name in ("frontier", "cost"))
+    if frontier is None and study is None:
+        return None
+    return {"frontier": frontier, "study": study, "seconds": context.seconds}
 
 
 def effects_values(context: ReportContext) -> Values:
@@ -169,6 +183,7 @@ def influence_values(context: ReportContext) -> Values:
     return {
         "places": hard_places(context.run.parameters),
         "influence": influence_figures(extras.get("effect_influence"), scene.preset),
+        "effects_answer": effects_answer,
         "accuracy": read_study(extras.get("studies"), "effects"),
         "remade": remade_name,
         "scenes": list(PRESETS),
@@ -274,24 +289,37 @@ def credits_values(context: ReportContext) -> Values:
     }
 
 
-SECTIONS = (
-    Section("answer", "Question and answer", answer_values),
-    Section("method", "The method on one object of this run", method_values),
-    Section("comparison", "Eye fixations against random probing", comparison_values),
-    Section("touches_needed", "Accuracy against touches", touches_needed_values),
-    Section("cost", "What accuracy costs in time", cost_values),
-    Section("effects", "Simulated effects, and effects not needed", effects_values),
-    Section("influence", "What the sensor makes of hard places and of effects", influence_values),
-    Section("stability", "Numerical stability in hard cases", stability_values),
-    Section("ablations", "Ablations", ablations_values),
-    Section("studies", "Own studies", studies_values),
-    Section("objects", "The objects", objects_values),
-    Section("confusion", "Confusion matrix", confusion_values),
-    Section("methods", "Methods text", methods_values),
-    Section("parameters", "Parameters", parameters_values),
-    Section("credits", "Credits", credits_values),
-    Section("provenance", "What ran, where and how long", provenance_values),
-)
+CHAPTERS = {
+    "Question and answers": (Section("answer", "Question and answers", answer_values),),
+    "Fixations against random probing": (
+        Section("comparison", "Eye fixations against random probing", comparison_values),
+        Section("touches_needed", "Accuracy against touches", touches_needed_values),
+        Section("confusion", "Confusion matrix", confusion_values),
+    ),
+    "Accuracy against time": (Section("cost", "What accuracy costs in time", cost_values),),
+    "Effects": (
+        Section("influence", "Which effects a scene needs", influence_values),
+        Section("effects", "Simulated effects, and effects not needed", effects_values),
+    ),
+    "Numerical stability": (
+        Section("stability", "Numerical stability in hard cases", stability_values),
+    ),
+    "Studies": (
+        Section("ablations", "Ablations", ablations_values),
+        Section("studies", "Own studies", studies_values),
+    ),
+    "Objects": (
+        Section("method", "The method on one object of this run", method_values),
+        Section("objects", "The objects", objects_values),
+    ),
+    "Methods and provenance": (
+        Section("methods", "Methods text", methods_values),
+        Section("parameters", "Parameters", parameters_values),
+        Section("credits", "Credits", credits_values),
+        Section("provenance", "What ran, where and how long", provenance_values),
+    ),
+}
+"""The page's sections in order, by their entry in the table of contents."""
 
 
 def _chart(run: Run, table: PipelineTable) -> object:

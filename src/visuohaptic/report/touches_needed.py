@@ -192,7 +192,7 @@ def curve_chart(strategies: Sequence[str], curves: Mapping[str, Sequence[Row]]) 
         ]
         for place, strategy in enumerate(strategies)
     ]
-    marks, lines = place_points(series, x_of, y_of)
+    marks, lines = place_points(enumerate(series), x_of, y_of)
     tenths = range(round(10 * floor), 11)
     return PointChart(
         height=HEIGHT + 44,

@@ -19,9 +19,16 @@ EFFECT_INFLUENCE = Schema(
     (
         *EFFECT_INFLUENCE_KEYS,
         Column("touches", COUNT, "touches measured; views, for effects of the view", minimum=1),
+        Column("called_for", COUNT, "of them, those that needed the effect", minimum=0),
         Column("seconds", REAL, "time spent on it under the scene's own mode", "s", 0),
         Column("seconds_always", REAL, "time spent on it under always", "s", 0),
         Column("image_shift", REAL, "mean change of a pixel of the image without it", "1", 0, 1),
+        Column(
+            "equal_to_always",
+            pa.bool_(),
+            "whether images under auto are those under always, bit for bit; missing if an effect is off",
+            nullable=True,
+        ),
     ),
     names_of(EFFECT_INFLUENCE_KEYS),
 )

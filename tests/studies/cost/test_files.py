@@ -13,16 +13,17 @@ from visuohaptic.studies.files import make_study_block, make_study_features
 @pytest.fixture
 def made(tmp_path, monkeypatch):
     kept = ("viewpoints", "imprint", "render")
-    monkeypatch.setattr(settings, "FAMILIES", {name: settings.FAMILIES[name] for name in kept})
+    families = settings.FAMILIES["cost"]
+    monkeypatch.setitem(settings.FAMILIES, "cost", {name: families[name] for name in kept})
     sources, features = write_sources(tmp_path, small_surfaces())
-    plan: Plan = plan_study(settings.cost_study(RUN), RUN)
+    plan: Plan = plan_study(settings.make_study("cost", RUN), RUN)
     files = {key: tmp_path / f"{key}.parquet" for key in plan.remakes}
     for key, remake in plan.remakes.items():
         make_study_features(remake, sources, files[key])
     conditions = describe_conditions(plan.conditions)
     make_study_block("cost", conditions, [features], files, tmp_path / "block", RUN)
-    make_cost_seconds(sources.meshes[:2], [features], files, tmp_path / "seconds", RUN)
-    make_cost([tmp_path / "block"], tmp_path / "seconds", tmp_path / "cost.parquet", RUN)
+    make_cost_seconds("cost", sources.meshes[:2], [features], files, tmp_path / "seconds", RUN)
+    make_cost("cost", [tmp_path / "block"], tmp_path / "seconds", tmp_path / "cost.parquet", RUN)
     return read_costs(tmp_path / "cost.parquet")
 
 

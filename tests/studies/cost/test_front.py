@@ -4,40 +4,55 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN
 
+from visuohaptic.parameters import CostParameters, ExperimentParameters
+from visuohaptic.recognition.intervals import exact_limit
+from visuohaptic.studies.cost import front
 from visuohaptic.studies.cost.front import (
-    advise,
-    clopper_pearson_high,
+    break_even,
     error_rate,
+    error_rows,
+    find_savings,
     front_rows,
     join_costs,
+    mark_steps,
+    on_robot,
     pareto_front,
+    reference_row,
 )
+from visuohaptic.studies.cost.settings import make_settings
 from visuohaptic.studies.figures import Cell
 from visuohaptic.tables.schema import build_table
 from visuohaptic.tables.studies import COST_SECONDS
 
 NOTHING = {"error": None, "error_low": None, "error_high": None, "objects": None}
+SAME = {
+    "touches": 5, "viewpoints": 1, "looks": 1, "strategy": "fixation", "pipeline": "best",
+    "classifier": "naive_bayes", "changes": "{}", "lost": None, "lost_low": None, "lost_high": None,
+}  # fmt: skip
+
+
+def cost_rows(points, failed=()):
+    """Give rows of (setting, seconds, error, other columns), then of the names of failed settings."""
+    errors, seconds = [], []
+    for place, (name, time, error, *others) in enumerate(points):
+        row = {"family": "touches", "setting": name, "place": place, "objects": 12, "failed": None}
+        row |= {"error": error, "error_low": error / 2, "error_high": min(1.0, 2 * error + 0.1)}
+        errors.append({**SAME, **row, **dict(*others)})
+        phases = {f"seconds_{part}": time / 4 for part in ("look", "touch", "describe", "name")}
+        quartiles = {"seconds_low": 0.9 * time, "seconds_high": 1.2 * time, "recognitions": 12}
+        key = {name: errors[-1][name] for name in ("family", "setting")}
+        seconds.append({**key, "seconds": time, **quartiles, **phases})
+    for place, name in enumerate(failed):
+        row = {"family": "imprint", "setting": name, "place": place, **NOTHING}
+        errors.append({**SAME, **row, "failed": "images are too small."})
+    names = [column.name for column in COST_SECONDS.columns]
+    columns = {name: [row[name] for row in seconds] for name in names}
+    return join_costs(errors, build_table(COST_SECONDS, columns))
 
 
 def cost_table(points, failed=()):
-    """Give `tables.COST` of (setting, seconds, error), then of the names of failed settings."""
-    errors, seconds = [], []
-    for place, (name, time, error) in enumerate(points):
-        key = {"family": "touches", "setting": name}
-        figures = {"error": error, "error_low": error / 2, "error_high": min(1.0, 2 * error + 0.1)}
-        errors.append({**key, "place": place, **figures, "objects": 12, "failed": None})
-        phases = {f"seconds_{part}": time / 4 for part in ("look", "touch", "describe", "name")}
-        quartiles = {"seconds_low": 0.9 * time, "seconds_high": 1.2 * time}
-        seconds.append({**key, "seconds": time, **quartiles, **phases, "recognitions": 12})
-    for place, name in enumerate(failed):
-        key = {"family": "imprint", "setting": name, "place": place}
-        errors.append({**key, **NOTHING, "failed": "images are too small."})
-    same = {"touches": 5, "viewpoints": 1, "pipeline": "best", "classifier": "naive_bayes"}
-    same |= {"changes": "{}"}
-    return join_costs(
-        [{**same, **row} for row in errors],
-        build_table(COST_SECONDS, {k: [row[k] for row in seconds] for k in seconds[0]}),
-    )
+    """Give `tables.COST` of the same."""
+    return front.cost_table(cost_rows(points, failed))
 
 
 def test_the_front_is_that_of_the_definition():
@@ -69,27 +84,6 @@ def test_each_setting_with_figures_is_either_on_the_front_or_dominated():
     assert [row["dominated"] for row in rows] == [False, True, False, False]
 
 
-def test_the_sentence_names_the_cheapest_that_reaches_the_aim_and_the_next_point():
-    points = [("1 touch", 0.01, 0.3), ("5 touches", 0.04, 0.04), ("16 touches", 0.1, 0.01)]
-    said = advise(cost_table(points).to_pylist())
-    assert said.startswith("For 95 % take 5 touches (family touches): it costs 40 ms a recognition")
-    assert "16 touches (family touches), costs 2.5 times as much (100 ms)" in said
-    assert "interval 2.0 % to 18.0 %" in said
-    last = advise(cost_table(points[:2]).to_pylist())
-    assert last.endswith("Nothing that was measured is more accurate.")
-
-
-def test_an_aim_that_nothing_reaches_is_told():
-    said = advise(cost_table([("1 touch", 0.01, 0.3), ("5 touches", 0.04, 0.2)]).to_pylist())
-    assert said.startswith("No setting reaches 95 %: the most accurate, 5 touches")
-    assert "classifies 80.0 % correctly and costs 40 ms" in said
-
-
-@pytest.mark.parametrize("rows", [[], cost_table([("a", 1.0, 0.1)], ["b"]).to_pylist()[1:]])
-def test_nothing_measured_gives_a_sentence(rows):
-    assert advise(rows) == "No setting could be both run and timed."
-
-
 def cell(accuracy):
     objects = tuple(("a", str(place)) for place in range(len(accuracy)))
     return Cell(objects, np.array(accuracy), np.ones(len(accuracy)))
@@ -107,4 +101,119 @@ def test_no_error_is_not_taken_for_certainty():
     assert (rate["error"], rate["error_low"]) == (0.0, 0.0)
     # Of nine objects: 1 - 0.025 ** (1 / 9), as any table of binomial limits has it.
     assert rate["error_high"] == pytest.approx(0.3363, abs=1e-4)
-    assert clopper_pearson_high(100, 0.95) == pytest.approx(0.0362, abs=1e-4)
+    assert exact_limit(100, 0.95) == pytest.approx(0.0362, abs=1e-4)
+
+
+BOTH = ExperimentParameters.from_mapping(
+    {**RUN.model_dump(), "probing": {"strategies": ["fixation", "random"]}}
+)
+
+
+def cells_of(accuracies):
+    """Give cells of the frontier's settings: an accuracy an object each, all others all right."""
+    found = {}
+    for setting in make_settings(BOTH, "frontier"):
+        key = (setting.condition.name, setting.pipeline, setting.strategy, setting.classifier)
+        found[key] = cell(accuracies.get((setting.family, setting.name), [1.0] * 12))
+    return found
+
+
+def test_a_setting_loses_what_the_reference_has_more():
+    own = ("fixation", "2 touches, 1 viewpoint")
+    quick = ("random", "1 touch, 1 viewpoint")
+    cells = cells_of({own: [0.9] * 12, quick: [0.4, 0.8] * 6})
+    rows = {(row["family"], row["setting"]): row for row in error_rows(cells, BOTH, "frontier")}
+    assert (rows[own]["lost_low"], rows[own]["lost_high"]) == (0, 0)
+    assert rows[quick]["lost"] == pytest.approx(0.3)
+    assert 0.1 < rows[quick]["lost_low"] < 0.3 < rows[quick]["lost_high"] < 0.5
+    assert reference_row([rows[quick], rows[own]]) is rows[own]
+
+
+def test_equal_figures_of_few_objects_leave_their_difference_open():
+    own = ("fixation", "2 touches, 1 viewpoint")
+    rows = error_rows(cells_of({own: [1.0] * 12}), BOTH, "frontier")
+    other = next(row for row in rows if (row["family"], row["setting"]) != own)
+    limit = exact_limit(12, 0.95)
+    assert (other["lost"], other["lost_low"], other["lost_high"]) == (0, -limit, limit)
+
+
+def test_a_step_is_more_accurate_than_the_step_before_beyond_the_choice_of_objects():
+    generator = np.random.default_rng(1)
+    names = ["1 touch, 1 viewpoint", "2 touches, 1 viewpoint", "1 touch, 4 viewpoints"]
+    noise = generator.uniform(-0.2, 0.2, 12)
+    levels = [0.5 + noise, 0.52 + noise[::-1], 0.9 + noise / 4]
+    cells = cells_of({("random", name): level for name, level in zip(names, levels, strict=True)})
+    rows = cost_rows(
+        [
+            (name, 0.1 * (place + 1), 1 - level.mean(), {"family": "random", "strategy": "random"})
+            for place, (name, level) in enumerate(zip(names, levels, strict=True))
+        ]
+    )
+    for row in rows:
+        row["classifier"] = "support_vector_machine"
+    assert all(row["on_front"] for row in rows)
+    mark_steps(rows, cells, BOTH)
+    assert [row["step"] for row in rows] == [True, False, True]
+
+
+RENDER = '{"rendering.resolution": 64}'
+
+
+def savings(*lost):
+    own = ("own", 0.1, 0.01, {"lost": 0.0, "lost_low": 0.0, "lost_high": 0.0})
+    figures = dict(zip(("lost", "lost_low", "lost_high"), lost, strict=True))
+    lean = ("lean", 0.06, 0.02, {**figures, "changes": RENDER})
+    named = ("other cues", 0.05, 0.02, {**figures, "changes": '{"recognition.best.cues": []}'})
+    fewer = ("fewer touches", 0.04, 0.02, {**figures, "changes": RENDER, "touches": 2})
+    slower = ("slower", 0.2, 0.02, {**figures, "changes": RENDER})
+    return find_savings(cost_rows([own, lean, named, fewer, slower]))
+
+
+@pytest.mark.parametrize(
+    ("lost", "verdict"),
+    [
+        ((0.001, -0.002, 0.009), "free"),
+        ((0.001, -0.002, 0.02), "open"),
+        ((0.03, 0.005, 0.06), "costs"),
+    ],
+)
+def test_a_saving_is_of_the_run_with_one_thing_made_smaller(lost, verdict):
+    (found,) = savings(*lost)
+    assert found.row["setting"] == "lean"
+    assert found.saved == pytest.approx(0.4)
+    assert found.verdict == verdict
+
+
+BLIND = {"strategy": "random", "looks": 0}
+
+
+def test_looking_pays_below_the_touches_that_it_saves_a_look():
+    rows = cost_rows(
+        [
+            ("blind, many", 0.01, 0.05, {**BLIND, "touches": 3, "viewpoints": 4}),
+            ("blind, few", 0.01, 0.3, {**BLIND, "touches": 1}),
+            ("looking, few", 0.1, 0.2, {"touches": 1}),
+            ("looking, two", 0.1, 0.04, {"touches": 2, "viewpoints": 2, "looks": 2}),
+        ]
+    )
+    found = break_even(rows)
+    assert found.error == 0.05
+    assert (found.blind["setting"], found.looking["setting"]) == ("blind, many", "looking, two")
+    assert found.touches_a_look == (12 - 4) / 2
+    assert break_even(rows[:3]).touches_a_look is None
+    assert break_even(rows[2:]) is None
+
+
+def test_a_robot_pays_for_touches_and_looks_and_its_front_is_its_own():
+    rows = cost_rows(
+        [
+            ("blind", 0.01, 0.05, {**BLIND, "touches": 3, "viewpoints": 4}),
+            ("looking", 0.1, 0.04, {"touches": 2, "viewpoints": 2, "looks": 2}),
+        ],
+        failed=["8 × 8"],
+    )
+    assert [row["on_front"] for row in rows] == [True, True, False]
+    robot = on_robot(rows, CostParameters(touch_seconds=5, look_seconds=0.5))
+    assert [row["seconds"] for row in robot] == [pytest.approx(60.01), pytest.approx(21.1), None]
+    assert [row["on_front"] for row in robot] == [False, True, False]
+    assert rows[0]["seconds"] == 0.01

@@ -6,13 +6,19 @@ from studies.surfaces import RUN
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study, with_changes
-from visuohaptic.studies.cost.settings import FAMILIES, cost_study, family_settings, make_settings
+from visuohaptic.studies.cost.settings import (
+    FAMILIES,
+    family_settings,
+    is_reference,
+    make_settings,
+    make_study,
+)
 
 
 def test_no_setting_has_another_ones_name():
-    settings = make_settings(ExperimentParameters())
+    settings = make_settings(ExperimentParameters(), "cost")
     assert len({(setting.family, setting.name) for setting in settings}) == len(settings) == 47
-    assert {setting.family for setting in settings} == set(FAMILIES)
+    assert {setting.family for setting in settings} == set(FAMILIES["cost"])
 
 
 def test_what_equals_the_run_changes_nothing():
@@ -23,7 +29,9 @@ def test_what_equals_the_run_changes_nothing():
         ("features", "skin and pose"),
         ("effects", "ideal"),
     ):
-        changes = {setting.name: setting.changes for setting in family_settings(family, RUN)}
+        changes = {
+            setting.name: setting.changes for setting in family_settings("cost", family, RUN)
+        }
         assert changes.pop(own) == {}
         assert changes
         assert all(changes.values())
@@ -31,7 +39,7 @@ def test_what_equals_the_run_changes_nothing():
 
 def test_a_setting_differs_from_the_run_in_what_it_names_and_in_nothing_else():
     small = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"view_resolutions": (64,)})})
-    (setting,) = family_settings("render", small)
+    (setting,) = family_settings("cost", "render", small)
     changed = with_changes(small, setting.condition.changes)
     assert changed.rendering.resolution == 64
     assert changed.rendering.model_copy(update={"resolution": 48}) == small.rendering
@@ -41,7 +49,7 @@ def test_a_setting_differs_from_the_run_in_what_it_names_and_in_nothing_else():
 
 
 def test_three_channels_are_the_classic_ones():
-    setting = family_settings("channels", RUN)[0]
+    setting = family_settings("cost", "channels", RUN)[0]
     three = with_changes(RUN, setting.condition.changes).attention.weights.model_dump()
     assert {name for name, weight in three.items() if weight} == {
         "colour", "intensity", "orientation",
@@ -49,12 +57,42 @@ def test_three_channels_are_the_classic_ones():
 
 
 def test_what_settings_share_is_made_once():
-    plan = plan_study(cost_study(RUN), RUN)
+    plan = plan_study(make_study("cost", RUN), RUN)
     keys = {}
-    for setting, one in zip(make_settings(RUN), plan.conditions, strict=True):
+    for setting, one in zip(make_settings(RUN, "cost"), plan.conditions, strict=True):
         keys.setdefault(setting.family, set()).add(one.key)
     assert keys["features"] == keys["pipelines"] == keys["viewpoints"] == {None}
     assert len(keys["lean_viewpoints"]) == 1
     assert len(keys["effects"]) == 3
     # One and two touches are the run's own, three need more.
     assert len(keys["touches"]) == 2
+
+
+def test_the_frontier_goes_from_one_touch_at_one_viewpoint_to_the_run_by_each_strategy():
+    settings = make_settings(ExperimentParameters(), "frontier")
+    names = {(setting.family, setting.name) for setting in settings}
+    assert len(names) == len(settings) >= 12
+    for strategy, looks in (("fixation", {1, 4}), ("random", {0})):
+        own = [setting for setting in settings if setting.family == strategy]
+        assert {setting.looks for setting in own} == looks
+        assert {(setting.touches, setting.viewpoints) for setting in own} == {
+            (touches, viewpoints) for touches in (1, 2, 3, 5) for viewpoints in (1, 4)
+        }
+
+
+def test_the_frontier_has_what_the_run_has():
+    blind = ExperimentParameters.from_mapping(
+        {"probing": {"strategies": ["random"]}, "viewpoints": {"count": 3}, "attention": {"fixations": 2},
+         "recognition": {"touches": 2}}
+    )  # fmt: skip
+    settings = make_settings(blind, "frontier")
+    assert {setting.family for setting in settings} == {"random"}
+    assert {(setting.touches, setting.viewpoints) for setting in settings} == {
+        (1, 1), (2, 1), (1, 3), (2, 3),
+    }  # fmt: skip
+
+
+def test_one_setting_of_the_frontier_is_the_reference():
+    run = ExperimentParameters()
+    (own,) = [one for one in make_settings(run, "frontier") if is_reference(one, run)]
+    assert (own.family, own.name) == ("fixation", "5 touches, 1 viewpoint")

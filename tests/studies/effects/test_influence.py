@@ -68,6 +68,17 @@ def test_an_effect_moves_images_where_it_is_called_for_and_only_there(surface, f
     assert {part.touches for part in found} == {COUNT}
 
 
+def test_leaving_out_what_no_touch_needs_changes_no_bit(surface, fixations):
+    off = Scene.model_validate({"preset": "fsr400", "effects": {"noise": "never"}})
+    scenes = {**measured_scenes(Scene()), "without noise": off}
+    found = touch_influence(RayCaster(surface), fixations, SENSOR, scenes, 7)
+    needed = {(part.scene, part.effect): part.called_for for part in found}
+    assert needed["ideal", "noise"] == needed["fsr400", "dead_cells"] == 0
+    assert needed["worn_fsr", "dead_cells"] == COUNT
+    equal = {part.scene: part.equal_to_always for part in found}
+    assert equal == {**dict.fromkeys(PRESETS, True), "without noise": None}
+
+
 def test_shadows_are_measured_even_where_none_are_cast(surface):
     cameras = list(place_cameras(VIEWPOINTS))
     rendering = RENDERING.model_copy(update={"light_elevation_degrees": 60.0})
@@ -84,13 +95,14 @@ def test_shadows_are_measured_even_where_none_are_cast(surface):
 def test_objects_add_up_by_their_touches():
     table = sum_influences(
         [
-            Influence("ideal", "noise", 10, 1.0, 2.0, 0.1),
-            Influence("ideal", "noise", 30, 3.0, 4.0, 0.5),
+            Influence("ideal", "noise", 10, 4, 1.0, 2.0, 0.1, equal_to_always=True),
+            Influence("ideal", "noise", 30, 5, 3.0, 4.0, 0.5, equal_to_always=False),
         ]
     )
     (row,) = table.to_pylist()
     assert (row["touches"], row["seconds"], row["seconds_always"]) == (40, 4.0, 6.0)
     assert row["image_shift"] == pytest.approx(0.4)
+    assert (row["called_for"], row["equal_to_always"]) == (9, False)
 
 
 def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):

@@ -21,6 +21,9 @@ from visuohaptic.tables.studies import COST, COST_SECONDS
 
 Paths = Sequence[str | Path]
 
+ROUNDS = {"frontier": 1}
+"""Rounds of timing where they are not `cost.rounds`: the frontier is a part of every run."""
+
 
 def make_cost_seconds(
     study: str,
@@ -58,7 +61,7 @@ def make_cost_seconds(
     surfaces = {
         f"{mesh.parent.name}/{mesh.stem}": read_surface(mesh) for mesh in usable_meshes(meshes)
     }
-    table = measure_seconds(surfaces, settings, run.cost.rounds)
+    table = measure_seconds(surfaces, settings, ROUNDS.get(study, run.cost.rounds))
     write_table(COST_SECONDS, table, output)
 
 

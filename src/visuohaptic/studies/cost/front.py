@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.intervals import Interval, difference_interval, rate_interval
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.cost.settings import FAMILIES, is_reference, make_settings
@@ -25,8 +27,8 @@ _OF_SETTING = (
 )  # fmt: skip
 _LOST = ("lost", "lost_low", "lost_high")
 
-AIM = 0.95
-"""The accuracy that the sentence for the user is about."""
+POINT = 0.01
+"""A loss of accuracy that does not matter to most users."""
 
 
 def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -88,10 +90,9 @@ def error_rows(cells: Mapping[CellKey, Cell], run: ExperimentParameters, study: 
         row = {name: getattr(setting, name) for name in _OF_SETTING}
         row |= {"setting": setting.name, "changes": setting.written_changes}
         row |= error_rate(cells[key], run)
-        if reference is not None:
-            lost = _gain(reference, cells[key], run)
-            ends = (None, None, None) if lost is None else (lost.mean, lost.low, lost.high)
-            row |= dict(zip(_LOST, ends, strict=True))
+        lost = None if reference is None else _lost(reference, cells[key], run)
+        ends = (None, None, None) if lost is None else (lost.mean, lost.low, lost.high)
+        row |= dict(zip(_LOST, ends, strict=True))
         rows.append(row)
     return rows
 
@@ -112,11 +113,16 @@ def join_costs(errors: Sequence[Row], seconds: pa.Table) -> list[Row]:
         A row a setting, in the order of `errors`.
     """
     timed = {(row["family"], row["setting"]): row for row in seconds.to_pylist()}
-    rows: list[Row] = [{**timed.get((row["family"], row["setting"]), {}), **row} for row in errors]
+    empty = dict.fromkeys(column.name for column in COST.columns)
+    rows: list[Row] = [
+        {**empty, **timed.get((row["family"], row["setting"]), {}), **row} for row in errors
+    ]
     on_front = pareto_front(_column(rows, "seconds"), _column(rows, "error"))
     for row, on in zip(rows, on_front.tolist(), strict=True):
-        whole = row.get("error") is not None and row.get("seconds") is not None
+        whole = row["error"] is not None and row["seconds"] is not None
         row |= {"on_front": on, "dominated": whole and not on, "step": False}
+    for quickest in front_rows(rows)[:1]:
+        quickest["step"] = True
     return rows
 
 
@@ -128,19 +134,22 @@ def mark_steps(
     The quickest point is the first step. Each further step is the quickest point whose accuracy
     is above that of the step before by an interval over objects that excludes 0.
     """
-    last: Cell | None = None
-    for row in front_rows(rows):
-        name = f"{row['family']}, {row['setting']}"
-        cell = cells[name, row["pipeline"], row["strategy"], row["classifier"]]
+    front = [
+        (row, cells[name, row["pipeline"], row["strategy"], row["classifier"]])
+        for row in front_rows(rows)
+        for name in [f"{row['family']}, {row['setting']}"]
+    ]
+    last = front[0][1] if front else None
+    for row, cell in front[1:]:
         gain = None if last is None else _gain(cell, last, run)
-        row["step"] = last is None or (gain is not None and gain.low > 0)
-        last = cell if row["step"] else last
+        if gain is not None and gain.low > 0:
+            row["step"], last = True, cell
 
 
 def cost_table(rows: Sequence[Row]) -> pa.Table:
     """Make `tables.COST` of rows as `join_costs` gives them."""
     names = [column.name for column in COST.columns]
-    return build_table(COST, {name: [row.get(name) for row in rows] for name in names})
+    return build_table(COST, {name: [row[name] for row in rows] for name in names})
 
 
 def error_rate(cell: Cell, run: ExperimentParameters) -> dict[str, Any]:
@@ -184,46 +193,152 @@ def front_rows(rows: Sequence[Row]) -> list[Row]:
     return list(kept.values())
 
 
-def advise(rows: Sequence[Row], aim: float = AIM) -> str:
-    """Tell the user what an accuracy takes, and what the next better one would.
+@dataclass(frozen=True)
+class Saving:
+    """What a smaller setting saves against the run's own, and what it loses.
+
+    Attributes
+    ----------
+    row : dict
+        Its row of `tables.COST`.
+    saved : float
+        Share of the seconds that it saves.
+    verdict : {"free", "open", "costs"}
+        Whether it surely costs less than `POINT`, can't be told apart from the run's own, or
+        surely costs accuracy.
+    """
+
+    row: Row
+    saved: float
+    verdict: Literal["free", "open", "costs"]
+
+
+@dataclass(frozen=True)
+class BreakEven:
+    """From which price on looking pays.
+
+    Attributes
+    ----------
+    error : float
+        The least error rate that a strategy without a look reaches.
+    blind, looking : dict
+        The rows of `tables.COST` with the fewest touches that reach it, without and with looks;
+        the second is None where no setting that looks does.
+    """
+
+    error: float
+    blind: Row
+    looking: Row | None
+
+    @property
+    def touches_a_look(self) -> float | None:
+        """Price of a look, in touches, below which looking pays; None where it never does."""
+        if self.looking is None:
+            return None
+        return (all_touches(self.blind) - all_touches(self.looking)) / self.looking["looks"]
+
+
+def all_touches(row: Row) -> int:
+    """Give the touches of a recognition from all its viewpoints."""
+    return int(row["touches"] * row["viewpoints"])
+
+
+def reference_row(rows: Sequence[Row]) -> Row | None:
+    """Give the row of the run's own setting from one viewpoint, if it is among the rows."""
+    return next((row for row in rows if row["lost_low"] == 0 == row["lost_high"]), None)
+
+
+def find_savings(rows: Sequence[Row]) -> list[Saving]:
+    """Compare quicker ways to look and touch with the run's own setting.
 
     Parameters
     ----------
-    rows : sequence of mapping
+    rows : sequence of dict
         Rows of `tables.COST`.
-    aim : float
-        The accuracy.
 
     Returns
     -------
-    str
-        One or two sentences.
+    list of Saving
+        Of settings that look, touch or describe otherwise and are quicker, with as many touches
+        from as many viewpoints; the largest saving first.
     """
-    front = front_rows(rows)
-    if not front:
-        return "No setting could be both run and timed."
-    wanted = f"{100 * aim:g} %"
-    reached = [place for place, row in enumerate(front) if row["error"] <= 1 - aim]
-    if not reached:
-        best = front[-1]
-        return (
-            f"No setting reaches {wanted}: the most accurate, {_named(best)}, classifies "
-            f"{_percent(1 - best['error'])} correctly and costs {_milliseconds(best)} a recognition."
-        )
-    row = front[reached[0]]
-    said = (
-        f"For {wanted} take {_named(row)}: it costs {_milliseconds(row)} a recognition, and "
-        f"{_percent(row['error'])} are classified wrongly ({_interval(row)})."
-    )
-    if reached[0] + 1 == len(front):
-        return f"{said} Nothing that was measured is more accurate."
-    following = front[reached[0] + 1]
-    times = following["seconds"] / row["seconds"]
-    return (
-        f"{said} The next point, {_named(following)}, costs {times:.1f} times as much "
-        f"({_milliseconds(following)}), and {_percent(following['error'])} are classified wrongly "
-        f"({_interval(following)})."
-    )
+    own = reference_row(rows)
+    if own is None or own["seconds"] is None:
+        return []
+    alike = [
+        row
+        for row in rows
+        if row["changes"] != "{}"
+        and not any(name.startswith("recognition.") for name in json.loads(row["changes"]))
+        and (row["touches"], row["viewpoints"]) == (own["touches"], own["viewpoints"])
+        and None not in (row["seconds"], row["lost_high"])
+        and row["seconds"] < own["seconds"]
+    ]
+    savings = [Saving(row, 1 - row["seconds"] / own["seconds"], _verdict(row)) for row in alike]
+    return sorted(savings, key=lambda saving: -saving.saved)
+
+
+def break_even(rows: Sequence[Row]) -> BreakEven | None:
+    """Find the price of a look from which on touching without looking is cheaper.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        Rows of `tables.COST`.
+
+    Returns
+    -------
+    BreakEven or None
+        None where no strategy without a look was measured.
+    """
+    known = [row for row in rows if row["error"] is not None]
+    blind = [row for row in known if not row["looks"]]
+    if not blind:
+        return None
+    best = min(blind, key=lambda row: (row["error"], all_touches(row)))
+    reached = [row for row in known if row["looks"] and row["error"] <= best["error"]]
+    fewest = min(reached, key=lambda row: (all_touches(row), row["looks"]), default=None)
+    return BreakEven(best["error"], best, fewest)
+
+
+def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
+    """Give rows with the time of a robot: computing, and a price for each touch and look.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        Rows of `tables.COST`.
+    cost : CostParameters
+        The prices.
+
+    Returns
+    -------
+    list of dict
+        Copies with other seconds, and the front by them.
+    """
+    moved: list[Row] = []
+    for row in rows:
+        price = cost.touch_seconds * all_touches(row) + cost.look_seconds * row["looks"]
+        times = {
+            name: row[name] + price
+            for name in ("seconds", "seconds_low", "seconds_high")
+            if row[name] is not None
+        }
+        moved.append({**row, **times})
+    on_front = pareto_front(_column(moved, "seconds"), _column(moved, "error"))
+    for row, on in zip(moved, on_front.tolist(), strict=True):
+        row |= {"on_front": on, "dominated": row["dominated"] and not on}
+    return moved
+
+
+def _verdict(row: Row) -> Literal["free", "open", "costs"]:
+    if row["lost_high"] < POINT:
+        return "free"
+    return "open" if row["lost_low"] <= 0 else "costs"
+
+
+def _lost(reference: Cell, cell: Cell, run: ExperimentParameters) -> Interval | None:
+    return Interval(0.0, 0.0, 0.0) if cell is reference else _gain(reference, cell, run)
 
 
 def _gain(first: Cell, second: Cell, run: ExperimentParameters) -> Interval | None:
@@ -244,19 +359,3 @@ def _generator(run: ExperimentParameters) -> np.random.Generator:
 def _column(rows: Sequence[Row], name: str) -> NDArray[np.float64]:
     found = [row.get(name) for row in rows]
     return np.array([np.nan if value is None else value for value in found], dtype=np.float64)
-
-
-def _named(row: Row) -> str:
-    return f"{row['setting']} (family {row['family'].replace('_', ' ')})"
-
-
-def _milliseconds(row: Row) -> str:
-    return f"{1000 * row['seconds']:.0f} ms"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.1f} %"
-
-
-def _interval(row: Row) -> str:
-    return f"interval {_percent(row['error_low'])} to {_percent(row['error_high'])}"

@@ -111,8 +111,9 @@ def measure_seconds(
 
     taken: list[list[dict[str, float]]] = [[] for _ in settings]
     with threadpool_limits(limits=1), _one_thread():
+        # What is made once for all, such as operators, is made here.
         for key, surface in list(surfaces.items())[:1]:
-            for fitted in settings:  # what is made once for all, such as operators, is made here
+            for fitted in {one.setting.written_changes: one for one in settings}.values():
                 _time(fitted, key, surface, 0)
         for turn in range(rounds):
             for key, surface in surfaces.items():

@@ -206,8 +206,8 @@ def _effects(run: ExperimentParameters) -> Varied:
 def _probed(strategy: str, run: ExperimentParameters) -> Varied:
     if strategy not in run.probing.strategies:
         return
-    for touches in _within(run.cost.frontier_touches, run_touches(run)):
-        for viewpoints in _within(run.cost.frontier_viewpoints, run.viewpoints.total):
+    for viewpoints in _within(run.cost.frontier_viewpoints, run.viewpoints.total):
+        for touches in _within(run.cost.frontier_touches, run_touches(run)):
             name = f"{_counted(touches, 'touch', 'es')}, {_counted(viewpoints, 'viewpoint', 's')}"
             yield name, {"touches": touches, "viewpoints": viewpoints, "strategy": strategy}
 
@@ -229,17 +229,22 @@ def _small_imprint(run: ExperimentParameters) -> Varied:
 
 
 def _lean(run: ExperimentParameters, changes: Changes) -> Varied:
-    """Vary the touches from one viewpoint with something made smaller; nothing where nothing is."""
-    if STRATEGY not in run.probing.strategies or with_changes(run, changes) == run:
-        return
-    for touches in _within(run.cost.frontier_touches, run_touches(run))[1::2]:
-        yield _counted(touches, "touch", "es"), {"touches": touches, "changes": changes}
+    """Make something smaller; nothing where it is as small in the run."""
+    if STRATEGY in run.probing.strategies and with_changes(run, changes) != run:
+        yield _counted(run_touches(run), "touch", "es"), {"changes": changes}
+
+
+def _cues(run: ExperimentParameters) -> Varied:
+    if STRATEGY in run.probing.strategies:
+        for name, cues in CUES.items():
+            yield name, _unless_own(run, "recognition.best.cues", cues)
 
 
 def _paper(run: ExperimentParameters) -> Varied:
     if STRATEGY in run.probing.strategies:
-        touches = run_touches(run)
-        yield _counted(touches, "touch", "es"), {"pipeline": "paper"}
+        yield "with its map", {"pipeline": "paper"}
+        without = _unless_own(run, "recognition.self_organising_map.output", "none")
+        yield "without the map", {"pipeline": "paper", **without}
 
 
 def _within(values: Sequence[int], most: int) -> list[int]:
@@ -252,6 +257,7 @@ FAMILIES: dict[str, dict[str, Callable[[ExperimentParameters], Varied]]] = {
         "small_view": _small_view,
         "lean_view": _lean_view,
         "small_imprint": _small_imprint,
+        "cues": _cues,
         "paper": _paper,
     },
     "cost": {

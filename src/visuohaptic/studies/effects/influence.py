@@ -14,7 +14,13 @@ from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface, set_aside_reason
-from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
+from visuohaptic.scene.parameters import (
+    PRESETS,
+    TACTILE_EFFECTS,
+    VISUAL_EFFECTS,
+    EffectModes,
+    Scene,
+)
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import Touches
@@ -38,22 +44,27 @@ class Influence:
     ----------
     scene, effect : str
         The scene's name and the effect's.
-    touches : int
-        Touches of the sample; views, for effects of the view.
+    touches, called_for : int
+        Touches of the sample, and those that needed the effect; views, for effects of the view.
     seconds, seconds_always : float
         Time spent on it under the scene's own mode, and under `always`.
     image_shift : float
         Mean absolute difference of an image's values, 0 to 1, between the scene and the
         scene without the effect; for an effect of the view, of the pixels that see the object,
         between `auto` and `never`.
+    equal_to_always : bool or None
+        Whether the images under `auto` are those under `always`, bit for bit: of the whole scene,
+        or of this effect of the view alone; None where the scene switches an effect off.
     """
 
     scene: str
     effect: str
     touches: int
+    called_for: int
     seconds: float
     seconds_always: float
     image_shift: float
+    equal_to_always: bool | None
 
 
 def measured_scenes(scene: Scene) -> dict[str, Scene]:
@@ -143,13 +154,22 @@ def view_influence(
     seconds, seconds_always = _seconds(lambda: seen(modes).effects, lambda: seen(always).effects)
     found = []
     for effect in VISUAL_EFFECTS:
-        with_it, without = (
-            seen(modes.model_copy(update={effect: mode})) for mode in ("auto", "never")
+        with_it, without, forced = (
+            seen(modes.model_copy(update={effect: mode})) for mode in ("auto", "never", "always")
         )
+        record = next(record for record in with_it.effects if record.effect == effect)
         change = np.abs(with_it.colour - without.colour)[with_it.mask]
-        shift = float(change.mean()) if change.size else 0.0
         found.append(
-            Influence("any", effect, len(cameras), seconds[effect], seconds_always[effect], shift)
+            Influence(
+                scene="any",
+                effect=effect,
+                touches=len(cameras),
+                called_for=record.called_for,
+                seconds=seconds[effect],
+                seconds_always=seconds_always[effect],
+                image_shift=float(change.mean()) if change.size else 0.0,
+                equal_to_always=bool(np.array_equal(with_it.colour, forced.colour)),
+            )
         )
     return found
 
@@ -177,6 +197,7 @@ def sum_influences(parts: Sequence[Influence]) -> pa.Table:
             "scene": [scene for scene, _ in groups],
             "effect": [effect for _, effect in groups],
             "touches": touches,
+            "called_for": [sum(part.called_for for part in group) for group in groups.values()],
             "seconds": [sum(part.seconds for part in group) for group in groups.values()],
             "seconds_always": [
                 sum(part.seconds_always for part in group) for group in groups.values()
@@ -185,6 +206,7 @@ def sum_influences(parts: Sequence[Influence]) -> pa.Table:
                 sum(part.touches * part.image_shift for part in group) / count
                 for group, count in zip(groups.values(), touches, strict=True)
             ],
+            "equal_to_always": [_all_equal(group) for group in groups.values()],
         },
     )
 
@@ -229,7 +251,10 @@ def make_effect_influence(
 def _scene_influence(
     name: str, scene: Scene, felt: Callable[[Scene], Touches]
 ) -> Iterator[Influence]:
-    whole, always = felt(scene), scene.with_effects("always")
+    always = scene.with_effects("always")
+    whole, forced = felt(scene), felt(always)
+    modes = scene.effects.model_dump(include=set(TACTILE_EFFECTS))
+    equal = None if "never" in modes.values() else np.array_equal(whole.images, forced.images)
     seconds, seconds_always = _seconds(lambda: felt(scene).effects, lambda: felt(always).effects)
     for record in whole.effects:
         shift = 0.0
@@ -237,10 +262,21 @@ def _scene_influence(
         if record.runs and record.called_for:
             part = felt(_without(scene, record.effect))
             shift = float(np.abs(part.images - whole.images).mean())
-        effect = record.effect
         yield Influence(
-            name, effect, record.touches, seconds[effect], seconds_always[effect], shift
+            scene=name,
+            effect=record.effect,
+            touches=record.touches,
+            called_for=record.called_for,
+            seconds=seconds[record.effect],
+            seconds_always=seconds_always[record.effect],
+            image_shift=shift,
+            equal_to_always=equal,
         )
+
+
+def _all_equal(group: Sequence[Influence]) -> bool | None:
+    found = [part.equal_to_always for part in group]
+    return None if None in found else all(found)
 
 
 def _without(scene: Scene, effect: str) -> Scene:
