@@ -85,12 +85,11 @@ def test_the_advice_names_steps_with_their_price_and_what_can_not_be_told_apart(
     rows[0]["step"] = rows[1]["step"] = True
     first, second, rest = said(rows)
     assert first == (
-        "The quickest setting, touches, 1 touch, takes 10 ms a recognition and is wrong in 40.0 % "
-        "(20.0 % to 90.0 %)."
+        "The quickest setting is touches, 1 touch: 10 ms, 40.0 % wrong (20.0 % to 90.0 %)."
     )
     assert second == (
-        "The next step that is more accurate with 95 % confidence is touches, 2 touches: 2 times the "
-        "time, 10.0 % wrong (5.0 % to 30.0 %)."
+        "Each of these is more accurate than the one before with 95 % confidence: touches, 2 touches, "
+        "20 ms, 10.0 % wrong (5.0 % to 30.0 %)."
     )
     assert (
         rest == "1 further point of the front can't be told apart from that step with 12 objects."
@@ -131,8 +130,13 @@ def test_the_advice_says_from_which_price_on_looking_pays():
     )
     cost = PARAMETERS.cost
     computing, robot, price = advise_robot(rows, on_robot(rows, cost), cost)
-    assert computing == "By computing time, the front holds random probing and eye fixations."
-    assert robot.endswith("5 s for a touch and 0.5 s for a look, the front holds eye fixations.")
+    assert computing.replace("\N{NO-BREAK SPACE}", " ") == (
+        "By computing time, the quickest is random probing down to 5.0 % wrong, then eye fixations "
+        "down to 4.0 % wrong."
+    )
+    assert robot.replace("\N{NO-BREAK SPACE}", " ").endswith(
+        "5 s for a touch and 0.5 s for a look, the quickest is eye fixations down to 4.0 % wrong."
+    )
     assert price.replace("\N{NO-BREAK SPACE}", " ") == (
         "Without a look the error rate falls to 5.0 % at best, with 12 touches; 4 touches and 2 looks "
         "reach the same or better, so looking pays as long as a look takes less time than 4 touches "
@@ -150,9 +154,7 @@ def test_the_page_tells_what_accuracy_costs(tmp_path):
     page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
     assert page.mismatches == []
     text = page.text.replace("\N{NO-BREAK SPACE}", " ")
-    assert (
-        "The quickest setting, touches, 1 touch, takes 10 ms a recognition and is wrong in" in text
-    )
+    assert "The quickest setting is touches, 1 touch: 10 ms, 40.0 % wrong" in text
     assert "failed: images are too small." in text
     assert "All 5 settings" in text
     assert "dominated" in text

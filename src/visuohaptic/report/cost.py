@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby
 from pathlib import Path
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
@@ -163,17 +163,11 @@ def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
         return ["No setting could be both run and timed."]
     confidence = f"{100 * run.recognition.intervals.confidence:g} %"
     first, *further = steps
-    told = [
-        (
-            f"The quickest setting, {_named(first)}, takes {_duration(first['seconds'])} a recognition "
-            f"and is wrong in {percent(first['error'])} ({_interval(first)})."
-        )
-    ]
-    for before, row in pairwise(steps):
-        ratio = _times(row["seconds"] / before["seconds"])
+    told = [f"The quickest setting is {_named(first)}: {_figures(first)}."]
+    if further:
         told.append(
-            f"The next step that is more accurate with {confidence} confidence is {_named(row)}: "
-            f"{ratio}, {percent(row['error'])} wrong ({_interval(row)})."
+            f"Each of these is more accurate than the one before with {confidence} confidence: "
+            f"{'; '.join(f'{_named(row)}, {_figures(row)}' for row in further)}."
         )
     last = steps[-1]
     rest = [row for row in front_rows(rows) if row["seconds"] > last["seconds"]]
@@ -205,7 +199,7 @@ def advise_robot(rows: Sequence[Row], robot: Sequence[Row], cost: CostParameters
         return []
     priced = f"{cost.touch_seconds:g} s for a touch and {cost.look_seconds:g} s for a look"
     told = [
-        f"By {clock}, the front holds {listed(_strategies(front_rows(table)))}."
+        f"By {clock}, the quickest is {_leads(front_rows(table))}."
         for clock, table in (
             ("computing time", rows),
             (f"the time of a robot that takes {priced}", robot),
@@ -354,16 +348,21 @@ def _short(value: object) -> str:
     return listed(value) if isinstance(value, list) else str(value)
 
 
-def _strategies(rows: Sequence[Row]) -> list[str]:
-    return list(dict.fromkeys(strategy_name(row["strategy"]) for row in rows))
+def _leads(front: Sequence[Row]) -> str:
+    """Say which strategy is the quickest down to which error rate."""
+    groups = [list(group) for _, group in groupby(front, key=lambda row: row["strategy"])]
+    return ", then ".join(
+        f"{strategy_name(group[-1]['strategy'])} down to {percent(group[-1]['error'])} wrong"
+        for group in groups
+    )
+
+
+def _figures(row: Row) -> str:
+    return f"{_duration(row['seconds'])}, {percent(row['error'])} wrong ({_interval(row)})"
 
 
 def _named(row: Row) -> str:
     return f"{strategy_name(row['family'])}, {row['setting']}"
-
-
-def _times(ratio: float) -> str:
-    return f"{ratio:.2g} times the time" if ratio >= 1.05 else "as long"
 
 
 def _correct(row: Row) -> str:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
+
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.pictures import imprint_strip
 from visuohaptic.report.wording import counted, percent
@@ -118,6 +120,39 @@ def influence_figures(path: str | Path | None, scene: str) -> InfluenceFigures |
 def effects_answer(figures: InfluenceFigures) -> str:
     """Say in a sentence a scene which effects were needed, and what leaving out the rest saves."""
     return " ".join(_scene_sentence(scene) for scene in figures.scenes)
+
+
+def scene_strips(
+    mesh: str | Path, locations: pa.Table, parameters: ExperimentParameters
+) -> dict[str, str]:
+    """Touch an object's places in every scene.
+
+    Parameters
+    ----------
+    mesh : path
+        The object's surface.
+    locations : pyarrow.Table
+        Rows of `tables.FIXATIONS`.
+    parameters : ExperimentParameters
+        What was run; its own scene stands for its preset.
+
+    Returns
+    -------
+    dict of str to str
+        By scene, the address of a grey picture of the imprints side by side.
+    """
+    from visuohaptic.geometry.raycasting import RayCaster
+    from visuohaptic.geometry.surface import read_surface
+    from visuohaptic.studies.effects.influence import measured_scenes
+    from visuohaptic.touches.touching import touch_locations
+
+    caster = RayCaster(read_surface(mesh))
+    return {
+        name: imprint_strip(
+            touch_locations(caster, locations, parameters.sensor, scene, parameters.seed).images
+        )
+        for name, scene in measured_scenes(parameters.scene).items()
+    }
 
 
 def hard_places(parameters: ExperimentParameters) -> list[HardPlace]:

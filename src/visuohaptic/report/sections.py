@@ -22,7 +22,12 @@ from visuohaptic.report.comparison import (
 )
 from visuohaptic.report.cost import cost_answer, cost_chart, cost_figures, cue_sentences
 from visuohaptic.report.effects import sum_channels, sum_effects
-from visuohaptic.report.influence import effects_answer, hard_places, influence_figures
+from visuohaptic.report.influence import (
+    effects_answer,
+    hard_places,
+    influence_figures,
+    scene_strips,
+)
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import (
     PhaseSeconds,
@@ -180,7 +185,10 @@ def effects_values(context: ReportContext) -> Values:
 def influence_values(context: ReportContext) -> Values:
     """Give hard places, and what effects cost and change where that was measured."""
     extras, scene = context.run.files.extras, context.run.parameters.scene
+    page = most_varied(context.pages)
     return {
+        "page": page,
+        "strips": _scene_strips(context.run, page),
         "places": hard_places(context.run.parameters),
         "influence": influence_figures(extras.get("effect_influence"), scene.preset),
         "effects_answer": effects_answer,
@@ -320,6 +328,21 @@ CHAPTERS = {
     ),
 }
 """The page's sections in order, by their entry in the table of contents."""
+
+
+def _scene_strips(run: Run, page: ObjectPage) -> Mapping[str, str]:
+    """Touch the places of one view of an object in every scene; none without its mesh."""
+    key = f"{page.category}/{page.name}"
+    locations = select(
+        run.fixations,
+        **{"class": page.category},
+        object=page.name,
+        viewpoint=page.shown.viewpoint,
+        strategy="fixation",
+    )
+    if key not in run.meshes or not locations.num_rows:
+        return {}
+    return scene_strips(run.meshes[key], locations, run.parameters)
 
 
 def _chart(run: Run, table: PipelineTable) -> object:
