@@ -311,7 +311,7 @@ def as_parameters(
 def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
     """Turn dotted names into sections."""
     nested: dict[str, Any] = {}
-    for name, value in _leaves(values, ""):
+    for name, value in leaves(values):
         *sections, last = name.split(".")
         section = nested
         for depth, part in enumerate(sections):
@@ -340,12 +340,13 @@ def _check_names(node: Any, source: str, above: str) -> None:
         _check_names(value, source, f"{name}.")
 
 
-def _leaves(values: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
+def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Give each value that is no section, with its dotted name."""
     for name, value in values.items():
         if not isinstance(name, str):
             raise ParameterError(f"parameters: {name!r} is no name of a parameter.")
         if isinstance(value, Mapping) and value:
-            yield from _leaves(value, f"{above}{name}.")
+            yield from leaves(value, f"{above}{name}.")
         else:
             yield f"{above}{name}", value
 

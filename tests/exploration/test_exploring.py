@@ -205,3 +205,11 @@ def test_importing_the_package_is_cheap():
         capture_output=True, text=True, check=True, env={"PYTHONPATH": str(ROOT / "src")},
     ).stdout  # fmt: skip
     assert output == "[]\n"
+
+
+def test_a_needle_is_touched_and_drawn_though_some_views_show_no_place(tmp_path):
+    needle = trimesh.creation.cylinder(0.004, 2)
+    found = vh.load(needle, key="tool/needle").touch(viewpoints=9, parameters=SMALL)
+    shown = set(found.touches.column("viewpoint").to_pylist())
+    assert 0 < len(shown) < found.views.num_rows == 9
+    assert all(file.is_file() for file in found.save(tmp_path))

@@ -58,8 +58,7 @@ def touch_points(
         If points or normals are none, or a point is too far off the surface.
     """
     from visuohaptic.features.describing import describe_touches
-    from visuohaptic.scene.effect_log import effect_table
-    from visuohaptic.touches.touching import touch_locations, touch_table
+    from visuohaptic.touches.touching import touch_tables
 
     started = time.perf_counter()
     caster = RayCaster(surface)
@@ -72,14 +71,13 @@ def touch_points(
         # The caller's normals are the sensor's own, whatever the touched face says.
         sensor = sensor.model_copy(update={"normal": "given"})
     fixations = _fixation_table(key, points, outwards, faces)
-    felt = touch_locations(caster, fixations, sensor, parameters.scene, parameters.seed)
-    touches = touch_table(fixations, felt)
+    touches, effects = touch_tables(caster, fixations, sensor, parameters.scene, parameters.seed)
     touched = time.perf_counter()
     tables = {
         VIEWS.name: VIEWS.arrow.empty_table(),
         FIXATIONS.name: fixations,
         "touches": touches,
-        EFFECTS.name: effect_table(key, 0, parameters.scene.preset, felt.effects),
+        EFFECTS.name: effects,
         "features": describe_touches(touches, parameters.features),
     }
     return tables, {"touch": touched - started, "describe": time.perf_counter() - touched}

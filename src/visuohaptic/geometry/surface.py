@@ -9,7 +9,7 @@ import tempfile
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO
@@ -70,6 +70,12 @@ class Surface:
         crosses = self.face_crosses
         lengths = np.linalg.norm(crosses, axis=1, keepdims=True)
         return np.divide(crosses, lengths, out=np.zeros_like(crosses), where=lengths > 0)
+
+
+def as_stored(surface: Surface) -> Surface:
+    """Round a surface's vertices to the float32 numbers that its file would hold."""
+    vertices = surface.vertices.astype(np.float32).astype(np.float64)
+    return replace(surface, vertices=vertices)
 
 
 def write_set_aside(path: str | Path, reason: str) -> None:

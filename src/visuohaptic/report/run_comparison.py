@@ -12,7 +12,7 @@ from typing import Any
 
 from visuohaptic.errors import ParameterError, ReportError
 from visuohaptic.optional_packages import require
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.parameters import ExperimentParameters, leaves
 from visuohaptic.report.archive import Archive, ArchivedView, read_archive
 from visuohaptic.report.charts import IntervalChart, interval_chart
 from visuohaptic.report.comparison import Figure, pipeline_order
@@ -412,21 +412,13 @@ def _yaml(text: bytes, source: str) -> dict[str, Any]:
     return values if isinstance(values, dict) else {}
 
 
-def _flat(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in values.items():
-        path = f"{above}{name}"
-        flat |= _flat(value, f"{path}.") if isinstance(value, dict) else {path: value}
-    return flat
-
-
 def _changed_parameters(
     first: Mapping[str, Any], second: Mapping[str, Any]
 ) -> tuple[ChangedParameter, ...]:
     whole = [_completed(side) for side in (first, second)]
     known = [side for side in whole if side is not None]
     # A name that today's workflow lacks can't be completed; then each side is taken as written.
-    sides = [_flat(side) for side in (known if len(known) == 2 else (first, second))]
+    sides = [dict(leaves(side)) for side in (known if len(known) == 2 else (first, second))]
     names = dict.fromkeys(name for side in sides for name in side)
     texts = [ChangedParameter(name, *(_text(side, name) for side in sides)) for name in names]
     return tuple(change for change in texts if change.first != change.second)

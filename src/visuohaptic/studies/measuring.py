@@ -109,8 +109,7 @@ def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
     if remake.phase == "features":
         for part in sources.touches:
             touches = _of_strategies(read_table(TOUCHES, part), parameters.probing.strategies)
-            if touches.num_rows:
-                yield describe_touches(touches, parameters.features)
+            yield describe_touches(touches, parameters.features)
         return
     located = None
     if remake.phase == "touches":

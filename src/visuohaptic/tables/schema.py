@@ -215,9 +215,14 @@ def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.T
         raise TableError(
             f"table {schema.name}: no Parquet file at {paths}; run the workflow first."
         )
-    parts = [_read_part(schema, file) for file in files]
-    table = pa.concat_tables(parts).sort_by([(key, "ascending") for key in schema.keys])
+    table = join_parts(schema, [_read_part(schema, file) for file in files])
     check_table(schema, table)
+    return table
+
+
+def join_parts(schema: Schema, parts: Iterable[pa.Table]) -> pa.Table:
+    """Join tables of a schema, at least one, into one that is sorted by its keys."""
+    table = pa.concat_tables(parts).sort_by([(key, "ascending") for key in schema.keys])
     return table.combine_chunks()
 
 
@@ -252,7 +257,7 @@ def images(table: pa.Table, name: str = "image") -> np.ndarray:
     Returns
     -------
     numpy.ndarray
-        Shape (m, n, n), in the column's own float type.
+        Shape (m, n, n), in the column's own float type; n is 0 where m is.
 
     Raises
     ------
@@ -261,7 +266,9 @@ def images(table: pa.Table, name: str = "image") -> np.ndarray:
     """
     column = table.column(name).combine_chunks()
     lengths = np.unique(pc.list_value_length(column).to_numpy(zero_copy_only=False))
-    side = round(float(lengths[0]) ** 0.5) if len(lengths) == 1 else 0
+    if not len(lengths):
+        return np.zeros((0, 0, 0), column.type.value_type.to_pandas_dtype())
+    side = round(float(lengths[0]) ** 0.5)
     if len(lengths) != 1 or side * side != lengths[0]:
         raise TableError(
             f"column {name}: images have {lengths.tolist()} points; one square number is allowed."
