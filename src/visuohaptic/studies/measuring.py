@@ -141,7 +141,8 @@ def condition_features(planned: Planned, features: pa.Table, strategy: str) -> p
     Returns
     -------
     pyarrow.Table
-        Its rows; classes with a single object are left out.
+        Its rows; viewpoints without a whole sequence by every strategy of the condition, and
+        classes with a single object, are left out.
 
     Raises
     ------
@@ -150,14 +151,21 @@ def condition_features(planned: Planned, features: pa.Table, strategy: str) -> p
     """
     import pyarrow.compute as pc
 
-    from visuohaptic.recognition.sequences import classes_of_two
+    from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
     from visuohaptic.recognition.summary import select
 
-    found = select(features, strategy=strategy)
-    if not found.num_rows:
+    parameters = planned.parameters
+    if not select(features, strategy=strategy).num_rows:
         raise RecognitionError(f"no touch was made by {strategy}.")
-    needed = touches_needed(planned.parameters)
-    return classes_of_two(found.filter(pc.less(found.column("touch"), needed)))
+    compared = _of_strategies(features, {strategy, *parameters.probing.strategies})
+    needed = touches_needed(parameters)
+    compared = compared.filter(pc.less(compared.column("touch"), needed))
+    whole, _ = whole_sequences(compared, parameters.recognition.touches)
+    found = select(whole, strategy=strategy)
+    if not found.num_rows:
+        least = parameters.recognition.touches or needed
+        raise RecognitionError(f"no viewpoint of any object has {least} touches by {strategy}.")
+    return classes_of_two(found)
 
 
 def measure_condition(
@@ -346,7 +354,10 @@ def _correct(
 def _voted(
     sequences: TouchSequences, split: Split, answer: Answer, votes: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Give the tested objects, and how often a vote of viewpoints names each correctly."""
+    """Give the tested objects, and how often a vote of viewpoints names each correctly.
+
+    A viewpoint without a whole sequence casts no vote.
+    """
     numbers = np.unique(sequences.viewpoint)
     if votes > len(numbers):
         raise RecognitionError(f"{votes} viewpoints can't vote, for the run has {len(numbers)}.")
@@ -360,7 +371,7 @@ def _voted(
     there = np.zeros(by_view.shape[:2], dtype=bool)
     by_view[row, viewpoint] = ballots
     there[row, viewpoint] = True
-    if votes > 1 and not there.all():
+    if votes > 1 and np.isin(sequences.object_index, owners).sum() > len(split.test):
         raise RecognitionError(
             "Objects are tested from some of their viewpoints alone, so not all of these can vote; "
             "choose a protocol that tests whole objects."
@@ -369,6 +380,6 @@ def _voted(
     most = sums == sums.max(axis=2, keepdims=True)
     own = most[np.arange(len(owners)), :, sequences.class_of_object[owners]]
     credit = np.where(own, 1.0 / most.sum(axis=2), 0.0)
-    counted = there[:, choices].all(axis=2)
+    counted = there[:, choices].any(axis=2)
     shares = (credit * counted).sum(axis=1) / counted.sum(axis=1)
     return owners, shares, np.ones(len(owners), dtype=np.int64)
