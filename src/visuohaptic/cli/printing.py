@@ -65,15 +65,6 @@ def file_to_read(name: str) -> Path:
     return Path(name)
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}-") as waiting:
-        part = Path(waiting, path.name)
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
-
-
 def printable(text: str) -> str:
     """Write out control characters, line breaks among them, that a file's name may hold."""
     return "".join(

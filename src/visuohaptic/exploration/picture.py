@@ -16,6 +16,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.pictures import project, square_corners
 from visuohaptic.sensor.frames import row_axes
+from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES
 from visuohaptic.tables.schema import images, matrix
 
 VIEW_PIXELS = 320
@@ -26,9 +27,6 @@ HIDDEN_BEHIND = 0.01
 """A point is hidden where something is nearer to the eye by more than this, object radii."""
 
 _BACK, _INK, _MARK, _SQUARE = (255, 255, 255), (30, 34, 40), (255, 214, 0), (0, 92, 200)
-_POINT = ("x", "y", "z")
-_NORMAL = ("normal_x", "normal_y", "normal_z")
-_TANGENT = ("tangent_x", "tangent_y", "tangent_z")
 _LABEL = 16
 
 
@@ -97,8 +95,8 @@ def find_visible(
 
 
 def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches: pa.Table) -> None:
-    points, tangents = matrix(touches, _POINT), matrix(touches, _TANGENT)
-    rows = row_axes(matrix(touches, _NORMAL), tangents)
+    points, tangents = matrix(touches, POINT_NAMES), matrix(touches, TANGENT_NAMES)
+    rows = row_axes(matrix(touches, NORMAL_NAMES), tangents)
     corners = square_corners(points, tangents, rows, touches.column("sensor_size").to_numpy())
     outlines = project(camera, corners.reshape(-1, 3), VIEW_PIXELS).reshape(-1, 4, 2)
     places = project(camera, points, VIEW_PIXELS)

@@ -21,7 +21,7 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface, set_aside_reason
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import EffectModes
-from visuohaptic.tables.phases import EFFECTS, FIXATIONS, VIEWS
+from visuohaptic.tables.phases import EFFECTS, FIXATIONS, VIEWS, owner_columns
 from visuohaptic.tables.schema import build_table, write_table
 
 MAP_PIXELS = 64
@@ -74,12 +74,10 @@ def view_tables(looks: Sequence[Look]) -> tuple[pa.Table, pa.Table]:
     """
     first = looks[0]
     log = effect_table(first.key, first.viewpoint, "any", first.seen.effects)
-    category, name = first.key.split("/")
     attentions = [one.attended for one in looks]
     eyes = np.stack([one.camera.eye for one in looks])
     columns: dict[str, object] = {
-        "class": category,
-        "object": name,
+        **owner_columns(first.key),
         "viewpoint": np.array([one.viewpoint for one in looks]),
         "view": [_encode_png(np.rint(view * 255.0)) for view in first.seen.colour],
         "saliency": [_encode_png(np.rint(attended.saliency * 255.0)) for attended in attentions],

@@ -23,7 +23,7 @@ from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, owner_columns
 from visuohaptic.tables.schema import build_table
 
 
@@ -132,7 +132,7 @@ def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) 
         one, attention, spawn_generator(seed, strategy, one.key, one.viewpoint)
     )
     if isinstance(chosen, ProbingLocations):
-        return _location_table(one, strategy, chosen, _blind(chosen))
+        return location_table(one.key, one.viewpoint, strategy, chosen)
     return _path_table(one, strategy, chosen)
 
 
@@ -203,34 +203,36 @@ def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:
         Rows of `tables.FIXATIONS` of strategy ``adaptive``, in the crowd's order.
     """
     shown = crowd.take(np.flatnonzero(sees(one.caster, one.camera, crowd.points)))
-    return _location_table(one, "adaptive", turn_towards(shown, one.camera), _blind(shown))
+    turned = turn_towards(shown, one.camera)
+    return location_table(one.key, one.viewpoint, "adaptive", turned)
 
 
-def _path_table(one: Look, strategy: str, path: Scanpath) -> pa.Table:
-    pixels = {"pixel_row": path.rows, "pixel_column": path.columns, "saliency": path.saliency}
-    locations = ProbingLocations(path.points, path.normals, path.faces)
-    return _location_table(one, strategy, locations, pixels)
-
-
-def _blind(drawn: ProbingLocations) -> dict[str, object]:
-    """Give empty pixel columns: these locations were not chosen by pixel."""
-    return {name: [None] * len(drawn.faces) for name in ("pixel_row", "pixel_column", "saliency")}
-
-
-def _location_table(
-    one: Look, strategy: str, locations: ProbingLocations, looked: Mapping[str, object]
+def location_table(
+    key: str,
+    viewpoint: int,
+    strategy: str,
+    locations: ProbingLocations,
+    looked: Mapping[str, object] | None = None,
 ) -> pa.Table:
-    category, name = one.key.split("/")
+    """Give locations as rows of `tables.FIXATIONS`; those not chosen by pixel have no `looked`."""
+    if looked is None:
+        looked = dict.fromkeys(
+            ("pixel_row", "pixel_column", "saliency"), [None] * len(locations.faces)
+        )
     columns: dict[str, object] = {
-        "class": category,
-        "object": name,
-        "viewpoint": one.viewpoint,
+        **owner_columns(key),
+        "viewpoint": viewpoint,
         "strategy": strategy,
         "touch": np.arange(len(locations.points)),
         "face": locations.faces,
         **looked,
     }
-    for index, axis in enumerate("xyz"):
-        columns[axis] = locations.points[:, index]
-        columns[f"normal_{axis}"] = locations.normals[:, index]
+    columns |= dict(zip(POINT_NAMES, locations.points.T, strict=True))
+    columns |= dict(zip(NORMAL_NAMES, locations.normals.T, strict=True))
     return build_table(FIXATIONS, columns)
+
+
+def _path_table(one: Look, strategy: str, path: Scanpath) -> pa.Table:
+    pixels = {"pixel_row": path.rows, "pixel_column": path.columns, "saliency": path.saliency}
+    locations = ProbingLocations(path.points, path.normals, path.faces)
+    return location_table(one.key, one.viewpoint, strategy, locations, pixels)

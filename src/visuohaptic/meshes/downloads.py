@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 from visuohaptic.errors import DownloadError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.meshes.catalogue import Model
+from visuohaptic.whole_files import whole_file
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -110,7 +111,8 @@ def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Pa
     for library, path in missing.items():
         stem = library.removesuffix(".sh3f")
         archive = download(UPSTREAM.format(library=stem), cache / f"{stem}.zip")
-        _replace_with(path, read_member(archive, library, _LARGEST_ARCHIVE_BYTES))
+        with whole_file(path) as unpacked:
+            unpacked.write_bytes(read_member(archive, library, _LARGEST_ARCHIVE_BYTES))
     return paths
 
 
@@ -199,7 +201,8 @@ def extract_libraries(package: Path, libraries: dict[str, Path]) -> None:
                     data.extractfile(member) if member.isreg() and member.name in wanted else None
                 )
                 if stream is not None and member.size <= _LARGEST_ARCHIVE_BYTES:
-                    _replace_with(wanted.pop(member.name), stream.read())
+                    with whole_file(wanted.pop(member.name)) as unpacked:
+                        unpacked.write_bytes(stream.read())
     except (tarfile.TarError, OSError, EOFError) as error:
         raise DownloadError(
             f"{package} can't be unpacked: {error}; delete it and run again."
@@ -336,9 +339,3 @@ def _debian_data(package: Path) -> bytes:
                 return stream.read(size)
             stream.seek(size + size % 2, io.SEEK_CUR)
     raise DownloadError(f"{package} has no data; delete it and run again.")
-
-
-def _replace_with(path: Path, data: bytes) -> None:
-    part = path.with_name(f"{path.name}.part")
-    part.write_bytes(data)
-    part.replace(path)

@@ -9,6 +9,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.objects import Track
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.whole_files import write_whole
 
 
 def make_report(
@@ -29,11 +30,4 @@ def make_report(
         If a table is missing or breaks its schema.
     """
     page = render_page(read_run(files, parameters, objects), processes, track)
-    output = Path(output)
-    output.parent.mkdir(parents=True, exist_ok=True)
-    waiting = output.with_name(f".{output.name}.part")
-    try:
-        waiting.write_text(page, encoding="utf-8")
-        waiting.replace(output)
-    finally:
-        waiting.unlink(missing_ok=True)
+    write_whole(output, page)

@@ -12,7 +12,6 @@ from visuohaptic.report.run import RunFiles
 
 METRICS = "reports/metrics.json"
 PARAMETERS = "params.yaml"
-REPORT = "reports/report.html"
 
 _TABLES = ("predictions", "views", "fixations", "touches", "features")
 EXTRAS = {

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import pyarrow as pa
 
 from visuohaptic.scene.records import EffectRecord
-from visuohaptic.tables.phases import EFFECTS
+from visuohaptic.tables.phases import EFFECTS, owner_columns
 from visuohaptic.tables.schema import build_table
 
 _COPIED = ("effect", "mode", "reason", "touches", "called_for", "runs", "seconds")
@@ -34,14 +34,6 @@ def effect_table(
     pyarrow.Table
         Rows of `tables.EFFECTS`, one for each effect.
     """
-    category, name = key.split("/")
-    columns: dict[str, object] = {
-        column: [getattr(record, column) for record in records] for column in _COPIED
-    }
-    columns |= {
-        "class": category,
-        "object": name,
-        "first_viewpoint": first_viewpoint,
-        "scene": scene,
-    }
+    columns = owner_columns(key) | {"first_viewpoint": first_viewpoint, "scene": scene}
+    columns |= {column: [getattr(record, column) for record in records] for column in _COPIED}
     return build_table(EFFECTS, columns)

@@ -16,8 +16,10 @@ from visuohaptic.recognition.intervals import Interval, compare_paired, holm, ob
 from visuohaptic.recognition.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
+from visuohaptic.tables.phases import owners_of
 from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
+from visuohaptic.whole_files import write_whole
 
 Row = dict[str, Any]
 CellKey = tuple[str, str, str, str]
@@ -162,17 +164,14 @@ def nested(rows: Sequence[Row], keys: Sequence[str]) -> dict[str, Any]:
 def write_json(figures: object, path: str | Path) -> None:
     """Write figures, rounded, so that the same tables give the same bytes."""
     text = json.dumps(round_numbers(figures), indent=2, ensure_ascii=False) + "\n"
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    Path(path).write_text(text, encoding="utf-8")
+    write_whole(path, text)
 
 
 def _cell(rows: pa.Table) -> Cell:
     error = rows.column("error")[0].as_py()
     if error is not None:
         return Cell((), np.empty(0), np.empty(0), None, error)
-    owners = list(
-        zip(*(rows.column(name).to_pylist() for name in ("class", "object")), strict=True)
-    )
+    owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}
     owner = np.array([places[one] for one in owners])

@@ -6,8 +6,6 @@ before it is written, and written whole or not at all.
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +16,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from visuohaptic.errors import TableError
+from visuohaptic.whole_files import whole_file
 
 _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
@@ -177,17 +176,8 @@ def write_table(schema: Schema, table: pa.Table, path: str | Path) -> None:
         If the table breaks its schema; nothing is written then.
     """
     check_table(schema, table)
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
-    os.close(handle)
-    try:
-        pq.write_table(table, temporary, compression="zstd")
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    with whole_file(path) as unfinished:
+        pq.write_table(table, unfinished, compression="zstd")
 
 
 def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.Table:

@@ -10,12 +10,16 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.random_fields import RandomFields
 from visuohaptic.sensor.touching import Touches, touch
-from visuohaptic.tables.phases import EFFECTS, FIXATIONS, TOUCHES
+from visuohaptic.tables.phases import (
+    EFFECTS,
+    FIXATIONS,
+    NORMAL_NAMES,
+    POINT_NAMES,
+    TANGENT_NAMES,
+    TOUCHES,
+    key_of,
+)
 from visuohaptic.tables.schema import build_table, matrix
-
-_POINT = ("x", "y", "z")
-_NORMAL = ("normal_x", "normal_y", "normal_z")
-_TANGENT = ("tangent_x", "tangent_y", "tangent_z")
 
 
 def touch_locations(
@@ -44,8 +48,8 @@ def touch_locations(
     keys = [fixations.column(name).to_pylist() for name in FIXATIONS.keys]
     return touch(
         caster,
-        matrix(fixations, _POINT),
-        matrix(fixations, _NORMAL),
+        matrix(fixations, POINT_NAMES),
+        matrix(fixations, NORMAL_NAMES),
         sensor,
         scene,
         RandomFields(seed, list(zip(*keys, strict=True))),
@@ -69,15 +73,16 @@ def touch_tables(
         return TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table()
     felt = touch_locations(caster, fixations, sensor, scene, seed)
     first = fixations.slice(0, 1).to_pylist()[0]
-    key = f"{first['class']}/{first['object']}"
-    log = effect_table(key, first["viewpoint"], scene.preset, felt.effects)
+    log = effect_table(key_of(first), first["viewpoint"], scene.preset, felt.effects)
     return _touch_table(fixations, felt), log
 
 
 def _touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
-    columns: dict[str, object] = {name: fixations.column(name) for name in (*TOUCHES.keys, *_POINT)}
-    columns |= dict(zip(_NORMAL, felt.normals.T, strict=True))
-    columns |= dict(zip(_TANGENT, felt.tangents.T, strict=True))
+    columns: dict[str, object] = {
+        name: fixations.column(name) for name in (*TOUCHES.keys, *POINT_NAMES)
+    }
+    columns |= dict(zip(NORMAL_NAMES, felt.normals.T, strict=True))
+    columns |= dict(zip(TANGENT_NAMES, felt.tangents.T, strict=True))
     columns |= {
         "image": felt.images,
         "sensor_size": felt.size,

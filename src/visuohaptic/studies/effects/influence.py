@@ -13,7 +13,7 @@ from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParam
 from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import read_surface, set_aside_reason
+from visuohaptic.geometry.surface import read_surface
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
@@ -214,10 +214,10 @@ def make_effect_influence(
     """
     parts: list[Influence] = []
     for mesh, locations in zip(meshes, fixations, strict=True):
-        if set_aside_reason(mesh):
+        table = read_table(FIXATIONS, locations)
+        if not table.num_rows:  # set aside, or too slender for any view
             continue
         caster = RayCaster(read_surface(mesh))
-        table = read_table(FIXATIONS, locations)
         seen_from = sorted(set(table.column("viewpoint").to_pylist()))
         placed = place_cameras(viewpoints)
         cameras = [placed[number] for number in seen_from[:VIEWS]]
