@@ -101,22 +101,9 @@ class ExperimentParameters(BaseModel):
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object]) -> Self:
-        """Check values as a YAML or JSON file gives them.
+        """Check sections and their values as a YAML or JSON file gives them.
 
-        Parameters
-        ----------
-        values : mapping
-            Sections and their values.
-
-        Returns
-        -------
-        ExperimentParameters
-            The checked parameters.
-
-        Raises
-        ------
-        ParameterError
-            If a name is unknown or a value not allowed; the sentence names each with its path.
+        Raises `ParameterError`, which gives each unknown name or wrong value with its path.
         """
         try:
             return cls.model_validate(dict(values))
@@ -158,20 +145,9 @@ def _odd_viewpoints(parameters: ExperimentParameters) -> Iterator[str]:
 def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
     """Refuse parameters with which touching or recognition would fail.
 
-    A study may try them all the same: its table says which conditions failed.
-
-    Parameters
-    ----------
-    parameters : ExperimentParameters
-        What is to be run.
-    source : str
-        Where they come from: a file, or an argument.
-
-    Raises
-    ------
-    ParameterError
-        If the contourlets have no bands for imprints of the resolution, or a sequence is to have
-        more touches than a view has fixations; the sentence names both parameters.
+    A study may try them all the same: its table says which conditions failed. Raises
+    `ParameterError`, which names the parameters and their source, if the contourlets have no bands
+    for imprints of the resolution, or a sequence is to have more touches than a view has fixations.
     """
     found = [*_odd_imprints(parameters)]
     # Who touches and doesn't recognise leaves recognition's default as it is.
@@ -232,15 +208,7 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
 def refuse_repeated_names(path: str | Path) -> None:
     """Refuse a YAML file with a name twice, of which a parser takes the last in silence.
 
-    Parameters
-    ----------
-    path : path
-        A file such as ``params.yaml``.
-
-    Raises
-    ------
-    ParameterError
-        If a name stands twice in a section; the sentence gives both lines.
+    Raises `ParameterError`, which gives both lines.
     """
     import yaml
 
@@ -249,25 +217,7 @@ def refuse_repeated_names(path: str | Path) -> None:
 
 
 def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParameters:
-    """Check values as `ExperimentParameters.from_mapping` does; its errors name the source.
-
-    Parameters
-    ----------
-    values : mapping
-        Sections and their values.
-    source : str
-        Where they come from: a file, or an argument.
-
-    Returns
-    -------
-    ExperimentParameters
-        The checked parameters.
-
-    Raises
-    ------
-    ParameterError
-        If a name is unknown or a value not allowed.
-    """
+    """Check values as `ExperimentParameters.from_mapping` does; its errors name the source."""
     try:
         return ExperimentParameters.from_mapping(values)
     except ParameterError as error:

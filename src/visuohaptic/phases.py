@@ -60,22 +60,7 @@ def look_from(
 
 
 def touch_at(caster: RayCaster, locations: pa.Table, parameters: ExperimentParameters) -> pa.Table:
-    """Touch an object.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    locations : pyarrow.Table
-        Rows of `tables.FIXATIONS`.
-    parameters : ExperimentParameters
-        The sensor and its scene.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.TOUCHES`, in the same order.
-    """
+    """Touch an object at rows of `tables.FIXATIONS`: rows of `tables.TOUCHES`, in the same order."""
     sensor, scene = parameters.sensor, parameters.scene
     return touch_tables(caster, locations, sensor, scene, parameters.seed)[0]
 

@@ -74,18 +74,7 @@ def printable(text: str) -> str:
 
 
 def sentence_of(error: Exception) -> str:
-    """Give an error as one sentence that names the thing and a way out.
-
-    Parameters
-    ----------
-    error : Exception
-        Any error.
-
-    Returns
-    -------
-    str
-        One line.
-    """
+    """Give an error as one line: a sentence that names the thing and a way out."""
     if isinstance(error, VisuohapticError):
         sentence = str(error)
     elif isinstance(error, MemoryError):

@@ -58,20 +58,7 @@ def make_fixations(
 
 
 def view_tables(looks: Sequence[Look]) -> tuple[pa.Table, pa.Table]:
-    """Give what was seen from viewpoints that were looked from together.
-
-    Parameters
-    ----------
-    looks : sequence of Look
-        All of one call of `look`.
-
-    Returns
-    -------
-    views : pyarrow.Table
-        Rows of `tables.VIEWS`, one for each viewpoint.
-    effects : pyarrow.Table
-        Rows of `tables.EFFECTS`, one for each visual effect.
-    """
+    """Give what one call of `look` saw: rows of `tables.VIEWS` and of `tables.EFFECTS`."""
     first = looks[0]
     log = effect_table(first.key, first.viewpoint, "any", first.seen.effects)
     attentions = [one.attended for one in looks]

@@ -139,22 +139,7 @@ def locate(one: Look, strategy: str, attention: AttentionParameters, seed: int) 
 def locate_all(
     looks: Iterable[Look], probing: ProbingParameters, attention: AttentionParameters, seed: int
 ) -> pa.Table:
-    """Choose where to touch from several viewpoints, by every strategy.
-
-    Parameters
-    ----------
-    looks : iterable of Look
-        The viewpoints, at least one.
-    probing, attention
-        Sections of the parameters.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.FIXATIONS`.
-    """
+    """Choose where to touch from viewpoints, at least one, by every strategy: `tables.FIXATIONS`."""
     tables = [
         locate(one, strategy, attention, seed) for one in looks for strategy in probing.strategies
     ]
@@ -164,20 +149,7 @@ def locate_all(
 
 
 def begin_again(sequence: pa.Table, touches: int) -> pa.Table:
-    """Make a sequence as long as asked for by starting again at its first location.
-
-    Parameters
-    ----------
-    sequence : pyarrow.Table
-        Rows of `tables.FIXATIONS` of one sequence, in order.
-    touches : int
-        How many rows to give.
-
-    Returns
-    -------
-    pyarrow.Table
-        So many rows; none where there was none.
-    """
+    """Make a sequence as long as asked for by starting again at its first location."""
     if not sequence.num_rows:
         return sequence
     again = sequence.take([number % sequence.num_rows for number in range(touches)])
@@ -190,17 +162,7 @@ def begin_again(sequence: pa.Table, touches: int) -> pa.Table:
 def candidate_table(one: Look, crowd: ProbingLocations) -> pa.Table:
     """List those of an object's points that a viewpoint sees, for `adaptive` to choose among.
 
-    Parameters
-    ----------
-    one : Look
-        The viewpoint.
-    crowd : ProbingLocations
-        Points of the object, the same for all its viewpoints.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.FIXATIONS` of strategy ``adaptive``, in the crowd's order.
+    Rows of `tables.FIXATIONS` of strategy ``adaptive``, in the crowd's order.
     """
     shown = crowd.take(np.flatnonzero(sees(one.caster, one.camera, crowd.points)))
     turned = turn_towards(shown, one.camera)

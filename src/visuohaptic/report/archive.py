@@ -85,22 +85,7 @@ class Archive:
 def summarise_run(
     run: Run, pages: Sequence[ObjectPage], seconds: Sequence[PhaseSeconds]
 ) -> dict[str, Any]:
-    """Give what the page carries, as plain values.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    pages : sequence of ObjectPage
-        Its objects.
-    seconds : sequence of PhaseSeconds
-        What its logs say.
-
-    Returns
-    -------
-    dict
-        JSON-able; the pictures themselves lie in the page.
-    """
+    """Give what the page carries, JSON-able; the pictures themselves lie in the page."""
     return {
         "form": FORM,
         "metrics": dict(run.metrics),
@@ -124,22 +109,7 @@ def summarise_run(
 def read_archive(page: str, source: str) -> Archive:
     """Read what a page carries.
 
-    Parameters
-    ----------
-    page : str
-        A report's HTML.
-    source : str
-        Where it lies, for the error.
-
-    Returns
-    -------
-    Archive
-        The run.
-
-    Raises
-    ------
-    ReportError
-        If the page is no report of this workflow, or of another version's form.
+    Raises `ReportError` if it is no report of this workflow, or of another version's form.
     """
     found = _SUMMARY.search(page)
     if found is None:

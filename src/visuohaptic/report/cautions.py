@@ -11,20 +11,7 @@ from visuohaptic.tables.phases import key_of
 
 
 def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
-    """List what was left out, fell short or failed.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    seconds : list of PhaseSeconds
-        What the logs say.
-
-    Returns
-    -------
-    list of str
-        Sentences, empty where nothing is to be said.
-    """
+    """List in sentences what was left out, fell short or failed."""
     return [
         *_objects_left_out(run),
         *_poor_views(run),

@@ -120,23 +120,10 @@ Place = Callable[[float], float]
 def place_points(
     series: Sequence[Sequence[Point]], x_of: Place, y_of: Place, top: str = ""
 ) -> tuple[tuple[Mark, ...], tuple[tuple[int, float, float, float, float], ...]]:
-    """Place series of points, each joined by lines.
+    """Place series of points, each joined by lines in its order.
 
-    Parameters
-    ----------
-    series : sequence of sequence of Point
-        Points in the order in which they are joined.
-    x_of, y_of : callable
-        Place of a value, in percent of the width and in pixels.
-    top : str
-        Marks of this kind are drawn last.
-
-    Returns
-    -------
-    marks : tuple of Mark
-        A mark a point.
-    lines : tuple
-        As in `PointChart`.
+    `x_of` and `y_of` place a value in percent of the width and in pixels; marks of kind `top` are
+    drawn last. Gives marks and lines as in `PointChart`.
     """
     marks: list[Mark] = []
     lines = []
@@ -170,19 +157,8 @@ def interval_chart(
 ) -> IntervalChart:
     """Place the marks of an interval chart.
 
-    Parameters
-    ----------
-    rows : sequence of (str, mapping, mapping)
-        Label of each row, its figures and its published values, by series.
-    series : sequence of str
-        Names of the series, in the order in which they stand below each other.
-    reference : float or None
-        A share to draw a line at, such as chance.
-
-    Returns
-    -------
-    IntervalChart
-        Where everything lies.
+    A row has a label, and its figures and published values by series; the series stand below each
+    other. `reference` is a share to draw a line at, such as chance.
     """
     marks: list[Mark] = []
     labels: list[tuple[str, int]] = []

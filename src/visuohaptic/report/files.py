@@ -20,14 +20,6 @@ def make_report(
     processes: int = 1,
     track: Track = iter,
 ) -> None:
-    """Write the report of a run, completely or not at all.
-
-    Raises
-    ------
-    ReportError
-        If the metrics can't be read.
-    TableError
-        If a table is missing or breaks its schema.
-    """
+    """Write the report of a run, completely or not at all."""
     page = render_page(read_run(files, parameters, objects), processes, track)
     write_whole(output, page)

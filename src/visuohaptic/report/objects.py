@@ -130,21 +130,9 @@ class ObjectPage:
 
 
 def describe_objects(run: Run, processes: int = 1, track: Track = iter) -> list[ObjectPage]:
-    """Describe every object that was looked at.
+    """Describe every object that was looked at, sorted by class and name.
 
-    Parameters
-    ----------
-    run : Run
-        The run.
-    processes : int
-        Processes to work on, at most; they change nothing but the time.
-    track : callable
-        Takes the objects' names and gives them back one by one, as a progress bar does.
-
-    Returns
-    -------
-    list of ObjectPage
-        Sorted by class and name.
+    `track` takes the objects' names and gives them back one by one, as a progress bar does.
     """
     from joblib import Parallel, delayed
 

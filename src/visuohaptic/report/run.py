@@ -134,28 +134,10 @@ class Run:
 
 
 def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequence[str]) -> Run:
-    """Read a run.
+    """Read a run; `objects` were to take part, `class/name`.
 
-    Parameters
-    ----------
-    files : RunFiles
-        Where it lies.
-    parameters : ExperimentParameters
-        What it was run with.
-    objects : sequence of str
-        Objects that were to take part, `class/name`.
-
-    Returns
-    -------
-    Run
-        The run.
-
-    Raises
-    ------
-    ReportError
-        If the metrics can't be read.
-    TableError
-        If a table is missing or breaks its schema.
+    Raises `ReportError` if the metrics can't be read, and `TableError` if a table is missing or
+    breaks its schema.
     """
     return Run(
         files=files,

@@ -16,23 +16,9 @@ _COPIED = ("effect", "mode", "reason", "touches", "called_for", "runs", "seconds
 def effect_table(
     key: str, first_viewpoint: int, scene: str, records: Sequence[EffectRecord]
 ) -> pa.Table:
-    """Give the records of one job as a table.
+    """Give the records of one job, one for each effect: `tables.EFFECTS`.
 
-    Parameters
-    ----------
-    key : str
-        `class/name` of the object.
-    first_viewpoint : int
-        The first viewpoint of the job.
-    scene : str
-        Name of the scene's preset, or `any` for effects that no preset sets.
-    records : sequence of EffectRecord
-        One for each effect.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.EFFECTS`, one for each effect.
+    `scene` is the name of its preset, or `any` for effects that no preset sets.
     """
     columns = owner_columns(key) | {"first_viewpoint": first_viewpoint, "scene": scene}
     columns |= {column: [getattr(record, column) for record in records] for column in _COPIED}

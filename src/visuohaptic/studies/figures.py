@@ -56,15 +56,7 @@ class Cell:
 def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
     """Average each object's accuracy over the splits that tested it, one file at a time.
 
-    Parameters
-    ----------
-    parts : iterable of path
-        `tables.STUDY`, the rows of a condition in one file.
-
-    Returns
-    -------
-    dict of tuple to Cell
-        By condition, pipeline, strategy and classifier.
+    A file of `tables.STUDY` holds all rows of its conditions.
     """
     found: dict[CellKey, Cell] = {}
     for part in parts:
@@ -93,25 +85,11 @@ def study_figures(
     intervals: IntervalParameters,
     seed: int,
 ) -> pa.Table:
-    """Sum up a study.
+    """Sum up a study: `tables.STUDY_FIGURES`.
 
-    Parameters
-    ----------
-    study : mapping
-        Its ``name``, its ``title`` and its ``conditions`` in order, each with ``name``,
-        ``compared_with`` (a name; None for the first one's) and ``remade``.
-    cells : mapping
-        As `read_cells` gives them.
-    intervals : IntervalParameters
-        Resampling over objects.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.STUDY_FIGURES`. A condition that was tested on other objects than the one that it is
-        compared with has no difference.
+    The study has a ``name``, a ``title`` and ``conditions`` in order, each with ``name``,
+    ``compared_with`` (a name; None for the first one's) and ``remade``. A condition that was tested
+    on other objects than the one that it is compared with has no difference.
     """
     conditions = study["conditions"]
     order = {condition["name"]: place for place, condition in enumerate(conditions)}

@@ -80,19 +80,9 @@ class Memory:
 
 
 def remake_features(remake: Remake, sources: Sources) -> pa.Table:
-    """Make features again, from as late a table of the run as the changes allow.
+    """Make features again, from as late a table of the run as the changes allow: `tables.FEATURES`.
 
-    Parameters
-    ----------
-    remake : Remake
-        The first phase that is made again, and its parameters.
-    sources : Sources
-        What it starts from: meshes and fixations for touches, meshes for views, else touches.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.FEATURES`, of the strategies that the parameters name.
+    They are of the strategies that the parameters name.
     """
     parts = list(_remade_parts(remake, sources))
     return pa.concat_tables(parts).sort_by([(key, "ascending") for key in FEATURES.keys])
@@ -127,27 +117,10 @@ def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
 
 
 def condition_features(planned: Planned, features: pa.Table, strategy: str) -> pa.Table:
-    """Take a condition's rows of features that others share.
+    """Take a condition's rows, of one strategy, of features that others share.
 
-    Parameters
-    ----------
-    planned : Planned
-        The condition.
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`.
-    strategy : str
-        Which sequences.
-
-    Returns
-    -------
-    pyarrow.Table
-        Its rows; viewpoints without a whole sequence by every strategy of the condition, and
-        classes with a single object, are left out.
-
-    Raises
-    ------
-    RecognitionError
-        If there are none.
+    Viewpoints without a whole sequence by every strategy of the condition, and classes with a
+    single object, are left out. Raises `RecognitionError` if no row is left.
     """
     import pyarrow.compute as pc
 
@@ -177,23 +150,9 @@ def measure_condition(
 ) -> Iterator[pa.Table]:
     """Train and test a condition; what can't be run has one row with the reason.
 
-    Parameters
-    ----------
-    study : str
-        The study's name.
-    planned : Planned
-        The condition: its parameters name strategies, pipelines and classifiers.
-    features : pyarrow.Table or str
-        Rows of `tables.FEATURES`, or the sentence by which they were refused.
-    seed : int
-        The experiment's seed.
-    memory : Memory, optional
-        What conditions before it named on the same tables; it changes no number.
-
-    Yields
-    ------
-    pyarrow.Table
-        `tables.STUDY`, of one pipeline and strategy.
+    `features` may be the sentence by which they were refused. `memory` holds what conditions before
+    it named on the same tables; it changes no number. Yields `tables.STUDY` of each pipeline and
+    strategy.
     """
     memory = memory or Memory()
     recognition = planned.parameters.recognition
@@ -248,27 +207,11 @@ Key = tuple[str, str, str, str]
 
 
 def cell_rows(key: Key, named: Named, votes: int | None = None) -> Iterator[pa.Table]:
-    """Give `tables.STUDY` of what was named, a row an object, split and repeat.
+    """Give `tables.STUDY` of what was named by each classifier, a row an object, split and repeat.
 
-    Parameters
-    ----------
-    key : tuple of str
-        Study, condition, pipeline and strategy.
-    named : Named
-        Every split, repeat and classifier.
-    votes : int or None
-        Viewpoints that vote: every evenly spread choice of so many of an object's viewpoints
-        is one recognition. None where each sequence counts by itself.
-
-    Yields
-    ------
-    pyarrow.Table
-        A classifier's rows.
-
-    Raises
-    ------
-    RecognitionError
-        If there are not so many viewpoints.
+    With `votes`, every evenly spread choice of so many of an object's viewpoints is one
+    recognition; without, each sequence counts by itself. Raises `RecognitionError` if there are not
+    so many viewpoints.
     """
     sequences = named.sequences
     found: dict[str, list[tuple[NDArray[Any], ...]]] = {}
@@ -315,19 +258,9 @@ def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
 
 
 def spread_choices(total: int, count: int) -> NDArray[np.int64]:
-    """Choose places evenly spread over a ring, in every way.
+    """Choose `count` of `total` places, evenly spread over a ring, in every way.
 
-    Parameters
-    ----------
-    total : int
-        Places of the ring.
-    count : int
-        How many to choose, at most `total`.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (choices, count), int64: each choice turned on by one place, none twice.
+    Shape (choices, count), int64: each choice turned on by one place, none twice.
     """
     steps = (np.arange(count) * total) // count
     turned = (steps + np.arange(total)[:, None]) % total

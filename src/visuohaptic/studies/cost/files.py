@@ -30,20 +30,9 @@ def make_cost_seconds(
     output: str | Path,
     run: ExperimentParameters,
 ) -> None:
-    """Time every setting of every family side by side.
+    """Time every setting of every family side by side: `tables.COST_SECONDS`.
 
-    Parameters
-    ----------
-    meshes : sequence of path
-        Surfaces of the objects on which time is taken.
-    features : sequence of path
-        The run's own features.
-    made : mapping of str to path
-        Features of the study's conditions, by key.
-    output : path
-        The Parquet file to write.
-    run : ExperimentParameters
-        The run's.
+    `made` has features of the study's conditions by key; those of the run are `features`.
     """
     held: dict[str | None, pa.Table | str] = {None: read_table(FEATURES, features)}
     settings: list[FittedSetting] = []
@@ -65,19 +54,7 @@ def make_cost_seconds(
 def make_cost(
     parts: Paths, seconds: str | Path, output: str | Path, run: ExperimentParameters
 ) -> None:
-    """Join error rates and seconds, and mark the front.
-
-    Parameters
-    ----------
-    parts : sequence of path
-        `tables.STUDY` of all settings.
-    seconds : path
-        `tables.COST_SECONDS`.
-    output : path
-        The Parquet file to write.
-    run : ExperimentParameters
-        The run's.
-    """
+    """Join error rates, from `tables.STUDY`, and seconds, and mark the front: `tables.COST`."""
     errors = error_rows(read_cells(parts), run)
     table = join_costs(errors, read_table(COST_SECONDS, seconds))
     write_table(COST, table, output)

@@ -25,17 +25,9 @@ AIM = 0.95
 
 
 def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which points no other point beats: at most as slow, at most as wrong, and one of both less.
+    """Tell which points no other beats: at most as slow, at most as wrong, and one of both less.
 
-    Parameters
-    ----------
-    seconds, errors : numpy.ndarray
-        Shape (n,), float64; a point with a NaN is never on the front.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), bool.
+    Shape (n,) each; a point with a NaN is never on the front.
     """
     no_slower = seconds[None, :] <= seconds[:, None]
     no_worse = errors[None, :] <= errors[:, None]
@@ -56,20 +48,7 @@ def error_rows(cells: Mapping[CellKey, Cell], run: ExperimentParameters) -> list
 
 
 def join_costs(errors: Sequence[Row], seconds: pa.Table) -> pa.Table:
-    """Join error rates with seconds, and mark the front.
-
-    Parameters
-    ----------
-    errors : sequence of mapping
-        Settings with their error rates, as `error_rows` gives them.
-    seconds : pyarrow.Table
-        Rows of `tables.COST_SECONDS`; a setting that failed need not have one.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.COST`, a row a setting, in the order of `errors`.
-    """
+    """Join error rates with seconds where there are any, and mark the front: `tables.COST`."""
     timed = {(row["family"], row["setting"]): row for row in seconds.to_pylist()}
     names = [column.name for column in COST.columns]
     rows = []
@@ -89,21 +68,9 @@ def join_costs(errors: Sequence[Row], seconds: pa.Table) -> pa.Table:
 def error_rate(cell: Cell, run: ExperimentParameters) -> dict[str, Any]:
     """Give the share of recognitions that name wrongly, its interval over objects, and their number.
 
-    Where no object was classified wrongly, resampling can't say how far the rate may be from 0;
-    its upper end is then the exact binomial one for so many objects (C. Clopper and E. Pearson,
+    Where no object was classified wrongly, resampling can't say how far the rate may be from 0; its
+    upper end is then the exact binomial one for so many objects (C. Clopper and E. Pearson,
     Biometrika 26(4), 1934).
-
-    Parameters
-    ----------
-    cell : Cell
-        A setting's figures.
-    run : ExperimentParameters
-        The run's: the intervals are its own.
-
-    Returns
-    -------
-    dict of str
-        Columns of `tables.COST`.
     """
     if cell.error is not None:
         return {"failed": cell.error}
@@ -139,20 +106,7 @@ def front_rows(rows: Sequence[Row]) -> list[Row]:
 
 
 def advise(rows: Sequence[Row], aim: float = AIM) -> str:
-    """Tell the user what an accuracy takes, and what the next better one would.
-
-    Parameters
-    ----------
-    rows : sequence of mapping
-        Rows of `tables.COST`.
-    aim : float
-        The accuracy.
-
-    Returns
-    -------
-    str
-        One or two sentences.
-    """
+    """Say in one or two sentences what an accuracy takes, and what the next better one would."""
     front = front_rows(rows)
     if not front:
         return "No setting could be both run and timed."

@@ -82,18 +82,7 @@ def cost_study(run: ExperimentParameters) -> Study:
 
 
 def make_settings(run: ExperimentParameters) -> list[Setting]:
-    """Give every setting of every family.
-
-    Parameters
-    ----------
-    run : ExperimentParameters
-        The run's; its own values are those of all that a family does not vary.
-
-    Returns
-    -------
-    list of Setting
-        Family by family.
-    """
+    """Give every setting, family by family; what a family does not vary is as in the run."""
     return [setting for family in FAMILIES for setting in family_settings(family, run)]
 
 

@@ -73,21 +73,8 @@ def adaptive_rows(
 ) -> Iterator[pa.Table]:
     """Choose each split's touches by its training objects, then train and test.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        What `make_candidates` writes.
-    planned : sequence of Planned
-        Conditions that differ in the number of touches.
-    pipeline : str
-        ``paper`` or ``best``.
-    seed : int
-        The experiment's seed.
-
-    Yields
-    ------
-    pyarrow.Table
-        `tables.STUDY` of a condition, by strategy ``adaptive``.
+    `features` are those that `make_candidates` writes; the conditions differ in the number of
+    touches. Yields `tables.STUDY` of each condition, by strategy ``adaptive``.
     """
     from visuohaptic.recognition.sequences import classes_of_two
 
