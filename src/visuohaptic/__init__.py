@@ -13,15 +13,8 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "errors": ["VisuohapticError"],
-        "exploration.exploring": [
-            "Exploration",
-            "Recogniser",
-            "Recognition",
-            "TouchableObject",
-            "load",
-            "read_recogniser",
-            "touch",
-        ],
+        "exploration.exploring": ["Exploration", "TouchableObject", "load", "touch"],
+        "exploration.recognising": ["Recogniser", "Recognition", "read_recogniser"],
         "parameters": ["read_parameters"],
     },
 )

@@ -18,18 +18,7 @@ class JobSeconds:
 
 
 def read_seconds(log: str | Path) -> JobSeconds | None:
-    """Read from a log what its job took.
-
-    Parameters
-    ----------
-    log : path
-        A log that a job has left.
-
-    Returns
-    -------
-    JobSeconds or None
-        None where the job did not finish.
-    """
+    """Read from a log what its job took; None where the job did not finish."""
     for line in Path(log).read_text(encoding="utf-8").splitlines():
         if line.startswith(SECONDS):
             _, _, imports, _, work = line.split()

@@ -10,17 +10,7 @@ from visuohaptic.errors import MissingPackageError
 def require(extra: str, *packages: str) -> None:
     """Refuse, before any work, what needs packages that are not installed.
 
-    Parameters
-    ----------
-    extra : str
-        The extra of this package that brings them, such as ``report``.
-    *packages : str
-        Names to import.
-
-    Raises
-    ------
-    MissingPackageError
-        If one of them is missing.
+    `extra` of this package brings them, such as ``report``. Raises `MissingPackageError`.
     """
     missing = [name for name in packages if find_spec(name) is None]
     if missing:

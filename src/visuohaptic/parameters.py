@@ -123,22 +123,9 @@ class ExperimentParameters(BaseModel):
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object]) -> Self:
-        """Check values as a YAML or JSON file gives them.
+        """Check sections and their values as a YAML or JSON file gives them.
 
-        Parameters
-        ----------
-        values : mapping
-            Sections and their values.
-
-        Returns
-        -------
-        ExperimentParameters
-            The checked parameters.
-
-        Raises
-        ------
-        ParameterError
-            If a name is unknown or a value not allowed; the sentence names each with its path.
+        Raises `ParameterError`, which gives each unknown name or wrong value with its path.
         """
         try:
             return cls.model_validate(dict(values))
@@ -182,20 +169,9 @@ def _odd_viewpoints(parameters: ExperimentParameters) -> Iterator[str]:
 def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
     """Refuse parameters with which touching or recognition would fail.
 
-    A study may try them all the same: its table says which conditions failed.
-
-    Parameters
-    ----------
-    parameters : ExperimentParameters
-        What is to be run.
-    source : str
-        Where they come from: a file, or an argument.
-
-    Raises
-    ------
-    ParameterError
-        If the contourlets have no bands for imprints of the resolution, or a sequence is to have
-        more touches than a view has fixations; the sentence names both parameters.
+    A study may try them all the same: its table says which conditions failed. Raises
+    `ParameterError`, which names the parameters and their source, if the contourlets have no bands
+    for imprints of the resolution, or a sequence is to have more touches than a view has fixations.
     """
     found = [*_odd_imprints(parameters)]
     # Who touches and doesn't recognise leaves recognition's default as it is.
@@ -256,15 +232,7 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
 def refuse_repeated_names(path: str | Path) -> None:
     """Refuse a YAML file with a name twice, of which a parser takes the last in silence.
 
-    Parameters
-    ----------
-    path : path
-        A file such as ``params.yaml``.
-
-    Raises
-    ------
-    ParameterError
-        If a name stands twice in a section; the sentence gives both lines.
+    Raises `ParameterError`, which gives both lines.
     """
     import yaml
 
@@ -273,25 +241,7 @@ def refuse_repeated_names(path: str | Path) -> None:
 
 
 def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParameters:
-    """Check values as `ExperimentParameters.from_mapping` does; its errors name the source.
-
-    Parameters
-    ----------
-    values : mapping
-        Sections and their values.
-    source : str
-        Where they come from: a file, or an argument.
-
-    Returns
-    -------
-    ExperimentParameters
-        The checked parameters.
-
-    Raises
-    ------
-    ParameterError
-        If a name is unknown or a value not allowed.
-    """
+    """Check values as `ExperimentParameters.from_mapping` does; its errors name the source."""
     try:
         return ExperimentParameters.from_mapping(values)
     except ParameterError as error:
@@ -335,7 +285,7 @@ def as_parameters(
 def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
     """Turn dotted names into sections."""
     nested: dict[str, Any] = {}
-    for name, value in _leaves(values, ""):
+    for name, value in leaves(values):
         *sections, last = name.split(".")
         section = nested
         for depth, part in enumerate(sections):
@@ -364,12 +314,13 @@ def _check_names(node: Any, source: str, above: str) -> None:
         _check_names(value, source, f"{name}.")
 
 
-def _leaves(values: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
+def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Give each value that is no section, with its dotted name."""
     for name, value in values.items():
         if not isinstance(name, str):
             raise ParameterError(f"parameters: {name!r} is no name of a parameter.")
         if isinstance(value, Mapping) and value:
-            yield from _leaves(value, f"{above}{name}.")
+            yield from leaves(value, f"{above}{name}.")
         else:
             yield f"{above}{name}", value
 

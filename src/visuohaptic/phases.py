@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import pyarrow as pa
 
 from visuohaptic.features.describing import describe_touches
-from visuohaptic.fixations.locations import Standpoint, locate_all, look
+from visuohaptic.fixations.locations import Look, Standpoint, locate_all, look
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.touches.touching import touch_locations, touch_table
+from visuohaptic.touches.touching import touch_tables
 
 VIEWS_AT_ONCE = 4
 """Viewpoints that are looked from together; it changes no result."""
@@ -42,40 +42,33 @@ def find_locations(
     pyarrow.Table
         Rows of `tables.FIXATIONS`, the same as the workflow finds.
     """
-    placed = place_cameras(parameters.viewpoints)
-    numbers = list(range(len(placed)) if viewpoints is None else viewpoints)
+    numbers = range(parameters.viewpoints.total) if viewpoints is None else viewpoints
     probing, attention = parameters.probing, parameters.attention
     if not any(STRATEGIES[name].looks for name in probing.strategies):
+        placed = place_cameras(parameters.viewpoints)
         stands = [Standpoint(key, number, caster, placed[number]) for number in numbers]
         return locate_all(stands, probing, attention, parameters.seed).combine_chunks()
     parts = []
     for start in range(0, len(numbers), VIEWS_AT_ONCE):
-        cameras = {number: placed[number] for number in numbers[start : start + VIEWS_AT_ONCE]}
-        rendering, modes = parameters.rendering, parameters.scene.effects
-        looks = look(caster, key, cameras, rendering, attention, modes)
+        looks = look_from(caster, key, parameters, numbers[start : start + VIEWS_AT_ONCE])
         parts.append(locate_all(looks, probing, attention, parameters.seed))
     return pa.concat_tables(parts).combine_chunks()
 
 
+def look_from(
+    caster: RayCaster, key: str, parameters: ExperimentParameters, viewpoints: Sequence[int]
+) -> list[Look]:
+    """Look at an object from numbered viewpoints, all of them at once."""
+    placed = place_cameras(parameters.viewpoints)
+    cameras = {number: placed[number] for number in viewpoints}
+    rendering, attention = parameters.rendering, parameters.attention
+    return look(caster, key, cameras, rendering, attention, parameters.scene.effects)
+
+
 def touch_at(caster: RayCaster, locations: pa.Table, parameters: ExperimentParameters) -> pa.Table:
-    """Touch an object.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    locations : pyarrow.Table
-        Rows of `tables.FIXATIONS`.
-    parameters : ExperimentParameters
-        The sensor and its scene.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.TOUCHES`, in the same order.
-    """
-    felt = touch_locations(caster, locations, parameters.sensor, parameters.scene, parameters.seed)
-    return touch_table(locations, felt)
+    """Touch an object at rows of `tables.FIXATIONS`: rows of `tables.TOUCHES`, in the same order."""
+    sensor, scene = parameters.sensor, parameters.scene
+    return touch_tables(caster, locations, sensor, scene, parameters.seed)[0]
 
 
 def describe_at(

@@ -60,19 +60,9 @@ class Registry(Generic[Entry]):
         return self._entries[name]
 
     def check_complete(self, declared: Iterable[str], where: str) -> None:
-        """Compare the entries with names that are declared elsewhere.
+        """Compare the entries with names that are declared elsewhere, in order.
 
-        Parameters
-        ----------
-        declared : iterable of str
-            The names that need an entry, in order.
-        where : str
-            Where they are declared; the error names it.
-
-        Raises
-        ------
-        RegistryError
-            If a name is missing on either side, or stands at another place.
+        Raises `RegistryError` if a name is missing on either side, or stands at another place.
         """
         wanted = tuple(declared)
         if wanted != self.names:

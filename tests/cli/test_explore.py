@@ -11,7 +11,6 @@ import trimesh
 from cli.models import SMALL, fit_on_nonsense
 from PIL import Image
 
-from visuohaptic.cli import explore
 from visuohaptic.exploration import exploring
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.tables.schema import read_table
@@ -212,10 +211,6 @@ def test_without_a_model_the_sentence_says_which_command_makes_it(visuohaptic, t
     assert ended.code == 1
     assert "results/models/best.skops is not there" in ended.err
     assert "snakemake -j2 model_all" in ended.err
-
-
-def test_the_default_model_is_the_one_that_python_takes():
-    assert explore.DEFAULT_MODEL == exploring.DEFAULT_MODEL
 
 
 def test_a_model_that_is_none_is_refused(visuohaptic, tmp_path, model):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from visuohaptic.fixations.parameters import ViewpointParameters
 from visuohaptic.fixations.probing import (
     draw_by_area,
     draw_visible,
@@ -11,7 +12,7 @@ from visuohaptic.fixations.probing import (
     sees,
     spread_far,
 )
-from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 
@@ -151,6 +152,16 @@ def test_turning_the_camera_about_its_axis_changes_no_visible_point(box):
     )
     np.testing.assert_array_equal(upright.points, rolled.points)
     np.testing.assert_array_equal(upright.normals, rolled.normals)
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_the_far_side_of_an_object_is_hidden(projection):
+    caster = RayCaster(surface_of(trimesh.creation.icosphere(3)))
+    front = place_cameras(ViewpointParameters(projection=projection))[0]
+    near = caster.first_hits(np.zeros((1, 3)), front.axes[2:])
+    point = near.distance[:, None] * front.axes[2:]
+    assert sees(caster, front, np.vstack([point, -point])).tolist() == [True, False]
+    assert not sees(caster, front, np.empty((0, 3))).size
 
 
 def test_a_camera_that_sees_nothing_gives_no_point():

@@ -7,7 +7,8 @@ from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
 from visuohaptic.report.influence import effects_answer, hard_places, influence_figures
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.sensor import CONTACT_STATES, hard_probes
+from visuohaptic.sensor import hard_probes
+from visuohaptic.tables.phases import CONTACT_STATES
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
 

@@ -20,12 +20,11 @@ from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, Scene
 from visuohaptic.sensor import (
-    CONTACT_STATES,
     RandomFields,
     SensorParameters,
-    image_shifts,
     touch,
 )
+from visuohaptic.tables.phases import CONTACT_STATES
 
 ARRAYS = ("images", "size", "contact_state", "penetration", "normals", "tangents", "gaps")
 
@@ -296,14 +295,19 @@ def test_leaving_out_an_effect_moves_the_images_by_its_own_size():
     points = np.array([[0.01, 0, 0.02], [0.03, 0, -0.04]])
     normals = np.tile([0, 1.0, 0], (2, 1))
     half_loaded = Scene(cover="winkler", full_scale_pressure_pa=4e5, noise=0.01, bits=4)
-    shifts = image_shifts(
-        RayCaster(plate),
-        points,
-        normals,
-        SensorParameters(normalisation="absolute"),
-        half_loaded,
-        RandomFields(0, [("a",), ("b",)]),
-    )
-    assert set(shifts) == {"elastic_cover", "noise", "quantisation"}
+    sensor = SensorParameters(normalisation="absolute")
+    fields = RandomFields(0, [("a",), ("b",)])
+
+    def felt(**modes):
+        effects = half_loaded.effects.model_copy(update=modes)
+        scene = half_loaded.model_copy(update={"effects": effects})
+        return touch(RayCaster(plate), points, normals, sensor, scene, fields)
+
+    whole = felt()
+    ran = {record.effect for record in whole.effects if record.runs}
+    assert ran == {"elastic_cover", "noise", "quantisation"}
+    shifts = {
+        effect: np.abs(felt(**{effect: "never"}).images - whole.images).mean() for effect in ran
+    }
     assert 0.5 < shifts["elastic_cover"] < 1
     assert shifts["quantisation"] < 0.5 / 15

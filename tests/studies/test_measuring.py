@@ -3,12 +3,14 @@
 import numpy as np
 import pyarrow as pa
 import pytest
+import trimesh
 from recognition.synthetic import features_table
-from studies.surfaces import RUN, small_surfaces, write_sources
+from studies.surfaces import RUN, small_surfaces, surface_of, write_sources
 
 from visuohaptic import phases, recognition
 from visuohaptic.errors import ParameterError, RecognitionError
 from visuohaptic.geometry import surface as surfaces_of_files
+from visuohaptic.recognition.sequences import whole_sequences
 from visuohaptic.studies import measuring
 from visuohaptic.studies.ablations import ALONE, ablation_study
 from visuohaptic.studies.conditions import (
@@ -254,3 +256,63 @@ def test_a_strategy_without_touches_is_refused():
     planned = mine(Condition("c", {**ALONE, "probing.strategies": ["fixation"]})).conditions[0]
     with pytest.raises(RecognitionError, match="no touch was made by fixation"):
         measuring.condition_features(planned, SYNTHETIC.slice(0, 0), "fixation")
+
+
+def without_last_touches(table, objects, viewpoint, touch):
+    """Leave out what a slender object lacks: touches of one viewpoint, from one on."""
+    lost = pa.compute.and_(
+        pa.compute.is_in(table["object"], pa.array(objects)),
+        pa.compute.and_(
+            pa.compute.equal(table["viewpoint"], viewpoint),
+            pa.compute.greater_equal(table["touch"], touch),
+        ),
+    )
+    return table.filter(pa.compute.invert(lost))
+
+
+@pytest.mark.parametrize("votes", [None, 1, 2, 4])
+@pytest.mark.parametrize("protocol", ["leave_one_object_a_class_out", "grouped_folds"])
+def test_a_view_with_too_few_places_is_left_out_and_stops_nothing(votes, protocol):
+    name = SYNTHETIC.column("object")[0].as_py()
+    short = without_last_touches(SYNTHETIC, [name], viewpoint=1, touch=2)
+    changes = {
+        **ALONE,
+        "recognition.touches": 3,
+        "recognition.pipelines": ["paper"],
+        "recognition.protocol.protocol": protocol,
+    }
+    (planned,) = mine(Condition("c", changes, votes=votes)).conditions
+    (found,) = cells(planned, short).values()
+    assert found.error is None
+    assert len(found.objects) == 9
+    (same,) = cells(planned, whole_sequences(short, 3)[0]).values()
+    np.testing.assert_array_equal(found.accuracy, same.accuracy)
+    assert (found.accuracy <= 1).all()
+
+
+def test_a_view_is_left_out_for_all_strategies_where_one_lacks_touches():
+    place = SYNTHETIC.schema.get_field_index("strategy")
+    renamed = SYNTHETIC.set_column(
+        place, SYNTHETIC.schema.field(place), pa.array(["random"] * SYNTHETIC.num_rows)
+    )
+    name = SYNTHETIC.column("object")[0].as_py()
+    both = pa.concat_tables([without_last_touches(SYNTHETIC, [name], 1, 2), renamed])
+    changes = {**ALONE, "recognition.touches": 3, "probing.strategies": ["fixation", "random"]}
+    (planned,) = mine(Condition("c", changes)).conditions
+    kept = [measuring.condition_features(planned, both, name) for name in ("fixation", "random")]
+    assert kept[0].num_rows == kept[1].num_rows == SYNTHETIC.num_rows - 9
+
+
+@pytest.mark.parametrize("phase", ["views", "touches", "features"])
+def test_an_object_that_no_view_shows_a_place_of_stops_no_study(tmp_path, phase):
+    hair = surface_of(trimesh.creation.cylinder(1e-5, 2))
+    sources, _ = write_sources(tmp_path, small_surfaces() | {"ring/hair": hair})
+    changes = {
+        "views": {"rendering.resolution": 32},
+        "touches": {"sensor.largest_size": 0.2},
+        "features": {"features.extension": "symmetric"},
+    }[phase]
+    plan = mine(Condition("c", changes | ALONE | {"recognition.pipelines": ["paper"]}))
+    (remake,) = plan.remakes.values()
+    (found,) = cells(plan.conditions[0], remake_features(remake, sources)).values()
+    assert len(found.objects) == len(small_surfaces())

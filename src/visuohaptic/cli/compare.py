@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import folder_to_write, say, say_json, write_whole
+from visuohaptic.cli.printing import folder_to_write, say, say_json
 from visuohaptic.optional_packages import require
+from visuohaptic.whole_files import write_whole
 
 PAGE = "comparison.html"
 

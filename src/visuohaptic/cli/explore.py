@@ -19,14 +19,14 @@ from visuohaptic.cli.printing import (
     say_json,
     show_progress,
 )
+from visuohaptic.exploration.recognising import DEFAULT_MODEL
 
 if TYPE_CHECKING:
-    from visuohaptic.exploration.exploring import Exploration, Recognition, TouchableObject
+    from visuohaptic.exploration.exploring import Exploration, TouchableObject
+    from visuohaptic.exploration.recognising import Recognition
     from visuohaptic.parameters import ExperimentParameters
 
 Made = TypeVar("Made")
-
-DEFAULT_MODEL = Path("results/models/best.skops")
 
 STRATEGIES = ("fixation", "random", "random_visible", "farthest_point", "curvature")
 """Those of `visuohaptic.fixations.probing`, which would take too long to import for `--help`."""
@@ -152,7 +152,7 @@ def recognise(
 
     Example: visuohaptic recognise mug.obj --model results/models/best.skops
     """
-    from visuohaptic.exploration.exploring import read_recogniser
+    from visuohaptic.exploration.recognising import read_recogniser
 
     viewpoints = _viewpoints(viewpoints, budget)
     recogniser = read_recogniser(model)

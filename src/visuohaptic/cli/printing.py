@@ -65,15 +65,6 @@ def file_to_read(name: str) -> Path:
     return Path(name)
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}-") as waiting:
-        part = Path(waiting, path.name)
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
-
-
 def printable(text: str) -> str:
     """Write out control characters, line breaks among them, that a file's name may hold."""
     return "".join(
@@ -83,18 +74,7 @@ def printable(text: str) -> str:
 
 
 def sentence_of(error: Exception) -> str:
-    """Give an error as one sentence that names the thing and a way out.
-
-    Parameters
-    ----------
-    error : Exception
-        Any error.
-
-    Returns
-    -------
-    str
-        One line.
-    """
+    """Give an error as one line: a sentence that names the thing and a way out."""
     if isinstance(error, VisuohapticError):
         sentence = str(error)
     elif isinstance(error, MemoryError):

@@ -6,25 +6,31 @@ import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel
 
-from visuohaptic.errors import MeshError, ParameterError, RecognitionError
+from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.exploration.recognising import (
+    DEFAULT_MODEL,
+    Recogniser,
+    Recognition,
+    check_alike,
+    read_recogniser,
+)
 from visuohaptic.exploration.sources import is_one_source, mesh_parameters, read_source
-from visuohaptic.geometry.surface import Surface, write_surface
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface, as_stored
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import (
     ExperimentParameters,
     as_parameters,
     check_parameters,
     check_run,
-    read_parameters,
 )
 from visuohaptic.tables.phases import (
     EFFECTS,
@@ -33,23 +39,17 @@ from visuohaptic.tables.phases import (
     TOUCHES,
     VIEWS,
 )
-from visuohaptic.tables.schema import images, read_table, write_table
+from visuohaptic.tables.schema import images, join_parts, write_table
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
     from visuohaptic.exploration.sources import Source
-    from visuohaptic.recognition.model import RecognitionModel
-
-DEFAULT_MODEL = Path("results/models/best.skops")
-"""Where the workflow leaves its recognition model."""
 
 VIEWPOINTS_AT_ONCE = 8
 """Viewpoints that are worked on together; it changes no result."""
 
 _SCHEMAS = {schema.name: schema for schema in (VIEWS, FIXATIONS, TOUCHES, EFFECTS, FEATURES)}
-_TOUCHING_SECTIONS = ("viewpoints", "rendering", "attention", "sensor", "scene", "features")
-_FREE = ("viewpoints.count", "attention.fixations")
 
 Parameters = ExperimentParameters | Mapping[str, Any]
 Steps = Sequence[Callable[[], None]]
@@ -128,14 +128,10 @@ class TouchableObject:
         if at is not None or normals is not None:
             return self._touch_at(at, normals, viewpoints, as_parameters(parameters))
         chosen = _with_choices(as_parameters(parameters), viewpoints, strategy)
-        with tempfile.TemporaryDirectory(prefix="visuohaptic-") as folder:
-            work = _Work(self.key, Path(folder), chosen, {})
-            write_surface(self.surface, work.mesh)
-            for step in track(work.steps()):
-                step()
-            tables = {
-                name: read_table(schema, work.files(name)) for name, schema in _SCHEMAS.items()
-            }
+        work = _Work(self.key, self.surface, chosen)
+        for step in track(work.steps()):
+            step()
+        tables = work.tables()
         if not tables["touches"].num_rows:
             raise MeshError(
                 f"{self.key} shows no viewpoint a place to touch, for it is thinner than a pixel of the "
@@ -237,7 +233,7 @@ class Exploration:
             If there is no such model, or it learnt from touches that were made in another way.
         """
         recogniser = model if isinstance(model, Recogniser) else read_recogniser(model)
-        _check_alike(self, recogniser)
+        check_alike(self, recogniser)
         started = time.perf_counter()
         probabilities = recogniser.model.recognise(self.features)
         seconds = {**self.seconds, "name": time.perf_counter() - started}
@@ -282,58 +278,6 @@ class Exploration:
             for name in names:
                 (waiting / name).replace(folder / name)
         return [folder / name for name in names]
-
-
-@dataclass(frozen=True, eq=False)
-class Recognition:
-    """What an object was named; it is equal to itself alone.
-
-    Attributes
-    ----------
-    name : str
-        The likeliest class.
-    probabilities : mapping of str to float
-        Of every class that the model knows, the likeliest first.
-    exploration : Exploration
-        What the answer rests on.
-    touches : int
-        Touches that the answer rests on.
-    seconds : mapping of str to float
-        What each phase took: prepare, look, touch, describe, name.
-    """
-
-    name: str
-    probabilities: Mapping[str, float]
-    exploration: Exploration
-    touches: int
-    seconds: Mapping[str, float]
-
-    def __repr__(self) -> str:
-        from visuohaptic.exploration.showing import probability_line
-
-        line = probability_line(self.probabilities)
-        return f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches>"
-
-    def _repr_html_(self) -> str:
-        from visuohaptic.exploration.showing import probability_table
-
-        return probability_table(self.exploration.key, self.probabilities, self.touches)
-
-
-@dataclass(frozen=True, eq=False)
-class Recogniser:
-    """A recognition model, and how the touches were made from which it learnt."""
-
-    model: RecognitionModel
-    parameters: ExperimentParameters
-
-    def __repr__(self) -> str:
-        classifier = self.model.classifier.replace("_", " ")
-        classes = ", ".join(self.model.classes)
-        return (
-            f"<Recogniser: {classifier}, which learnt {len(self.model.objects)} objects touched by "
-            f"{self.model.strategy}: {classes}>"
-        )
 
 
 def load(
@@ -420,117 +364,66 @@ def touch(
     return [one.touch(viewpoints, strategy, chosen) for one in track(ready)]
 
 
-def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
-    """Read a recognition model and the parameters beside it.
-
-    Parameters
-    ----------
-    path : path
-        The ``.skops`` file; a ``.yaml`` file of the same name tells how its touches were made.
-
-    Returns
-    -------
-    Recogniser
-        The model and its parameters.
-
-    Raises
-    ------
-    RecognitionError
-        If one of the two is missing, or the model can't be read safely.
-    """
-    from visuohaptic.recognition.model import load_model
-
-    path = Path(path)
-    if path.is_dir():
-        raise RecognitionError(
-            f"{path} is a folder; the model in it is needed, such as {path / DEFAULT_MODEL.name}."
-        )
-    for file in (path, path.with_suffix(".yaml")):
-        if not file.is_file():
-            raise RecognitionError(
-                f"{file} is not there, and recognition needs it; `snakemake -j2 model_all` fits a "
-                f"model and writes {DEFAULT_MODEL} with its parameters beside it."
-            )
-    return Recogniser(load_model(path), read_parameters(path.with_suffix(".yaml")))
-
-
-@dataclass(frozen=True)
 class _Work:
-    """The steps from a mesh to features, file to file, a block of viewpoints each."""
+    """The steps from a surface to features, a block of viewpoints each, and their tables."""
 
-    key: str
-    folder: Path
-    parameters: ExperimentParameters
-    seconds: dict[str, float]
+    def __init__(self, key: str, surface: Surface, parameters: ExperimentParameters) -> None:
+        self.seconds: dict[str, float] = {}
+        self._key, self._surface, self._parameters = key, surface, parameters
+        self._parts: dict[str, list[pa.Table]] = {name: [] for name in _SCHEMAS}
 
-    @property
-    def mesh(self) -> Path:
-        return self.folder / "mesh.ply"
-
-    @property
-    def blocks(self) -> list[range]:
-        total = self.parameters.viewpoints.total
-        starts = range(0, total, VIEWPOINTS_AT_ONCE)
-        return [range(start, min(start + VIEWPOINTS_AT_ONCE, total)) for start in starts]
-
-    def file(self, table: str, block: Sequence[int]) -> Path:
-        return self.folder / f"{table}-{block[0]}.parquet"
-
-    def files(self, table: str) -> list[Path]:
-        parts = ("effects_of_view", "effects") if table == "effects" else (table,)
-        return [self.file(part, block) for part in parts for block in self.blocks]
+    @cached_property
+    def _caster(self) -> RayCaster:
+        # The workflow's surfaces come from files.
+        return RayCaster(as_stored(self._surface))
 
     def steps(self) -> list[Callable[[], None]]:
-        def step(phase: str, work: Callable[[range], None], block: range) -> Callable[[], None]:
-            return lambda: self._timed(phase, work, block)
+        numbers = range(self._parameters.viewpoints.total)
+        return [
+            step
+            for start in numbers[::VIEWPOINTS_AT_ONCE]
+            for step in (
+                partial(
+                    self._timed, "look", self._look, numbers[start : start + VIEWPOINTS_AT_ONCE]
+                ),
+                partial(self._timed, "touch", self._touch),
+                partial(self._timed, "describe", self._describe),
+            )
+        ]
 
-        phases = {"look": self._look, "touch": self._touch, "describe": self._describe}
-        return [step(phase, work, block) for block in self.blocks for phase, work in phases.items()]
+    def tables(self) -> dict[str, pa.Table]:
+        return {name: join_parts(_SCHEMAS[name], parts) for name, parts in self._parts.items()}
 
-    def _timed(self, phase: str, work: Callable[[range], None], block: range) -> None:
+    def _timed(self, phase: str, work: Callable[..., dict[str, pa.Table]], *block: range) -> None:
         started = time.perf_counter()
-        work(block)
+        for name, part in work(*block).items():
+            self._parts[name].append(part)
         self.seconds[phase] = self.seconds.get(phase, 0.0) + time.perf_counter() - started
 
-    def _look(self, block: range) -> None:
-        from visuohaptic.fixations.files import make_fixations
+    def _look(self, block: range) -> dict[str, pa.Table]:
+        from visuohaptic.fixations.files import view_tables
+        from visuohaptic.fixations.locations import locate_all
+        from visuohaptic.phases import look_from
 
-        make_fixations(
-            key=self.key,
-            mesh=self.mesh,
-            fixations=self.file("fixations", block),
-            views=self.file("views", block),
-            effects=self.file("effects_of_view", block),
-            block=block,
-            viewpoints=self.parameters.viewpoints,
-            rendering=self.parameters.rendering,
-            attention=self.parameters.attention,
-            probing=self.parameters.probing,
-            modes=self.parameters.scene.effects,
-            seed=self.parameters.seed,
+        chosen = self._parameters
+        looks = look_from(self._caster, self._key, chosen, block)
+        views, effects = view_tables(looks)
+        located = locate_all(looks, chosen.probing, chosen.attention, chosen.seed)
+        return {"views": views, "effects": effects, "fixations": located}
+
+    def _touch(self) -> dict[str, pa.Table]:
+        from visuohaptic.touches.touching import touch_tables
+
+        chosen, located = self._parameters, self._parts["fixations"][-1]
+        touches, effects = touch_tables(
+            self._caster, located, chosen.sensor, chosen.scene, chosen.seed
         )
+        return {"touches": touches, "effects": effects}
 
-    def _touch(self, block: range) -> None:
-        from visuohaptic.touches.files import make_touches
+    def _describe(self) -> dict[str, pa.Table]:
+        from visuohaptic.features.describing import describe_touches
 
-        make_touches(
-            mesh=self.mesh,
-            fixations=self.file("fixations", block),
-            touches=self.file("touches", block),
-            effects=self.file("effects", block),
-            sensor=self.parameters.sensor,
-            scene=self.parameters.scene,
-            seed=self.parameters.seed,
-        )
-
-    def _describe(self, block: range) -> None:
-        from visuohaptic.features.files import make_features
-
-        make_features(
-            touches=self.file("touches", block),
-            output=self.file("features", block),
-            parameters=self.parameters.features,
-        )
+        return {"features": describe_touches(self._parts["touches"][-1], self._parameters.features)}
 
 
 def _with_choices(
@@ -544,35 +437,3 @@ def _with_choices(
     checked = check_parameters(values, "touch")
     check_run(checked, "touch")
     return checked
-
-
-def _check_alike(exploration: Exploration, recogniser: Recogniser) -> None:
-    """Refuse touches that were made in another way than those that the model learnt from."""
-    if exploration.strategy != recogniser.model.strategy:
-        raise RecognitionError(
-            f"The object was touched by {exploration.strategy} and the model learnt from touches by "
-            f"{recogniser.model.strategy}; touch with strategy {recogniser.model.strategy!r}."
-        )
-    here, there = (
-        _flat(parameters.model_dump(include=set(_TOUCHING_SECTIONS)))
-        for parameters in (exploration.parameters, recogniser.parameters)
-    )
-    names = sorted(set(here) | set(there))
-    unlike = [name for name in names if here.get(name) != there.get(name) and name not in _FREE]
-    if unlike:
-        found = ", ".join(
-            f"{name} {here.get(name)} (the model's is {there.get(name)})" for name in unlike
-        )
-        raise RecognitionError(
-            f"The object was touched with {found}; touch it with the parameters that lie "
-            "beside the model."
-        )
-
-
-def _flat(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in values.items():
-        value = value.model_dump() if isinstance(value, BaseModel) else value  # noqa: PLW2901
-        inner = _flat(value, f"{above}{name}.") if isinstance(value, dict) else None
-        flat |= {f"{above}{name}": value} if inner is None else inner
-    return flat

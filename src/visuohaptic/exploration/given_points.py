@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -15,7 +14,6 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.tables.phases import EFFECTS, FIXATIONS, VIEWS
-from visuohaptic.tables.schema import build_table
 
 STRATEGY = "given"
 
@@ -58,8 +56,9 @@ def touch_points(
         If points or normals are none, or a point is too far off the surface.
     """
     from visuohaptic.features.describing import describe_touches
-    from visuohaptic.scene.effect_log import effect_table
-    from visuohaptic.touches.touching import touch_locations, touch_table
+    from visuohaptic.fixations.locations import location_table
+    from visuohaptic.fixations.probing import ProbingLocations
+    from visuohaptic.touches.touching import touch_tables
 
     started = time.perf_counter()
     caster = RayCaster(surface)
@@ -71,15 +70,15 @@ def touch_points(
         outwards = _unit(_rows(normals, "normals"), len(points))
         # The caller's normals are the sensor's own, whatever the touched face says.
         sensor = sensor.model_copy(update={"normal": "given"})
-    fixations = _fixation_table(key, points, outwards, faces)
-    felt = touch_locations(caster, fixations, sensor, parameters.scene, parameters.seed)
-    touches = touch_table(fixations, felt)
+    places = ProbingLocations(points, outwards, faces)
+    fixations = location_table(key, 0, STRATEGY, places)
+    touches, effects = touch_tables(caster, fixations, sensor, parameters.scene, parameters.seed)
     touched = time.perf_counter()
     tables = {
         VIEWS.name: VIEWS.arrow.empty_table(),
         FIXATIONS.name: fixations,
         "touches": touches,
-        EFFECTS.name: effect_table(key, 0, parameters.scene.preset, felt.effects),
+        EFFECTS.name: effects,
         "features": describe_touches(touches, parameters.features),
     }
     return tables, {"touch": touched - started, "describe": time.perf_counter() - touched}
@@ -120,26 +119,3 @@ def _unit(normals: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     if len(lost):
         raise ParameterError(f"normal {lost[0]} has no direction; it is {normals[lost[0]]}.")
     return normals / lengths[:, None]
-
-
-def _fixation_table(
-    key: str,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    faces: NDArray[np.int64],
-) -> pa.Table:
-    category, name = key.split("/")
-    columns: dict[str, Any] = {
-        "class": category,
-        "object": name,
-        "viewpoint": 0,
-        "strategy": STRATEGY,
-        "touch": np.arange(len(points)),
-        "face": faces,
-    }
-    # No eye chose them.
-    columns |= dict.fromkeys(("pixel_row", "pixel_column", "saliency"), [None] * len(points))
-    for index, axis in enumerate("xyz"):
-        columns[axis] = points[:, index]
-        columns[f"normal_{axis}"] = normals[:, index]
-    return build_table(FIXATIONS, columns)

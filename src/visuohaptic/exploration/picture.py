@@ -10,25 +10,21 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from visuohaptic.fixations.probing import sees
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.pictures import project, square_corners
 from visuohaptic.sensor.frames import row_axes
+from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES
 from visuohaptic.tables.schema import images, matrix
 
 VIEW_PIXELS = 320
 IMPRINT_PIXELS = 84
 IMPRINTS_ACROSS = 3
 GAP = 8
-HIDDEN_BEHIND = 0.01
-"""A point is hidden where something is nearer to the eye by more than this, object radii."""
-
 _BACK, _INK, _MARK, _SQUARE = (255, 255, 255), (30, 34, 40), (255, 214, 0), (0, 92, 200)
-_POINT = ("x", "y", "z")
-_NORMAL = ("normal_x", "normal_y", "normal_z")
-_TANGENT = ("tangent_x", "tangent_y", "tangent_z")
 _LABEL = 16
 
 
@@ -68,41 +64,13 @@ def draw_exploration(
     return _grid(cells)
 
 
-def find_visible(
-    caster: RayCaster, camera: Camera, points: NDArray[np.float64]
-) -> NDArray[np.bool_]:
-    """Tell which points of a surface a camera sees.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    camera : Camera
-        The viewpoint.
-    points : numpy.ndarray
-        Shape (n, 3), float64, on the surface.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), bool.
-    """
-    if camera.projection == "orthographic":
-        towards = np.broadcast_to(camera.distance * camera.axes[2], points.shape)
-    else:
-        towards = camera.eye - points
-    far = np.linalg.norm(towards, axis=1)
-    directions = -towards / far[:, None]
-    return caster.first_hits(points + towards, directions).distance > far - HIDDEN_BEHIND
-
-
 def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches: pa.Table) -> None:
-    points, tangents = matrix(touches, _POINT), matrix(touches, _TANGENT)
-    rows = row_axes(matrix(touches, _NORMAL), tangents)
+    points, tangents = matrix(touches, POINT_NAMES), matrix(touches, TANGENT_NAMES)
+    rows = row_axes(matrix(touches, NORMAL_NAMES), tangents)
     corners = square_corners(points, tangents, rows, touches.column("sensor_size").to_numpy())
     outlines = project(camera, corners.reshape(-1, 3), VIEW_PIXELS).reshape(-1, 4, 2)
     places = project(camera, points, VIEW_PIXELS)
-    visible = find_visible(caster, camera, points)
+    visible = sees(caster, camera, points)
     draw = ImageDraw.Draw(view)
     for outline in outlines[visible]:
         draw.polygon([tuple(corner) for corner in outline], outline=_SQUARE, width=2)

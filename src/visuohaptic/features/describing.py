@@ -89,6 +89,8 @@ def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Tab
         Rows of `tables.FEATURES`, in the same order; each depends on its own touch alone. Where the
         descriptor has fewer than 16 numbers, the rest of the columns ``contourlet_…`` are 0.
     """
+    if not touches.num_rows:
+        return FEATURES.arrow.empty_table()
     imprints = images(touches)
     columns: dict[str, object] = {name: touches.column(name) for name in _KEPT}
     deviations = describe_imprints(imprints, parameters)

@@ -15,8 +15,4 @@ def make_features(
     touches: str | Path | Sequence[str | Path], output: str | Path, parameters: FeatureParameters
 ) -> None:
     """Make the feature table of a touch table."""
-    table = read_table(TOUCHES, touches)
-    described = (
-        describe_touches(table, parameters) if table.num_rows else FEATURES.arrow.empty_table()
-    )
-    write_table(FEATURES, described, output)
+    write_table(FEATURES, describe_touches(read_table(TOUCHES, touches), parameters), output)

@@ -9,21 +9,19 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.attention.model import Attention
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.fixations.locations import locate_all, look
+from visuohaptic.fixations.locations import Look, locate_all, look
 from visuohaptic.fixations.parameters import (
     ProbingParameters,
     RenderingParameters,
     ViewpointParameters,
 )
-from visuohaptic.fixations.rendering import Views
-from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface, set_aside_reason
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import EffectModes
-from visuohaptic.tables.phases import EFFECTS, FIXATIONS, VIEWS
+from visuohaptic.tables.phases import EFFECTS, FIXATIONS, VIEWS, owner_columns
 from visuohaptic.tables.schema import build_table, write_table
 
 MAP_PIXELS = 64
@@ -53,22 +51,22 @@ def make_fixations(
     placed = place_cameras(viewpoints)
     cameras = {number: placed[number] for number in block}
     looks = look(caster, key, cameras, rendering, attention, modes)
-    seen, attentions = looks[0].seen, [one.attended for one in looks]
-    write_table(VIEWS, _view_table(key, cameras, seen, attentions), views)
-    write_table(EFFECTS, effect_table(key, block[0], "any", seen.effects), effects)
+    pictures, log = view_tables(looks)
+    write_table(VIEWS, pictures, views)
+    write_table(EFFECTS, log, effects)
     write_table(FIXATIONS, locate_all(looks, probing, attention, seed), fixations)
 
 
-def _view_table(
-    key: str, cameras: dict[int, Camera], seen: Views, attentions: Sequence[Attention]
-) -> pa.Table:
-    category, name = key.split("/")
-    eyes = np.stack([camera.eye for camera in cameras.values()])
+def view_tables(looks: Sequence[Look]) -> tuple[pa.Table, pa.Table]:
+    """Give what one call of `look` saw: rows of `tables.VIEWS` and of `tables.EFFECTS`."""
+    first = looks[0]
+    log = effect_table(first.key, first.viewpoint, "any", first.seen.effects)
+    attentions = [one.attended for one in looks]
+    eyes = np.stack([one.camera.eye for one in looks])
     columns: dict[str, object] = {
-        "class": category,
-        "object": name,
-        "viewpoint": np.array(list(cameras)),
-        "view": [_encode_png(np.rint(view * 255.0)) for view in seen.colour],
+        **owner_columns(first.key),
+        "viewpoint": np.array([one.viewpoint for one in looks]),
+        "view": [_encode_png(np.rint(view * 255.0)) for view in first.seen.colour],
         "saliency": [_encode_png(np.rint(attended.saliency * 255.0)) for attended in attentions],
         "conspicuity": [
             [(channel, _encode_map(plane)) for channel, plane in attended.conspicuity.items()]
@@ -78,7 +76,7 @@ def _view_table(
         "distinct_fixations": np.array([attended.scanpath.distinct for attended in attentions]),
     }
     columns |= {f"eye_{axis}": eyes[:, index] for index, axis in enumerate("xyz")}
-    return build_table(VIEWS, columns)
+    return build_table(VIEWS, columns), log
 
 
 def _encode_map(plane: NDArray[np.float32]) -> bytes:

@@ -24,7 +24,7 @@ from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, owner_columns
 from visuohaptic.tables.schema import build_table
 
 
@@ -142,7 +142,7 @@ def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed:
     generator = spawn_generator(seed, strategy, one.key, one.viewpoint)
     chosen = STRATEGIES[strategy].choose(cast("Look", one), attention, generator)
     if isinstance(chosen, ProbingLocations):
-        return _location_table(one, strategy, chosen, _blind(chosen))
+        return location_table(one.key, one.viewpoint, strategy, chosen)
     return _path_table(one, strategy, chosen)
 
 
@@ -152,22 +152,7 @@ def locate_all(
     attention: AttentionParameters,
     seed: int,
 ) -> pa.Table:
-    """Choose where to touch from several viewpoints, by every strategy.
-
-    Parameters
-    ----------
-    looks : iterable of Standpoint
-        The viewpoints, at least one; each a `Look` where a strategy looks.
-    probing, attention
-        Sections of the parameters.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.FIXATIONS`.
-    """
+    """Choose where to touch from viewpoints, at least one, by every strategy: `tables.FIXATIONS`."""
     tables = [
         locate(one, strategy, attention, seed) for one in looks for strategy in probing.strategies
     ]
@@ -177,20 +162,7 @@ def locate_all(
 
 
 def begin_again(sequence: pa.Table, touches: int) -> pa.Table:
-    """Make a sequence as long as asked for by starting again at its first location.
-
-    Parameters
-    ----------
-    sequence : pyarrow.Table
-        Rows of `tables.FIXATIONS` of one sequence, in order.
-    touches : int
-        How many rows to give.
-
-    Returns
-    -------
-    pyarrow.Table
-        So many rows; none where there was none.
-    """
+    """Make a sequence as long as asked for by starting again at its first location."""
     if not sequence.num_rows:
         return sequence
     again = sequence.take([number % sequence.num_rows for number in range(touches)])
@@ -203,47 +175,39 @@ def begin_again(sequence: pa.Table, touches: int) -> pa.Table:
 def candidate_table(one: Standpoint, crowd: ProbingLocations) -> pa.Table:
     """List those of an object's points that a viewpoint sees, for `adaptive` to choose among.
 
-    Parameters
-    ----------
-    one : Look
-        The viewpoint.
-    crowd : ProbingLocations
-        Points of the object, the same for all its viewpoints.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.FIXATIONS` of strategy ``adaptive``, in the crowd's order.
+    Rows of `tables.FIXATIONS` of strategy ``adaptive``, in the crowd's order.
     """
     shown = crowd.take(np.flatnonzero(sees(one.caster, one.camera, crowd.points)))
-    return _location_table(one, "adaptive", turn_towards(shown, one.camera), _blind(shown))
+    turned = turn_towards(shown, one.camera)
+    return location_table(one.key, one.viewpoint, "adaptive", turned)
 
 
-def _path_table(one: Standpoint, strategy: str, path: Scanpath) -> pa.Table:
-    pixels = {"pixel_row": path.rows, "pixel_column": path.columns, "saliency": path.saliency}
-    locations = ProbingLocations(path.points, path.normals, path.faces)
-    return _location_table(one, strategy, locations, pixels)
-
-
-def _blind(drawn: ProbingLocations) -> dict[str, object]:
-    """Give empty pixel columns: these locations were not chosen by pixel."""
-    return {name: [None] * len(drawn.faces) for name in ("pixel_row", "pixel_column", "saliency")}
-
-
-def _location_table(
-    one: Standpoint, strategy: str, locations: ProbingLocations, looked: Mapping[str, object]
+def location_table(
+    key: str,
+    viewpoint: int,
+    strategy: str,
+    locations: ProbingLocations,
+    looked: Mapping[str, object] | None = None,
 ) -> pa.Table:
-    category, name = one.key.split("/")
+    """Give locations as rows of `tables.FIXATIONS`; those not chosen by pixel have no `looked`."""
+    if looked is None:
+        looked = dict.fromkeys(
+            ("pixel_row", "pixel_column", "saliency"), [None] * len(locations.faces)
+        )
     columns: dict[str, object] = {
-        "class": category,
-        "object": name,
-        "viewpoint": one.viewpoint,
+        **owner_columns(key),
+        "viewpoint": viewpoint,
         "strategy": strategy,
         "touch": np.arange(len(locations.points)),
         "face": locations.faces,
         **looked,
     }
-    for index, axis in enumerate("xyz"):
-        columns[axis] = locations.points[:, index]
-        columns[f"normal_{axis}"] = locations.normals[:, index]
+    columns |= dict(zip(POINT_NAMES, locations.points.T, strict=True))
+    columns |= dict(zip(NORMAL_NAMES, locations.normals.T, strict=True))
     return build_table(FIXATIONS, columns)
+
+
+def _path_table(one: Standpoint, strategy: str, path: Scanpath) -> pa.Table:
+    pixels = {"pixel_row": path.rows, "pixel_column": path.columns, "saliency": path.saliency}
+    locations = ProbingLocations(path.points, path.normals, path.faces)
+    return location_table(one.key, one.viewpoint, strategy, locations, pixels)

@@ -246,20 +246,7 @@ def sees(caster: RayCaster, camera: Camera, points: NDArray[np.float64]) -> NDAr
 
 
 def turn_towards(locations: ProbingLocations, camera: Camera) -> ProbingLocations:
-    """Turn normals to the side of a camera, which is outside for what it sees.
-
-    Parameters
-    ----------
-    locations : ProbingLocations
-        Points that the camera sees.
-    camera : Camera
-        The viewpoint.
-
-    Returns
-    -------
-    ProbingLocations
-        The same points; a normal edge-on to the camera stays as it is.
-    """
+    """Turn normals to a camera that sees the points; one edge-on to it stays as it is."""
     import numpy as np
 
     towards = camera.eye - locations.points
@@ -271,20 +258,7 @@ def turn_towards(locations: ProbingLocations, camera: Camera) -> ProbingLocation
 
 
 def face_outwards(caster: RayCaster, locations: ProbingLocations) -> ProbingLocations:
-    """Turn normals to the outside of an object.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    locations : ProbingLocations
-        Points on it.
-
-    Returns
-    -------
-    ProbingLocations
-        The same points.
-    """
+    """Turn normals to the outside of an object."""
     from visuohaptic.geometry.orientation import orient_outwards
 
     outwards = orient_outwards(caster, locations.points, locations.normals)

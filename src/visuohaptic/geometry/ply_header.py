@@ -40,23 +40,7 @@ class PlyHeader:
 
 
 def read_ply_header(start: bytes) -> PlyHeader:
-    """Read a header.
-
-    Parameters
-    ----------
-    start : bytes
-        The file's first `LONGEST` bytes, or all of it.
-
-    Returns
-    -------
-    PlyHeader
-        What it says.
-
-    Raises
-    ------
-    ValueError
-        If it is no PLY header.
-    """
+    """Read a header from a file's first `LONGEST` bytes; raises `ValueError` if it is none."""
     end = _END.search(start)
     if not start.startswith(b"ply") or end is None:
         raise ValueError(f"it has no header that ends within {LONGEST} bytes")
@@ -80,20 +64,7 @@ def read_ply_header(start: bytes) -> PlyHeader:
 
 
 def check_ply_size(header: PlyHeader, size: int) -> None:
-    """Refuse a file that is too short for what its header says.
-
-    Parameters
-    ----------
-    header : PlyHeader
-        What it says.
-    size : int
-        Bytes of the whole file, unpacked.
-
-    Raises
-    ------
-    ValueError
-        If there are too few bytes.
-    """
+    """Refuse, by `ValueError`, a file of fewer bytes, unpacked, than its header says."""
     # The last line of a text may lack its end.
     if header.least_bytes > size - header.length + 1:
         raise ValueError(

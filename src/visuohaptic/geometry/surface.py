@@ -9,7 +9,7 @@ import tempfile
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO
@@ -72,33 +72,20 @@ class Surface:
         return np.divide(crosses, lengths, out=np.zeros_like(crosses), where=lengths > 0)
 
 
-def write_set_aside(path: str | Path, reason: str) -> None:
-    """Write an empty surface in place of a model that can't be used.
+def as_stored(surface: Surface) -> Surface:
+    """Round a surface's vertices to the float32 numbers that its file would hold."""
+    vertices = surface.vertices.astype(np.float32).astype(np.float64)
+    return replace(surface, vertices=vertices)
 
-    Parameters
-    ----------
-    path : path
-        The PLY file; its folder is made where missing.
-    reason : str
-        Why, in one sentence; `set_aside_reason` gives it back.
-    """
+
+def write_set_aside(path: str | Path, reason: str) -> None:
+    """Write an empty surface, with the reason, in place of a model that can't be used."""
     empty = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.uint8))
     write_surface(empty, path, comment=f"{_SET_ASIDE}{json.dumps(reason)}")
 
 
 def set_aside_reason(path: str | Path) -> str | None:
-    """Give the reason why an object was set aside.
-
-    Parameters
-    ----------
-    path : path
-        A PLY file of `write_surface` or `write_set_aside`.
-
-    Returns
-    -------
-    str or None
-        The sentence; None for an object that takes part.
-    """
+    """Give the sentence why an object was set aside; None for an object that takes part."""
     start = f"comment {_SET_ASIDE}"
     with Path(path).open("rb") as stream:
         header = stream.read(_LONGEST_HEADER).partition(b"end_header")[0].decode(errors="replace")
@@ -109,18 +96,7 @@ def set_aside_reason(path: str | Path) -> str | None:
 
 
 def usable_meshes(paths: Iterable[str | Path]) -> list[Path]:
-    """List the mesh files of objects that take part, in the given order.
-
-    Parameters
-    ----------
-    paths : iterable of path
-        PLY files, some of objects that were set aside.
-
-    Returns
-    -------
-    list of pathlib.Path
-        The others.
-    """
+    """List the mesh files of objects that take part, in the given order."""
     return [path for path in map(Path, paths) if set_aside_reason(path) is None]
 
 

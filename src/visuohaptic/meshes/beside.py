@@ -38,22 +38,9 @@ class BesideResolver(Resolver):  # type: ignore[misc]
         raise MeshError(f"{name} is not written.")
 
     def get(self, name: str) -> bytes:
-        """Read a file.
+        """Read a file; of an absolute path the last part may lie here.
 
-        Parameters
-        ----------
-        name : str
-            As the model names it; where that is an absolute path, its last part may lie here.
-
-        Returns
-        -------
-        bytes
-            The content.
-
-        Raises
-        ------
-        MeshError
-            If it is outside the folder, not there, no file, or too large.
+        Raises `MeshError` if it is outside the folder, not there, no file, or too large.
         """
         inside = [self._find(name)] if self._is_inside(name) else []
         for path in (*inside, self.folder / Path(name).name):

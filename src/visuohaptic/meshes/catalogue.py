@@ -80,46 +80,15 @@ class Model:
 
 
 def read_catalogue(path: str | Path) -> list[Model]:
-    """Read all models of the catalogue.
+    """Read all models of the catalogue, a CSV file; `rotation` and `source_url` may be empty.
 
-    Parameters
-    ----------
-    path : path
-        The CSV file; the columns `rotation` and `source_url` may be empty.
-
-    Returns
-    -------
-    list of Model
-        In the file's order.
-
-    Raises
-    ------
-    CatalogueError
-        If the file lacks a column, or a row holds something that is not allowed.
+    Raises `CatalogueError` if a column is missing, or a row holds something that is not allowed.
     """
     return [model for _, model in _catalogue_rows(Path(path))]
 
 
 def models_of_set(path: str | Path, object_set: ObjectSet) -> list[Model]:
-    """Read the catalogue's models of one set.
-
-    Parameters
-    ----------
-    path : path
-        The CSV file.
-    object_set : {"paper", "benchmark", "hard"}
-        The set.
-
-    Returns
-    -------
-    list of Model
-        Sorted by class and name.
-
-    Raises
-    ------
-    CatalogueError
-        As `read_catalogue` does.
-    """
+    """Read the catalogue's models of one set, sorted by class and name."""
     members = _MEMBERS_OF_SET[object_set]
     chosen = [model for set_name, model in _catalogue_rows(Path(path)) if set_name in members]
     return sorted(chosen, key=lambda model: model.key)
@@ -142,20 +111,10 @@ class OwnModels:
 
 
 def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> OwnModels:
-    """Find the user's own models, one file an object, one folder a class.
+    """Find the user's own models, ``<class>/<name>.<suffix>``, but those whose keys are taken.
 
-    Parameters
-    ----------
-    folder : path
-        Holds `<class>/<name>.<suffix>`. Hidden files, textures, materials and texts are left
-        alone; every other file that is no such model is set aside.
-    taken : collection of str
-        Keys that other objects have already.
-
-    Returns
-    -------
-    OwnModels
-        The models, and the files that were set aside.
+    Hidden files, textures, materials and texts are left alone; every other file that is no such
+    model is set aside.
     """
     folder = Path(folder)
     models: dict[Model, Path] = {}
@@ -221,18 +180,7 @@ def _shown(name: str | Path) -> str:
 
 
 def check_classes(keys: Iterable[str]) -> None:
-    """Refuse, before anything runs, objects among which recognition can't tell any apart.
-
-    Parameters
-    ----------
-    keys : iterable of str
-        `class/name` of every object.
-
-    Raises
-    ------
-    CatalogueError
-        If fewer than two classes have two objects or more.
-    """
+    """Refuse, before anything runs, fewer than two classes that have two objects or more."""
     counts = Counter(key.split("/")[0] for key in keys)
     enough = sorted(name for name, count in counts.items() if count >= 2)
     if len(enough) < 2:
@@ -245,18 +193,7 @@ def check_classes(keys: Iterable[str]) -> None:
 
 
 def companions(file: str | Path) -> list[Path]:
-    """List the files beside an OBJ or glTF model that may hold its materials, textures and buffers.
-
-    Parameters
-    ----------
-    file : path
-        The model.
-
-    Returns
-    -------
-    list of pathlib.Path
-        Sorted; empty for formats that carry their colours themselves.
-    """
+    """List the files beside a model that may hold its materials, textures and buffers."""
     file = Path(file)
     suffixes = COMPANION_SUFFIXES.get(file.suffix.lower(), ())
     if not suffixes:
@@ -265,20 +202,7 @@ def companions(file: str | Path) -> list[Path]:
 
 
 def check_name(name: str, source: str | Path) -> None:
-    """Refuse a class or object name that can't be a file name everywhere.
-
-    Parameters
-    ----------
-    name : str
-        The name.
-    source : path
-        What to blame.
-
-    Raises
-    ------
-    CatalogueError
-        If the name is empty, too long, or has characters that are not allowed.
-    """
+    """Refuse a class or object name that can't be a file name everywhere; errors name the source."""
     if not name or len(name) > _LONGEST_NAME or _FORBIDDEN_IN_NAMES.search(name):
         raise CatalogueError(
             f"{source}: {_shown(name[:_LONGEST_NAME])!r} can't name a class or an object; 1 to {_LONGEST_NAME} "

@@ -36,19 +36,8 @@ _COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 def check_claims(data: bytes, name: str, kind: str) -> None:
     """Refuse a file that claims more than it holds, or asks for more than is bounded.
 
-    Parameters
-    ----------
-    data : bytes
-        The file.
-    name : str
-        What to call it in an error.
-    kind : str
-        Its format, such as ``obj``.
-
-    Raises
-    ------
-    MeshError
-        If it does; the sentence says what was claimed and what is allowed.
+    `kind` is its format, such as ``obj``. Raises `MeshError`, which says what was claimed and what
+    is allowed.
     """
     match kind:
         case "ply":

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 from visuohaptic.errors import DownloadError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.meshes.catalogue import Model
+from visuohaptic.whole_files import whole_file
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -44,24 +45,10 @@ def fetch_models(
 ) -> None:
     """Download models and write each as `<folder>/<class>/<name>.ply.gz`.
 
-    What has come stays, in the cache and in the folder, also when the download
-    breaks off; a second call downloads what is missing.
+    What has come stays, in the cache and in the folder, also when the download breaks off; a second
+    call downloads what is missing. `jobs` models are packed at once.
 
-    Parameters
-    ----------
-    models : sequence of Model
-        Catalogued models.
-    folder : path
-        Where the packed models go.
-    cache : path
-        Where archives are kept.
-    jobs : int
-        Processes that pack.
-
-    Raises
-    ------
-    DownloadError
-        If an archive can't be had or a model is not the one that is pinned.
+    Raises `DownloadError` if an archive can't be had or a model is not the one that is pinned.
     """
     from joblib import Parallel, delayed
     from tqdm import tqdm
@@ -77,24 +64,9 @@ def fetch_models(
 
 
 def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Path]:
-    """Bring furniture libraries into a cache folder.
+    """Bring furniture libraries, such as ``Scopia.sh3f``, into a cache folder, and give their files.
 
-    Parameters
-    ----------
-    libraries : sequence of str
-        File names, such as ``Scopia.sh3f``.
-    cache : path
-        Where they are kept; libraries that are there already are not asked for.
-
-    Returns
-    -------
-    dict of str to pathlib.Path
-        Each library and its file.
-
-    Raises
-    ------
-    DownloadError
-        If one can't be had.
+    Those that are there already are not asked for. Raises `DownloadError` if one can't be had.
     """
     cache = Path(cache)
     cache.mkdir(parents=True, exist_ok=True)
@@ -110,32 +82,16 @@ def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Pa
     for library, path in missing.items():
         stem = library.removesuffix(".sh3f")
         archive = download(UPSTREAM.format(library=stem), cache / f"{stem}.zip")
-        _replace_with(path, read_member(archive, library, _LARGEST_ARCHIVE_BYTES))
+        with whole_file(path) as unpacked:
+            unpacked.write_bytes(read_member(archive, library, _LARGEST_ARCHIVE_BYTES))
     return paths
 
 
 def download(address: str, path: Path, sha256: str | None = None) -> Path:
-    """Download a file unless it is there already.
+    """Download a file unless it is there already; it appears only when whole and of the given hash.
 
-    Parameters
-    ----------
-    address : str
-        HTTP or HTTPS address.
-    path : pathlib.Path
-        The file; it appears only when it is whole and its hash is the given one.
-    sha256 : str, optional
-        The hash of its content.
-
-    Returns
-    -------
-    pathlib.Path
-        `path`.
-
-    Raises
-    ------
-    DownloadError
-        If the server can't be reached or refuses, the file is too large, or the
-        hash is another; nothing of it is kept then.
+    Raises `DownloadError` if the server can't be reached or refuses, the file is too large, or the
+    hash is another; nothing of it is kept then.
     """
     import logging
 
@@ -177,19 +133,9 @@ class _BoundedFile(io.FileIO):
 
 
 def extract_libraries(package: Path, libraries: dict[str, Path]) -> None:
-    """Copy furniture libraries out of a Debian package.
+    """Copy furniture libraries out of a ``.deb``, each in one step.
 
-    Parameters
-    ----------
-    package : pathlib.Path
-        A ``.deb`` file.
-    libraries : dict of str to pathlib.Path
-        Name within `LIBRARY_FOLDER` and the file to write, each in one step.
-
-    Raises
-    ------
-    DownloadError
-        If the package is not one, or lacks a library.
+    Raises `DownloadError` if the package is not one, or lacks a library.
     """
     wanted = {f"./{LIBRARY_FOLDER}/{library}": path for library, path in libraries.items()}
     try:
@@ -199,7 +145,8 @@ def extract_libraries(package: Path, libraries: dict[str, Path]) -> None:
                     data.extractfile(member) if member.isreg() and member.name in wanted else None
                 )
                 if stream is not None and member.size <= _LARGEST_ARCHIVE_BYTES:
-                    _replace_with(wanted.pop(member.name), stream.read())
+                    with whole_file(wanted.pop(member.name)) as unpacked:
+                        unpacked.write_bytes(stream.read())
     except (tarfile.TarError, OSError, EOFError) as error:
         raise DownloadError(
             f"{package} can't be unpacked: {error}; delete it and run again."
@@ -213,26 +160,8 @@ def extract_libraries(package: Path, libraries: dict[str, Path]) -> None:
 def pack_model(model: Model, library: Path, folder: Path) -> Path:
     """Read one model from its library, check it, and write it as a coloured surface.
 
-    Parameters
-    ----------
-    model : Model
-        Names the member and its SHA-256.
-    library : pathlib.Path
-        The zip archive.
-    folder : pathlib.Path
-        Holds the result as `<class>/<name>.ply.gz`.
-
-    Returns
-    -------
-    pathlib.Path
-        The file.
-
-    Raises
-    ------
-    DownloadError
-        If the member is not there or not the pinned one.
-    MeshError
-        If it is no mesh.
+    Raises `DownloadError` if the member is not there or not the pinned one, `MeshError` if it is no
+    mesh.
     """
     from visuohaptic.meshes.model_files import surface_from_stream
 
@@ -255,24 +184,7 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
 def read_member(archive: Path, member: str, largest_bytes: int) -> bytes:
     """Read one member of a zip archive into memory.
 
-    Parameters
-    ----------
-    archive : pathlib.Path
-        The archive.
-    member : str
-        Its exact name there.
-    largest_bytes : int
-        Members that unpack to more are refused.
-
-    Returns
-    -------
-    bytes
-        The content.
-
-    Raises
-    ------
-    DownloadError
-        If the archive is none, lacks the member, or it is too large.
+    Raises `DownloadError` if the archive is none, lacks the member, or it is too large.
     """
     try:
         with zipfile.ZipFile(archive) as opened:
@@ -290,15 +202,7 @@ def read_member(archive: Path, member: str, largest_bytes: int) -> bytes:
 
 
 def write_credits(models: Iterable[Model], path: str | Path) -> None:
-    """Write who made each model and under which licence.
-
-    Parameters
-    ----------
-    models : iterable of Model
-        Models; those without a credit are left out.
-    path : path
-        The CSV file.
-    """
+    """Write as CSV who made each model that has a credit, and under which licence."""
     with Path(path).open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(("class", "object", "author", "licence", "source_url"))
@@ -336,9 +240,3 @@ def _debian_data(package: Path) -> bytes:
                 return stream.read(size)
             stream.seek(size + size % 2, io.SEEK_CUR)
     raise DownloadError(f"{package} has no data; delete it and run again.")
-
-
-def _replace_with(path: Path, data: bytes) -> None:
-    part = path.with_name(f"{path.name}.part")
-    part.write_bytes(data)
-    part.replace(path)

@@ -16,26 +16,10 @@ GREY = (160, 160, 160)
 
 
 def surface_of_arrays(vertices: ArrayLike, faces: ArrayLike, name: str) -> Surface:
-    """Give a grey surface of vertices and faces.
+    """Give a grey surface of vertices (v, 3), in any frame and unit, and faces (f, 3).
 
-    Parameters
-    ----------
-    vertices : array_like
-        Shape (v, 3), numbers, in any frame and unit.
-    faces : array_like
-        Shape (f, 3), integers: rows of `vertices`.
-    name : str
-        What to call it in an error.
-
-    Returns
-    -------
-    Surface
-        A copy.
-
-    Raises
-    ------
-    MeshError
-        If a shape or type is another; whether faces name vertices is checked when it is prepared.
+    Raises `MeshError` if a shape or type is another; whether faces name vertices is checked when it
+    is prepared.
     """
     corners = _check_columns(faces, "faces", name)
     if not np.issubdtype(corners.dtype, np.integer):
@@ -48,22 +32,8 @@ def surface_of_arrays(vertices: ArrayLike, faces: ArrayLike, name: str) -> Surfa
 def surface_of_trimesh(mesh: Any, name: str) -> Surface:
     """Give the surface of a ``trimesh.Trimesh``, or of all parts of a ``trimesh.Scene``.
 
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh or trimesh.Scene
-        The mesh; materials, textures and vertex colours become a colour a face.
-    name : str
-        What to call it in an error.
-
-    Returns
-    -------
-    Surface
-        In the mesh's own frame and unit.
-
-    Raises
-    ------
-    MeshError
-        If it has no faces.
+    Materials, textures and vertex colours become a colour a face. Raises `MeshError` if there are
+    no faces.
     """
     from visuohaptic.meshes.face_colours import face_colours
 

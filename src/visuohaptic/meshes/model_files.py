@@ -53,54 +53,18 @@ def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
 def read_open_file(
     stream: BinaryIO, name: str, suffix: str, largest_megabytes: float = 512.0
 ) -> Surface:
-    """Read a model from an open file, which brings no materials or textures beside it.
+    """Read a model as `read_model` does from an open file, which brings no textures beside it.
 
-    Parameters
-    ----------
-    stream : binary file
-        The model's content, from where the file stands.
-    name : str
-        What to call it in an error.
-    suffix : str
-        Its format, such as ``.obj``.
-    largest_megabytes : float
-        More than this, in 10⁶ bytes, is refused.
-
-    Returns
-    -------
-    Surface
-        As `read_model` gives it.
-
-    Raises
-    ------
-    MeshError
-        As `read_model` does, and if the file gives text.
+    `suffix` is its format, such as ``.obj``. Raises `MeshError` also if the file gives text.
     """
     _check_suffix(suffix, name)
     return _surface(_read_bounded(stream, name, largest_megabytes), name, suffix, None)
 
 
 def surface_from_stream(stream: BinaryIO, name: str, archive: ZipFile) -> Surface:
-    """Read a model that lies in a zip archive, without unpacking it.
+    """Read a model as `read_model` does from a zip archive, without unpacking it.
 
-    Parameters
-    ----------
-    stream : binary file
-        The model's content.
-    name : str
-        Its name in the archive; tells the format, and where its textures lie.
-    archive : zipfile.ZipFile
-        Where materials and textures are looked for, in the model's own folder.
-
-    Returns
-    -------
-    Surface
-        As `read_model` gives it.
-
-    Raises
-    ------
-    MeshError
-        If the content is no mesh, or has no triangle.
+    Its name there tells the format; textures are looked for in its own folder of the archive.
     """
     from trimesh.resolvers import ZipResolver
 

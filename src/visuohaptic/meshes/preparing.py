@@ -16,26 +16,9 @@ UP_AXES = {"y": np.eye(3), "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])}
 
 
 def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -> Surface:
-    """Read an object's model and make it ready.
+    """Read an object's model, packed or a user's own file, and make it ready as `normalise` does.
 
-    Parameters
-    ----------
-    model : Model
-        The object; a catalogued one names its size and rotation.
-    path : path
-        A packed model (``.ply.gz``) or a user's own file.
-    parameters : MeshParameters
-        Tolerances and the up axis of own models.
-
-    Returns
-    -------
-    Surface
-        In the object frame, as `normalise` gives it.
-
-    Raises
-    ------
-    MeshError
-        If the file can't be read or has nothing to touch; the message names the file.
+    Raises `MeshError`, which names the file, if it can't be read or has nothing to touch.
     """
     if str(path).endswith(".ply.gz"):
         surface = read_surface(path, parameters.largest_megabytes)
@@ -49,27 +32,7 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
 
 
 def prepare_surface(surface: Surface, name: str, parameters: MeshParameters) -> Surface:
-    """Make ready a surface that a caller holds in memory, as `prepare_object` does a user's own file.
-
-    Parameters
-    ----------
-    surface : Surface
-        In any frame and unit.
-    name : str
-        What to call it in an error.
-    parameters : MeshParameters
-        Tolerances and the axis that points up.
-
-    Returns
-    -------
-    Surface
-        In the object frame.
-
-    Raises
-    ------
-    MeshError
-        If it has nothing to touch.
-    """
+    """Make ready a surface in memory, as `prepare_object` does a user's own file."""
     up = UP_AXES[parameters.own_up_axis]
     return normalise(surface, name, up, merge_tolerance=parameters.merge_tolerance)
 
@@ -129,18 +92,8 @@ def normalise(
 def clean(surface: Surface, merge_tolerance: float) -> Surface:
     """Merge coincident vertices and drop faces without area and repeated faces.
 
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    merge_tolerance : float
-        Vertices whose coordinates round to the same multiple of this become
-        one; 0 merges equal ones only.
-
-    Returns
-    -------
-    Surface
-        Faces in their old order; of repeated faces (in either winding) the first stays.
+    Vertices whose coordinates round to the same multiple of `merge_tolerance` become one; with 0,
+    equal ones only. Faces keep their order; of repeated ones (in either winding) the first stays.
     """
     grid = np.rint(surface.vertices / merge_tolerance) if merge_tolerance > 0 else surface.vertices
     _, first, inverse = np.unique(grid, axis=0, return_index=True, return_inverse=True)

@@ -196,24 +196,11 @@ class _ImprintReader:
 
 
 def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
-    """Gather the candidates of every viewpoint.
+    """Gather the candidates of every viewpoint, sorted by class, object, viewpoint and place.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of strategy ``adaptive``: each viewpoint's candidates.
-    names : sequence of str
-        Columns to take, the pose among them; ``contact_…`` are made of the contact's state.
-
-    Returns
-    -------
-    Candidates
-        Sorted by class, object, viewpoint and place in the table.
-
-    Raises
-    ------
-    RecognitionError
-        If there are none.
+    `features` are rows of strategy ``adaptive``; the names are columns to take, the pose among
+    them; ``contact_…`` are made of the contact's state. Raises `RecognitionError` if there are
+    none.
     """
     if not len(features):
         raise RecognitionError("There are no candidates to choose touches among.")
@@ -396,23 +383,9 @@ def fit_touch_model(
     parameters: BestParameters,
     generator: np.random.Generator,
 ) -> TouchModel:
-    """Fit the touch model on a split's training objects.
+    """Fit the touch model on the candidates of a split's training objects, each place once.
 
-    Parameters
-    ----------
-    candidates : Candidates
-        Only those of training objects are used, each place once.
-    split : Split
-        Which sequences train.
-    parameters : BestParameters
-        The kernel's width and the weight of normals.
-    generator : numpy.random.Generator
-        Starts the words' centres.
-
-    Returns
-    -------
-    TouchModel
-        The model.
+    The generator starts the words' centres.
     """
     sequences = candidates.sequences
     rows = np.flatnonzero(np.isin(candidates.sequence, split.train))
@@ -439,21 +412,10 @@ def fit_touch_model(
 def fit_words(
     features: NDArray[np.float64], names: Sequence[str], generator: np.random.Generator
 ) -> TactileWords:
-    """Find kinds of imprint among touches by k-means.
+    """Find at most `WORDS` kinds of imprint among touches (n, k) by k-means.
 
-    Parameters
-    ----------
-    features : numpy.ndarray
-        Shape (n, k), float64.
-    names : sequence of str
-        The k columns; all but the pose and the contact's states are the skin's.
-    generator : numpy.random.Generator
-        Starts the centres.
-
-    Returns
-    -------
-    TactileWords
-        At most `WORDS` of them.
+    All columns but the pose and the contact's states are the skin's. The generator starts the
+    centres.
     """
     from sklearn.cluster import KMeans
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import BestParameters
+from visuohaptic.tables.phases import KINESTHETIC_FEATURES
 
-POSE = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
-CONTACT_STATES = ("full", "shrunk", "at_minimum", "blocked", "partial")
+POSE = KINESTHETIC_FEATURES
 LEAST_SIZE = 1e-6
 
 

@@ -117,30 +117,8 @@ def run_sequences(
 ) -> tuple[pa.Table, pa.Table]:
     """Train and test every split, classifier and repeat on gathered sequences.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        The sequences, with any columns that the pipeline can use.
-    strategy : str
-        How they were touched; it names the rows and changes nothing else.
-    parameters : RecognitionParameters
-        Every choice on the way.
-    seed : int
-        The experiment's seed.
-    pipeline : str
-        ``paper`` or ``best``.
-    answer_split : callable, optional
-        As in `answer_splits`.
-
-    Returns
-    -------
-    scores, predictions : pyarrow.Table
-        As `run_pipeline` gives them.
-
-    Raises
-    ------
-    RecognitionError
-        If the sequences don't allow the experiment.
+    `strategy` names the rows and changes nothing else; `answer_split` is as in `answer_splits`.
+    Gives scores and predictions as `run_pipeline` does, and raises as it does.
     """
     record = _Record(pipeline, strategy, sequences)
     answers = answer_splits(sequences, parameters, seed, pipeline, answer_split)
@@ -159,24 +137,8 @@ def answer_splits(
 ) -> Iterator[tuple[Split, int, Answer]]:
     """Train and test every split, classifier and repeat, and give the answers one by one.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        What `gather_pipeline` gives for the pipeline.
-    parameters : RecognitionParameters
-        Every choice on the way.
-    seed : int
-        The experiment's seed.
-    pipeline : str
-        Which pipeline.
-    answer_split : callable, optional
-        What trains and tests a split; without it the pipeline does, on the
-        sequences as they are. With it, the features of the sequences aren't used.
-
-    Yields
-    ------
-    (Split, int, Answer)
-        The split, the repeat, and one classifier's answer.
+    `answer_split` trains and tests a split; without it the pipeline does, on the sequences as they
+    are. With it, the features of the sequences aren't used.
     """
     from sklearn import config_context
     from threadpoolctl import threadpool_limits
@@ -197,27 +159,11 @@ def answer_splits(
 def gather_pipeline(
     features: pa.Table, parameters: RecognitionParameters, pipeline: str
 ) -> TouchSequences:
-    """Gather the columns that a pipeline uses.
+    """Gather the columns that a pipeline uses from rows of one strategy.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of one strategy. ``paper`` takes the paper's 22 features; ``best`` also
-        columns ``imprint_…``, ``sensor_size`` and ``contact_state`` where there are any.
-    parameters : RecognitionParameters
-        Number of touches.
-    pipeline : str
-        ``paper`` or ``best``.
-
-    Returns
-    -------
-    TouchSequences
-        The sequences.
-
-    Raises
-    ------
-    RecognitionError
-        If there is no such pipeline, or the features don't allow it.
+    ``paper`` takes the paper's 22 features; ``best`` also columns ``imprint_…``, ``sensor_size``
+    and ``contact_state`` where there are any. Raises `RecognitionError` if there is no such
+    pipeline, or the features don't allow it.
     """
     bands = _described(features)
     if pipeline == "paper":
@@ -272,21 +218,8 @@ def run_paper_split(
 ) -> Iterator[Answer]:
     """Fit the paper's pipeline on a split's training sequences and name its test sequences.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        All sequences; the test ones are only encoded and named.
-    split : Split
-        Which train and which are tested.
-    parameters : RecognitionParameters
-        Every choice on the way.
-    generator : numpy.random.Generator
-        For the map and the classifiers.
-
-    Yields
-    ------
-    Answer
-        One for each classifier that can be fitted.
+    The test sequences are only encoded and named. Yields an answer for each classifier that can be
+    fitted.
     """
     from visuohaptic.recognition.classifiers import fit_classifier
 
@@ -318,25 +251,9 @@ def run_best_split(
 ) -> Iterator[Answer]:
     """Choose and fit everything of pipeline `best` on a split's training sequences, then test.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        All sequences; of the test ones only the descriptors are used.
-    described : numpy.ndarray
-        Shape (s, d), float64: every sequence's descriptors, none of them fitted.
-    split : Split
-        Which train and which are tested.
-    parameters : RecognitionParameters
-        Every choice that is not made inside.
-    generator : numpy.random.Generator
-        For the inner folds and the classifiers.
-    memory : FitMemory, optional
-        Fits of other splits of the same run; it changes no number.
-
-    Yields
-    ------
-    Answer
-        One for each classifier that can be fitted, with probabilities.
+    Of the test sequences only `described` is used, shape (s, d), float64, nothing of it fitted.
+    `memory` holds fits of other splits of the same run; it changes no number. Yields an answer with
+    probabilities for each classifier that can be fitted.
     """
     from visuohaptic.recognition.tuning import fit_best_classifiers
 

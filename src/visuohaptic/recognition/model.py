@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import copy
-import os
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,6 +37,7 @@ from visuohaptic.recognition.sequences import (
 )
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
+from visuohaptic.whole_files import whole_file
 
 FORMAT = "visuohaptic recognition model 1"
 
@@ -248,17 +247,8 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
             f"A {model.classifier} can't be saved so that it is safe to load (it needs "
             f"{', '.join(unsafe)}); choose another classifier."
         )
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
-    os.close(handle)
-    try:
-        Path(temporary).write_bytes(content)
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    with whole_file(path) as unfinished:
+        unfinished.write_bytes(content)
 
 
 def load_model(path: str | Path) -> RecognitionModel:

@@ -12,7 +12,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.descriptors import CONTACT_STATES
+from visuohaptic.tables.phases import CONTACT_STATES, key_of, owners_of
 from visuohaptic.tables.schema import matrix
 
 
@@ -93,13 +93,7 @@ def gather_sequences(
     if touches is not None:
         features = features.filter(pa.array(touch < touches))
         touch = touch[touch < touches]
-    owners = list(
-        zip(
-            features.column("class").to_pylist(),
-            features.column("object").to_pylist(),
-            strict=True,
-        )
-    )
+    owners = owners_of(features)
     viewpoint = features.column("viewpoint").to_numpy().astype(np.int64)
     if not len(touch):
         raise RecognitionError("The features hold no touches; at least two objects are needed.")
@@ -259,7 +253,7 @@ def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, 
     kept = features.join(short, owner, join_type="left anti").select(features.column_names)
     left: dict[str, list[int]] = {}
     for row in short.sort_by([(name, "ascending") for name in owner]).to_pylist():
-        left.setdefault(f"{row['class']}/{row['object']}", []).append(row["viewpoint"])
+        left.setdefault(key_of(row), []).append(row["viewpoint"])
     return kept, tuple(
         f"{key} has fewer than {needed} touches from viewpoints {', '.join(map(str, places))}, "
         "which are left out."

@@ -19,6 +19,7 @@ from visuohaptic.recognition.intervals import (
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.voting import vote_credit
 from visuohaptic.seeds import spawn_generator
+from visuohaptic.tables.phases import owners_of
 
 REFERENCE_STRATEGY = "fixation"
 
@@ -146,28 +147,6 @@ def confusion(predictions: pa.Table) -> Confusion:
     return Confusion(tuple(str(name) for name in classes), counts)
 
 
-def object_accuracies(
-    predictions: pa.Table,
-) -> tuple[tuple[tuple[str, str], ...], NDArray[np.float64], NDArray[np.float64]]:
-    """Average each object's accuracy over the splits that tested it.
-
-    Parameters
-    ----------
-    predictions : pyarrow.Table
-        `tables.PREDICTIONS` of one pipeline, strategy and classifier.
-
-    Returns
-    -------
-    objects : tuple of (str, str)
-        The o objects as (class, name), sorted.
-    accuracy, weights : numpy.ndarray
-        Shape (o,) each, float64; the weighted mean over objects is the mean over splits of
-        the share of test sequences correctly classified.
-    """
-    figures = _object_figures(predictions)
-    return figures.objects, figures.accuracy, figures.weights
-
-
 def select(table: pa.Table, **values: object) -> pa.Table:
     """Take the rows whose columns have the given values, such as ``strategy="random"``."""
     import pyarrow.compute as pc
@@ -199,9 +178,7 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
     The weights make the weighted mean over objects the mean over splits of a
     split's share of sequences (of objects, for the vote).
     """
-    owners = list(
-        zip(rows.column("class").to_pylist(), rows.column("object").to_pylist(), strict=True)
-    )
+    owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}
     owner = np.array([places[name] for name in owners], dtype=np.int64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from visuohaptic.errors import ReportError
@@ -85,22 +85,7 @@ class Archive:
 def summarise_run(
     run: Run, pages: Sequence[ObjectPage], seconds: Sequence[PhaseSeconds]
 ) -> dict[str, Any]:
-    """Give what the page carries, as plain values.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    pages : sequence of ObjectPage
-        Its objects.
-    seconds : sequence of PhaseSeconds
-        What its logs say.
-
-    Returns
-    -------
-    dict
-        JSON-able; the pictures themselves lie in the page.
-    """
+    """Give what the page carries, JSON-able; the pictures themselves lie in the page."""
     return {
         "form": FORM,
         "metrics": dict(run.metrics),
@@ -124,23 +109,10 @@ def summarise_run(
 def read_archive(page: str, source: str) -> Archive:
     """Read what a page carries.
 
-    Parameters
-    ----------
-    page : str
-        A report's HTML.
-    source : str
-        Where it lies, for the error.
-
-    Returns
-    -------
-    Archive
-        The run.
-
-    Raises
-    ------
-    ReportError
-        If the page is no report of this workflow, or of another version's form.
+    Raises `ReportError` if it is no report of this workflow, or of another version's form.
     """
+    from pydantic import TypeAdapter
+
     found = _SUMMARY.search(page)
     if found is None:
         raise ReportError(
@@ -154,54 +126,30 @@ def read_archive(page: str, source: str) -> Archive:
                 f"{source} is of form {values['form']}, and form {FORM} is read here; write the "
                 "report again."
             )
-        return Archive(
-            metrics=values["metrics"],
-            parameters=values["parameters"],
-            seconds=tuple(_phase(phase) for phase in values["seconds"]),
-            commit=str(values["commit"]),
-            machine={str(name): str(value) for name, value in values["machine"].items()},
-            views=_views(values["views"], dict(_PICTURE.findall(page))),
-        )
+        views = _views(values["views"], dict(_PICTURE.findall(page)))
+        return TypeAdapter(Archive).validate_python({**values, "views": views})
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ReportError(
             f"{source} carries a run that can't be read ({error!r}); write the report again."
         ) from error
 
 
-def _rounded(mark: FixationMark) -> list[Any]:
-    square = [[round(along, 1) for along in corner] for corner in mark.square]
-    return [mark.number, round(mark.column, 1), round(mark.row, 1), square]
-
-
-def _phase(values: Mapping[str, Any]) -> PhaseSeconds:
-    return PhaseSeconds(
-        str(values["phase"]),
-        int(values["jobs"]),
-        float(values["imports"]),
-        float(values["work"]),
-        tuple(map(str, values["unfinished"])),
-    )
-
-
 def _views(
     values: Mapping[str, Mapping[str, Any]], pictures: Mapping[str, str]
-) -> dict[str, ArchivedView]:
+) -> dict[str, dict[str, Any]]:
+    """Put each view's picture, and the names of its marks' fields, back in their places."""
+    names = [field.name for field in fields(FixationMark)]
     return {
-        str(view["key"]): ArchivedView(
-            key=str(view["key"]),
-            viewpoint=int(view["viewpoint"]),
-            rows=int(view["rows"]),
-            columns=int(view["columns"]),
-            view=pictures[anchor],
-            marks=tuple(_mark(*mark) for mark in view["marks"]),
-        )
+        view["key"]: {
+            **view,
+            "view": pictures[anchor],
+            "marks": [dict(zip(names, mark, strict=True)) for mark in view["marks"]],
+        }
         for anchor, view in values.items()
         if anchor in pictures
     }
 
 
-def _mark(
-    number: int, column: float, row: float, square: Sequence[Sequence[float]]
-) -> FixationMark:
-    corners = tuple((float(across), float(down)) for across, down in square)
-    return FixationMark(int(number), float(column), float(row), corners)
+def _rounded(mark: FixationMark) -> list[Any]:
+    square = [[round(along, 1) for along in corner] for corner in mark.square]
+    return [mark.number, round(mark.column, 1), round(mark.row, 1), square]

@@ -7,23 +7,11 @@ from collections import Counter
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import counted, listed
+from visuohaptic.tables.phases import key_of
 
 
 def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
-    """List what was left out, fell short or failed.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    seconds : list of PhaseSeconds
-        What the logs say.
-
-    Returns
-    -------
-    list of str
-        Sentences, empty where nothing is to be said.
-    """
+    """List in sentences what was left out, fell short or failed."""
     return [
         *_objects_left_out(run),
         *_poor_views(run),
@@ -67,7 +55,7 @@ def _poor_views(run: Run) -> list[str]:
         return []
     owners: dict[str, list[str]] = {}
     for row in poor:
-        owners.setdefault(f"{row['class']}/{row['object']}", []).append(str(row["viewpoint"]))
+        owners.setdefault(key_of(row), []).append(str(row["viewpoint"]))
     places = "; ".join(f"{key} in view {listed(views)}" for key, views in sorted(owners.items()))
     found = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
     return [f"{found}, which recognition leaves out where it needs more touches: {places}."]

@@ -120,7 +120,7 @@ Place = Callable[[float], float]
 def place_points(
     series: Iterable[tuple[int, Sequence[Point]]], x_of: Place, y_of: Place, top: str = ""
 ) -> tuple[tuple[Mark, ...], tuple[tuple[int, float, float, float, float], ...]]:
-    """Place series of points, each joined by lines.
+    """Place series of points, each joined by lines in its order.
 
     Parameters
     ----------
@@ -170,19 +170,8 @@ def interval_chart(
 ) -> IntervalChart:
     """Place the marks of an interval chart.
 
-    Parameters
-    ----------
-    rows : sequence of (str, mapping, mapping)
-        Label of each row, its figures and its published values, by series.
-    series : sequence of str
-        Names of the series, in the order in which they stand below each other.
-    reference : float or None
-        A share to draw a line at, such as chance.
-
-    Returns
-    -------
-    IntervalChart
-        Where everything lies.
+    A row has a label, and its figures and published values by series; the series stand below each
+    other. `reference` is a share to draw a line at, such as chance.
     """
     marks: list[Mark] = []
     labels: list[tuple[str, int]] = []

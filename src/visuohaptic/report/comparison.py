@@ -102,18 +102,7 @@ class PipelineTable:
 
 
 def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
-    """Arrange the metrics for the page.
-
-    Parameters
-    ----------
-    metrics : mapping
-        What `recognition.summary.summarise` gives.
-
-    Returns
-    -------
-    list of PipelineTable
-        The paper's pipeline first.
-    """
+    """Arrange what `summarise` gives for the page, the paper's pipeline first."""
     names = sorted(metrics["results"], key=pipeline_order)
     return [_pipeline_table(metrics, name) for name in names]
 
@@ -124,18 +113,7 @@ def pipeline_order(name: str) -> tuple[bool, str]:
 
 
 def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
-    """Merge notes that differ only in a number, such as ``neighbours 5`` and ``neighbours 15``.
-
-    Parameters
-    ----------
-    notes : collection of str
-        What splits noted; some end with a number.
-
-    Returns
-    -------
-    tuple of str
-        Sorted; of notes that differ in their last number alone one is left, with all the numbers.
-    """
+    """Merge notes that differ in their last number alone, such as ``k 5`` and ``k 15``."""
     merged: dict[str, list[float]] = {}
     for note in notes:
         words, _, last = note.rpartition(" ")
@@ -150,25 +128,10 @@ def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
 def answer(
     tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str, confidence: float
 ) -> list[str]:
-    """Answer the experiment's question from the figures alone.
+    """Answer the experiment's question: accuracy, whether fixations help, and beside the paper.
 
-    Parameters
-    ----------
-    tables : sequence of PipelineTable
-        The pipelines; the first is spoken of.
-    classes : int
-        Number of classes, for chance.
-    touches : int
-        Touches a sequence.
-    unseen : str
-        What training had not met of what is tested, such as ``an object that it never felt before``.
-    confidence : float
-        Confidence of the intervals.
-
-    Returns
-    -------
-    list of str
-        Accuracy, whether fixations help, and the comparison with the paper.
+    The first pipeline is spoken of; `unseen` is what training had not met of what is tested, such
+    as ``an object that it never felt before``.
     """
     table = tables[0]
     best = table.best
@@ -185,18 +148,7 @@ def answer(
 
 
 def agreement(table: PipelineTable) -> tuple[list[str], list[str]]:
-    """Say where the figures agree with the paper's Table 1, and where they do not.
-
-    Parameters
-    ----------
-    table : PipelineTable
-        The paper's pipeline.
-
-    Returns
-    -------
-    agrees, differs : list of str
-        Sentences.
-    """
+    """Say where the figures agree with the paper's Table 1, and where they differ."""
     agrees: list[str] = []
     differs: list[str] = []
     known = [row for row in table.rows if row.published]

@@ -9,6 +9,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.objects import Track
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.whole_files import write_whole
 
 
 def make_report(
@@ -19,21 +20,6 @@ def make_report(
     processes: int = 1,
     track: Track = iter,
 ) -> None:
-    """Write the report of a run, completely or not at all.
-
-    Raises
-    ------
-    ReportError
-        If the metrics can't be read.
-    TableError
-        If a table is missing or breaks its schema.
-    """
+    """Write the report of a run, completely or not at all."""
     page = render_page(read_run(files, parameters, objects), processes, track)
-    output = Path(output)
-    output.parent.mkdir(parents=True, exist_ok=True)
-    waiting = output.with_name(f".{output.name}.part")
-    try:
-        waiting.write_text(page, encoding="utf-8")
-        waiting.replace(output)
-    finally:
-        waiting.unlink(missing_ok=True)
+    write_whole(output, page)

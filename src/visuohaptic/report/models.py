@@ -34,19 +34,9 @@ class PackedModel:
 
 
 def thin(surface: Surface, faces: int) -> Surface:
-    """Simplify a surface for the eye; each face takes the colour of the original's nearest face.
+    """Simplify a surface to about so many faces, each of the colour of the original's nearest face.
 
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    faces : int
-        Faces to keep, about; a surface that has no more stays as it is.
-
-    Returns
-    -------
-    Surface
-        By quadric error decimation (Garland & Heckbert 1997), as Open3D has it.
+    By quadric error decimation (Garland & Heckbert 1997), as Open3D has it.
     """
     if len(surface.faces) <= faces:
         return surface
@@ -64,19 +54,7 @@ def thin(surface: Surface, faces: int) -> Surface:
 def pack_model(surface: Surface, touches: NDArray[np.float64], faces: int) -> PackedModel:
     """Thin a model and pack it with its touches.
 
-    Parameters
-    ----------
-    surface : Surface
-        The object, within the unit sphere.
-    touches : numpy.ndarray
-        Shape (n, 10), float64: point, normal, column axis and size.
-    faces : int
-        Faces to keep, about.
-
-    Returns
-    -------
-    PackedModel
-        What the page needs.
+    `touches` has the shape (n, 10), float64: point, normal, column axis and size.
     """
     thinned = thin(surface, faces)
     used, corners = np.unique(thinned.faces, return_inverse=True)

@@ -25,11 +25,9 @@ from visuohaptic.report.pictures import (
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import anchor_of, listed, place_in_view, spaced
 from visuohaptic.sensor.frames import row_axes
+from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES, key_of
 from visuohaptic.tables.schema import images, matrix
 
-_POINT = ("x", "y", "z")
-_NORMAL = ("normal_x", "normal_y", "normal_z")
-_TANGENT = ("tangent_x", "tangent_y", "tangent_z")
 Track = Callable[[Sequence[str]], Iterable[str]]
 # How often each class was named, by strategy and viewpoint.
 PredictionCounts = Mapping[tuple[str, int], Mapping[str, int]]
@@ -132,21 +130,9 @@ class ObjectPage:
 
 
 def describe_objects(run: Run, processes: int = 1, track: Track = iter) -> list[ObjectPage]:
-    """Describe every object that was looked at.
+    """Describe every object that was looked at, sorted by class and name.
 
-    Parameters
-    ----------
-    run : Run
-        The run.
-    processes : int
-        Processes to work on, at most; they change nothing but the time.
-    track : callable
-        Takes the objects' names and gives them back one by one, as a progress bar does.
-
-    Returns
-    -------
-    list of ObjectPage
-        Sorted by class and name.
+    `track` takes the objects' names and gives them back one by one, as a progress bar does.
     """
     from joblib import Parallel, delayed
 
@@ -303,10 +289,10 @@ def _marks(
 
 
 def _corners(touches: pa.Table) -> NDArray[np.float64]:
-    columns = matrix(touches, _TANGENT)
-    rows = row_axes(matrix(touches, _NORMAL), columns)
+    columns = matrix(touches, TANGENT_NAMES)
+    rows = row_axes(matrix(touches, NORMAL_NAMES), columns)
     sizes = touches.column("sensor_size").to_numpy()
-    return square_corners(matrix(touches, _POINT), columns, rows, sizes)
+    return square_corners(matrix(touches, POINT_NAMES), columns, rows, sizes)
 
 
 def _model(
@@ -314,7 +300,7 @@ def _model(
 ) -> tuple[PackedModel | None, tuple[tuple[str, int, int, str], ...]]:
     if mesh is None:
         return None, ()
-    names = (*_POINT, *_NORMAL, *_TANGENT, "sensor_size")
+    names = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
     keys = touches.select(["strategy", "viewpoint", "touch", "contact_state"]).to_pylist()
     return pack_model(read_surface(mesh), matrix(touches, names), faces), tuple(
         (row["strategy"], row["viewpoint"], row["touch"] + 1, row["contact_state"]) for row in keys
@@ -345,7 +331,7 @@ def _answers(run: Run) -> dict[str, dict[tuple[str, int], dict[str, int]]]:
     counts = run.predictions.filter(chosen).group_by(keys).aggregate([([], "count_all")])
     found: dict[str, dict[tuple[str, int], dict[str, int]]] = {}
     for row in counts.to_pylist():
-        of_object = found.setdefault(f"{row['class']}/{row['object']}", {})
+        of_object = found.setdefault(key_of(row), {})
         of_view = of_object.setdefault((row["strategy"], row["viewpoint"]), {})
         of_view[row["predicted"]] = row["count_all"]
     return found

@@ -18,22 +18,7 @@ from visuohaptic.report.sections import CHAPTERS, ReportContext
 
 
 def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
-    """Give the page of a run.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    processes : int
-        Processes to work on, at most.
-    track : callable
-        As for `describe_objects`.
-
-    Returns
-    -------
-    str
-        HTML that needs no network.
-    """
+    """Give the page of a run: HTML that needs no network."""
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
     context = ReportContext(run, describe_objects(run, processes, track), seconds)
     environment = make_environment()

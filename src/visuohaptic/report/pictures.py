@@ -22,21 +22,9 @@ def data_uri(data: bytes, kind: str) -> str:
 
 
 def shrink_picture(png: bytes, factor: int = 1) -> tuple[str, tuple[int, int]]:
-    """Store a picture again as lossy WebP.
+    """Store a PNG again as lossy WebP: its data address, and the rows and columns that it had.
 
-    Parameters
-    ----------
-    png : bytes
-        The picture.
-    factor : int
-        Pixels along each edge that become one, by their mean; for maps that are smooth anyway.
-
-    Returns
-    -------
-    uri : str
-        Its data address.
-    size : tuple of int
-        Rows and columns that it had.
+    `factor` pixels along each edge become one, by their mean; for maps that are smooth anyway.
     """
     with Image.open(io.BytesIO(png)) as picture:
         stored = io.BytesIO()
@@ -46,17 +34,9 @@ def shrink_picture(png: bytes, factor: int = 1) -> tuple[str, tuple[int, int]]:
 
 
 def imprint_strip(imprints: NDArray[np.float32]) -> str:
-    """Store imprints side by side, without loss beyond 8 bits.
+    """Store imprints (n, r, r) in [0, 1] side by side as a grey picture: its data address.
 
-    Parameters
-    ----------
-    imprints : numpy.ndarray
-        Shape (n, r, r), float32, in [0, 1]; 1 becomes white.
-
-    Returns
-    -------
-    str
-        Data address of a grey picture of r rows and n · r columns.
+    1 becomes white; nothing is lost beyond 8 bits.
     """
     grey = np.rint(255.0 * imprints).astype(np.uint8)
     count, rows, columns = grey.shape

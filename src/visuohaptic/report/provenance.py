@@ -69,18 +69,7 @@ def find_versions() -> list[tuple[str, str]]:
 
 
 def find_commit(folder: str | Path) -> str:
-    """Name the commit of a checkout, and whether it was edited since.
-
-    Parameters
-    ----------
-    folder : path
-        A folder within the checkout.
-
-    Returns
-    -------
-    str
-        The full hash with a word about edits, or why there is none.
-    """
+    """Name the commit of a checkout and whether it was edited since, or why there is none."""
     head = _git(folder, "rev-parse", "HEAD")
     if head is None:
         return "unknown: this is no git checkout"
@@ -100,18 +89,7 @@ def describe_machine() -> list[tuple[str, str]]:
 
 
 def phase_seconds(folder: str | Path) -> list[PhaseSeconds]:
-    """Sum up the seconds that jobs left in their logs.
-
-    Parameters
-    ----------
-    folder : path
-        Holds ``<phase>.log`` and ``<phase>/…/*.log``.
-
-    Returns
-    -------
-    list of PhaseSeconds
-        In the order of the work; phases without a log are left out.
-    """
+    """Sum up the seconds that jobs left in their logs, in the order of the work."""
     logs: dict[str, list[Path]] = {}
     for log in sorted(Path(folder).rglob("*.log")):
         place = log.relative_to(folder)

@@ -16,7 +16,15 @@ from visuohaptic.errors import ReportError
 from visuohaptic.geometry.surface import set_aside_reason
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
-from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
+from visuohaptic.tables.phases import (
+    EFFECTS,
+    FEATURES,
+    FIXATIONS,
+    PREDICTIONS,
+    TOUCHES,
+    VIEWS,
+    key_of,
+)
 from visuohaptic.tables.schema import read_table
 
 
@@ -91,12 +99,12 @@ class Run:
     @cached_property
     def objects(self) -> list[str]:
         """Objects that were looked at, `class/name`, sorted."""
-        return sorted({f"{row['class']}/{row['object']}" for row in _owners(self.views)})
+        return sorted({key_of(row) for row in _owners(self.views)})
 
     @cached_property
     def tested_objects(self) -> list[str]:
         """Objects that recognition tested, `class/name`, sorted."""
-        return sorted({f"{row['class']}/{row['object']}" for row in _owners(self.predictions)})
+        return sorted({key_of(row) for row in _owners(self.predictions)})
 
     @cached_property
     def classes(self) -> list[str]:
@@ -126,28 +134,10 @@ class Run:
 
 
 def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequence[str]) -> Run:
-    """Read a run.
+    """Read a run; `objects` were to take part, `class/name`.
 
-    Parameters
-    ----------
-    files : RunFiles
-        Where it lies.
-    parameters : ExperimentParameters
-        What it was run with.
-    objects : sequence of str
-        Objects that were to take part, `class/name`.
-
-    Returns
-    -------
-    Run
-        The run.
-
-    Raises
-    ------
-    ReportError
-        If the metrics can't be read.
-    TableError
-        If a table is missing or breaks its schema.
+    Raises `ReportError` if the metrics can't be read, and `TableError` if a table is missing or
+    breaks its schema.
     """
     return Run(
         files=files,
@@ -181,8 +171,6 @@ def _owners(table: pa.Table) -> list[dict[str, str]]:
 def _read_credits(path: Path) -> dict[str, ObjectCredit]:
     with path.open(newline="", encoding="utf-8") as stream:
         return {
-            f"{row['class']}/{row['object']}": ObjectCredit(
-                row["author"], row["licence"], row["source_url"]
-            )
+            key_of(row): ObjectCredit(row["author"], row["licence"], row["source_url"])
             for row in csv.DictReader(stream)
         }

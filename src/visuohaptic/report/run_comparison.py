@@ -12,7 +12,7 @@ from typing import Any
 
 from visuohaptic.errors import ParameterError, ReportError
 from visuohaptic.optional_packages import require
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.parameters import ExperimentParameters, leaves
 from visuohaptic.report.archive import Archive, ArchivedView, read_archive
 from visuohaptic.report.charts import IntervalChart, interval_chart
 from visuohaptic.report.comparison import Figure, pipeline_order
@@ -146,23 +146,12 @@ class RunComparison:
 def read_measured_run(source: str | Path) -> MeasuredRun:
     """Read a run's metrics, and what else of it can be found.
 
-    Parameters
-    ----------
-    source : path or str
-        A metrics file, or a report; or the folder of a run or of its reports; or a DVC experiment
-        or Git revision of the repository around the working folder. Of a metrics file with its own
-        report beside it, the report gives parameters, seconds and views; without one, a
-        ``params.yaml`` beside the file or one folder above is taken as the run's.
+    `source` is a metrics file, or a report; or the folder of a run or of its reports; or a DVC
+    experiment or Git revision of the repository around the working folder. Of a metrics file with
+    its own report beside it, the report gives parameters, seconds and views; without one, a
+    ``params.yaml`` beside the file or one folder above is taken as the run's.
 
-    Returns
-    -------
-    MeasuredRun
-        The run.
-
-    Raises
-    ------
-    ReportError
-        If there are no metrics, or they are not of this workflow.
+    Raises `ReportError` if there are no metrics, or they are not of this workflow.
     """
     path = Path(source)
     if not path.exists() and not path.suffix:
@@ -186,18 +175,7 @@ def read_measured_run(source: str | Path) -> MeasuredRun:
 
 
 def compare_runs(first: MeasuredRun, second: MeasuredRun) -> RunComparison:
-    """Set two runs side by side.
-
-    Parameters
-    ----------
-    first, second : MeasuredRun
-        The runs; differences are second minus first.
-
-    Returns
-    -------
-    RunComparison
-        What differs.
-    """
+    """Set two runs side by side; differences are second minus first."""
     # One file can't describe two runs: at most, it belongs to the later one.
     own = first.parameters_source != second.parameters_source or first.source == second.source
     known = own and first.parameters is not None and second.parameters is not None
@@ -217,18 +195,7 @@ def compare_runs(first: MeasuredRun, second: MeasuredRun) -> RunComparison:
 
 
 def accuracy_charts(comparison: RunComparison) -> list[tuple[str, IntervalChart]]:
-    """Draw the accuracies of both runs, a chart a pipeline.
-
-    Parameters
-    ----------
-    comparison : RunComparison
-        The runs.
-
-    Returns
-    -------
-    list of (str, IntervalChart)
-        Pipeline and chart.
-    """
+    """Draw the accuracies of both runs, a chart a pipeline."""
     shown = [figure for figure in comparison.figures if figure.measure == MEASURES[0]]
     pipelines = sorted({figure.pipeline for figure in shown}, key=pipeline_order)
     return [
@@ -245,23 +212,11 @@ def accuracy_charts(comparison: RunComparison) -> list[tuple[str, IntervalChart]
 
 
 def difference_of(first: Figure, second: Figure) -> Figure:
-    """Give the difference of two estimates, with an interval from theirs.
+    """Give second minus first, with an interval from theirs.
 
-    Parameters
-    ----------
-    first, second : Figure
-        The estimates.
-
-    Returns
-    -------
-    Figure
-        Second minus first.
-
-    Notes
-    -----
-    The method of variance estimates recovery (G. Y. Zou, A. Donner, Statist. Med.
-    27:1693-1702, 2008) for independent estimates. Runs over the same objects have
-    correlated errors, so the true interval is narrower.
+    The method of variance estimates recovery (G. Y. Zou, A. Donner, Statist. Med. 27:1693-1702,
+    2008) for independent estimates. Runs over the same objects have correlated errors, so the true
+    interval is narrower.
     """
     mean = second.mean - first.mean
     ends = (first.low, first.high, second.low, second.high)
@@ -276,18 +231,7 @@ def difference_of(first: Figure, second: Figure) -> Figure:
 
 
 def render_comparison(comparison: RunComparison) -> str:
-    """Give the page of a comparison.
-
-    Parameters
-    ----------
-    comparison : RunComparison
-        What differs.
-
-    Returns
-    -------
-    str
-        HTML that asks the network for nothing.
-    """
+    """Give the page of a comparison: HTML that asks the network for nothing."""
     from visuohaptic.report.page import make_environment
 
     environment = make_environment()
@@ -412,21 +356,13 @@ def _yaml(text: bytes, source: str) -> dict[str, Any]:
     return values if isinstance(values, dict) else {}
 
 
-def _flat(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in values.items():
-        path = f"{above}{name}"
-        flat |= _flat(value, f"{path}.") if isinstance(value, dict) else {path: value}
-    return flat
-
-
 def _changed_parameters(
     first: Mapping[str, Any], second: Mapping[str, Any]
 ) -> tuple[ChangedParameter, ...]:
     whole = [_completed(side) for side in (first, second)]
     known = [side for side in whole if side is not None]
     # A name that today's workflow lacks can't be completed; then each side is taken as written.
-    sides = [_flat(side) for side in (known if len(known) == 2 else (first, second))]
+    sides = [dict(leaves(side)) for side in (known if len(known) == 2 else (first, second))]
     names = dict.fromkeys(name for side in sides for name in side)
     texts = [ChangedParameter(name, *(_text(side, name) for side in sides)) for name in names]
     return tuple(change for change in texts if change.first != change.second)

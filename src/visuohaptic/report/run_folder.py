@@ -12,7 +12,6 @@ from visuohaptic.report.run import RunFiles
 
 METRICS = "reports/metrics.json"
 PARAMETERS = "params.yaml"
-REPORT = "reports/report.html"
 
 _TABLES = ("predictions", "views", "fixations", "touches", "features")
 EXTRAS = {
@@ -47,24 +46,10 @@ class RunFolder:
 
 
 def find_run(folder: str | Path) -> RunFolder:
-    """Find the tables of a run.
+    """Find the tables of a run in its folder, as the workflow lays it out.
 
-    Parameters
-    ----------
-    folder : path
-        Holds ``params.yaml``, ``results`` and ``reports/metrics.json``.
-
-    Returns
-    -------
-    RunFolder
-        The run. A table with no file is left to its reader, who names it.
-
-    Raises
-    ------
-    ReportError
-        If the parameters, the metrics or a table is missing.
-    ParameterError
-        If the parameters are not allowed.
+    Raises `ReportError` if the parameters, the metrics or a table is missing, and `ParameterError`
+    if the parameters are not allowed. A table with no file is left to its reader, who names it.
     """
     folder = Path(folder)
     tables = {name: _parts(folder / "results" / name) for name in _TABLES}

@@ -82,20 +82,7 @@ def read_figures(folder: str | Path | None, study: str) -> list[dict[str, Any]]:
 
 
 def read_study(folder: str | Path | None, study: str) -> StudyFigures | None:
-    """Read a study for the page.
-
-    Parameters
-    ----------
-    folder : path or None
-        Where `tables.STUDY_FIGURES` of all studies lie.
-    study : str
-        Its name.
-
-    Returns
-    -------
-    StudyFigures or None
-        None where it was not measured.
-    """
+    """Read a study's `tables.STUDY_FIGURES` for the page; None where it was not measured."""
     rows = read_figures(folder, study)
     if not rows:
         return None

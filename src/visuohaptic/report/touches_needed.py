@@ -67,19 +67,9 @@ class CurveFigures:
 
 
 def curve_figures(studies: str | Path | None, needed: str | Path | None) -> list[CurveFigures]:
-    """Read the curves over touches.
+    """Read the curves over touches, the paper's pipeline first; empty where nothing was measured.
 
-    Parameters
-    ----------
-    studies : path or None
-        Folder of `tables.STUDY_FIGURES`, that of study `curves` among them.
-    needed : path or None
-        `tables.TOUCHES_NEEDED`.
-
-    Returns
-    -------
-    list of CurveFigures
-        The paper's pipeline first; empty where nothing was measured.
+    `studies` is the folder of `tables.STUDY_FIGURES`, `needed` the file of `tables.TOUCHES_NEEDED`.
     """
     points_of = [{**row, "touches": row["place"] + 1} for row in read_figures(studies, "curves")]
     if not points_of or needed is None or not Path(needed).is_file():
@@ -98,17 +88,10 @@ def curve_figures(studies: str | Path | None, needed: str | Path | None) -> list
 
 
 def verdict(rows: Sequence[Row]) -> tuple[str, ...]:
-    """Say which strategy wins, and whether attention does.
+    """Say in sentences which strategy wins, and whether attention does.
 
-    Parameters
-    ----------
-    rows : sequence of mapping
-        Rows of `tables.TOUCHES_NEEDED` of one pipeline and classifier, with ``adjusted_p``.
-
-    Returns
-    -------
-    tuple of str
-        Sentences.
+    The rows are those of `tables.TOUCHES_NEEDED` of one pipeline and classifier, with
+    ``adjusted_p``.
     """
     ranked = sorted(rows, key=lambda row: -row["area"])
     best = ranked[0]
@@ -152,19 +135,9 @@ def _figures(
 
 
 def curve_chart(strategies: Sequence[str], curves: Mapping[str, Sequence[Row]]) -> PointChart:
-    """Place curves in a chart.
+    """Place curves, each by touches, in a chart.
 
-    Parameters
-    ----------
-    strategies : sequence of str
-        In the order of their colours.
-    curves : mapping of str to sequence of mapping
-        Rows of `tables.STUDY_FIGURES` of each, by touches.
-
-    Returns
-    -------
-    PointChart
-        The axis of accuracy starts at the tenth below the lowest interval; touches have equal steps.
+    The axis of accuracy starts at the tenth below the lowest interval; touches have equal steps.
     """
     counts = sorted({row["touches"] for rows in curves.values() for row in rows})
     lowest = min(row["low"] for rows in curves.values() for row in rows)

@@ -75,18 +75,7 @@ def counted(count: int, noun: str) -> str:
 
 
 def anchor_of(key: str) -> str:
-    """Give an object's anchor: safe in an address, and the same in every run.
-
-    Parameters
-    ----------
-    key : str
-        `class/name`; any characters.
-
-    Returns
-    -------
-    str
-        ASCII letters, digits and hyphens; different for different keys.
-    """
+    """Give an object's anchor: ASCII letters, digits and hyphens, different for different keys."""
     slug = re.sub(r"[^a-z0-9]+", "-", key.lower()).strip("-")[:40]
     digest = hashlib.sha256(key.encode("utf-8")).hexdigest()[:8]
     return f"object-{slug}-{digest}" if slug else f"object-{digest}"

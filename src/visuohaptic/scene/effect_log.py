@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import pyarrow as pa
 
 from visuohaptic.scene.records import EffectRecord
-from visuohaptic.tables.phases import EFFECTS
+from visuohaptic.tables.phases import EFFECTS, owner_columns
 from visuohaptic.tables.schema import build_table
 
 _COPIED = ("effect", "mode", "reason", "touches", "called_for", "runs", "seconds")
@@ -16,32 +16,10 @@ _COPIED = ("effect", "mode", "reason", "touches", "called_for", "runs", "seconds
 def effect_table(
     key: str, first_viewpoint: int, scene: str, records: Sequence[EffectRecord]
 ) -> pa.Table:
-    """Give the records of one job as a table.
+    """Give the records of one job, one for each effect: `tables.EFFECTS`.
 
-    Parameters
-    ----------
-    key : str
-        `class/name` of the object.
-    first_viewpoint : int
-        The first viewpoint of the job.
-    scene : str
-        Name of the scene's preset, or `any` for effects that no preset sets.
-    records : sequence of EffectRecord
-        One for each effect.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.EFFECTS`, one for each effect.
+    `scene` is the name of its preset, or `any` for effects that no preset sets.
     """
-    category, name = key.split("/")
-    columns: dict[str, object] = {
-        column: [getattr(record, column) for record in records] for column in _COPIED
-    }
-    columns |= {
-        "class": category,
-        "object": name,
-        "first_viewpoint": first_viewpoint,
-        "scene": scene,
-    }
+    columns = owner_columns(key) | {"first_viewpoint": first_viewpoint, "scene": scene}
+    columns |= {column: [getattr(record, column) for record in records] for column in _COPIED}
     return build_table(EFFECTS, columns)

@@ -34,18 +34,7 @@ class EffectRecord:
 
 
 def merge_records(batches: Sequence[Sequence[EffectRecord]]) -> tuple[EffectRecord, ...]:
-    """Add up the records of several batches of one scene.
-
-    Parameters
-    ----------
-    batches : sequence of sequence of EffectRecord
-        The same effects in the same order in each.
-
-    Returns
-    -------
-    tuple of EffectRecord
-        One for each effect.
-    """
+    """Add up the records of several batches of one scene; all have the same effects in order."""
     return tuple(
         replace(
             records[0],

@@ -1,11 +1,9 @@
-from .contact import CONTACT_STATES as CONTACT_STATES
 from .effects import EFFECTS as EFFECTS
 from .effects import simulate as simulate
 from .frames import column_axes as column_axes
 from .frames import row_axes as row_axes
 from .gallery import hard_probes as hard_probes
 from .gallery import touch_gallery as touch_gallery
-from .influence import image_shifts as image_shifts
 from .parameters import SensorParameters as SensorParameters
 from .planner import Situation as Situation
 from .random_fields import RandomFields as RandomFields
@@ -13,7 +11,6 @@ from .touching import Touches as Touches
 from .touching import touch as touch
 
 __all__ = [
-    "CONTACT_STATES",
     "EFFECTS",
     "RandomFields",
     "SensorParameters",
@@ -21,7 +18,6 @@ __all__ = [
     "Touches",
     "column_axes",
     "hard_probes",
-    "image_shifts",
     "row_axes",
     "simulate",
     "touch",

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from visuohaptic.sensor.parameters import SensorParameters
 
-CONTACT_STATES = ("full", "shrunk", "at_minimum", "blocked", "partial")
-
 
 def contact_states(
     heights: NDArray[np.float64],
@@ -37,7 +35,7 @@ def contact_states(
     Returns
     -------
     numpy.ndarray
-        Shape (n,), str: names among `CONTACT_STATES`.
+        Shape (n,), str: names among `tables.CONTACT_STATES`.
     """
     penetrating = (heights > parameters.penetration_tolerance).any(axis=(1, 2))
     partial = (heights < -parameters.depth_range).any(axis=(1, 2))

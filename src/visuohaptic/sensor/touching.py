@@ -38,7 +38,7 @@ class Touches:
     size : numpy.ndarray
         Shape (n,), float64, object radii: edge of each square.
     contact_state : numpy.ndarray
-        Shape (n,), str: one of `CONTACT_STATES`.
+        Shape (n,), str: one of `tables.CONTACT_STATES`.
     penetration : numpy.ndarray
         Shape (n,), float64, object radii: how high the object still stands above the tangent
         plane within the square, at least 0.

@@ -119,25 +119,11 @@ def with_changes(
 ) -> ExperimentParameters:
     """Change parameters by their dotted names.
 
-    Parameters
-    ----------
-    run : ExperimentParameters
-        What is changed.
-    changes : mapping of str
-        New values. A new ``scene.preset`` replaces the whole scene; more `recognition.touches`
-        than there are fixations bring as many fixations.
-    source : str
-        Where the changes come from, for errors.
+    A new ``scene.preset`` replaces the whole scene; more `recognition.touches` than there are
+    fixations bring as many fixations. `source` is where the changes come from, for errors.
 
-    Returns
-    -------
-    ExperimentParameters
-        Checked.
-
-    Raises
-    ------
-    ParameterError
-        If there is no such parameter, it must not vary, or a value is not allowed.
+    Raises `ParameterError` if there is no such parameter, it must not vary, or a value is not
+    allowed.
     """
     values = run.model_dump()
     if "scene.preset" in changes:
@@ -155,24 +141,8 @@ def with_changes(
 def plan_study(study: Study, run: ExperimentParameters, source: str = "params.yaml") -> Plan:
     """Find out what a study's conditions make again, and what they share.
 
-    Parameters
-    ----------
-    study : Study
-        The conditions.
-    run : ExperimentParameters
-        The run's parameters.
-    source : str
-        Where the conditions come from, for errors.
-
-    Returns
-    -------
-    Plan
-        Conditions that need the same features have the same key.
-
-    Raises
-    ------
-    ParameterError
-        If a condition can't be made; the sentence names it.
+    Conditions that need the same features have the same key. Raises `ParameterError`, which names
+    the condition, if one can't be made.
     """
     own = _upstream(run)
     planned: list[Planned] = []

@@ -29,32 +29,14 @@ MOST_CONDITIONS_A_BLOCK = 25
 
 
 def declared_studies(run: ExperimentParameters, own: Iterable[str | Path]) -> dict[str, Study]:
-    """Give every study by its name.
-
-    Parameters
-    ----------
-    run : ExperimentParameters
-        The run's parameters.
-    own : iterable of path
-        Files of the user's own studies.
-
-    Returns
-    -------
-    dict of str to Study
-        Those of the package first.
-
-    Raises
-    ------
-    ParameterError
-        If a file holds a name or value that is not allowed.
-    """
+    """Give every study by its name, those of the package before those in the user's own files."""
     studies = [make(run) for make in PACKAGED.values()]
     studies += [read_study(path, run, reserved=PACKAGED) for path in sorted(map(Path, own))]
     return {study.name: study for study in studies}
 
 
 def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Planned]]:
-    """Cut a study into blocks that a job each measures; what shares features stands together.
+    """Cut a study into blocks that a job each measures, by names such as ``0000-0024``.
 
     Parameters
     ----------

@@ -16,8 +16,10 @@ from visuohaptic.recognition.intervals import Interval, compare_paired, holm, ob
 from visuohaptic.recognition.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
+from visuohaptic.tables.phases import owners_of
 from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
+from visuohaptic.whole_files import write_whole
 
 Row = dict[str, Any]
 CellKey = tuple[str, str, str, str]
@@ -54,15 +56,7 @@ class Cell:
 def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
     """Average each object's accuracy over the splits that tested it, one file at a time.
 
-    Parameters
-    ----------
-    parts : iterable of path
-        `tables.STUDY`, the rows of a condition in one file.
-
-    Returns
-    -------
-    dict of tuple to Cell
-        By condition, pipeline, strategy and classifier.
+    A file of `tables.STUDY` holds all rows of its conditions.
     """
     found: dict[CellKey, Cell] = {}
     for part in parts:
@@ -91,25 +85,11 @@ def study_figures(
     intervals: IntervalParameters,
     seed: int,
 ) -> pa.Table:
-    """Sum up a study.
+    """Sum up a study: `tables.STUDY_FIGURES`.
 
-    Parameters
-    ----------
-    study : mapping
-        Its ``name``, its ``title`` and its ``conditions`` in order, each with ``name``,
-        ``compared_with`` (a name; None for the first one's) and ``remade``.
-    cells : mapping
-        As `read_cells` gives them.
-    intervals : IntervalParameters
-        Resampling over objects.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.STUDY_FIGURES`. A condition that was tested on other objects than the one that it is
-        compared with has no difference.
+    The study has a ``name``, a ``title`` and ``conditions`` in order, each with ``name``,
+    ``compared_with`` (a name; None for the first one's) and ``remade``. A condition that was tested
+    on other objects than the one that it is compared with has no difference.
     """
     conditions = study["conditions"]
     order = {condition["name"]: place for place, condition in enumerate(conditions)}
@@ -162,17 +142,14 @@ def nested(rows: Sequence[Row], keys: Sequence[str]) -> dict[str, Any]:
 def write_json(figures: object, path: str | Path) -> None:
     """Write figures, rounded, so that the same tables give the same bytes."""
     text = json.dumps(round_numbers(figures), indent=2, ensure_ascii=False) + "\n"
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    Path(path).write_text(text, encoding="utf-8")
+    write_whole(path, text)
 
 
 def _cell(rows: pa.Table) -> Cell:
     error = rows.column("error")[0].as_py()
     if error is not None:
         return Cell((), np.empty(0), np.empty(0), None, error)
-    owners = list(
-        zip(*(rows.column(name).to_pylist() for name in ("class", "object")), strict=True)
-    )
+    owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}
     owner = np.array([places[one] for one in owners])

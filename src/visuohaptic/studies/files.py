@@ -48,22 +48,10 @@ def make_study_block(
     output: str | Path,
     run: ExperimentParameters,
 ) -> None:
-    """Measure a block of a study's conditions.
+    """Measure a block of a study's conditions: `tables.STUDY`.
 
-    Parameters
-    ----------
-    study : str
-        The study's name.
-    conditions : sequence of mapping
-        As `studies.conditions.describe_conditions` gives them.
-    features : sequence of path
-        The run's own features; empty where every condition has others.
-    made : mapping of str to path
-        Features by key.
-    output : path
-        The Parquet file to write, rows of `tables.STUDY`.
-    run : ExperimentParameters
-        What the run was made with.
+    `conditions` are as `describe_conditions` gives them. `features` are the run's own, empty where
+    every condition has others; `made` has these by key.
     """
     memory = Memory()
     held: dict[str | None, pa.Table | str] = {}

@@ -80,19 +80,9 @@ class Memory:
 
 
 def remake_features(remake: Remake, sources: Sources) -> pa.Table:
-    """Make features again, from as late a table of the run as the changes allow.
+    """Make features again, from as late a table of the run as the changes allow: `tables.FEATURES`.
 
-    Parameters
-    ----------
-    remake : Remake
-        The first phase that is made again, and its parameters.
-    sources : Sources
-        What it starts from: meshes and fixations for touches, meshes for views, else touches.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.FEATURES`, of the strategies that the parameters name.
+    They are of the strategies that the parameters name.
     """
     parts = list(_remade_parts(remake, sources))
     return pa.concat_tables(parts).sort_by([(key, "ascending") for key in FEATURES.keys])
@@ -109,8 +99,7 @@ def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
     if remake.phase == "features":
         for part in sources.touches:
             touches = _of_strategies(read_table(TOUCHES, part), parameters.probing.strategies)
-            if touches.num_rows:
-                yield describe_touches(touches, parameters.features)
+            yield describe_touches(touches, parameters.features)
         return
     located = None
     if remake.phase == "touches":
@@ -128,37 +117,28 @@ def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
 
 
 def condition_features(planned: Planned, features: pa.Table, strategy: str) -> pa.Table:
-    """Take a condition's rows of features that others share.
+    """Take a condition's rows, of one strategy, of features that others share.
 
-    Parameters
-    ----------
-    planned : Planned
-        The condition.
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`.
-    strategy : str
-        Which sequences.
-
-    Returns
-    -------
-    pyarrow.Table
-        Its rows; classes with a single object are left out.
-
-    Raises
-    ------
-    RecognitionError
-        If there are none.
+    Viewpoints without a whole sequence by every strategy of the condition, and classes with a
+    single object, are left out. Raises `RecognitionError` if no row is left.
     """
     import pyarrow.compute as pc
 
-    from visuohaptic.recognition.sequences import classes_of_two
+    from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
     from visuohaptic.recognition.summary import select
 
-    found = select(features, strategy=strategy)
-    if not found.num_rows:
+    parameters = planned.parameters
+    if not select(features, strategy=strategy).num_rows:
         raise RecognitionError(f"no touch was made by {strategy}.")
-    needed = touches_needed(planned.parameters)
-    return classes_of_two(found.filter(pc.less(found.column("touch"), needed)))
+    compared = _of_strategies(features, {strategy, *parameters.probing.strategies})
+    needed = touches_needed(parameters)
+    compared = compared.filter(pc.less(compared.column("touch"), needed))
+    whole, _ = whole_sequences(compared, parameters.recognition.touches)
+    found = select(whole, strategy=strategy)
+    if not found.num_rows:
+        least = parameters.recognition.touches or needed
+        raise RecognitionError(f"no viewpoint of any object has {least} touches by {strategy}.")
+    return classes_of_two(found)
 
 
 def measure_condition(
@@ -170,23 +150,9 @@ def measure_condition(
 ) -> Iterator[pa.Table]:
     """Train and test a condition; what can't be run has one row with the reason.
 
-    Parameters
-    ----------
-    study : str
-        The study's name.
-    planned : Planned
-        The condition: its parameters name strategies, pipelines and classifiers.
-    features : pyarrow.Table or str
-        Rows of `tables.FEATURES`, or the sentence by which they were refused.
-    seed : int
-        The experiment's seed.
-    memory : Memory, optional
-        What conditions before it named on the same tables; it changes no number.
-
-    Yields
-    ------
-    pyarrow.Table
-        `tables.STUDY`, of one pipeline and strategy.
+    `features` may be the sentence by which they were refused. `memory` holds what conditions before
+    it named on the same tables; it changes no number. Yields `tables.STUDY` of each pipeline and
+    strategy.
     """
     memory = memory or Memory()
     recognition = planned.parameters.recognition
@@ -241,27 +207,11 @@ Key = tuple[str, str, str, str]
 
 
 def cell_rows(key: Key, named: Named, votes: int | None = None) -> Iterator[pa.Table]:
-    """Give `tables.STUDY` of what was named, a row an object, split and repeat.
+    """Give `tables.STUDY` of what was named by each classifier, a row an object, split and repeat.
 
-    Parameters
-    ----------
-    key : tuple of str
-        Study, condition, pipeline and strategy.
-    named : Named
-        Every split, repeat and classifier.
-    votes : int or None
-        Viewpoints that vote: every evenly spread choice of so many of an object's viewpoints
-        is one recognition. None where each sequence counts by itself.
-
-    Yields
-    ------
-    pyarrow.Table
-        A classifier's rows.
-
-    Raises
-    ------
-    RecognitionError
-        If there are not so many viewpoints.
+    With `votes`, every evenly spread choice of so many of an object's viewpoints is one
+    recognition; without, each sequence counts by itself. Raises `RecognitionError` if there are not
+    so many viewpoints.
     """
     sequences = named.sequences
     found: dict[str, list[tuple[NDArray[Any], ...]]] = {}
@@ -308,19 +258,9 @@ def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
 
 
 def spread_choices(total: int, count: int) -> NDArray[np.int64]:
-    """Choose places evenly spread over a ring, in every way.
+    """Choose `count` of `total` places, evenly spread over a ring, in every way.
 
-    Parameters
-    ----------
-    total : int
-        Places of the ring.
-    count : int
-        How many to choose, at most `total`.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (choices, count), int64: each choice turned on by one place, none twice.
+    Shape (choices, count), int64: each choice turned on by one place, none twice.
     """
     steps = (np.arange(count) * total) // count
     turned = (steps + np.arange(total)[:, None]) % total
@@ -347,7 +287,10 @@ def _correct(
 def _voted(
     sequences: TouchSequences, split: Split, answer: Answer, votes: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Give the tested objects, and how often a vote of viewpoints names each correctly."""
+    """Give the tested objects, and how often a vote of viewpoints names each correctly.
+
+    A viewpoint without a whole sequence casts no vote.
+    """
     numbers = np.unique(sequences.viewpoint)
     if votes > len(numbers):
         raise RecognitionError(f"{votes} viewpoints can't vote, for the run has {len(numbers)}.")
@@ -361,7 +304,7 @@ def _voted(
     there = np.zeros(by_view.shape[:2], dtype=bool)
     by_view[row, viewpoint] = ballots
     there[row, viewpoint] = True
-    if votes > 1 and not there.all():
+    if votes > 1 and np.isin(sequences.object_index, owners).sum() > len(split.test):
         raise RecognitionError(
             "Objects are tested from some of their viewpoints alone, so not all of these can vote; "
             "choose a protocol that tests whole objects."
@@ -370,6 +313,6 @@ def _voted(
     most = sums == sums.max(axis=2, keepdims=True)
     own = most[np.arange(len(owners)), :, sequences.class_of_object[owners]]
     credit = np.where(own, 1.0 / most.sum(axis=2), 0.0)
-    counted = there[:, choices].all(axis=2)
+    counted = there[:, choices].any(axis=2)
     shares = (credit * counted).sum(axis=1) / counted.sum(axis=1)
     return owners, shares, np.ones(len(owners), dtype=np.int64)

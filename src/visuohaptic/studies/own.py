@@ -56,27 +56,10 @@ class StudyFile(BaseModel):
 def read_study(
     path: str | Path, run: ExperimentParameters, reserved: Collection[str] = ()
 ) -> Study:
-    """Read and check a study.
+    """Read and check a study; its first condition changes nothing but what is common to all.
 
-    Parameters
-    ----------
-    path : path
-        ``<name>.yaml``.
-    run : ExperimentParameters
-        The run's parameters.
-    reserved : collection of str
-        Names that other studies have.
-
-    Returns
-    -------
-    Study
-        Its first condition, `AS_RUN`, changes nothing but what is common to all.
-
-    Raises
-    ------
-    ParameterError
-        If the file can't be read, or holds a name or value that is not allowed; the sentence names
-        file, condition and parameter.
+    Names in `reserved` are those of other studies. Raises `ParameterError`, which names file,
+    condition and parameter, if the file can't be read or holds what is not allowed.
     """
     path = Path(path)
     if not _NAME.fullmatch(path.stem) or path.stem in reserved:

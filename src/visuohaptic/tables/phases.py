@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pyarrow as pa
 
 from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
@@ -10,6 +12,24 @@ OBJECT_KEYS = (
     Column("class", TEXT, "class of the object"),
     Column("object", TEXT, "name of the object within its class"),
 )
+
+
+def key_of(row: Mapping[str, str]) -> str:
+    """Give an object's `class/name` from a row of a table."""
+    return f"{row['class']}/{row['object']}"
+
+
+def owner_columns(key: str) -> dict[str, object]:
+    """Give the columns that hold an object's `class/name`."""
+    category, name = key.split("/")
+    return {"class": category, "object": name}
+
+
+def owners_of(table: pa.Table) -> list[tuple[str, str]]:
+    """Give the object of each row as (class, name)."""
+    names = (table.column(column.name).to_pylist() for column in OBJECT_KEYS)
+    return list(zip(*names, strict=True))
+
 
 VIEW_KEYS = (
     *OBJECT_KEYS,
@@ -44,7 +64,12 @@ TANGENT = tuple(
     for axis in "xyz"
 )
 
+POINT_NAMES, NORMAL_NAMES, TANGENT_NAMES = map(names_of, (POINT, NORMAL, TANGENT))
+
 SENSOR_SIZE = Column("sensor_size", REAL, "edge of the sensor's square", "object radii", 0)
+
+CONTACT_STATES = ("full", "shrunk", "at_minimum", "blocked", "partial")
+"""States of the sensor's contact."""
 
 CONTACT_STATE = Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked or partial")
 
@@ -157,7 +182,7 @@ IMPRINT_FEATURES = {
     "imprint_step_rows": "mean step between neighbours along the rows",
 }
 
-KINESTHETIC_FEATURES = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
+KINESTHETIC_FEATURES = (*POINT_NAMES, *NORMAL_NAMES)
 
 FEATURES = Schema(
     "features",

@@ -6,8 +6,6 @@ before it is written, and written whole or not at all.
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +16,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from visuohaptic.errors import TableError
+from visuohaptic.whole_files import whole_file
 
 _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
@@ -87,25 +86,10 @@ def names_of(columns: Iterable[Column]) -> tuple[str, ...]:
 
 
 def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
-    """Make a table of a schema from arrays, one a column.
+    """Make a checked table of a schema from arrays, one a column, all of one length.
 
-    Parameters
-    ----------
-    schema : Schema
-        The table's schema.
-    columns : mapping of str to array_like
-        Every column by its name, all of one length; a scalar string or number
-        is repeated. Two-dimensional arrays become lists.
-
-    Returns
-    -------
-    pyarrow.Table
-        The checked table.
-
-    Raises
-    ------
-    TableError
-        If the columns break the schema.
+    A scalar string or number is repeated; two-dimensional arrays become lists. Raises `TableError`
+    if the columns break the schema.
     """
     expected = {column.name for column in schema.columns}
     if expected != set(columns):
@@ -130,18 +114,8 @@ def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
 def check_table(schema: Schema, table: pa.Table) -> None:
     """Refuse a table that breaks its schema.
 
-    Parameters
-    ----------
-    schema : Schema
-        What the table must be.
-    table : pyarrow.Table
-        The table.
-
-    Raises
-    ------
-    TableError
-        If columns, types, missing values, ranges or keys are not as declared;
-        NaN and infinite numbers count as out of range.
+    Raises `TableError` if columns, types, missing values, ranges or keys are not as declared; NaN
+    and infinite numbers count as out of range.
     """
     if not table.schema.equals(schema.arrow):
         raise TableError(
@@ -159,109 +133,52 @@ def check_table(schema: Schema, table: pa.Table) -> None:
 
 
 def write_table(schema: Schema, table: pa.Table, path: str | Path) -> None:
-    """Check a table and write it as Parquet, whole or not at all.
+    """Check a table and write it as Parquet, whole or not at all; its folder is made where missing.
 
-    Parameters
-    ----------
-    schema : Schema
-        What the table must be.
-    table : pyarrow.Table
-        The table.
-    path : path
-        The file; its folder is made where missing. It is replaced in one step,
-        so a reader never meets half a table.
-
-    Raises
-    ------
-    TableError
-        If the table breaks its schema; nothing is written then.
+    Raises `TableError` if the table breaks its schema.
     """
     check_table(schema, table)
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
-    os.close(handle)
-    try:
-        pq.write_table(table, temporary, compression="zstd")
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    with whole_file(path) as unfinished:
+        pq.write_table(table, unfinished, compression="zstd")
 
 
 def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.Table:
-    """Read a table from one file, a folder, or several files, sorted by its keys.
+    """Read a table from one file, a folder, or several files in any order, sorted by its keys.
 
-    Parameters
-    ----------
-    schema : Schema
-        What the table must be.
-    paths : path or sequence of path
-        Where it lies. The order of the files changes nothing.
-
-    Returns
-    -------
-    pyarrow.Table
-        The checked table.
-
-    Raises
-    ------
-    TableError
-        If there is no such file, or the table breaks its schema.
+    Raises `TableError` if there is no such file, or the table breaks its schema.
     """
     files = _parquet_files([paths] if isinstance(paths, str | Path) else paths)
     if not files:
         raise TableError(
             f"table {schema.name}: no Parquet file at {paths}; run the workflow first."
         )
-    parts = [_read_part(schema, file) for file in files]
-    table = pa.concat_tables(parts).sort_by([(key, "ascending") for key in schema.keys])
+    table = join_parts(schema, [_read_part(schema, file) for file in files])
     check_table(schema, table)
+    return table
+
+
+def join_parts(schema: Schema, parts: Iterable[pa.Table]) -> pa.Table:
+    """Join tables of a schema, at least one, into one that is sorted by its keys."""
+    table = pa.concat_tables(parts).sort_by([(key, "ascending") for key in schema.keys])
     return table.combine_chunks()
 
 
 def matrix(table: pa.Table, names: Sequence[str]) -> np.ndarray:
-    """Give numeric columns side by side.
-
-    Parameters
-    ----------
-    table : pyarrow.Table
-        A table of n rows.
-    names : sequence of str
-        The columns, k of them.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, k), float64.
-    """
+    """Give k numeric columns of n rows side by side: shape (n, k), float64."""
     return np.column_stack([table.column(name).to_numpy().astype(np.float64) for name in names])
 
 
 def images(table: pa.Table, name: str = "image") -> np.ndarray:
-    """Give a column of square images as one array.
+    """Give a column of square images, lists of n² numbers, as one array.
 
-    Parameters
-    ----------
-    table : pyarrow.Table
-        A table of m rows.
-    name : str
-        A column of lists of n² numbers each.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (m, n, n), in the column's own float type.
-
-    Raises
-    ------
-    TableError
-        If the lists differ in length, or their length is no square.
+    Shape (m, n, n), in the column's own float type; n is 0 where m is. Raises `TableError` if the
+    lists differ in length, or their length is no square.
     """
     column = table.column(name).combine_chunks()
     lengths = np.unique(pc.list_value_length(column).to_numpy(zero_copy_only=False))
-    side = round(float(lengths[0]) ** 0.5) if len(lengths) == 1 else 0
+    if not len(lengths):
+        return np.zeros((0, 0, 0), column.type.value_type.to_pandas_dtype())
+    side = round(float(lengths[0]) ** 0.5)
     if len(lengths) != 1 or side * side != lengths[0]:
         raise TableError(
             f"column {name}: images have {lengths.tolist()} points; one square number is allowed."

@@ -5,16 +5,21 @@ from __future__ import annotations
 import pyarrow as pa
 
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.random_fields import RandomFields
 from visuohaptic.sensor.touching import Touches, touch
-from visuohaptic.tables.phases import FIXATIONS, TOUCHES
+from visuohaptic.tables.phases import (
+    EFFECTS,
+    FIXATIONS,
+    NORMAL_NAMES,
+    POINT_NAMES,
+    TANGENT_NAMES,
+    TOUCHES,
+    key_of,
+)
 from visuohaptic.tables.schema import build_table, matrix
-
-_POINT = ("x", "y", "z")
-_NORMAL = ("normal_x", "normal_y", "normal_z")
-_TANGENT = ("tangent_x", "tangent_y", "tangent_z")
 
 
 def touch_locations(
@@ -43,8 +48,8 @@ def touch_locations(
     keys = [fixations.column(name).to_pylist() for name in FIXATIONS.keys]
     return touch(
         caster,
-        matrix(fixations, _POINT),
-        matrix(fixations, _NORMAL),
+        matrix(fixations, POINT_NAMES),
+        matrix(fixations, NORMAL_NAMES),
         sensor,
         scene,
         RandomFields(seed, list(zip(*keys, strict=True))),
@@ -52,24 +57,32 @@ def touch_locations(
     )
 
 
-def touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
-    """Give touches as a table.
-
-    Parameters
-    ----------
-    fixations : pyarrow.Table
-        n rows of `tables.FIXATIONS`.
-    felt : Touches
-        Their touches.
+def touch_tables(
+    caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, scene: Scene, seed: int
+) -> tuple[pa.Table, pa.Table]:
+    """Touch an object at its probing locations, if there are any, as `touch_locations` does.
 
     Returns
     -------
-    pyarrow.Table
-        n rows of `tables.TOUCHES`.
+    touches : pyarrow.Table
+        n rows of `tables.TOUCHES`, in the order of `fixations`.
+    effects : pyarrow.Table
+        Rows of `tables.EFFECTS`, one for each effect.
     """
-    columns: dict[str, object] = {name: fixations.column(name) for name in (*TOUCHES.keys, *_POINT)}
-    columns |= dict(zip(_NORMAL, felt.normals.T, strict=True))
-    columns |= dict(zip(_TANGENT, felt.tangents.T, strict=True))
+    if not fixations.num_rows:
+        return TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table()
+    felt = touch_locations(caster, fixations, sensor, scene, seed)
+    first = fixations.slice(0, 1).to_pylist()[0]
+    log = effect_table(key_of(first), first["viewpoint"], scene.preset, felt.effects)
+    return _touch_table(fixations, felt), log
+
+
+def _touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
+    columns: dict[str, object] = {
+        name: fixations.column(name) for name in (*TOUCHES.keys, *POINT_NAMES)
+    }
+    columns |= dict(zip(NORMAL_NAMES, felt.normals.T, strict=True))
+    columns |= dict(zip(TANGENT_NAMES, felt.tangents.T, strict=True))
     columns |= {
         "image": felt.images,
         "sensor_size": felt.size,

@@ -59,18 +59,7 @@ def budgets() -> dict[BudgetName, Budget]:
 
 
 def choose_budgets(line: Sequence[Mapping[str, Any]]) -> dict[BudgetName, Budget]:
-    """Apply the rule.
-
-    Parameters
-    ----------
-    line : sequence of mapping
-        The family's settings with ``viewpoints``, ``seconds`` and ``error``, none of them failed.
-
-    Returns
-    -------
-    dict of str to Budget
-        The presets, the quickest first.
-    """
+    """Apply the rule to a family's settings that did not fail: presets, the quickest first."""
     from visuohaptic.studies.cost.front import pareto_front
 
     seconds = np.array([row["seconds"] for row in line], dtype=np.float64)
@@ -96,17 +85,7 @@ def choose_budgets(line: Sequence[Mapping[str, Any]]) -> dict[BudgetName, Budget
 
 
 def write_budgets(cost: str | Path, output: str | Path, measured_on: str) -> None:
-    """Derive the presets from a measured table, and write them with what they come from.
-
-    Parameters
-    ----------
-    cost : path
-        `tables.COST`.
-    output : path
-        The JSON file.
-    measured_on : str
-        The set of objects, and the like.
-    """
+    """Derive the presets from `tables.COST`, and write them with what they come from as JSON."""
     from visuohaptic.recognition.metrics import round_numbers
     from visuohaptic.studies.cost.front import read_costs
 

@@ -33,7 +33,7 @@ def make_cost_seconds(
     output: str | Path,
     run: ExperimentParameters,
 ) -> None:
-    """Time every setting of every family side by side.
+    """Time every setting of every family side by side: `tables.COST_SECONDS`.
 
     Parameters
     ----------

@@ -32,17 +32,9 @@ POINT = 0.01
 
 
 def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which points no other point beats: at most as slow, at most as wrong, and one of both less.
+    """Tell which points no other beats: at most as slow, at most as wrong, and one of both less.
 
-    Parameters
-    ----------
-    seconds, errors : numpy.ndarray
-        Shape (n,), float64; a point with a NaN is never on the front.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), bool.
+    Shape (n,) each; a point with a NaN is never on the front.
     """
     no_slower = seconds[None, :] <= seconds[:, None]
     no_worse = errors[None, :] <= errors[:, None]

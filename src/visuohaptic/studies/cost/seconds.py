@@ -39,22 +39,9 @@ def recognise_once(
 ) -> dict[str, float]:
     """Recognise one object once, from its surface in memory to its class.
 
-    Parameters
-    ----------
-    surface : Surface
-        The object.
-    key : str
-        `class/name` of the object; for the random generators, not for the prediction.
-    viewpoints : sequence of int
-        Numbers of the viewpoints.
-    fitted : FittedSetting
-        How.
-
-    Returns
-    -------
-    dict of str to float
-        Processor seconds of each of `PHASES`; on one thread of an idle machine they equal
-        the clock's. Preparing the surface for rays is a part of ``look``.
+    Gives the processor seconds of each of `PHASES`; on one thread of an idle machine they equal the
+    clock's. Preparing the surface for rays is a part of ``look``. The key is for the random
+    generators, not for the prediction.
     """
     parameters = fitted.parameters
     clock = [time.process_time()]
@@ -90,22 +77,9 @@ def measure_seconds(
     settings: Sequence[FittedSetting],
     rounds: int,
 ) -> pa.Table:
-    """Time settings on the same objects, all of them in turn, again and again.
+    """Time settings on the same objects: `tables.COST_SECONDS`, a row a setting.
 
-    Parameters
-    ----------
-    surfaces : mapping of str to Surface
-        The objects by their keys.
-    settings : sequence of FittedSetting
-        The settings.
-    rounds : int
-        How often each recognises each object. The settings take turns, so other work on the
-        machine affects all equally.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.COST_SECONDS`, a row a setting.
+    The settings take turns, so other work on the machine affects all equally.
     """
     from threadpoolctl import threadpool_limits
 

@@ -38,16 +38,14 @@ def make_candidates(
     meshes: Sequence[str | Path], output: str | Path, parameters: ExperimentParameters
 ) -> None:
     """Touch objects wherever `adaptive` may choose to: rows of `tables.FEATURES`, no sequences."""
-    from visuohaptic.fixations.locations import candidate_table, look
+    from visuohaptic.fixations.locations import candidate_table
     from visuohaptic.fixations.probing import ProbingLocations, spread_far
-    from visuohaptic.fixations.viewpoints import place_cameras
     from visuohaptic.geometry.orientation import orient_outwards
     from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.geometry.surface import read_surface, usable_meshes
-    from visuohaptic.phases import describe_at
+    from visuohaptic.phases import describe_at, look_from
     from visuohaptic.seeds import spawn_generator
 
-    cameras = dict(enumerate(place_cameras(parameters.viewpoints)))
     parts = []
     for mesh in usable_meshes(meshes):
         key, caster = f"{mesh.parent.name}/{mesh.stem}", RayCaster(read_surface(mesh))
@@ -55,8 +53,7 @@ def make_candidates(
         crowd = spread_far(caster.surface, CANDIDATES, generator)
         outwards = orient_outwards(caster, crowd.points, crowd.normals)
         places = ProbingLocations(crowd.points, outwards, crowd.faces)
-        modes = parameters.scene.effects
-        looks = look(caster, key, cameras, parameters.rendering, parameters.attention, modes)
+        looks = look_from(caster, key, parameters, range(parameters.viewpoints.total))
         located = pa.concat_tables([candidate_table(one, places) for one in looks])
         parts.append(describe_at(caster, located.combine_chunks(), parameters))
     write_table(FEATURES, pa.concat_tables(parts), output)
@@ -76,21 +73,8 @@ def adaptive_rows(
 ) -> Iterator[pa.Table]:
     """Choose each split's touches by its training objects, then train and test.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        What `make_candidates` writes.
-    planned : sequence of Planned
-        Conditions that differ in the number of touches.
-    pipeline : str
-        ``paper`` or ``best``.
-    seed : int
-        The experiment's seed.
-
-    Yields
-    ------
-    pyarrow.Table
-        `tables.STUDY` of a condition, by strategy ``adaptive``.
+    `features` are those that `make_candidates` writes; the conditions differ in the number of
+    touches. Yields `tables.STUDY` of each condition, by strategy ``adaptive``.
     """
     from visuohaptic.recognition.sequences import classes_of_two
 

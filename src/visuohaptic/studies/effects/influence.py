@@ -13,7 +13,7 @@ from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParam
 from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import read_surface, set_aside_reason
+from visuohaptic.geometry.surface import read_surface
 from visuohaptic.scene.parameters import (
     PRESETS,
     TACTILE_EFFECTS,
@@ -68,18 +68,7 @@ class Influence:
 
 
 def measured_scenes(scene: Scene) -> dict[str, Scene]:
-    """Give the scenes to measure: every preset, and the run's own in place of its preset.
-
-    Parameters
-    ----------
-    scene : Scene
-        The run's.
-
-    Returns
-    -------
-    dict of str to Scene
-        By the preset's name.
-    """
+    """Give the scenes to measure by name: every preset, and the run's own in place of its preset."""
     presets = {name: Scene.model_validate({"preset": name}) for name in PRESETS}
     return {**presets, scene.preset: scene}
 
@@ -91,25 +80,9 @@ def touch_influence(
     scenes: Mapping[str, Scene],
     seed: int,
 ) -> list[Influence]:
-    """Measure the sensor's effects at an object's probing locations.
+    """Measure the sensor's effects, in each scene, at an object's probing locations, at least one.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    fixations : pyarrow.Table
-        Rows of `tables.FIXATIONS`, at least one.
-    sensor : SensorParameters
-        Section `sensor`.
-    scenes : mapping of str to Scene
-        Scenes by their names.
-    seed : int
-        The experiment's seed; noise is the same with and without an effect.
-
-    Returns
-    -------
-    list of Influence
-        For every scene and effect.
+    Noise is the same with and without an effect.
     """
 
     def felt(scene: Scene) -> Touches:
@@ -128,24 +101,7 @@ def view_influence(
     rendering: RenderingParameters,
     modes: EffectModes,
 ) -> list[Influence]:
-    """Measure the effects of the view.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    cameras : sequence of Camera
-        Where it is looked at from, at least one.
-    rendering : RenderingParameters
-        Section `rendering`.
-    modes : EffectModes
-        When effects are simulated.
-
-    Returns
-    -------
-    list of Influence
-        For every effect of the view.
-    """
+    """Measure the effects of the view from at least one camera."""
 
     def seen(modes: EffectModes) -> Views:
         return render_views(caster, cameras, rendering, modes)
@@ -175,17 +131,9 @@ def view_influence(
 
 
 def sum_influences(parts: Sequence[Influence]) -> pa.Table:
-    """Add up what was measured on several objects.
+    """Add up what was measured on several objects: `tables.EFFECT_INFLUENCE`.
 
-    Parameters
-    ----------
-    parts : sequence of Influence
-        Of any objects.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.EFFECT_INFLUENCE`: seconds and touches are sums, shifts means over touches.
+    Seconds and touches are sums, shifts means over touches.
     """
     groups: dict[tuple[str, str], list[Influence]] = {}
     for part in parts:
@@ -221,25 +169,13 @@ def make_effect_influence(
     scene: Scene,
     seed: int,
 ) -> None:
-    """Measure the effects on a sample of objects, under every preset.
-
-    Parameters
-    ----------
-    meshes, fixations : sequence of path
-        The sample's surfaces and probing locations, object by object.
-    output : path
-        The Parquet file to write.
-    viewpoints, rendering, sensor, scene
-        Sections of the parameters.
-    seed : int
-        The experiment's seed.
-    """
+    """Measure the effects on a sample of objects, under every preset."""
     parts: list[Influence] = []
     for mesh, locations in zip(meshes, fixations, strict=True):
-        if set_aside_reason(mesh):
+        table = read_table(FIXATIONS, locations)
+        if not table.num_rows:  # set aside, or too slender for any view
             continue
         caster = RayCaster(read_surface(mesh))
-        table = read_table(FIXATIONS, locations)
         seen_from = sorted(set(table.column("viewpoint").to_pylist()))
         placed = place_cameras(viewpoints)
         cameras = [placed[number] for number in seen_from[:VIEWS]]

@@ -1,0 +1,133 @@
+"""An object's class from its touches: the model, the answer, and how both were made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from visuohaptic.errors import RecognitionError
+
+if TYPE_CHECKING:
+    from visuohaptic.exploration.exploring import Exploration
+    from visuohaptic.parameters import ExperimentParameters
+    from visuohaptic.recognition.model import RecognitionModel
+
+DEFAULT_MODEL = Path("results/models/best.skops")
+"""Where the workflow leaves its recognition model."""
+
+_TOUCHING_SECTIONS = ("viewpoints", "rendering", "attention", "sensor", "scene", "features")
+_FREE = ("viewpoints.count", "attention.fixations")
+
+
+@dataclass(frozen=True, eq=False)
+class Recognition:
+    """What an object was named; it is equal to itself alone.
+
+    Attributes
+    ----------
+    name : str
+        The likeliest class.
+    probabilities : mapping of str to float
+        Of every class that the model knows, the likeliest first.
+    exploration : Exploration
+        What the answer rests on.
+    touches : int
+        Touches that the answer rests on.
+    seconds : mapping of str to float
+        What each phase took: prepare, look, touch, describe, name.
+    """
+
+    name: str
+    probabilities: Mapping[str, float]
+    exploration: Exploration
+    touches: int
+    seconds: Mapping[str, float]
+
+    def __repr__(self) -> str:
+        from visuohaptic.exploration.showing import probability_line
+
+        line = probability_line(self.probabilities)
+        return f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches>"
+
+    def _repr_html_(self) -> str:
+        from visuohaptic.exploration.showing import probability_table
+
+        return probability_table(self.exploration.key, self.probabilities, self.touches)
+
+
+@dataclass(frozen=True, eq=False)
+class Recogniser:
+    """A recognition model, and how the touches were made from which it learnt."""
+
+    model: RecognitionModel
+    parameters: ExperimentParameters
+
+    def __repr__(self) -> str:
+        classifier = self.model.classifier.replace("_", " ")
+        classes = ", ".join(self.model.classes)
+        return (
+            f"<Recogniser: {classifier}, which learnt {len(self.model.objects)} objects touched by "
+            f"{self.model.strategy}: {classes}>"
+        )
+
+
+def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
+    """Read a recognition model and the parameters beside it.
+
+    Parameters
+    ----------
+    path : path
+        The ``.skops`` file; a ``.yaml`` file of the same name tells how its touches were made.
+
+    Returns
+    -------
+    Recogniser
+        The model and its parameters.
+
+    Raises
+    ------
+    RecognitionError
+        If one of the two is missing, or the model can't be read safely.
+    """
+    from visuohaptic.parameters import read_parameters
+    from visuohaptic.recognition.model import load_model
+
+    path = Path(path)
+    if path.is_dir():
+        raise RecognitionError(
+            f"{path} is a folder; the model in it is needed, such as {path / DEFAULT_MODEL.name}."
+        )
+    for file in (path, path.with_suffix(".yaml")):
+        if not file.is_file():
+            raise RecognitionError(
+                f"{file} is not there, and recognition needs it; `snakemake -j2 model_all` fits a "
+                f"model and writes {DEFAULT_MODEL} with its parameters beside it."
+            )
+    return Recogniser(load_model(path), read_parameters(path.with_suffix(".yaml")))
+
+
+def check_alike(exploration: Exploration, recogniser: Recogniser) -> None:
+    """Refuse touches that were made in another way than those that the model learnt from."""
+    from visuohaptic.parameters import leaves
+
+    if exploration.strategy != recogniser.model.strategy:
+        raise RecognitionError(
+            f"The object was touched by {exploration.strategy} and the model learnt from touches by "
+            f"{recogniser.model.strategy}; touch with strategy {recogniser.model.strategy!r}."
+        )
+    here, there = (
+        dict(leaves(parameters.model_dump(include=set(_TOUCHING_SECTIONS))))
+        for parameters in (exploration.parameters, recogniser.parameters)
+    )
+    names = sorted(set(here) | set(there))
+    unlike = [name for name in names if here.get(name) != there.get(name) and name not in _FREE]
+    if unlike:
+        found = ", ".join(
+            f"{name} {here.get(name)} (the model's is {there.get(name)})" for name in unlike
+        )
+        raise RecognitionError(
+            f"The object was touched with {found}; touch it with the parameters that lie "
+            "beside the model."
+        )
