@@ -7,6 +7,14 @@ from pathlib import Path
 import yaml
 
 ROOT = Path(__file__).parents[1]
+# A frontier of a few settings in one job.
+FEW_SETTINGS = {
+    "workflow": {"conditions_per_job": 100},
+    "cost": {
+        "frontier_touches": [5], "frontier_viewpoints": [1], "objects": 1,
+        "lean_view_resolution": 64, "lean_imprint_resolution": 32,
+    },
+}  # fmt: skip
 SMALL_OBJECTS = ("bs0_yogurtBottle", "sc_com_bath2_jabon_pijo", "bsby_chair3", "bs0_chair2")
 
 
@@ -24,7 +32,7 @@ def copy_experiment(folder, copied, objects, parameters):
         writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows(row for row in rows if row["object"] in objects)
-    set_parameters(folder, parameters)
+    set_parameters(folder, merged(FEW_SETTINGS, parameters))
 
 
 def set_parameters(folder, sections):

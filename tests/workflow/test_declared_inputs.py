@@ -7,7 +7,10 @@ from small_experiment import SMALL_OBJECTS as OBJECTS
 
 pytestmark = pytest.mark.workflow
 
-ALL_BUT_MESHES = {"fixations", "touches", "features", "recognition", "metrics", "report"}
+ALL_BUT_MESHES = {
+    "fixations", "touches", "features", "recognition", "metrics", "report", "features_of_study",
+    "block_of_study", "cost_seconds", "cost", "effect_influence",
+}  # fmt: skip
 OF_THE_SHAPE = ("width_cm", "depth_cm", "height_cm", "rotation")
 KEYS = ("class", "object", "set")
 

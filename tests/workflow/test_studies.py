@@ -41,7 +41,7 @@ def studied(finished, tmp_path_factory):
     experiment = finished.copy(tmp_path_factory.mktemp("studied") / "experiment")
     experiment.set(workflow={"conditions_per_job": 2})
     write(experiment, MINE)
-    experiment.snakemake("--", "study_mine")
+    experiment.snakemake("--", "study_mine", "frontier_all")
     return experiment
 
 
