@@ -5,7 +5,7 @@ from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 from studies.cost.test_front import BLIND, RENDER, cost_rows, cost_table
 
-from visuohaptic.report.cost import HEIGHT, advise, advise_robot, cost_chart, cost_figures
+from visuohaptic.report.cost import HEIGHT, advise, advise_robot, cost_chart, read_cost
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.studies.cost.front import on_robot
@@ -71,8 +71,8 @@ def test_figures_that_are_all_alike_still_have_an_axis():
 
 
 def test_what_was_not_measured_has_no_figures(tmp_path):
-    assert cost_figures(None, PARAMETERS) is None
-    assert cost_figures(tmp_path / "none.parquet", PARAMETERS) is None
+    assert read_cost(None, PARAMETERS) is None
+    assert read_cost(tmp_path / "none.parquet", PARAMETERS) is None
     assert cost_chart(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:], ("imprint",)) is None
 
 

@@ -76,24 +76,28 @@ class CostFigures:
     robot: CostChart | None
 
 
-def cost_figures(path: str | Path | None, run: ExperimentParameters) -> CostFigures | None:
-    """Read what accuracy costs.
+def read_cost(path: str | Path | None, run: ExperimentParameters) -> CostFigures | None:
+    """Read what accuracy costs from `tables.COST`; None where nothing was measured."""
+    if path is None or not Path(path).is_file():
+        return None
+    return cost_figures(read_costs(path), run)
+
+
+def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
+    """Give what accuracy costs.
 
     Parameters
     ----------
-    path : path or None
-        `tables.COST`.
+    rows : sequence of dict
+        Rows of `tables.COST`.
     run : ExperimentParameters
         What was run; it has a robot's prices, and the confidence of intervals.
 
     Returns
     -------
-    CostFigures or None
-        None where nothing was measured.
+    CostFigures
+        The section's numbers.
     """
-    if path is None or not Path(path).is_file():
-        return None
-    rows = read_costs(path)
     families = tuple(dict.fromkeys(row["family"] for row in rows))
     robot = on_robot(rows, run.cost)
     return CostFigures(

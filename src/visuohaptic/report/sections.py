@@ -20,7 +20,7 @@ from visuohaptic.report.comparison import (
     agreement,
     answer,
 )
-from visuohaptic.report.cost import cost_answer, cost_chart, cost_figures, cue_sentences
+from visuohaptic.report.cost import cost_answer, cost_chart, cost_figures, cue_sentences, read_cost
 from visuohaptic.report.effects import sum_channels, sum_effects
 from visuohaptic.report.influence import (
     effects_answer,
@@ -46,6 +46,7 @@ from visuohaptic.report.studies import (
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
+from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, KINESTHETIC_FEATURES
 from visuohaptic.tables.schema import matrix
 
@@ -85,7 +86,7 @@ def answer_values(context: ReportContext) -> Values:
         recognition.touches or run.parameters.attention.fixations,
         run.parameters.attention.fixations,
     )
-    cost = cost_figures(run.files.extras.get("frontier"), run.parameters)
+    cost = read_cost(run.files.extras.get("frontier"), run.parameters)
     sentences = answer(
         run.pipelines,
         len(run.classes),
@@ -159,10 +160,17 @@ def studies_values(context: ReportContext) -> Values | None:
 def cost_values(context: ReportContext) -> Values | None:
     """Give what accuracy costs in time: in this run, and in the whole study where it was made."""
     extras, parameters = context.run.files.extras, context.run.parameters
-    frontier, study = (cost_figures(extras.get(name), parameters) for name in ("frontier", "cost"))
+    frontier, study = (read_cost(extras.get(name), parameters) for name in ("frontier", "cost"))
     if frontier is None and study is None:
         return None
-    return {"frontier": frontier, "study": study, "seconds": context.seconds}
+    stored = stored_frontier()
+    return {
+        "frontier": frontier,
+        "stored": stored,
+        "large": None if stored is None else cost_figures(stored.rows, parameters),
+        "study": study,
+        "seconds": context.seconds,
+    }
 
 
 def effects_values(context: ReportContext) -> Values:
