@@ -184,6 +184,26 @@ def classes_of_two(features: pa.Table) -> pa.Table:
     return features.filter(pc.is_in(features.column("class"), enough.combine_chunks()))
 
 
+def take_strategy(
+    features: pa.Table, strategy: str, touches: int | None
+) -> tuple[pa.Table, tuple[str, ...]]:
+    """Take what recognition compares of a strategy's touches, and say what was left out.
+
+    As `whole_sequences` and `classes_of_two` leave out. Raises `RecognitionError` if nothing is
+    left.
+    """
+    found = sorted(pc.unique(features.column("strategy")).to_pylist())
+    if strategy not in found:
+        raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
+    whole, left_out = whole_sequences(features, touches)
+    chosen = whole.filter(pc.equal(whole.column("strategy"), strategy))
+    if not chosen.num_rows:
+        raise RecognitionError(
+            f"No viewpoint of any object has {touches} touches (recognition.touches)."
+        )
+    return classes_of_two(chosen), left_out
+
+
 def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, tuple[str, ...]]:
     """Leave out the viewpoints that show too little of a slender object for a whole sequence.
 
