@@ -17,7 +17,8 @@ from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.tables.phases import FEATURES
+from visuohaptic.recognition import select
+from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES, VIEWS
 from visuohaptic.tables.schema import read_table
 from visuohaptic.touches.files import make_touches
 
@@ -34,7 +35,7 @@ def ring_file(tmp_path_factory):
     return path
 
 
-def features_of_the_workflow(key, source, folder, parameters):
+def tables_of_the_workflow(key, source, folder, parameters):
     model = next(
         model for model in read_catalogue(ROOT / "meshes/catalogue.csv") if model.key == key
     )
@@ -63,20 +64,24 @@ def features_of_the_workflow(key, source, folder, parameters):
         parameters.seed,
     )
     make_features(folder / "touches.parquet", folder / "features.parquet", parameters.features)
-    return read_table(FEATURES, folder / "features.parquet")
+    schemas = (VIEWS, FIXATIONS, TOUCHES, FEATURES)
+    return {
+        schema.name: read_table(schema, folder / f"{schema.name}.parquet") for schema in schemas
+    }
 
 
 @pytest.mark.slow
-def test_features_of_a_shipped_object_are_those_of_the_workflow(tmp_path):
+def test_tables_of_a_shipped_object_are_those_of_the_workflow(tmp_path):
     """With a worn sensor too, whose chance hangs on the object's key."""
     key = "bottle/sc_com_bath2_jabon_pijo"
     source = ROOT / "meshes" / "paper" / f"{key}.ply.gz"
-    expected = features_of_the_workflow(key, source, tmp_path, SMALL).to_pandas()
+    expected = tables_of_the_workflow(key, source, tmp_path, SMALL)
     for strategy in ("fixation", "random"):
         found = vh.load(source).touch(strategy=strategy, parameters=SMALL)
         assert found.key == key
-        mine = expected[expected.strategy == strategy].reset_index(drop=True)
-        assert found.features.to_pandas().equals(mine)
+        assert found.views.equals(expected["views"])
+        for name in ("fixations", "touches", "features"):
+            assert getattr(found, name).equals(select(expected[name], strategy=strategy))
 
 
 def test_one_line_from_a_file_to_a_table(ring_file):

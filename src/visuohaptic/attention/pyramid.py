@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 WORKING_SIZE = 128
-COARSEST_LEVEL = 5
 # Share of a pixel below which it counts as empty; rounding of float32 averages stays below.
 EMPTY = 1e-4
 

@@ -6,7 +6,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,9 +22,9 @@ from visuohaptic.exploration.recognising import (
     check_alike,
     read_recogniser,
 )
+from visuohaptic.exploration.seen_points import SCHEMAS, Track, touch_seen_points
 from visuohaptic.exploration.sources import is_one_source, mesh_parameters, read_source
-from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface, as_stored
+from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import (
     ExperimentParameters,
@@ -32,28 +32,14 @@ from visuohaptic.parameters import (
     check_parameters,
     check_run,
 )
-from visuohaptic.tables.phases import (
-    EFFECTS,
-    FEATURES,
-    FIXATIONS,
-    TOUCHES,
-    VIEWS,
-)
-from visuohaptic.tables.schema import images, join_parts, write_table
+from visuohaptic.tables.schema import images, write_table
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
     from visuohaptic.exploration.sources import Source
 
-VIEWPOINTS_AT_ONCE = 8
-"""Viewpoints that are worked on together; it changes no result."""
-
-_SCHEMAS = {schema.name: schema for schema in (VIEWS, FIXATIONS, TOUCHES, EFFECTS, FEATURES)}
-
 Parameters = ExperimentParameters | Mapping[str, Any]
-Steps = Sequence[Callable[[], None]]
-Track = Callable[[Steps], Iterable[Callable[[], None]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,16 +114,13 @@ class TouchableObject:
         if at is not None or normals is not None:
             return self._touch_at(at, normals, viewpoints, as_parameters(parameters))
         chosen = _with_choices(as_parameters(parameters), viewpoints, strategy)
-        work = _Work(self.key, self.surface, chosen)
-        for step in track(work.steps()):
-            step()
-        tables = work.tables()
+        tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
         if not tables["touches"].num_rows:
             raise MeshError(
                 f"{self.key} shows no viewpoint a place to touch, for it is thinner than a pixel of the "
                 "view; a larger rendering.resolution or strategy random touches it."
             )
-        seconds = {"prepare": self.seconds, **work.seconds}
+        seconds = {"prepare": self.seconds, **seconds}
         return Exploration(self.key, self.surface, chosen, strategy, seconds, **tables)
 
     def _touch_at(
@@ -267,11 +250,11 @@ class Exploration:
             The files.
         """
         folder = Path(folder)
-        names = [*(f"{name}.parquet" for name in _SCHEMAS), "picture.png"]
+        names = [*(f"{name}.parquet" for name in SCHEMAS), "picture.png"]
         there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
         with tempfile.TemporaryDirectory(dir=there, prefix=".visuohaptic-") as temporary:
             waiting = Path(temporary)
-            for name, schema in _SCHEMAS.items():
+            for name, schema in SCHEMAS.items():
                 write_table(schema, getattr(self, name), waiting / f"{name}.parquet")
             self.picture().save(waiting / names[-1])
             folder.mkdir(parents=True, exist_ok=True)
@@ -362,68 +345,6 @@ def touch(
         # A bar for work that takes long enough to wait for.
         track = partial(tqdm, desc="touching", unit="object", delay=1, leave=False)
     return [one.touch(viewpoints, strategy, chosen) for one in track(ready)]
-
-
-class _Work:
-    """The steps from a surface to features, a block of viewpoints each, and their tables."""
-
-    def __init__(self, key: str, surface: Surface, parameters: ExperimentParameters) -> None:
-        self.seconds: dict[str, float] = {}
-        self._key, self._surface, self._parameters = key, surface, parameters
-        self._parts: dict[str, list[pa.Table]] = {name: [] for name in _SCHEMAS}
-
-    @cached_property
-    def _caster(self) -> RayCaster:
-        # The workflow's surfaces come from files.
-        return RayCaster(as_stored(self._surface))
-
-    def steps(self) -> list[Callable[[], None]]:
-        numbers = range(self._parameters.viewpoints.total)
-        return [
-            step
-            for start in numbers[::VIEWPOINTS_AT_ONCE]
-            for step in (
-                partial(
-                    self._timed, "look", self._look, numbers[start : start + VIEWPOINTS_AT_ONCE]
-                ),
-                partial(self._timed, "touch", self._touch),
-                partial(self._timed, "describe", self._describe),
-            )
-        ]
-
-    def tables(self) -> dict[str, pa.Table]:
-        return {name: join_parts(_SCHEMAS[name], parts) for name, parts in self._parts.items()}
-
-    def _timed(self, phase: str, work: Callable[..., dict[str, pa.Table]], *block: range) -> None:
-        started = time.perf_counter()
-        for name, part in work(*block).items():
-            self._parts[name].append(part)
-        self.seconds[phase] = self.seconds.get(phase, 0.0) + time.perf_counter() - started
-
-    def _look(self, block: range) -> dict[str, pa.Table]:
-        from visuohaptic.fixations.files import view_tables
-        from visuohaptic.fixations.locations import locate_all
-        from visuohaptic.phases import look_from
-
-        chosen = self._parameters
-        looks = look_from(self._caster, self._key, chosen, block)
-        views, effects = view_tables(looks)
-        located = locate_all(looks, chosen.probing, chosen.attention, chosen.seed)
-        return {"views": views, "effects": effects, "fixations": located}
-
-    def _touch(self) -> dict[str, pa.Table]:
-        from visuohaptic.touches.touching import touch_tables
-
-        chosen, located = self._parameters, self._parts["fixations"][-1]
-        touches, effects = touch_tables(
-            self._caster, located, chosen.sensor, chosen.scene, chosen.seed
-        )
-        return {"touches": touches, "effects": effects}
-
-    def _describe(self) -> dict[str, pa.Table]:
-        from visuohaptic.features.describing import describe_touches
-
-        return {"features": describe_touches(self._parts["touches"][-1], self._parameters.features)}
 
 
 def _with_choices(

@@ -28,32 +28,11 @@ def touch_points(
     normals: ArrayLike | None,
     parameters: ExperimentParameters,
 ) -> tuple[dict[str, pa.Table], dict[str, float]]:
-    """Touch an object at given points.
+    """Touch an object at given points, as `TouchableObject.touch` describes them.
 
-    Parameters
-    ----------
-    key : str
-        `class/name` of the object.
-    surface : Surface
-        The object.
-    at : array_like
-        Shape (n, 3), object frame; each is moved to the surface's nearest point.
-    normals : array_like or None
-        Shape (n, 3), object frame, outward, of any length; None takes the surface's.
-    parameters : ExperimentParameters
-        Sections `sensor`, `scene` and `features`, and the seed.
-
-    Returns
-    -------
-    tables : dict of str to pyarrow.Table
-        All tables of an exploration; that of the views is empty.
-    seconds : dict of str to float
-        What touching and describing took.
-
-    Raises
-    ------
-    ParameterError
-        If points or normals are none, or a point is too far off the surface.
+    Gives all tables of an exploration, that of the views empty, and the seconds of touching and
+    describing. Raises `ParameterError` if points or normals are none, or a point is too far off the
+    surface.
     """
     from visuohaptic.features.describing import describe_touches
     from visuohaptic.fixations.locations import location_table

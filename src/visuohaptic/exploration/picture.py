@@ -31,23 +31,12 @@ _LABEL = 16
 def draw_exploration(
     surface: Surface, parameters: ExperimentParameters, views: pa.Table, touches: pa.Table
 ) -> Image.Image:
-    """Draw every view with its touches, and the imprints beside it.
+    """Draw every view with its touches, and the imprints beside it: a cell a viewpoint.
 
-    Parameters
-    ----------
-    surface : Surface
-        The object.
-    parameters : ExperimentParameters
-        Where the cameras stand.
-    views, touches : pyarrow.Table
-        Of one object and strategy.
-
-    Returns
-    -------
-    PIL.Image.Image
-        A cell a viewpoint; without views one cell of imprints. A filled number is a touch that the eye sees, a hollow one lies
-        behind the object; the square is the sensor at its true size. Beside the view each
-        imprint, contact white, with the edge of its square in object radii and the contact's state.
+    Without views there is one cell of imprints. A filled number is a touch that the eye sees, a
+    hollow one lies behind the object; the square is the sensor at its true size. Beside the view
+    each imprint, contact white, with the edge of its square in object radii and the contact's
+    state.
     """
     caster = RayCaster(surface)
     cameras = place_cameras(parameters.viewpoints)

@@ -32,22 +32,7 @@ def probability_line(probabilities: Mapping[str, float]) -> str:
 
 
 def probability_table(key: str, probabilities: Mapping[str, float], touches: int) -> str:
-    """Give all classes as a table in HTML, a bar each.
-
-    Parameters
-    ----------
-    key : str
-        `class/name` of the object.
-    probabilities : mapping of str to float
-        Of each class, in the order of the rows.
-    touches : int
-        Touches that they rest on.
-
-    Returns
-    -------
-    str
-        HTML; names are text, whatever they hold.
-    """
+    """Give all classes as a table in HTML, a bar each; names are text, whatever they hold."""
     rows = "".join(
         _ROW.format(name=escape(name), share=value, percent=100 * value)
         for name, value in probabilities.items()

@@ -31,28 +31,10 @@ _ALLOWED = "a path, a trimesh.Trimesh or Scene, (vertices, faces) or an open bin
 def read_source(
     source: Source, file_type: str | None, parameters: MeshParameters
 ) -> tuple[str, Surface]:
-    """Read an object from wherever it is, and make it ready.
+    """Read an object from wherever it is, and make it ready: its key and its surface.
 
-    Parameters
-    ----------
-    source : path, trimesh.Trimesh, trimesh.Scene, (vertices, faces) or binary file
-        The object.
-    file_type : str or None
-        Format of an open file, such as ``obj``; None takes its name's.
-    parameters : MeshParameters
-        Which axis points up, and tolerances.
-
-    Returns
-    -------
-    key : str
-        `class/name`.
-    surface : Surface
-        In the object frame.
-
-    Raises
-    ------
-    MeshError
-        If it is no source, can't be read, or has nothing to touch.
+    `file_type` is the format of an open file, such as ``obj``; without it as its name ends. Raises
+    `MeshError` if it is no source, can't be read, or has nothing to touch.
     """
     if isinstance(source, str | Path):
         model = _model_of(Path(source))
@@ -81,22 +63,9 @@ def is_one_source(value: Any) -> bool:
 def mesh_parameters(
     values: MeshParameters | ExperimentParameters | Mapping[str, Any] | None,
 ) -> MeshParameters:
-    """Take section `meshes` from whichever parameters are given.
+    """Take section `meshes` from whichever parameters are given, or from a mapping of its own names.
 
-    Parameters
-    ----------
-    values : MeshParameters, ExperimentParameters or mapping, optional
-        A mapping may hold the section's own names, or all parameters.
-
-    Returns
-    -------
-    MeshParameters
-        The section.
-
-    Raises
-    ------
-    ParameterError
-        If a name is unknown or a value not allowed.
+    Raises `ParameterError` if a name is unknown or a value not allowed.
     """
     if isinstance(values, MeshParameters):
         return values

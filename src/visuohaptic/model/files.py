@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import pyarrow.compute as pc
-
-from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.model import fit_model, save_model
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
+from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 
@@ -36,17 +33,8 @@ def make_model(
     """
     import yaml
 
-    table = read_table(FEATURES, features)
-    if strategy not in table.column("strategy").unique().to_pylist():
-        found = sorted(pc.unique(table.column("strategy")).to_pylist())
-        raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
-    whole, _ = whole_sequences(table, recognition.touches)
-    chosen = whole.filter(pc.equal(whole.column("strategy"), strategy))
-    if not chosen.num_rows:
-        raise RecognitionError(
-            f"No viewpoint of any object has {recognition.touches} touches (recognition.touches)."
-        )
-    fitted = fit_model(classes_of_two(chosen), pipeline, classifier, recognition, seed)
+    table, _ = take_strategy(read_table(FEATURES, features), strategy, recognition.touches)
+    fitted = fit_model(table, pipeline, classifier, recognition, seed)
     save_model(fitted, model)
     text = yaml.safe_dump(dict(touching_parameters), sort_keys=False, allow_unicode=True)
     Path(touching).write_text(text, encoding="utf-8")

@@ -6,12 +6,9 @@ import logging
 from collections.abc import Sequence
 from pathlib import Path
 
-import pyarrow.compute as pc
-
-from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
+from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.tables.phases import FEATURES, PREDICTIONS, SCORES
 from visuohaptic.tables.schema import read_table, write_table
 
@@ -34,18 +31,9 @@ def make_scores(
     RecognitionError
         If the table has no touch of the strategy, or not what the experiment needs.
     """
-    table = read_table(FEATURES, features)
-    if strategy not in table.column("strategy").unique().to_pylist():
-        found = sorted(pc.unique(table.column("strategy")).to_pylist())
-        raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
-    whole, left_out = whole_sequences(table, parameters.touches)
+    table, left_out = take_strategy(read_table(FEATURES, features), strategy, parameters.touches)
     for sentence in left_out:
         logger.warning(sentence)
-    chosen = whole.filter(pc.equal(whole.column("strategy"), strategy))
-    if not chosen.num_rows:
-        raise RecognitionError(
-            f"No viewpoint of any object has {parameters.touches} touches (recognition.touches)."
-        )
-    scored, predicted = run_pipeline(classes_of_two(chosen), parameters, seed, pipeline)
+    scored, predicted = run_pipeline(table, parameters, seed, pipeline)
     write_table(SCORES, scored, scores)
     write_table(PREDICTIONS, predicted, predictions)

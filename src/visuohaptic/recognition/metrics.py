@@ -37,17 +37,9 @@ def make_metrics(
 
 
 def round_numbers(value: Any) -> Any:
-    """Round every number to `SIGNIFICANT_DIGITS`, however deep it lies.
+    """Round every number to `SIGNIFICANT_DIGITS`, however deep it lies in what JSON can hold.
 
-    Parameters
-    ----------
-    value : object
-        Anything that JSON can hold.
-
-    Returns
-    -------
-    object
-        The same with rounded numbers: digits that differ between processors say nothing.
+    Digits that differ between processors say nothing.
     """
     if isinstance(value, dict):
         return {key: round_numbers(item) for key, item in value.items()}

@@ -96,17 +96,9 @@ class RecognitionModel:
     tuned: TunedClassifier
 
     def probabilities(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give class probabilities of sequences.
+        """Give class probabilities (s, c) of sequences (s, t, k), features as in `feature_names`.
 
-        Parameters
-        ----------
-        features : numpy.ndarray
-            Shape (s, t, k), float64, in the order of `feature_names`.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (s, c), float64. Those of pipeline `paper` are not calibrated.
+        Those of pipeline `paper` are not calibrated.
         """
         return self.tuned.probabilities(self.encoder.encode(features))
 

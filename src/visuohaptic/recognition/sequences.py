@@ -114,18 +114,7 @@ def gather_sequences(
 
 
 def spread_contact_states(features: pa.Table) -> pa.Table:
-    """Turn a column ``contact_state`` into columns ``contact_full``, ``contact_shrunk``, … of 0 and 1.
-
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Any table; without the column it comes back as it is.
-
-    Returns
-    -------
-    pyarrow.Table
-        The table with a column a state instead.
-    """
+    """Turn column ``contact_state``, if there, into ``contact_full``, ``contact_shrunk``, … of 0, 1."""
     if "contact_state" not in features.column_names:
         return features
     states = np.array(features.column("contact_state").to_pylist())
@@ -136,19 +125,9 @@ def spread_contact_states(features: pa.Table) -> pa.Table:
 
 
 def identical_objects(sequences: TouchSequences) -> list[tuple[str, str]]:
-    """Name the pairs of objects whose touches are the same number for number.
+    """Name, as "class/object", the pairs of objects whose touches are the same number for number.
 
     Such a pair is one object under two names, and tests on what it trained with.
-
-    Parameters
-    ----------
-    sequences : TouchSequences
-        The sequences.
-
-    Returns
-    -------
-    list of (str, str)
-        Pairs "class/object".
     """
     first: dict[bytes, str] = {}
     pairs = []
@@ -198,22 +177,31 @@ def _check_finite(
 
 
 def classes_of_two(features: pa.Table) -> pa.Table:
-    """Leave out the classes that have a single object: nothing could train while it is tested.
-
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`.
-
-    Returns
-    -------
-    pyarrow.Table
-        The rows of classes with two objects or more.
-    """
+    """Leave out the classes that have a single object: nothing could train while it is tested."""
     objects = features.group_by(["class", "object"]).aggregate([])
     counts = objects.group_by("class").aggregate([("object", "count")])
     enough = counts.filter(pc.greater_equal(counts.column("object_count"), 2)).column("class")
     return features.filter(pc.is_in(features.column("class"), enough.combine_chunks()))
+
+
+def take_strategy(
+    features: pa.Table, strategy: str, touches: int | None
+) -> tuple[pa.Table, tuple[str, ...]]:
+    """Take what recognition compares of a strategy's touches, and say what was left out.
+
+    As `whole_sequences` and `classes_of_two` leave out. Raises `RecognitionError` if nothing is
+    left.
+    """
+    found = sorted(pc.unique(features.column("strategy")).to_pylist())
+    if strategy not in found:
+        raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
+    whole, left_out = whole_sequences(features, touches)
+    chosen = whole.filter(pc.equal(whole.column("strategy"), strategy))
+    if not chosen.num_rows:
+        raise RecognitionError(
+            f"No viewpoint of any object has {touches} touches (recognition.touches)."
+        )
+    return classes_of_two(chosen), left_out
 
 
 def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, tuple[str, ...]]:

@@ -126,18 +126,10 @@ def summarise(
 
 
 def confusion(predictions: pa.Table) -> Confusion:
-    """Count how sequences were named.
+    """Count how sequences were named, over all splits and repeats in the table.
 
-    Parameters
-    ----------
-    predictions : pyarrow.Table
-        `tables.PREDICTIONS`, already filtered to the pipeline, strategy and
-        classifier of interest (see `select`).
-
-    Returns
-    -------
-    Confusion
-        Over all splits and repeats in the table.
+    `tables.PREDICTIONS` is filtered before to the pipeline, strategy and classifier of interest
+    (see `select`).
     """
     true = _texts(predictions, "class")
     named = _texts(predictions, "predicted")

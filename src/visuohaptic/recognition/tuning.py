@@ -150,19 +150,9 @@ class FitMemory:
 
 
 def fit_projection(descriptors: NDArray[np.float64], components: int) -> Projection:
-    """Fit scaling and principal components.
+    """Fit scaling and principal components of training descriptors (n, d), float64.
 
-    Parameters
-    ----------
-    descriptors : numpy.ndarray
-        Shape (n, d), float64: the training sequences' descriptors.
-    components : int
-        Most components; directions without variance are left out.
-
-    Returns
-    -------
-    Projection
-        The projection.
+    There are at most `components`; directions without variance are left out.
     """
     scaling = fit_standardiser(descriptors, "standardise")
     _, spread, directions = np.linalg.svd(scaling.apply(descriptors), full_matrices=False)
@@ -379,19 +369,9 @@ def softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def best_temperature(scores: NDArray[np.float64], labels: NDArray[np.int64]) -> tuple[float, float]:
-    """Find the temperature with the least mean log loss.
+    """Find the temperature of `TEMPERATURES` with the least mean log loss, and that loss in nats.
 
-    Parameters
-    ----------
-    scores : numpy.ndarray
-        Shape (n, c), float64.
-    labels : numpy.ndarray
-        Shape (n,), int64: the true classes.
-
-    Returns
-    -------
-    loss, temperature : float
-        The least loss in nats, and the temperature of `TEMPERATURES` that gives it.
+    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64.
     """
     cold = (scores - scores.max(axis=1, keepdims=True)) / TEMPERATURES[:, None, None]
     true = cold[:, np.arange(len(labels)), labels]

@@ -124,21 +124,12 @@ def condition_features(planned: Planned, features: pa.Table, strategy: str) -> p
     """
     import pyarrow.compute as pc
 
-    from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
-    from visuohaptic.recognition.summary import select
+    from visuohaptic.recognition.sequences import take_strategy
 
     parameters = planned.parameters
-    if not select(features, strategy=strategy).num_rows:
-        raise RecognitionError(f"no touch was made by {strategy}.")
     compared = _of_strategies(features, {strategy, *parameters.probing.strategies})
-    needed = touches_needed(parameters)
-    compared = compared.filter(pc.less(compared.column("touch"), needed))
-    whole, _ = whole_sequences(compared, parameters.recognition.touches)
-    found = select(whole, strategy=strategy)
-    if not found.num_rows:
-        least = parameters.recognition.touches or needed
-        raise RecognitionError(f"no viewpoint of any object has {least} touches by {strategy}.")
-    return classes_of_two(found)
+    made = pc.less(compared.column("touch"), touches_needed(parameters))
+    return take_strategy(compared.filter(made), strategy, parameters.recognition.touches)[0]
 
 
 def measure_condition(
