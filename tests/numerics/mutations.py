@@ -43,7 +43,7 @@ MUTATIONS = (
         "sensing points half a cell aside", "sensor/imprints.py",
         "return (2 * np.arange(resolution) + 1 - resolution) / resolution",
         "return (2 * np.arange(resolution) - resolution) / resolution",
-        "test_checks.py::[tilted_walls]",
+        "test_checks.py::[pressed_spheres]",
     ),
     Mutation(
         "a tangent frame that is left-handed", "sensor/frames.py",

@@ -6,8 +6,8 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from visuohaptic.stability.files import result_table
 from visuohaptic.stability.findings import Finding, Result, merge_results, worst_of
+from visuohaptic.stability.rows import result_table
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.stability import STABILITY
 

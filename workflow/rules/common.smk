@@ -206,6 +206,16 @@ def name_objects_set_aside():
             print(f"{key} was left out: {reason}", file=sys.stderr)
 
 
+def name_broken_tolerances():
+    """Say at the end of a run which tolerances of hard cases were exceeded, and on which object."""
+    from visuohaptic.stability.rows import broken_tolerances
+
+    files = ["results/stability.parquet"]
+    files += [f"results/stability/{key}.parquet" for key in OBJECTS]
+    for sentence in broken_tolerances(file for file in files if Path(file).exists()):
+        print(f"warning: {sentence}", file=sys.stderr)
+
+
 def start_local_jobs_at_once():
     """Remove the limit of job starts per second if jobs run on this machine.
 

@@ -31,7 +31,13 @@ from visuohaptic.report.provenance import (
 )
 from visuohaptic.report.published import PAPER
 from visuohaptic.report.run import Run
-from visuohaptic.report.stability import read_precision, read_stability
+from visuohaptic.report.stability import (
+    describe_checks,
+    family_chart,
+    read_further,
+    read_precision,
+    read_stability,
+)
 from visuohaptic.report.studies import (
     read_own_studies,
     read_study,
@@ -176,11 +182,21 @@ def influence_values(context: ReportContext) -> Values:
 
 
 def stability_values(context: ReportContext) -> Values | None:
-    """Give what the numerical suite found, where it was run."""
+    """Give how exact numbers are in hard cases: in this run, and by `make test-hard` where it ran."""
     extras = context.run.files.extras
-    figures = read_stability(extras.get("stability"))
+    full = read_stability([extras["stability_full"]] if "stability_full" in extras else [])
+    found = [figures for figures in (context.run.stability, full) if figures is not None]
     kernels = read_precision(extras.get("precision"))
-    return {"figures": figures, "kernels": kernels} if figures or kernels else None
+    if not found and not kernels:
+        return None
+    return {
+        "parts": [
+            (figures, describe_checks(figures.checks), family_chart(figures)) for figures in found
+        ],
+        "further": read_further(extras.get("stability_further")),
+        "kernels": kernels,
+        "anchors": {page.key: page.anchor for page in context.pages},
+    }
 
 
 def confusion_values(context: ReportContext) -> Values:
@@ -223,6 +239,8 @@ def objects_values(context: ReportContext) -> Values:
         "strategies": strategies,
         "states": states,
         "meanings": CONTACT_STATES,
+        "checks": {} if context.run.stability is None else context.run.stability.objects,
+        "describe_checks": describe_checks,
     }
 
 

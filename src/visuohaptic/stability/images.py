@@ -8,13 +8,14 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.contourlet import Contourlet, directional_deviations
+from visuohaptic.contourlet import directional_deviations
 from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.recognition.parameters import SequenceParameters
 from visuohaptic.recognition.sequence_features import summarise_signals, wavelet_levels
 from visuohaptic.sensor.touching import stretch
 from visuohaptic.stability import drawings, oracles
 from visuohaptic.stability.findings import Finding
+from visuohaptic.stability.reconstructing import reconstruction_errors
 from visuohaptic.stability.shapes import pick
 
 Floats = NDArray[np.float64]
@@ -40,17 +41,6 @@ def hard_images(side: int) -> dict[str, Floats]:
         "1 beside 1e-16": np.where(generator.random((side, side)) < 0.5, 1.0, 1e-16),
         "huge offset, small relief": 1e6 + generator.random((side, side)),
     }
-
-
-def reconstruction_errors(images: Floats) -> Floats:
-    """Decompose images, shape (n, side, side), put them together again, and give each one's error.
-
-    Errors are in units of the image's largest pixel; an image of zeros counts as one of ones.
-    """
-    transform = Contourlet(levels=(4,))
-    again = transform.inverse(transform.forward(images))
-    largest = np.abs(images).max(axis=(1, 2))
-    return np.abs(again - images).max(axis=(1, 2)) / np.where(largest > 0, largest, 1.0)
 
 
 def reconstruction(_: np.random.Generator) -> Iterator[Finding]:

@@ -16,8 +16,8 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.stability import drawings, oracles
 from visuohaptic.stability.findings import Finding, Result, merge_results, worst_of
-from visuohaptic.stability.images import reconstruction_errors
 from visuohaptic.stability.rays import aim, draw_ray, everything, plane_errors
+from visuohaptic.stability.reconstructing import reconstruction_errors
 from visuohaptic.stability.shapes import Floats
 from visuohaptic.tables.schema import images, matrix
 from visuohaptic.touches.touching import touch_locations, touch_table
