@@ -216,7 +216,7 @@ class ShareRow:
     Attributes
     ----------
     name, note : str
-        What it is about, and what stands at its right end.
+        What it is about, and what stands beside it.
     y : float
         Middle of the bar, pixels.
     end : float

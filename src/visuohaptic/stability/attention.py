@@ -248,14 +248,14 @@ def pyramids(generator: np.random.Generator) -> Iterator[Finding]:
     )
     name, label = "attention/pyramid against scipy.ndimage", f"noise of {side}² pixels"
     picture = drawings.image(plane, "noise")
-    yield Finding(name, np.abs(enlarge(plane, 2 * side) - larger), label, picture)
+    yield Finding(name, np.abs(enlarge(plane, 2 * side) - larger), label, picture, cases=1)
     for border, mode in ((GOES_ON, "nearest"), (NOTHING_BEYOND, "constant")):
         blurred = exact
         for axis in (0, 1):
             blurred = correlate1d(blurred, [0.25, 0.5, 0.25], axis=axis, mode=mode)
         half = blurred.reshape(side // 2, 2, side // 2, 2).mean(axis=(1, 3))
-        yield Finding(name, np.abs(blur(plane, border) - blurred), label, picture)
-        yield Finding(name, np.abs(reduce(plane, border) - half), label, picture)
+        yield Finding(name, np.abs(blur(plane, border) - blurred), label, picture, cases=1)
+        yield Finding(name, np.abs(reduce(plane, border) - half), label, picture, cases=1)
 
 
 def sphere_curvature(generator: np.random.Generator) -> Iterator[Finding]:
@@ -271,4 +271,5 @@ def sphere_curvature(generator: np.random.Generator) -> Iterator[Finding]:
         np.abs(shape.corner_curvature * radius - 1),
         f"a sphere of radius {radius:g}",
         drawings.triangles(surface.triangles / radius, "a sphere"),
+        cases=1,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from visuohaptic.stability import (
     precision,
     rays,
 )
-from visuohaptic.stability.findings import Finding, Result, merge_results, worst_of
+from visuohaptic.stability.findings import Finding, Result, measure, merge_results
 
 _SENSED = tuple(
     f"invariance/{name}"
@@ -72,26 +73,15 @@ def run_check(check: Check, seed: int, draws: int) -> dict[str, Result]:
     dict of str to Result
         The worst case by tolerance. A check that breaks off has an infinite error.
     """
-    results = (
-        worst_of(replace(finding, hardest=_with_draw(finding, number)))
+    return merge_results(
+        replace(result, hardest=f"{result.hardest} (draw {number})")
         for number in range(draws)
-        for finding in _measure(check, seed, number)
+        for result in measure(partial(_draw, check, seed, number), check.tolerances)
     )
-    return merge_results(result for result in results if result is not None)
 
 
-def _measure(check: Check, seed: int, number: int) -> Iterable[Finding]:
-    generator = spawn_generator(seed, "stability", check.name, number)
-    try:
-        return list(check.measure(generator))
-    except Exception as error:  # noqa: BLE001 - a kernel may fail in any way, and that is a finding
-        sentence = f"ended in {type(error).__name__}: {error}"
-        return [Finding(name, np.inf, sentence) for name in check.tolerances]
-
-
-def _with_draw(finding: Finding, number: int) -> Callable[[int], str]:
-    hardest = finding.hardest
-    return lambda place: f"{hardest(place) if callable(hardest) else hardest} (draw {number})"
+def _draw(check: Check, seed: int, number: int) -> Iterable[Finding]:
+    return check.measure(spawn_generator(seed, "stability", check.name, number))
 
 
 CHECKS = (

@@ -83,6 +83,29 @@ def worst_of(finding: Finding) -> Result | None:
     return Result(finding.tolerance, cases, float(errors[place]), hardest, drawing)
 
 
+def measure(check: Callable[[], Iterable[Finding]], tolerances: Iterable[str]) -> list[Result]:
+    """Make a check.
+
+    Parameters
+    ----------
+    check : callable
+        Gives what it finds.
+    tolerances : iterable of str
+        Names in `TOLERANCES` of what it is about.
+
+    Returns
+    -------
+    list of Result
+        One for each finding that has cases. A check that breaks off, for a kernel may fail in any
+        way, has an infinite error under each of its tolerances instead.
+    """
+    try:
+        return [result for result in map(worst_of, check()) if result is not None]
+    except Exception as error:  # noqa: BLE001 - the failure is the finding, and the table names it
+        sentence = f"ended in {type(error).__name__}: {error}"
+        return [Result(name, 1, float("inf"), sentence, "") for name in tolerances]
+
+
 def merge_results(results: Iterable[Result]) -> dict[str, Result]:
     """Sum up cases and keep the worst error by tolerance.
 

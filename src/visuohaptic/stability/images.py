@@ -65,6 +65,7 @@ def flat_images(generator: np.random.Generator) -> Iterator[Finding]:
         directional_deviations(image)[0] / (value or 1.0),
         f"{side} × {side} pixels of {value:g}",
         drawings.image(image[0], "a flat image"),
+        cases=1,
     )
 
 
@@ -78,6 +79,7 @@ def images_in_other_units(generator: np.random.Generator) -> Iterator[Finding]:
         np.ldexp(plain, power) != directional_deviations(np.ldexp(image, power)),
         f"noise times 2^{power}",
         drawings.image(image[0], "noise"),
+        cases=1,
     )
     exponent = int(generator.choice([-150, -40, -8, 8, 40, 150]))
     factor = 10.0**exponent
@@ -86,6 +88,7 @@ def images_in_other_units(generator: np.random.Generator) -> Iterator[Finding]:
         np.abs(directional_deviations(image * factor) / factor / plain - 1),
         f"noise times 1e{exponent}",
         drawings.image(image[0], "noise"),
+        cases=1,
     )
 
 
@@ -121,6 +124,7 @@ def sequence_moments(generator: np.random.Generator) -> Iterator[Finding]:
         np.abs(np.array([found[0] - wanted, found[1] - rms])) / (rms or 1.0),
         label,
         picture,
+        cases=1,
     )
     if constant or deviation <= 2e-12 * rms:
         # A deviation of half of what counts as constant must be without skewness.
@@ -152,6 +156,7 @@ def wavelets(generator: np.random.Generator) -> Iterator[Finding]:
             ],
             f"{len(signal)} values, db2, level {level + 1}, scale 1e{exponent}",
             lambda _: drawings.sequence(signal, "the sequence"),
+            cases=1,
         )
 
 
@@ -172,6 +177,7 @@ def imprint_shapes(generator: np.random.Generator) -> Iterator[Finding]:
         errors,
         f"{side} × {side}, relief 1e{relief:.1f}",
         drawings.image(image, "an imprint"),
+        cases=1,
     )
 
 

@@ -240,7 +240,7 @@ def compare_vertices(found: Floats, wanted: Floats, name: str, label: str) -> It
     """Want triangles in one order at the same places; their corners may be in any order."""
     apart = np.linalg.norm(np.sort(found, axis=1) - np.sort(wanted, axis=1), axis=2)
     picture = drawings.triangles(wanted, "the object")
-    yield Finding(f"invariance/{name}", apart, label, picture)
+    yield Finding(f"invariance/{name}", apart, label, picture, cases=1)
 
 
 def descriptions_of(*names: str) -> Callable[[np.random.Generator], Iterator[Finding]]:
@@ -278,6 +278,7 @@ def units(generator: np.random.Generator) -> Iterator[Finding]:
         ],
         f"scale 2^{power}",
         drawings.triangles(wanted.triangles, "the object"),
+        cases=1,
     )
 
 
@@ -296,4 +297,5 @@ def places(generator: np.random.Generator) -> Iterator[Finding]:
         np.linalg.norm(found - wanted, axis=2),
         f"size 1e{size:.1f}, 1e{offset:.2f} sizes off",
         drawings.triangles(wanted, "the object"),
+        cases=1,
     )

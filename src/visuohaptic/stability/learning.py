@@ -128,6 +128,7 @@ def units(generator: np.random.Generator) -> Iterator[Finding]:
         plain != scaled,
         classifier,
         drawings.sequence(powers, "the powers of two"),
+        cases=1,
     )
 
 
@@ -183,6 +184,7 @@ def standardised_columns(generator: np.random.Generator) -> Iterator[Finding]:
         np.abs(found - wanted),
         f"mean 1e{exponent:.1f} deviations, scale 1e{scale}",
         drawings.sequence(values, "the column"),
+        cases=1,
     )
 
 
@@ -210,4 +212,5 @@ def maps(generator: np.random.Generator) -> Iterator[Finding]:
             outside if finite else np.inf,
             f"{kind}, {len(places)} units, scale 1e{exponent}",
             drawings.sequence(touches[:, 0], "the touches' first feature"),
+            cases=1,
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pyarrow as pa
@@ -15,7 +16,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.stability import drawings, oracles
-from visuohaptic.stability.findings import Finding, Result, merge_results, worst_of
+from visuohaptic.stability.findings import Finding, Result, measure, merge_results
 from visuohaptic.stability.rays import aim, draw_ray, everything, plane_errors
 from visuohaptic.stability.reconstructing import reconstruction_errors
 from visuohaptic.stability.shapes import Floats
@@ -67,24 +68,11 @@ def check_object(sensed: SensedObject, generator: np.random.Generator) -> dict[s
     dict of str to Result
         The worst case by tolerance. A check that breaks off has an infinite error.
     """
-    results = (
-        worst_of(finding)
-        for name, measure in _CHECKS.items()
-        for finding in _measure(name, measure, sensed, generator)
+    return merge_results(
+        result
+        for name, check in _CHECKS.items()
+        for result in measure(partial(check, sensed, generator), [name])
     )
-    return merge_results(result for result in results if result is not None)
-
-
-def _measure(
-    name: str,
-    measure: Callable[[SensedObject, np.random.Generator], Iterator[Finding]],
-    sensed: SensedObject,
-    generator: np.random.Generator,
-) -> list[Finding]:
-    try:
-        return list(measure(sensed, generator))
-    except Exception as error:  # noqa: BLE001 - a kernel may fail in any way, and that is a finding
-        return [Finding(name, np.inf, f"ended in {type(error).__name__}: {error}")]
 
 
 def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Finding]:

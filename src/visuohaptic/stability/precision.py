@@ -55,6 +55,7 @@ def tilted_walls(generator: np.random.Generator) -> Iterator[Finding]:
         np.abs(felt.images[0] - wanted),
         f"a wall of slopes {right:.2f} to the right and {up:.2f} upwards",
         drawings.image(wanted, "a tilted wall"),
+        cases=1,
     )
 
 
@@ -109,6 +110,7 @@ def pressed_spheres(generator: np.random.Generator) -> Iterator[Finding]:
         np.abs(felt.gaps[0] - depth),
         f"{resolution} × {resolution} sensing points, {len(surface.faces):,} faces",
         drawings.image(felt.images[0], "a ball's imprint"),
+        cases=1,
     )
 
 
@@ -127,4 +129,5 @@ def out_of_reach(generator: np.random.Generator) -> Iterator[Finding]:
         np.where(beyond, image != 0, ~((image >= 0) & (image <= 1))),
         f"a ball of radius {radius:.3f} under a square of {felt.size[0]:.2f}",
         drawings.image(np.nan_to_num(image, posinf=1, neginf=0), "a small ball's imprint"),
+        cases=1,
     )
