@@ -51,6 +51,7 @@ CHECKED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHECKED)
 def test_an_error_in_what_is_checked_is_found(monkeypatch, name):
     module, function = CHECKED[name]
@@ -88,6 +89,7 @@ def test_every_check_is_one_that_can_fail():
     assert len(BY_NAME) == len(CHECKS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
 def test_a_check_finds_what_it_says_alone(check):
     assert set(run_check(check, 1, 1)) <= set(check.tolerances) <= set(TOLERANCES)

@@ -44,3 +44,9 @@ def test_an_exceeded_tolerance_is_named_at_its_object(tmp_path):
         "hardest case: the case."
     )
     assert second.startswith("cup/mug: objects, touches by themselves: the worst error is 1, and 0")
+
+
+def test_a_file_that_can_not_be_read_is_named(tmp_path):
+    (tmp_path / "half.parquet").write_text("half")
+    (sentence,) = broken_tolerances([tmp_path / "half.parquet"])
+    assert "half.parquet can't be read as a table of hard cases" in sentence

@@ -7,7 +7,9 @@ from small_experiment import SMALL_OBJECTS as OBJECTS
 
 pytestmark = pytest.mark.workflow
 
-ALL_BUT_MESHES = {"fixations", "touches", "features", "recognition", "metrics", "report"}
+ALL_BUT_MESHES = {
+    "fixations", "touches", "features", "stability_of_object", "recognition", "metrics", "report",
+}  # fmt: skip
 OF_THE_SHAPE = ("width_cm", "depth_cm", "height_cm", "rotation")
 KEYS = ("class", "object", "set")
 

@@ -6,6 +6,11 @@ fails no job: the tables say so, the report shows it, and the run's last lines n
 """
 
 
+def blocks_of(table):
+    """List the files of a table that belong to one object, which a job names."""
+    return [f"results/{table}/{{object}}/{views}.parquet" for views in view_blocks()]
+
+
 rule stability_all:
     input:
         "results/stability.parquet",
@@ -35,8 +40,8 @@ rule stability:
 rule stability_of_object:
     input:
         mesh="results/meshes/{object}.ply",
-        fixations=f"results/fixations/{{object}}/{view_blocks()[0]}.parquet",
-        touches=f"results/touches/{{object}}/{view_blocks()[0]}.parquet",
+        fixations=blocks_of("fixations"),
+        touches=blocks_of("touches"),
         code=code_of("stability_object.py"),
     output:
         "results/stability/{object}.parquet",

@@ -82,7 +82,8 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
     origins = generator.normal(size=(RAYS, 3))
     origins *= 2.0 / np.linalg.norm(origins, axis=1, keepdims=True)
     directions = targets - origins
-    hits = RayCaster(surface).settled_hits(origins, directions, everything)
+    caster = RayCaster(surface)
+    hits = caster.settled_hits(origins, directions, everything)
     faces_near = _face_finder(surface)
 
     def draw(row: int) -> str:
@@ -90,14 +91,14 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
         part = Surface(surface.vertices, surface.faces[near], surface.face_colours[near])
         return draw_ray(part, origins, directions, "a ray and the faces near it")(row)
 
-    met = np.flatnonzero(hits.hit)
-    kept = Hits(hits.distance[met], hits.face[met], hits.barycentric[met])
-    yield Finding(
-        "objects/hits lie on their face's plane",
-        plane_errors(surface, origins[met], directions[met], kept),
-        lambda row: f"ray from {origins[met[row]]} along {directions[met[row]]}",
-        lambda row: draw(int(met[row])),
-    )
+    def describe(row: int) -> str:
+        return f"ray from {origins[row]} along {directions[row]}"
+
+    for some in (hits, caster.first_hits(origins, directions)):
+        # A ray that meets nothing has no error: it is brute force that looks for it.
+        met = Hits(np.where(some.hit, some.distance, 0), np.maximum(some.face, 0), some.barycentric)
+        errors = np.where(some.hit, plane_errors(surface, origins, directions, met), 0)
+        yield Finding("objects/hits lie on their face's plane", errors, describe, draw)
     wrong = []
     for origin, direction, distance in zip(
         origins[:RAYS_BY_BRUTE_FORCE], directions, hits.distance, strict=False
@@ -106,12 +107,7 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
         right, _, unsure = oracles.first_hits(triangles, origin[None], direction[None])
         same = distance == right[0] or abs(distance - right[0]) <= 1e-9
         wrong.append(not same and not unsure[0])
-    yield Finding(
-        "objects/rays against brute force in float64",
-        wrong,
-        lambda row: f"ray from {origins[row]} along {directions[row]}",
-        draw,
-    )
+    yield Finding("objects/rays against brute force in float64", wrong, describe, draw)
 
 
 def _face_finder(surface: Surface) -> Callable[[Floats, Floats], NDArray[np.intp]]:

@@ -70,12 +70,22 @@ def broken_tolerances(paths: Iterable[str | Path]) -> list[str]:
     Returns
     -------
     list of str
-        One sentence each, which names the object if it is about one.
+        One sentence each, which names the object if it is about one; and one for each file that
+        can't be read.
     """
+    return [sentence for path in paths for sentence in _broken_of(path)]
+
+
+def _broken_of(path: str | Path) -> list[str]:
+    try:
+        rows = pq.ParquetFile(path).read().drop_columns(["drawing"]).to_pylist()
+    except (OSError, KeyError, pa.ArrowInvalid) as error:
+        return [
+            f"{path} can't be read as a table of hard cases ({error}); delete it and run again."
+        ]
     return [
         _sentence(row)
-        for path in paths
-        for row in pq.ParquetFile(path).read().drop_columns(["drawing"]).to_pylist()
+        for row in rows
         if row["worst_error"] is None or row["worst_error"] > row["tolerance"]
     ]
 
