@@ -127,6 +127,11 @@ def parts_of(table, suffix="parquet"):
     )
 
 
+def blocks_of(table):
+    """List the files of a table that belong to one object, which a job names."""
+    return [f"results/{table}/{{object}}/{views}.parquet" for views in view_blocks()]
+
+
 def scores_of(table, suffix="parquet"):
     """List the files of a table of the recognition phase."""
     return expand(

@@ -6,11 +6,6 @@ fails no job: the tables say so, the report shows it, and the run's last lines n
 """
 
 
-def blocks_of(table):
-    """List the files of a table that belong to one object, which a job names."""
-    return [f"results/{table}/{{object}}/{views}.parquet" for views in view_blocks()]
-
-
 rule stability_all:
     input:
         "results/stability.parquet",
