@@ -28,7 +28,7 @@ test: lint
 
 # Hard cases at their full counts; some 17 minutes on two cores.
 test-hard: $(DEVELOP)
-	pytest tests/numerics -n 2 --dist worksteal --stability reports/stability.json
+	pytest tests/numerics -n 2 --dist worksteal --stability reports/stability.parquet
 	python -m benchmarks.precision reports/precision.json
 
 meshes: $(READY)

@@ -24,6 +24,7 @@ include: "workflow/rules/meshes.smk"
 include: "workflow/rules/fixations.smk"
 include: "workflow/rules/touches.smk"
 include: "workflow/rules/features.smk"
+include: "workflow/rules/stability.smk"
 include: "workflow/rules/recognition.smk"
 include: "workflow/rules/model.smk"
 include: "workflow/rules/study_conditions.smk"
@@ -43,6 +44,7 @@ onstart:
 
 onsuccess:
     name_objects_set_aside()
+    name_broken_tolerances()
 
 
 rule all:
@@ -54,6 +56,7 @@ rule all:
         rules.fixations_all.input,
         rules.touches_all.input,
         rules.features_all.input,
+        rules.stability_all.input,
         rules.recognition_all.input,
         rules.frontier_all.input,
         rules.influence_all.input,

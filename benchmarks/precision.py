@@ -1,7 +1,7 @@
 """What accuracy costs: for each kernel, settings against error and seconds.
 
 Run it as ``python -m benchmarks.precision [FILE]``; the file becomes a list of flat records. Errors
-are against closed forms, brute force in float64 or exact rationals, as `tests/numerics` has
+are against closed forms, brute force in float64 or exact rationals, as `visuohaptic.stability` has
 them; seconds are medians of interleaved rounds on one core.
 """
 
@@ -91,9 +91,8 @@ def _spread(errors: np.ndarray) -> tuple[float, float]:
 
 def _rays(rounds: int) -> list[dict[str, Any]]:
     """Cast rays at edges and at random, in each precision; and at finer and finer balls."""
-    import trimesh
-    from numerics import oracles
-    from numerics.shapes import closed_shapes, float32_exact, of_trimesh
+    from visuohaptic.stability import oracles
+    from visuohaptic.stability.shapes import ball, closed_shapes
 
     generator = np.random.default_rng(1)
     torus = closed_shapes()["torus"]
@@ -129,11 +128,16 @@ def _rays(rounds: int) -> list[dict[str, Any]]:
     away = generator.normal(size=(RAYS, 3))
     away /= np.linalg.norm(away, axis=1, keepdims=True)
     for level in (2, 3, 4, 5, 6):
-        ball = RayCaster(float32_exact(of_trimesh(trimesh.creation.icosphere(level))))
-        error = ball.first_hits(2 * away, -away).distance - 1
-        call = lambda ball=ball: ball.first_hits(2 * away, -away)  # noqa: E731
+        caster = RayCaster(ball(level))
+        error = caster.first_hits(2 * away, -away).distance - 1
+        call = lambda caster=caster: caster.first_hits(2 * away, -away)  # noqa: E731
         balls.append(
-            (f"true sphere by {len(ball.surface.faces):,} faces", *_spread(error), RAYS / 1e6, call)
+            (
+                f"true sphere by {len(caster.surface.faces):,} faces",
+                *_spread(error),
+                RAYS / 1e6,
+                call,
+            )
         )
     unit = "distance, object radii"
     return [
@@ -150,14 +154,13 @@ def _embree(caster: RayCaster, origins: np.ndarray, directions: np.ndarray) -> n
 
 def _imprints(rounds: int) -> list[dict[str, Any]]:
     """Touch balls: how fine the mesh, and how many sensing points."""
-    import trimesh
-    from numerics.shapes import float32_exact, of_trimesh
+    from visuohaptic.stability.shapes import ball
 
     settings: list[Setting] = []
     for level, resolution in ((3, 32), (4, 32), (5, 32), (6, 32), (6, 8), (6, 16), (6, 64)):
-        ball = float32_exact(of_trimesh(trimesh.creation.icosphere(level)))
-        caster = RayCaster(ball)
-        points = ball.vertices[:: max(len(ball.vertices) // TOUCHES, 1)][:TOUCHES]
+        surface = ball(level)
+        caster = RayCaster(surface)
+        points = surface.vertices[:: max(len(surface.vertices) // TOUCHES, 1)][:TOUCHES]
         normals = points / np.linalg.norm(points, axis=1, keepdims=True)
         parameters = SensorParameters(
             resolution=resolution, normal="given", normalisation="absolute", largest_size=0.2
@@ -169,7 +172,7 @@ def _imprints(rounds: int) -> list[dict[str, Any]]:
         steps = ((np.arange(1024) + 0.5) / 1024 - 0.5) * parameters.largest_size
         cap = 1 - np.sqrt(1 - steps[:, None] ** 2 - steps[None, :] ** 2)
         error = felt.gaps[whole].mean(axis=(1, 2)) - cap.mean()
-        name = f"{resolution} × {resolution} points, {len(ball.faces):,} faces"
+        name = f"{resolution} × {resolution} points, {len(surface.faces):,} faces"
         settings.append((name, *_spread(error), len(points) / 1e3, call))
     return _timed("imprint", "mean relief, object radii", "thousand touches", settings, rounds)
 

@@ -44,23 +44,6 @@ def sphere_with_patch(direction, colour=(40, 40, 40), radius=0.15):
     return Surface(plain.vertices, plain.faces, colours)
 
 
-def lopsided():
-    """A coloured object without any symmetry, of several parts."""
-    ball = trimesh.creation.icosphere(subdivisions=4, radius=0.55)
-    box = trimesh.creation.box(extents=(0.5, 0.9, 0.3))
-    box.apply_transform(trimesh.transformations.rotation_matrix(0.5, (0.3, 1.0, 0.2)))
-    box.apply_translation((0.45, 0.25, 0.1))
-    cone = trimesh.creation.cone(radius=0.25, height=0.6, sections=40)
-    cone.apply_transform(trimesh.transformations.rotation_matrix(-1.2, (1.0, 0.2, 0.4)))
-    cone.apply_translation((-0.45, 0.35, -0.2))
-    foot = trimesh.creation.cylinder(radius=0.12, height=0.5, sections=40)
-    foot.apply_translation((-0.2, -0.6, 0.3))
-    parts = [ball, box, cone, foot]
-    colours = [(200, 170, 60), (60, 110, 180), (190, 60, 60), (70, 150, 80)]
-    faces = np.repeat(np.arange(4), [len(part.faces) for part in parts])
-    return surface_of(trimesh.util.concatenate(parts), np.array(colours)[faces])
-
-
 def turned(surface, degrees):
     """Turn about the vertical axis, from +z towards +x."""
     angle = np.radians(degrees)

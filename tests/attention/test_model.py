@@ -19,6 +19,7 @@ from visuohaptic.attention.registry import ENTRIES
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.scene.parameters import EffectModes
+from visuohaptic.stability.shapes import lopsided
 
 PLACES = range(displays.GRID**2)
 CAMERAS = place_cameras(ViewpointParameters())
@@ -124,7 +125,7 @@ def test_oddity_of_a_sphere_is_fixated_first(shape, azimuth, elevation):
 
 @pytest.mark.slow
 def test_turning_the_object_equals_the_next_viewpoint():
-    thing = scenes.lopsided()
+    thing = lopsided()
     _, still = scenes.look(thing, CAMERAS[1::2])
     _, moved = scenes.look(scenes.turned(thing, -22.5), CAMERAS[0::2])
     angle = np.radians(22.5)
@@ -139,7 +140,7 @@ def test_turning_the_object_equals_the_next_viewpoint():
 
 @pytest.mark.slow
 def test_mirrored_object_has_mirrored_fixations():
-    thing = scenes.lopsided()
+    thing = lopsided()
     across = [Camera(-c.azimuth_degrees, 20.0, 3.0, 40.0) for c in CAMERAS[::3]]
     _, plain = scenes.look(thing, CAMERAS[::3])
     _, reflected = scenes.look(scenes.mirrored(thing), across)
@@ -150,7 +151,7 @@ def test_mirrored_object_has_mirrored_fixations():
 
 @pytest.mark.parametrize("brightness", [0.5, 0.7, 255.0])
 def test_brightness_changes_no_fixation(brightness):
-    views, plain = scenes.look(scenes.lopsided(), CAMERAS[:4])
+    views, plain = scenes.look(lopsided(), CAMERAS[:4])
     scaled = scenes.attend_to(views, AttentionParameters(), brightness)
     for one, other in zip(plain, scaled, strict=True):
         np.testing.assert_array_equal(one.scanpath.rows, other.scanpath.rows)
@@ -174,7 +175,7 @@ def test_uniform_sphere_gives_five_distinct_points(normalisation, modes):
 @pytest.mark.slow
 def test_fixations_are_never_on_the_background_or_the_outline():
     attention = AttentionParameters(fixations=16, focus_radius=0.1)
-    views, results = scenes.look(scenes.lopsided(), CAMERAS, attention)
+    views, results = scenes.look(lopsided(), CAMERAS, attention)
     for mask, result in zip(views.mask, results, strict=True):
         inner = mask.copy()
         for axis in (0, 1):
@@ -185,8 +186,8 @@ def test_fixations_are_never_on_the_background_or_the_outline():
 
 @pytest.mark.parametrize("background", [0.0, 0.3, 1.0])
 def test_background_does_not_matter(background):
-    _, plain = scenes.look(scenes.lopsided(), CAMERAS[:2])
-    _, results = scenes.look(scenes.lopsided(), CAMERAS[:2], background=background)
+    _, plain = scenes.look(lopsided(), CAMERAS[:2])
+    _, results = scenes.look(lopsided(), CAMERAS[:2], background=background)
     for one, two in zip(plain, results, strict=True):
         np.testing.assert_array_equal(one.saliency, two.saliency)
 
@@ -209,9 +210,9 @@ def test_outline_of_an_even_disk_is_no_edge(channel, background):
 
 
 def test_views_do_not_depend_on_each_other():
-    views, together = scenes.look(scenes.lopsided(), CAMERAS[:3])
+    views, together = scenes.look(lopsided(), CAMERAS[:3])
     for index, camera in enumerate(CAMERAS[:3]):
-        alone, (result,) = scenes.look(scenes.lopsided(), [camera])
+        alone, (result,) = scenes.look(lopsided(), [camera])
         np.testing.assert_array_equal(alone.colour[0], views.colour[index])
         np.testing.assert_array_equal(result.saliency, together[index].saliency)
         np.testing.assert_array_equal(result.scanpath.points, together[index].scanpath.points)
@@ -230,7 +231,7 @@ def all_channels(views, index, parameters):
 @pytest.mark.parametrize(
     ("scene", "modes", "skipped"),
     [
-        (scenes.lopsided, EffectModes(), set()),
+        (lopsided, EffectModes(), set()),
         (lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)), EffectModes(), needing("hues")),
         (
             lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)),
@@ -260,7 +261,7 @@ def test_skipping_channels_changes_no_bit(scene, modes, skipped, normalisation):
 def test_channel_of_weight_zero_does_not_run(name):
     weights = ChannelWeights(**{name: 0.0})
     parameters = AttentionParameters(weights=weights)
-    views, (result,) = scenes.look(scenes.lopsided(), [CAMERAS[1]], parameters)
+    views, (result,) = scenes.look(lopsided(), [CAMERAS[1]], parameters)
     assert result.skipped == {name: "its weight is 0"}
     everything = all_channels(views, 0, parameters)
     rest = {channel: plane for channel, plane in everything.items() if channel != name}
@@ -272,7 +273,7 @@ def test_channel_of_weight_zero_does_not_run(name):
 @pytest.mark.parametrize("name", CHANNELS)
 def test_each_channel_alone_finds_something(name):
     parameters = AttentionParameters(weights=ChannelWeights.only(name))
-    _, (result,) = scenes.look(scenes.lopsided(), [CAMERAS[1]], parameters)
+    _, (result,) = scenes.look(lopsided(), [CAMERAS[1]], parameters)
     assert list(result.conspicuity) == [name]
     assert result.saliency.max() == pytest.approx(1.0, abs=1e-6)
 

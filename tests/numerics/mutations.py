@@ -43,70 +43,70 @@ MUTATIONS = (
         "sensing points half a cell aside", "sensor/imprints.py",
         "return (2 * np.arange(resolution) + 1 - resolution) / resolution",
         "return (2 * np.arange(resolution) - resolution) / resolution",
-        "test_precision.py",
+        "test_checks.py::[pressed_spheres]",
     ),
     Mutation(
         "a tangent frame that is left-handed", "sensor/frames.py",
         "return np.cross(columns, normals)", "return np.cross(normals, columns)",
-        "test_precision.py",
+        "test_checks.py::[frames]",
     ),
     Mutation(
         "float32 in the distances of the re-cast", "geometry/raycasting.py",
         "hits.distance[again] = settled.distance",
         "hits.distance[again] = settled.distance.astype(np.float32)",
-        "test_rays.py::test_rays_aimed_at_vertices_and_edges_agree_with_exact_rationals "
-        "test_rays.py::test_random_triangles_are_met_as_by_brute_force",
+        "test_checks.py::[vertices_and_edges] "
+        "test_checks.py::[random_triangles]",
     ),
     Mutation(
         "distances as Embree's float32 has them", "geometry/raycasting.py",
         "np.divide(planes[:, 3] - _dot(planes, origins), along, out=distance, where=exact)",
         "_ = exact",
-        "test_rays.py::test_random_triangles_are_met_as_by_brute_force",
+        "test_checks.py::[random_triangles]",
     ),
     Mutation(
         "no slack at vertices in the re-cast", "geometry/raycasting.py",
         "inside = (sides >= -slack).all(axis=2) | (sides <= slack).all(axis=2)",
         "inside = (sides > slack).all(axis=2) | (sides < -slack).all(axis=2)",
-        "test_rays.py::test_rays_aimed_at_vertices_and_edges_agree_with_exact_rationals "
-        "test_rays.py::test_no_ray_leaves_a_closed_surface_from_inside",
+        "test_checks.py::[vertices_and_edges] "
+        "test_checks.py::[leaks]",
     ),
     Mutation(
         "a missing clamp of the sensor's size", "sensor/adaptive_size.py",
         "return np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)",
         "return 2 * half_sizes * (1 - _STAND_CLEAR)",
-        "test_precision.py::test_an_imprint_of_a_tilted_wall_is_the_plane_in_closed_form "
+        "test_checks.py::[tilted_walls] "
         "test_meshes.py::test_a_hard_mesh_ends_in_tables_or_in_a_refusal",
     ),
     Mutation(
         "a dropped regularisation", "recognition/covariance.py",
         "self.covariance_ += self.floor * np.eye(len(scale))",
         "self.covariance_ += 0.0 * np.eye(len(scale))",
-        "test_learning.py",
+        "test_checks.py::[classifiers]",
     ),
     Mutation(
         "skewness of rounding noise", "recognition/sequence_features.py",
         "constant = np.sqrt(second) <= CONSTANT_TOLERANCE * root_mean_square",
         "constant = second <= 0",
-        "test_images.py::test_moments_of_sequences_agree_with_exact_rationals",
+        "test_checks.py::[sequence_moments]",
     ),
     Mutation(
         "no scaling before squares", "contourlet/images.py",
         "return np.where(comfortable, 0, exponent).astype(np.intc)",
         "return np.where(comfortable, 0, 0).astype(np.intc)",
-        "test_images.py",
+        "test_checks.py::[images_in_other_units]",
     ),
     Mutation(
         "half a focus of inhibition", "attention/scanpath.py",
         "closed = (distance <= 1.0) | (drive == CLOSED)",
         "closed = (distance <= 0.5) | (drive == CLOSED)",
-        "test_attention.py::test_any_view_ends_in_finite_maps_and_distinct_fixations "
-        "test_attention.py::test_the_way_of_the_eye_is_that_of_its_definition",
+        "test_checks.py::[noisy_views] "
+        "test_checks.py::[inhibition]",
     ),
     Mutation(
         "a reduction that keeps every other pixel", "attention/pyramid.py",
         "return cv2.resize(blur(plane, border), (half, half), interpolation=cv2.INTER_AREA)",
         "return np.ascontiguousarray(blur(plane, border)[::2, ::2][:half, :half])",
-        "test_attention.py::test_the_pyramid_is_that_of_scipy",
+        "test_checks.py::[pyramids]",
     ),
     Mutation(
         "only some failures of a reader are caught", "meshes/model_files.py",
@@ -117,7 +117,7 @@ MUTATIONS = (
         "brightness of denormal numbers", "attention/channels.py",
         "scale = share / np.float32(peak) if peak >= DARKEST else np.zeros_like(share)",
         "scale = share / np.float32(peak) if peak > 0.0 else np.zeros_like(share)",
-        "test_attention.py::test_a_hard_view_ends_in_finite_maps_and_distinct_fixations",
+        "test_checks.py::[hard_views]",
     ),
 )  # fmt: skip
 
@@ -185,7 +185,7 @@ def _pytest(copy, names):
         [
             sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--no-header",
             "-k", "not every_line_to_be_broken",
-            *(f"tests/numerics/{name}" for name in names),
+            *(f"tests/numerics/{name}".replace("::[", "::test_every_case_is_within_its_tolerance[") for name in names),
         ],
         cwd=copy, env=environment, check=False, capture_output=True, text=True, timeout=SECONDS,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Surfaces that go wrong elsewhere, and the chain from a file to the tables that they go through."""
+"""Meshes that go wrong elsewhere, and the chain from a file to the tables that they go through."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from visuohaptic.fixations.parameters import (
     RenderingParameters,
     ViewpointParameters,
 )
-from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
@@ -25,56 +24,6 @@ from visuohaptic.tables.schema import read_table
 from visuohaptic.touches.files import make_touches
 
 VIEWPOINTS = ViewpointParameters(count=4)
-
-
-def surface_of(vertices, faces, colours=(160, 160, 160)):
-    faces = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
-    return Surface(
-        np.asarray(vertices, dtype=np.float64),
-        faces,
-        np.broadcast_to(np.array(colours, dtype=np.uint8), (len(faces), 3)).copy(),
-    )
-
-
-def of_trimesh(mesh):
-    return surface_of(mesh.vertices, mesh.faces)
-
-
-def float32_exact(surface):
-    """Round the vertices to float32, so that caster and oracle see the same surface."""
-    return Surface(
-        surface.vertices.astype(np.float32).astype(np.float64), surface.faces, surface.face_colours
-    )
-
-
-def closed_shapes():
-    """Give closed surfaces within the unit sphere, by name."""
-    ball = trimesh.creation.icosphere(3)
-    torus = trimesh.creation.torus(0.6, 0.25, 24, 16)
-    box = trimesh.creation.box((1.0, 0.75, 0.5))
-    long = trimesh.creation.cylinder(0.01, 1.9, sections=64)
-    fine = trimesh.creation.icosphere(4)
-    return {
-        name: float32_exact(of_trimesh(mesh))
-        for name, mesh in {
-            "ball": ball, "torus": torus, "box": box, "needle": long, "fine ball": fine,
-        }.items()
-    }  # fmt: skip
-
-
-def soup(generator, count, size=0.4):
-    """Give random triangles of sizes over six decades, slivers among them."""
-    centres = generator.uniform(-0.7, 0.7, (count, 1, 3))
-    scale = size * 10.0 ** generator.uniform(-3, 0, (count, 1, 1))
-    corners = centres + scale * generator.normal(size=(count, 3, 3))
-    thin = generator.random(count) < 0.3
-    share = generator.random((count, 1))
-    width = 10.0 ** generator.uniform(-9, -2, (count, 1))
-    along = corners[:, 0] * (1 - share) + corners[:, 1] * share
-    corners[:, 2] = np.where(thin[:, None], along + width * (corners[:, 2] - along), corners[:, 2])
-    corners = np.clip(corners, -1, 1)
-    faces = np.arange(3 * count).reshape(-1, 3)
-    return float32_exact(surface_of(corners.reshape(-1, 3), faces))
 
 
 def hard_meshes(generator):

@@ -1,4 +1,4 @@
-"""Same input and seed, same bits: for any batch, block, order of jobs, number of processes, and after kills."""
+"""Same input and seed, same bits: for any block, order of jobs, number of processes, and after kills."""
 
 import subprocess
 import sys
@@ -7,102 +7,8 @@ from multiprocessing import get_context
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numerics import kills
 from numerics.shapes import VIEWPOINTS, run_block, run_chain
-
-from visuohaptic.attention.model import attend
-from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.contourlet import Contourlet, directional_deviations
-from visuohaptic.features.imprint_shape import describe_imprint_shape
-from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.recognition.sequence_features import summarise_signals
-from visuohaptic.scene.parameters import Scene
-from visuohaptic.sensor.gallery import hard_probes
-from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import touch
-
-SEEDS = st.integers(0, 2**32 - 1)
-KERNELS = {
-    "contourlet deviations": directional_deviations,
-    "contourlet coefficients": lambda images: Contourlet(levels=(4,)).forward(images).ravel(),
-    "shape of imprints": describe_imprint_shape,
-    "moments": lambda images: summarise_signals(images.reshape(len(images), -1), 1),
-}
-
-
-@given(
-    seed=SEEDS,
-    count=st.integers(2, 70),
-    kernel=st.sampled_from(sorted(KERNELS)),
-    dtype=st.sampled_from([np.float32, np.float64]),
-)
-def test_a_row_does_not_depend_on_its_batch(hold, seed, count, kernel, dtype):
-    generator = np.random.default_rng(seed)
-    images = generator.random((count, 32, 32)).astype(dtype)
-    together = KERNELS[kernel](images)
-    cuts = np.sort(generator.integers(0, count, 3))
-    apart = np.concatenate([KERNELS[kernel](part) for part in np.split(images, cuts) if len(part)])
-    order = generator.permutation(count)
-    shuffled = KERNELS[kernel](images[order])[np.argsort(order)]
-    hold(
-        "determinism/batch split of kernels",
-        [not np.array_equal(together, apart), not np.array_equal(together, shuffled)],
-        f"{kernel}, {count} images (seed {seed})",
-    )
-
-
-@given(seed=SEEDS)
-@settings(max_examples=settings().max_examples // 2)
-def test_a_touch_does_not_depend_on_its_batch(hold, seed):
-    generator = np.random.default_rng(seed)
-    probe = hard_probes()[generator.integers(len(hard_probes()))]
-    caster = RayCaster(probe.surface)
-    points = np.array(probe.point) + 0.01 * generator.normal(size=(12, 3))
-    normals = np.array(probe.normal) + 0.1 * generator.normal(size=(12, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    together = touch(caster, points, normals, SensorParameters(), Scene())
-    order = generator.permutation(12)
-    parts = [
-        touch(caster, points[k : k + 1], normals[k : k + 1], SensorParameters(), Scene())
-        for k in order[:4]
-    ]
-    wrong = [
-        not (
-            np.array_equal(part.images[0], together.images[k])
-            and part.size[0] == together.size[k]
-            and part.contact_state[0] == together.contact_state[k]
-        )
-        for part, k in zip(parts, order, strict=False)
-    ]
-    hold("determinism/batch split of kernels", wrong, f"touches on {probe.name} (seed {seed})")
-
-
-@given(seed=SEEDS, count=st.integers(2, 5))
-@settings(max_examples=settings().max_examples // 5)
-def test_a_view_does_not_depend_on_its_batch(hold, seed, count):
-    generator = np.random.default_rng(seed)
-    shape = (count, 32, 32)
-    views = {
-        "colour": generator.random((*shape, 3)).astype(np.float32),
-        "mask": generator.random(shape) < 0.8,
-        "point": generator.uniform(-1, 1, (*shape, 3)),
-        "normal": np.broadcast_to([0.0, 0.0, 1.0], (*shape, 3)),
-        "face": np.zeros(shape, dtype=np.int64),
-        "curvature": generator.random(shape).astype(np.float32),
-    }
-    together = attend(**views, parameters=AttentionParameters())
-    wrong = []
-    for k in range(count):
-        alone = attend(
-            **{name: v[k : k + 1] for name, v in views.items()}, parameters=AttentionParameters()
-        )[0]
-        wrong.append(
-            not np.array_equal(alone.saliency, together[k].saliency)
-            or not np.array_equal(alone.scanpath.rows, together[k].scanpath.rows)
-        )
-    hold("determinism/batch split of kernels", wrong, f"attention to {count} views (seed {seed})")
 
 
 @pytest.mark.parametrize("processes", [1, pytest.param(2, marks=pytest.mark.hard)])

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numerics import drawings
 from numerics.fuzzing import SUFFIXES, fuzz
-from numerics.shapes import hard_meshes, is_one_sentence, run_chain, soup, write_obj
+from numerics.shapes import hard_meshes, is_one_sentence, run_chain, write_obj
 
 from visuohaptic.errors import MeshError
+from visuohaptic.stability import drawings
+from visuohaptic.stability.shapes import draw_triangles
 
 HARD = hard_meshes(np.random.default_rng(1))
 REFUSED = {
@@ -61,7 +62,7 @@ def test_a_hard_mesh_ends_in_tables_or_in_a_refusal(hold, tmp_path, name):
 @settings(max_examples=settings().max_examples // 10 or 1)
 def test_random_triangles_end_in_tables_or_in_a_refusal(hold, tmp_path_factory, seed, count):
     folder = tmp_path_factory.mktemp("wild")
-    surface = soup(np.random.default_rng(seed), count)
+    surface = draw_triangles(np.random.default_rng(seed), count)
     end = end_of(write_obj(folder / "mesh.obj", surface.vertices, surface.faces), folder)
     hold(
         "meshes/random wild surfaces",

@@ -1,22 +1,32 @@
-"""What the numerical suite wrote comes onto the page, and nothing else from its file does."""
+"""Tables of hard cases come onto the page, and nothing else from their drawings does."""
 
 import json
 
+import numpy as np
 import pytest
 from markupsafe import Markup
 from report.pages import read_page
 from report.synthetic import PARAMETERS, write_run
 
-from visuohaptic.errors import ReportError
+from visuohaptic.errors import ReportError, TableError
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.report.stability import read_precision, read_stability
+from visuohaptic.report.stability import (
+    describe_checks,
+    read_further,
+    read_precision,
+    read_stability,
+    stability_answer,
+)
+from visuohaptic.stability.findings import Result
+from visuohaptic.stability.rows import result_table
+from visuohaptic.tables.schema import write_table
+from visuohaptic.tables.stability import STABILITY
 
-CHECK = {
-    "family": "rays", "case": "grazing", "cases": 1234, "worst_error": 2e-16, "tolerance": 1e-15,
-    "unit": "object radii", "reason": "a dot product", "hardest": "slope 1e-9",
-    "drawing": '<svg viewBox="0 0 1 1"><line x1="0"/></svg>',
-}  # fmt: skip
+DRAWING = '<svg viewBox="0 0 1 1"><line x1="0"/></svg>'
+GRAZING = Result("rays/grazing", 1234, 2e-16, "slope 1e-9", DRAWING)
+EXACT = Result("images/stretched imprints", 6, 0.0, "a flat one", "")
+ON_OBJECT = Result("objects/touches by themselves", 4, 0.0, "viewpoint 3, fixation, touch 2", "")
 MUTATION = {
     "change": "a sign",
     "file": "a.py",
@@ -26,43 +36,98 @@ MUTATION = {
 }
 
 
-def written(folder, data, name="stability.json"):
-    path = folder / name
-    path.write_text(json.dumps(data))
-    return path
+def broken(result, error=1.0):
+    return Result(result.name, result.cases, error, result.hardest, result.drawing)
+
+
+def written(folder, results, key="/", count="reduced", name="stability.parquet"):
+    write_table(STABILITY, result_table(results, count, key), folder / name)
+    return folder / name
+
+
+def page_of(folder, **extras):
+    files = write_run(folder)
+    files = RunFiles(**{**vars(files), "extras": extras})
+    return read_page(render_page(read_run(files, PARAMETERS, [])))
 
 
 @pytest.mark.slow
 def test_checks_mutations_and_kernels_come_onto_the_page(tmp_path):
-    stability = written(tmp_path, {"checks": [CHECK], "mutations": [MUTATION], "seconds": 3})
     row = {
         "kernel": "ray cast", "settings": "in float64", "worst_error": 1e-15, "rms_error": 1e-16,
         "unit": "distance", "seconds": 0.25, "per": "million rays",
     }  # fmt: skip
-    files = write_run(tmp_path)
-    extras = {"stability": stability, "precision": written(tmp_path, [row], "precision.json")}
-    files = RunFiles(**{**vars(files), "extras": extras})
-    page = read_page(render_page(read_run(files, PARAMETERS, [])))
+    (tmp_path / "further.json").write_text(json.dumps({"mutations": [MUTATION], "seconds": 3}))
+    (tmp_path / "precision.json").write_text(json.dumps([row]))
+    page = page_of(
+        tmp_path,
+        stability=written(tmp_path, [GRAZING, EXACT]),
+        stability_full=written(
+            tmp_path, [broken(GRAZING, 1e-15)], count="full", name="full.parquet"
+        ),
+        stability_further=tmp_path / "further.json",
+        precision=tmp_path / "precision.json",
+    )
     assert "stability" in page.values("id")
     assert page.mismatches == []
     for text in (
-        "1,234",
-        "grazing",
-        "2e-16",
-        "a dot product",
-        "Every tolerance held",
-        "test_a",
-        "in float64",
-    ):
-        assert text in page.text
+        "In this run, at the reduced count", "By make test-hard, at the full count", "1,234", "grazing",
+        "2e-16", "along the normal", "slope 1e-9", "1,240 hard cases of 2 kinds: all within tolerance",
+        "test_a", "in float64",
+    ):  # fmt: skip
+        assert text in page.text, text
+    assert "exceeded" not in page.text
 
 
-def test_a_broken_tolerance_is_said(tmp_path):
-    figures = read_stability(written(tmp_path, {"checks": [CHECK, {**CHECK, "worst_error": 1e-3}]}))
-    assert len(figures.broken) == 1
-    assert figures.cases == 2468
-    unknown = read_stability(written(tmp_path, {"checks": [{**CHECK, "worst_error": None}]}))
-    assert unknown.broken
+@pytest.mark.slow
+def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(tmp_path):
+    (tmp_path / "objects").mkdir()
+    for key in ("cup/mug", "ball/marble"):
+        result = broken(ON_OBJECT) if key == "cup/mug" else ON_OBJECT
+        written(tmp_path / "objects", [result], key, name=f"{key.replace('/', '-')}.parquet")
+    page = page_of(
+        tmp_path,
+        stability=written(tmp_path, [broken(GRAZING, np.inf)]),
+        stability_objects=tmp_path / "objects",
+    )
+    found = " ".join(page.text.split())
+    assert page.mismatches == []
+    assert "2 tolerances exceeded (cup/mug: objects, touches by themselves; rays, grazing)" in found
+    assert "Numerical checks on this object: 4 hard cases of 1 kind: 1 tolerance exceeded" in found
+    assert "Numerical checks on this object: 4 hard cases of 1 kind: all within tolerance" in found
+    assert "the worst error is not finite" in found
+
+
+def test_objects_share_a_requirement_and_the_worst_is_named(tmp_path):
+    paths = [
+        written(tmp_path, [ON_OBJECT], "cup/mug", name="a.parquet"),
+        written(tmp_path, [broken(ON_OBJECT)], "ball/marble", name="b.parquet"),
+    ]
+    figures = read_stability(paths)
+    (check,) = figures.families["objects"]
+    assert (check.cases, check.held) == (8, False)
+    assert check.hardest == "ball/marble: viewpoint 3, fixation, touch 2"
+    assert [check.key for check in figures.broken] == ["ball/marble"]
+    assert set(figures.objects) == {"cup/mug", "ball/marble"}
+
+
+def test_the_answer_names_the_requirement_nearest_to_its_tolerance(tmp_path):
+    figures = read_stability([written(tmp_path, [GRAZING, EXACT])])
+    sentence, picture = stability_answer(figures)
+    assert sentence == (
+        "1,240 hard cases of 2 kinds: all within tolerance; the worst used 11.3\N{NO-BREAK SPACE}% of its "
+        "tolerance (rays, grazing)."
+    )
+    assert picture.count('class="share"') == 2
+    assert "exceeded" not in picture
+
+
+def test_the_answer_to_an_exceeded_tolerance_names_it(tmp_path):
+    figures = read_stability([written(tmp_path, [broken(EXACT), GRAZING])])
+    sentence, picture = stability_answer(figures)
+    assert sentence.endswith("1 tolerance exceeded (images, stretched imprints).")
+    assert 'class="share exceeded"' in picture
+    assert describe_checks(figures.checks) == sentence
 
 
 @pytest.mark.parametrize(
@@ -73,24 +138,30 @@ def test_a_broken_tolerance_is_said(tmp_path):
     ],
 )  # fmt: skip
 def test_a_drawing_that_is_more_than_shapes_is_left_out(tmp_path, drawing):
-    figures = read_stability(written(tmp_path, {"checks": [{**CHECK, "drawing": drawing}]}))
-    assert figures.families["rays"][0].drawing == ""
+    result = Result("rays/grazing", 1, 0.0, "", drawing)
+    (check,) = read_stability([written(tmp_path, [result])]).checks
+    assert check.drawing == ""
 
 
 def test_a_plain_drawing_is_shown(tmp_path):
-    figures = read_stability(written(tmp_path, {"checks": [CHECK]}))
-    assert isinstance(figures.families["rays"][0].drawing, Markup)
+    (check,) = read_stability([written(tmp_path, [GRAZING])]).checks
+    assert isinstance(check.drawing, Markup)
 
 
 def test_files_that_are_not_there_leave_the_section_out(tmp_path):
-    assert read_stability(None) is None
-    assert read_stability(tmp_path / "none.json") is None
+    assert read_stability([]) is None
+    assert read_stability([tmp_path / "none.parquet", tmp_path / "none"]) is None
+    assert read_further(None) == {}
     assert read_precision(tmp_path / "none.json") == {}
 
 
-@pytest.mark.parametrize("content", ["{", "3", '{"checks": [{"cases": 3}]}', '{"rows": []}'])
-def test_a_file_of_something_else_is_named(tmp_path, content):
-    path = tmp_path / "stability.json"
-    path.write_text(content)
-    with pytest.raises(ReportError, match=r"stability.json"):
-        read_stability(path)
+def test_a_file_of_something_else_is_named(tmp_path):
+    path = tmp_path / "stability.parquet"
+    path.write_text("{")
+    with pytest.raises(TableError, match=r"stability.parquet"):
+        read_stability([path])
+    for content in ("{", "[3]"):
+        further = tmp_path / "stability.json"
+        further.write_text(content)
+        with pytest.raises(ReportError, match=r"stability.json"):
+            read_further(further)

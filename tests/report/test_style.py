@@ -41,6 +41,8 @@ def test_text_can_be_read_on_every_ground(colours):
         for text in TEXTS:
             assert contrast(colours[text], colours[ground]) >= 4.5, (text, ground)
     assert contrast(colours["ink"], colours["caution-back"]) >= 4.5
+    assert contrast(colours["ink"], colours["bad-back"]) >= 4.5
+    assert contrast(colours["bad"], colours["paper"]) >= 4.5
     # The deepest shade of a share: 40 % over a panel, 45 % over paper in a confusion table.
     for ground, share in (("panel", 0.40), ("paper", 0.45)):
         assert contrast(colours["ink"], mixed(colours["shade"], colours[ground], share)) >= 4.5

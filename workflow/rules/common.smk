@@ -127,6 +127,11 @@ def parts_of(table, suffix="parquet"):
     )
 
 
+def blocks_of(table):
+    """List the files of a table that belong to one object, which a job names."""
+    return [f"results/{table}/{{object}}/{views}.parquet" for views in view_blocks()]
+
+
 def scores_of(table, suffix="parquet"):
     """List the files of a table of the recognition phase."""
     return expand(
@@ -204,6 +209,16 @@ def name_objects_set_aside():
         mesh = Path(f"results/meshes/{key}.ply")
         if mesh.exists() and (reason := set_aside_reason(mesh)):
             print(f"{key} was left out: {reason}", file=sys.stderr)
+
+
+def name_broken_tolerances():
+    """Say at the end of a run which tolerances of hard cases were exceeded, and on which object."""
+    from visuohaptic.stability.rows import broken_tolerances
+
+    files = ["results/stability.parquet"]
+    files += [f"results/stability/{key}.parquet" for key in OBJECTS]
+    for sentence in broken_tolerances(file for file in files if Path(file).exists()):
+        print(f"warning: {sentence}", file=sys.stderr)
 
 
 def start_local_jobs_at_once():

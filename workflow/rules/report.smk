@@ -6,6 +6,7 @@ reports/metrics.json and reports/plots/.
 
 # What `make test-hard` and `make bench` found.
 CHECKS_AND_BENCHMARKS = [
+    "reports/stability.parquet",
     "reports/stability.json",
     "reports/precision.json",
 ]
@@ -59,6 +60,10 @@ rule report:
         meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
         frontier="results/frontier.parquet",
         influence="results/effect_influence.parquet",
+        stability=[
+            "results/stability.parquet",
+            *expand("results/stability/{object}.parquet", object=OBJECTS),
+        ],
         # Not part of `all`; once present they are kept up to date and shown in the report.
         measured=[
             file
@@ -91,7 +96,10 @@ rule report:
                 "effect_influence": "results/effect_influence.parquet",
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",
-                "stability": "reports/stability.json",
+                "stability": "results/stability.parquet",
+                "stability_objects": "results/stability",
+                "stability_full": "reports/stability.parquet",
+                "stability_further": "reports/stability.json",
                 "precision": "reports/precision.json",
             },
         },

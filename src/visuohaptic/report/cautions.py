@@ -6,6 +6,7 @@ from collections import Counter
 
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
+from visuohaptic.report.stability import describe_checks
 from visuohaptic.report.wording import counted, listed
 from visuohaptic.tables.phases import key_of
 
@@ -17,6 +18,7 @@ def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
         *_poor_views(run),
         *_unfitted_classifiers(run),
         *_missing_models(run),
+        *_broken_tolerances(run),
         *_failed_jobs(seconds),
     ]
 
@@ -81,6 +83,12 @@ def _missing_models(run: Run) -> list[str]:
     if not missing:
         return []
     return [f"No mesh was found of {listed(missing)}: no model to turn is shown there."]
+
+
+def _broken_tolerances(run: Run) -> list[str]:
+    if run.stability is None or not run.stability.broken:
+        return []
+    return [f"{describe_checks(run.stability.checks)} See the section on numerical stability."]
 
 
 def _failed_jobs(seconds: list[PhaseSeconds]) -> list[str]:

@@ -198,6 +198,92 @@ def interval_chart(
     )
 
 
+@dataclass(frozen=True)
+class ShareRow:
+    """A row of a share chart: label, note, place down, end of its bar, and marks.
+
+    Attributes
+    ----------
+    name, note : str
+        What it is about, and what stands beside it.
+    y : float
+        Middle of the bar, pixels.
+    end : float
+        End of the bar, percent of the width.
+    marks : tuple of (float, str, bool)
+        Place, text, and whether it is beyond the limit.
+    """
+
+    name: str
+    note: str
+    y: float
+    end: float
+    marks: tuple[tuple[float, str, bool], ...]
+
+    @property
+    def exceeded(self) -> bool:
+        """Whether a mark is beyond the limit."""
+        return any(beyond for _, _, beyond in self.marks)
+
+
+@dataclass(frozen=True)
+class ShareChart:
+    """Shares of a limit, a row for each group, over a logarithmic axis; 0 stands at its left end."""
+
+    height: int
+    bottom: int
+    limit: float
+    ticks: tuple[tuple[float, str], ...]
+    rows: tuple[ShareRow, ...]
+
+
+SMALLEST_SHARE = 1e-7
+LARGEST_SHARE = 10.0
+
+
+def place_share(share: float) -> float:
+    """Give the place of a share of a limit along a logarithmic axis, percent of the width.
+
+    0 stands at the left end, and what is ten times the limit or more at the right one.
+    """
+    if share <= 0:
+        return 0.0
+    decades = math.log10(min(max(share, SMALLEST_SHARE), LARGEST_SHARE) / SMALLEST_SHARE)
+    return round(5 + 95 * decades / math.log10(LARGEST_SHARE / SMALLEST_SHARE), 2)
+
+
+def share_chart(
+    rows: Sequence[tuple[str, str, Sequence[tuple[float, str]]]],
+) -> ShareChart:
+    """Place shares of a limit.
+
+    Parameters
+    ----------
+    rows : sequence of (str, str, sequence of (float, str))
+        Name and note of each group, and its shares, each with a text; a share may be infinite.
+
+    Returns
+    -------
+    ShareChart
+        Where everything lies.
+    """
+    placed = []
+    for number, (name, note, shares) in enumerate(rows):
+        y = number * (LABEL_HEIGHT + SERIES_HEIGHT) + LABEL_HEIGHT + 0.5 * SERIES_HEIGHT
+        marks = tuple((place_share(share), text, share > 1) for share, text in shares)
+        end = max((x for x, _, _ in marks), default=0.0)
+        placed.append(ShareRow(name, note, y, end, marks))
+    bottom = len(placed) * (LABEL_HEIGHT + SERIES_HEIGHT) + ROW_GAP
+    ticks = [(place_share(10.0**power), f"1e{power}") for power in (-6, -4, -2)]
+    return ShareChart(
+        bottom + AXIS_HEIGHT,
+        bottom,
+        place_share(1.0),
+        ((0.0, "0"), *ticks, (place_share(1.0), "tolerance")),
+        tuple(placed),
+    )
+
+
 def _interval_mark(series: int, figure: Figure, y: float) -> Mark:
     label = percent(figure.mean)
     if figure.low is None or figure.high is None:

@@ -16,6 +16,7 @@ from visuohaptic.errors import ReportError
 from visuohaptic.geometry.surface import set_aside_reason
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
+from visuohaptic.report.stability import StabilityFigures, read_stability
 from visuohaptic.tables.phases import (
     EFFECTS,
     FEATURES,
@@ -122,6 +123,13 @@ class Run:
         """Why each object that can't be used was left out."""
         reasons = {key: set_aside_reason(path) for key, path in self.meshes.items()}
         return {key: reason for key, reason in reasons.items() if reason is not None}
+
+    @cached_property
+    def stability(self) -> StabilityFigures | None:
+        """What this run found in hard cases and on its objects."""
+        extras = self.files.extras
+        names = ("stability", "stability_objects")
+        return read_stability([extras[name] for name in names if name in extras])
 
     @cached_property
     def credits(self) -> dict[str, ObjectCredit]:

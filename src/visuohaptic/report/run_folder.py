@@ -20,7 +20,10 @@ EXTRAS = {
     "effect_influence": "results/effect_influence.parquet",
     "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",
-    "stability": "reports/stability.json",
+    "stability": "results/stability.parquet",
+    "stability_objects": "results/stability",
+    "stability_full": "reports/stability.parquet",
+    "stability_further": "reports/stability.json",
     "precision": "reports/precision.json",
 }
 """Tables of phases that not every run has, by section; as in `workflow/rules/report.smk`."""

@@ -37,7 +37,14 @@ from visuohaptic.report.provenance import (
 )
 from visuohaptic.report.published import PAPER
 from visuohaptic.report.run import Run
-from visuohaptic.report.stability import read_precision, read_stability
+from visuohaptic.report.stability import (
+    describe_checks,
+    family_chart,
+    read_further,
+    read_precision,
+    read_stability,
+    stability_answer,
+)
 from visuohaptic.report.studies import (
     read_own_studies,
     read_study,
@@ -103,6 +110,7 @@ def answer_values(context: ReportContext) -> Values:
         "small_chart": partial(cost_chart, height=150),
         "influence": influence_figures(run.files.extras.get("effect_influence"), preset),
         "effects_answer": effects_answer,
+        "stability": None if run.stability is None else stability_answer(run.stability),
     }
 
 
@@ -207,11 +215,21 @@ def influence_values(context: ReportContext) -> Values:
 
 
 def stability_values(context: ReportContext) -> Values | None:
-    """Give what the numerical suite found, where it was run."""
+    """Give how exact numbers are in hard cases: in this run, and by `make test-hard` where it ran."""
     extras = context.run.files.extras
-    figures = read_stability(extras.get("stability"))
+    full = read_stability([extras["stability_full"]] if "stability_full" in extras else [])
+    found = [figures for figures in (context.run.stability, full) if figures is not None]
     kernels = read_precision(extras.get("precision"))
-    return {"figures": figures, "kernels": kernels} if figures or kernels else None
+    if not found and not kernels:
+        return None
+    return {
+        "parts": [
+            (figures, describe_checks(figures.checks), family_chart(figures)) for figures in found
+        ],
+        "further": read_further(extras.get("stability_further")),
+        "kernels": kernels,
+        "anchors": {page.key: page.anchor for page in context.pages},
+    }
 
 
 def confusion_values(context: ReportContext) -> Values:
@@ -254,6 +272,8 @@ def objects_values(context: ReportContext) -> Values:
         "strategies": strategies,
         "states": states,
         "meanings": CONTACT_STATES,
+        "checks": {} if context.run.stability is None else context.run.stability.objects,
+        "describe_checks": describe_checks,
     }
 
 

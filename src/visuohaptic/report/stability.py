@@ -1,19 +1,22 @@
-"""What the numerical suite found in hard cases, and what accuracy of each kernel costs."""
+"""How exact the run's numbers are in hard cases, and what accuracy of each kernel costs."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
 from visuohaptic.errors import ReportError
+from visuohaptic.report.charts import ShareChart, place_share, share_chart
+from visuohaptic.report.wording import counted, percent
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.stability import STABILITY
 
-_PLAIN = {"case": "", "tolerance": None, "unit": "", "reason": "", "hardest": ""}
 # Elements and attributes that a drawing may have; all others are removed.
 _DRAWING = re.compile(
     r"<svg (?: ?(?:viewBox|width|height|role|aria-label)=\"[^\"<>]*\")*>"
@@ -29,22 +32,26 @@ class Check:
 
     Attributes
     ----------
-    case, unit, reason, hardest : str
+    family, requirement, unit, reason, hardest : str
         What was wanted, the error's unit, why its tolerance is what it is, and the worst case.
+    key : str
+        `class/name` of the object that it is about; empty where it is about none.
     cases : int
         How many were tried.
     worst_error : float or None
-        None where it was not a number.
-    tolerance : float or None
-        The largest error that is allowed; None where none is named.
+        None where it was not finite.
+    tolerance : float
+        The largest error that is allowed.
     drawing : str
         The worst case as SVG, safe to be shown; may be empty.
     """
 
-    case: str
+    family: str
+    requirement: str
+    key: str
     cases: int
     worst_error: float | None
-    tolerance: float | None
+    tolerance: float
     unit: str
     reason: str
     hardest: str
@@ -53,69 +60,215 @@ class Check:
     @property
     def held(self) -> bool:
         """Whether the worst error is within its tolerance."""
-        if self.tolerance is None:
-            return True
-        return self.worst_error is not None and self.worst_error <= self.tolerance
+        return self.share <= 1
+
+    @property
+    def share(self) -> float:
+        """The worst error over its tolerance; where 0 is allowed, 0 or infinite."""
+        if self.worst_error is None:
+            return float("inf")
+        if self.tolerance == 0:
+            return 0.0 if self.worst_error == 0 else float("inf")
+        return self.worst_error / self.tolerance
 
 
 @dataclass(frozen=True)
 class StabilityFigures:
-    """All that the suite wrote: checks by family, and its further tables."""
+    """What was found in hard cases.
 
-    families: Mapping[str, list[Check]]
-    tables: Mapping[str, list[Mapping[str, Any]]]
+    Attributes
+    ----------
+    count : str
+        ``reduced`` or ``full``.
+    checks : tuple of Check
+        One for each requirement, and for each object of those about objects.
+    """
+
+    count: str
+    checks: tuple[Check, ...]
+
+    @property
+    def families(self) -> dict[str, list[Check]]:
+        """The worst check of each requirement over all objects, by family."""
+        merged: dict[tuple[str, str], Check] = {}
+        for check in self.checks:
+            place = (check.family, check.requirement)
+            merged[place] = _worse(merged[place], check) if place in merged else _named(check)
+        found: dict[str, list[Check]] = {}
+        for check in merged.values():
+            found.setdefault(check.family, []).append(check)
+        return found
+
+    @property
+    def objects(self) -> dict[str, list[Check]]:
+        """Checks about an object, by `class/name`."""
+        found: dict[str, list[Check]] = {}
+        for check in self.checks:
+            if check.key:
+                found.setdefault(check.key, []).append(check)
+        return found
 
     @property
     def cases(self) -> int:
         """Number of all cases that were tried."""
-        return sum(check.cases for checks in self.families.values() for check in checks)
+        return sum(check.cases for check in self.checks)
 
     @property
     def broken(self) -> list[Check]:
-        """Checks whose tolerance was exceeded."""
-        return [check for checks in self.families.values() for check in checks if not check.held]
+        """Checks whose tolerance was exceeded, each with its object."""
+        return [check for check in self.checks if not check.held]
+
+    @property
+    def worst_share(self) -> float:
+        """The largest share of a tolerance that an error used."""
+        return max((check.share for check in self.checks), default=0.0)
 
 
-def read_stability(path: str | Path | None) -> StabilityFigures | None:
-    """Read what the numerical suite wrote.
+def _named(check: Check) -> Check:
+    """Say in the hardest case which object it is about."""
+    return replace(check, hardest=f"{check.key}: {check.hardest}") if check.key else check
+
+
+def _worse(kept: Check, other: Check) -> Check:
+    worse = _named(other) if other.share > kept.share else kept
+    return replace(worse, cases=kept.cases + other.cases)
+
+
+def read_stability(paths: Sequence[str | Path]) -> StabilityFigures | None:
+    """Read tables of hard cases.
 
     Parameters
     ----------
-    path : path or None
-        `reports/stability.json`: checks and further tables, or a list of checks alone.
+    paths : sequence of path
+        Files of the table, or folders of them; those that don't exist are left out.
 
     Returns
     -------
     StabilityFigures or None
-        None where there is no such file.
+        None where there is no file.
+
+    Raises
+    ------
+    TableError
+        If a file breaks the schema.
+    """
+    there = [path for path in map(Path, paths) if path.is_file() or any(path.rglob("*.parquet"))]
+    if not there:
+        return None
+    rows = read_table(STABILITY, there).to_pylist()
+    counts = {row["count"] for row in rows}
+    return StabilityFigures("full" if counts == {"full"} else "reduced", tuple(map(_check, rows)))
+
+
+def _check(row: Mapping[str, Any]) -> Check:
+    kept = {
+        name: row[name] for name in Check.__dataclass_fields__ if name not in ("key", "drawing")
+    }
+    key = f"{row['class']}/{row['object']}" if row["object"] else ""
+    return Check(key=key, drawing=_safe_drawing(row["drawing"]), **kept)
+
+
+def describe_checks(checks: Iterable[Check]) -> str:
+    """Say in one sentence how many cases were tried, and how near the worst came to its tolerance."""
+    found = list(checks)
+    cases = counted(sum(check.cases for check in found), "hard case")
+    tried = f"{cases} of {counted(len({check.requirement for check in found}), 'kind')}"
+    broken = [check for check in found if not check.held]
+    if broken:
+        names = "; ".join(dict.fromkeys(_title(check) for check in broken))
+        return f"{tried}: {counted(len(broken), 'tolerance')} exceeded ({names})."
+    worst = max(found, key=lambda check: check.share)
+    return (
+        f"{tried}: all within tolerance; the worst used {percent(worst.share)} of its tolerance "
+        f"({_title(worst)})."
+    )
+
+
+def _title(check: Check) -> str:
+    return ": ".join(filter(None, (check.key, f"{check.family}, {check.requirement}")))
+
+
+def stability_answer(figures: StabilityFigures) -> tuple[str, Markup]:
+    """Give what the report's first screen says of hard cases.
+
+    Parameters
+    ----------
+    figures : StabilityFigures
+        What was found.
+
+    Returns
+    -------
+    sentence : str
+        How many cases were tried, and how near the worst came to its tolerance.
+    picture : Markup
+        The same as SVG: a line for each requirement along a logarithmic axis of error over
+        tolerance, which ends left of 1 if it held.
+    """
+    checks = [check for family in figures.families.values() for check in family]
+    return describe_checks(figures.checks), draw_shares(checks)
+
+
+def draw_shares(checks: Sequence[Check]) -> Markup:
+    """Draw how much of its tolerance each check used, one line each, as SVG."""
+    marks = "".join(
+        f'<line class="{"share" if check.held else "share exceeded"}" x1="{x:.1f}" x2="{x:.1f}" '
+        'y1="4" y2="26"/>'
+        for check in checks
+        for x in (3 * place_share(check.share),)
+    )
+    limit = 3 * place_share(1.0)
+    texts = f'<text x="0" y="42">exact</text><text x="{limit:.1f}" y="42" text-anchor="end">tolerance</text>'
+    return Markup(  # noqa: S704 - numbers and fixed words alone
+        '<svg class="shares" viewBox="0 0 300 46" width="300" height="46" role="img" aria-label="Error '
+        'over tolerance of each kind of hard case, on a logarithmic axis">'
+        f'<line class="axis" x1="0" x2="300" y1="26" y2="26"/>'
+        f'<line class="limit" x1="{limit:.1f}" x2="{limit:.1f}" y1="0" y2="30"/>{marks}{texts}</svg>'
+    )
+
+
+def family_chart(figures: StabilityFigures) -> ShareChart:
+    """Place each family's checks along an axis of error over tolerance."""
+    rows = [
+        (
+            family,
+            f"{sum(check.cases for check in checks):,} cases",
+            [(check.share, f"{check.requirement}: {_share_text(check)}") for check in checks],
+        )
+        for family, checks in figures.families.items()
+    ]
+    return share_chart(rows)
+
+
+def _share_text(check: Check) -> str:
+    if check.share == 0:
+        return "no error"
+    if check.worst_error is None or check.tolerance == 0:
+        return "exceeded"
+    return f"{check.worst_error:.2g} of {check.tolerance:.2g} {check.unit}"
+
+
+def read_further(path: str | Path | None) -> dict[str, list[Mapping[str, Any]]]:
+    """Read what `make test-hard` found beside its table of hard cases.
+
+    Parameters
+    ----------
+    path : path or None
+        `reports/stability.json`.
+
+    Returns
+    -------
+    dict of str to list
+        Rows by table, such as the mutations; empty where there is no such file.
 
     Raises
     ------
     ReportError
-        If the file is there but is not the suite's.
+        If the file is there but holds no tables.
     """
-    data = _read_json(path)
-    if data is None:
-        return None
-    try:
-        data = {"checks": data} if isinstance(data, list) else data
-        families: dict[str, list[Check]] = {}
-        for record in data["checks"]:
-            families.setdefault(record["family"], []).append(_read_check(record))
-        tables = {
-            name: rows for name, rows in data.items() if name != "checks" and isinstance(rows, list)
-        }
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ReportError(
-            f"{path} holds no results of the numerical suite ({error}); run make test-hard again."
-        ) from error
-    return StabilityFigures(families, tables)
-
-
-def _read_check(record: Mapping[str, Any]) -> Check:
-    named = {name: record.get(name, plain) for name, plain in _PLAIN.items()}
-    drawing = _safe_drawing(str(record.get("drawing", "")))
-    return Check(cases=record["cases"], worst_error=record["worst_error"], drawing=drawing, **named)
+    data = _read_json(path) or {}
+    if not isinstance(data, dict):
+        raise ReportError(f"{path} holds no tables by name; run make test-hard again.")
+    return {name: rows for name, rows in data.items() if isinstance(rows, list)}
 
 
 def read_precision(path: str | Path | None) -> dict[str, list[Mapping[str, Any]]]:

@@ -1,6 +1,7 @@
 """Every table by its name."""
 
 from visuohaptic.tables.phases import PHASES
+from visuohaptic.tables.stability import STABILITY
 from visuohaptic.tables.studies import STUDIES
 
-SCHEMAS = {schema.name: schema for schema in (*PHASES, *STUDIES)}
+SCHEMAS = {schema.name: schema for schema in (*PHASES, STABILITY, *STUDIES)}

@@ -5,15 +5,22 @@ Nothing here imports the library.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Exact = list[Fraction]
 
 UNSURE = 1e-12
 """Within this of an edge, in barycentric weights, brute force in float64 is not sure."""
 
 
-def first_hits(triangles, origins, directions):
+def first_hits(
+    triangles: Floats, origins: Floats, directions: Floats
+) -> tuple[Floats, NDArray[np.int64], NDArray[np.bool_]]:
     """Meet every ray with every triangle by Cramer's rule.
 
     Gives the distance of the nearest hit (infinite for none), its triangle, and whether any
@@ -60,15 +67,15 @@ def first_hits(triangles, origins, directions):
     return distance, face, unsure
 
 
-def _exact(values):
+def _exact(values: Iterable[float]) -> Exact:
     return [Fraction(float(value)) for value in values]
 
 
-def _minus(p, q):
+def _minus(p: Exact, q: Exact) -> Exact:
     return [x - y for x, y in zip(p, q, strict=True)]
 
 
-def _cross(p, q):
+def _cross(p: Exact, q: Exact) -> Exact:
     return [
         p[1] * q[2] - p[2] * q[1],
         p[2] * q[0] - p[0] * q[2],
@@ -76,11 +83,11 @@ def _cross(p, q):
     ]
 
 
-def _dot(p, q):
-    return sum(x * y for x, y in zip(p, q, strict=True))
+def _dot(p: Exact, q: Exact) -> Fraction:
+    return sum((x * y for x, y in zip(p, q, strict=True)), Fraction(0))
 
 
-def near(triangles, origin, direction):
+def near(triangles: Floats, origin: Floats, direction: Floats) -> Floats:
     """Give the triangles that a line passes within a thousandth of, by float64."""
     corners = triangles - origin
     sides = np.einsum("fkd,d->fk", np.cross(corners, np.roll(corners, -1, axis=1)), direction)
@@ -89,7 +96,7 @@ def near(triangles, origin, direction):
     return triangles[(sides >= -slack).all(axis=1) | (sides <= slack).all(axis=1)]
 
 
-def exact_first_hit(triangles, origin, direction):
+def exact_first_hit(triangles: Floats, origin: Floats, direction: Floats) -> Fraction | None:
     """Give the exact distance to the first triangle, rims included, as a Fraction; None for a miss."""
     triangles = near(triangles, np.asarray(origin), np.asarray(direction))
     o, d = _exact(origin), _exact(direction)
@@ -110,20 +117,20 @@ def exact_first_hit(triangles, origin, direction):
     return best
 
 
-def exact_moments(values):
+def exact_moments(values: Iterable[float]) -> tuple[Fraction, Fraction, Fraction]:
     """Give mean, variance (population) and third moment about the mean, as Fractions."""
     exact = _exact(values)
     count = len(exact)
-    mean = sum(exact) / count
+    mean = sum(exact, Fraction(0)) / count
     deviations = [value - mean for value in exact]
     return (
         mean,
-        sum(deviation**2 for deviation in deviations) / count,
-        sum(deviation**3 for deviation in deviations) / count,
+        sum((deviation**2 for deviation in deviations), Fraction(0)) / count,
+        sum((deviation**3 for deviation in deviations), Fraction(0)) / count,
     )
 
 
-def root(fraction):
+def root(fraction: Fraction) -> float:
     """Give the square root of a Fraction as a float, right to the last bit or so, at any scale."""
     if fraction == 0:
         return 0.0
@@ -132,7 +139,7 @@ def root(fraction):
     return float(np.ldexp(np.sqrt(float(scaled)), shift))
 
 
-def skewness(values):
+def skewness(values: Iterable[float]) -> float:
     """Give m3 / m2 ** 1.5 from exact moments; 0 for constant values."""
     _, second, third = exact_moments(values)
     if second == 0:
@@ -141,23 +148,33 @@ def skewness(values):
     return float(np.copysign(np.sqrt(float(square)), float(np.sign(third.numerator))))
 
 
-def exact_detail_levels(values, low, high, levels):
+def exact_detail_levels(
+    values: Iterable[float], low: Iterable[float], high: Iterable[float], levels: int
+) -> list[Exact]:
     """Decompose a sequence with half-sample symmetric extension, in Fractions.
 
     The taps are taken as the float64 numbers that they are.
     """
-    low, high = _exact(low), _exact(high)
-    length = len(low)
-    details = []
+    taps_low, taps_high = _exact(low), _exact(high)
+    length = len(taps_low)
+    details: list[Exact] = []
     signal = _exact(values)
     for _ in range(levels):
         count = len(signal)
 
-        def at(index, signal=signal, count=count):
+        def at(index: int, signal: Exact = signal, count: int = count) -> Fraction:
             index %= 2 * count
             return signal[index] if index < count else signal[2 * count - 1 - index]
 
         places = range((count + length - 1) // 2)
-        details.append([sum(high[k] * at(2 * n + 1 - k) for k in range(length)) for n in places])
-        signal = [sum(low[k] * at(2 * n + 1 - k) for k in range(length)) for n in places]
+        details.append(
+            [
+                sum((taps_high[k] * at(2 * n + 1 - k) for k in range(length)), Fraction(0))
+                for n in places
+            ]
+        )
+        signal = [
+            sum((taps_low[k] * at(2 * n + 1 - k) for k in range(length)), Fraction(0))
+            for n in places
+        ]
     return details

@@ -140,6 +140,26 @@ TOLERANCES = {
         "object radii",
         "the vertices' own tolerance for such an offset, and 1/cos of at most 60 degrees",
     ),
+    # ------------------------------------------------------------------ objects of a run
+    "objects/hits lie on their face's plane": Tolerance(
+        64 * U64, "object radii", "as for rays at random triangles: measured along the normal"
+    ),
+    "objects/rays against brute force in float64": Tolerance(
+        0, "rays", "as for rays at random triangles; rays that the oracle is unsure of are left out"
+    ),
+    "objects/probing locations lie on their face's plane": Tolerance(
+        64 * U64, "object radii", "a hit's rounding, as above, or that of a mean of three corners"
+    ),
+    "objects/frames of touches": Tolerance(
+        32 * U64, "1", "two vectors made square by one projection and one cross product"
+    ),
+    "objects/fixations of a view are a focus apart": Tolerance(
+        0, "fixations", "inhibition of return closes a focus around each; 1e-6 of it is rounding"
+    ),
+    "objects/contourlet reconstruction of imprints": Tolerance(
+        3 * 2000 * U64, "of the largest pixel", "as for hard images"
+    ),
+    "objects/touches by themselves": Tolerance(0, "touches", BITS),
     # ------------------------------------------------------------------ hard meshes
     "meshes/hard cases end in tables or in a refusal": Tolerance(0, "meshes", NEVER),
     "meshes/random wild surfaces": Tolerance(0, "meshes", NEVER),
@@ -169,6 +189,12 @@ TOLERANCES = {
     ),
     "images/scale by 1e±150": Tolerance(
         2000 * U64, "relative", "one more rounding of each pixel, through the same sums"
+    ),
+    "images/contourlet reconstruction": Tolerance(
+        3 * 2000 * U64,
+        "of the largest pixel",
+        "the decomposition's error of 2000 u64 once more through the inverse, whose gain is below 2, "
+        "and the inverse's own: the same steps backwards",
     ),
     "images/moments of sequences against exact rationals": Tolerance(
         64 * U64,
@@ -223,6 +249,11 @@ TOLERANCES = {
     "learning/features rescaled by 1e±8": Tolerance(0, "labels", NEVER),
     "learning/features rescaled by powers of two": Tolerance(
         0, "bits", "mean and deviation scale exactly, so standardised values are the same bits"
+    ),
+    "learning/features changed by 1e-15": Tolerance(
+        0,
+        "labels",
+        "five units in the last place of a feature are rounding, and rounding must not name an object",
     ),
     "learning/standardised columns against exact rationals": Tolerance(
         1e-6,

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
 
 SIZE = 120
 
 
-def _svg(body, label):
+def _svg(body: str, label: str) -> str:
     return (
         f'<svg viewBox="0 0 {SIZE} {SIZE}" width="{SIZE}" height="{SIZE}" role="img" '
         f'aria-label="{label}">{body}</svg>'
     )
 
 
-def triangles(corners, label, ray=None, most=60):
+def triangles(corners: ArrayLike, label: str, ray: ArrayLike | None = None, most: int = 60) -> str:
     """Draw triangles seen along z (x right, y up), and a ray, shape (2, 3)."""
     corners = np.asarray(corners, dtype=np.float64)[:most]
     everything = corners.reshape(-1, 3) if ray is None else np.vstack([corners.reshape(-1, 3), ray])
@@ -34,7 +39,7 @@ def triangles(corners, label, ray=None, most=60):
     return _svg(body, label)
 
 
-def sequence(values, label):
+def sequence(values: ArrayLike, label: str) -> str:
     """Draw a short sequence, stretched to its own range."""
     values = np.asarray(values, dtype=np.float64).ravel()[:64]
     span = float(np.ptp(values)) or 1.0
@@ -50,7 +55,7 @@ def sequence(values, label):
     return _svg(line + dots, label)
 
 
-def image(pixels, label):
+def image(pixels: ArrayLike, label: str) -> str:
     """Draw an image as 16 × 16 cells or fewer, stretched to its own range."""
     pixels = np.asarray(pixels, dtype=np.float64)
     step = max(1, -(-max(pixels.shape) // 16))
@@ -71,17 +76,17 @@ def image(pixels, label):
     return _svg(body, label)
 
 
-def _fit(points):
+def _fit(points: Floats) -> Callable[[ArrayLike], Floats]:
     low, high = points.min(axis=0), points.max(axis=0)
     scale = (SIZE - 16) / max(float((high - low).max()), 1e-30)
     middle = 0.5 * (low + high)
 
-    def place(some):
+    def place(some: ArrayLike) -> Floats:
         shifted = (np.asarray(some) - middle) * scale
         return np.column_stack([SIZE / 2 + shifted[:, 0], SIZE / 2 - shifted[:, 1]])
 
     return place
 
 
-def _points(places):
+def _points(places: Floats) -> str:
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in places)

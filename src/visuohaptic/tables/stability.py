@@ -1,0 +1,41 @@
+"""The table of hard cases: what was tried, and the worst error beside its tolerance."""
+
+from __future__ import annotations
+
+import pyarrow as pa
+
+from visuohaptic.tables.phases import OBJECT_KEYS
+from visuohaptic.tables.schema import REAL, TEXT, Column, Schema, names_of
+
+STABILITY_KEYS = (
+    Column("family", TEXT, "what the check is about"),
+    Column("requirement", TEXT, "what is required"),
+    *(
+        Column(
+            column.name, TEXT, f"{column.description}; empty for a check on no object of the run"
+        )
+        for column in OBJECT_KEYS
+    ),
+)
+
+STABILITY = Schema(
+    "stability",
+    (
+        *STABILITY_KEYS,
+        Column("count", TEXT, "reduced: as in every run; full: as by make test-hard"),
+        Column("cases", pa.int64(), "cases that were tried", minimum=1),
+        Column(
+            "worst_error",
+            REAL,
+            "largest error of a case; missing where it was infinite or not a number",
+            "as in the column unit",
+            nullable=True,
+        ),
+        Column("tolerance", REAL, "largest error that is allowed", "as in the column unit", 0),
+        Column("unit", TEXT, "unit of error and tolerance"),
+        Column("reason", TEXT, "why the tolerance is what it is"),
+        Column("hardest", TEXT, "the case with the largest error"),
+        Column("drawing", TEXT, "the same as SVG; may be empty"),
+    ),
+    names_of(STABILITY_KEYS),
+)

@@ -1,0 +1,52 @@
+"""Results become rows of the table, and what was exceeded becomes sentences."""
+
+import numpy as np
+
+from visuohaptic.stability.findings import Finding, worst_of
+from visuohaptic.stability.rows import broken_tolerances, result_table
+from visuohaptic.tables.schema import read_table, write_table
+from visuohaptic.tables.stability import STABILITY
+
+
+def written(folder, errors, key="/", name="part.parquet"):
+    results = [
+        worst_of(Finding(tolerance, error, "the case")) for tolerance, error in errors.items()
+    ]
+    write_table(STABILITY, result_table(results, "reduced", key), folder / name)
+    return folder / name
+
+
+def test_a_row_has_tolerance_reason_and_object(tmp_path):
+    path = written(tmp_path, {"rays/grazing": 1e-16}, "cup/mug")
+    (row,) = read_table(STABILITY, path).to_pylist()
+    assert (row["family"], row["requirement"]) == ("rays", "grazing")
+    assert (row["class"], row["object"], row["count"]) == ("cup", "mug", "reduced")
+    assert row["worst_error"] == 1e-16 < row["tolerance"]
+    assert "condition" in row["reason"]
+
+
+def test_what_is_not_finite_is_missing(tmp_path):
+    (row,) = read_table(STABILITY, written(tmp_path, {"rays/grazing": np.nan})).to_pylist()
+    assert row["worst_error"] is None
+
+
+def test_tolerances_that_held_are_not_named(tmp_path):
+    assert broken_tolerances([written(tmp_path, {"rays/grazing": 0.0})]) == []
+    assert broken_tolerances([]) == []
+
+
+def test_an_exceeded_tolerance_is_named_at_its_object(tmp_path):
+    own = written(tmp_path, {"objects/touches by themselves": 1}, "cup/mug", "own.parquet")
+    plain = written(tmp_path, {"rays/grazing": np.inf, "images/stretched imprints": 0})
+    first, second = broken_tolerances([plain, own])
+    assert first == (
+        "rays, grazing: the worst error is not finite, and 1.8e-15 is allowed (object radii); "
+        "hardest case: the case."
+    )
+    assert second.startswith("cup/mug: objects, touches by themselves: the worst error is 1, and 0")
+
+
+def test_a_file_that_can_not_be_read_is_named(tmp_path):
+    (tmp_path / "half.parquet").write_text("half")
+    (sentence,) = broken_tolerances([tmp_path / "half.parquet"])
+    assert "half.parquet can't be read as a table of hard cases" in sentence

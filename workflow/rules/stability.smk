@@ -1,0 +1,56 @@
+"""Stability: hard cases with known answers → the worst error of each kind, beside its tolerance.
+
+Takes no file for results/stability.parquet: code and random seed decide what it holds. Of each object it takes
+results/meshes/, results/fixations/ and results/touches/, and gives results/stability/. A tolerance that is exceeded
+fails no job: the tables say so, the report shows it, and the run's last lines name it.
+"""
+
+
+rule stability_all:
+    input:
+        "results/stability.parquet",
+        "results/records/stability.json",
+        expand("results/stability/{object}.parquet", object=OBJECTS),
+        expand("results/records/stability/{object}.json", object=OBJECTS),
+
+
+rule stability:
+    input:
+        code=code_of("stability.py"),
+    output:
+        "results/stability.parquet",
+        record="results/records/stability.json",
+    log:
+        "logs/stability.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        seed=PARAMETERS.seed,
+    message:
+        "trying hard cases with known answers"
+    script:
+        "../scripts/stability.py"
+
+
+rule stability_of_object:
+    input:
+        mesh="results/meshes/{object}.ply",
+        fixations=blocks_of("fixations"),
+        touches=blocks_of("touches"),
+        code=code_of("stability_object.py"),
+    output:
+        "results/stability/{object}.parquet",
+        record="results/records/stability/{object}.json",
+    log:
+        "logs/stability/{object}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        attention=PARAMETERS.attention.model_dump(),
+        sensor=PARAMETERS.sensor.model_dump(),
+        scene=PARAMETERS.scene.model_dump(),
+        seed=PARAMETERS.seed,
+    message:
+        "checking the numbers of {wildcards.object}"
+    script:
+        "../scripts/stability_object.py"

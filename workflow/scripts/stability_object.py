@@ -1,0 +1,20 @@
+"""Check the numbers of one object."""
+
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.scene.parameters import Scene
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.stability.object_files import make_object_stability
+from visuohaptic_workflow.jobs import job
+
+with job(snakemake):
+    make_object_stability(
+        key=snakemake.wildcards.object,
+        mesh=snakemake.input.mesh,
+        fixations=snakemake.input.fixations,
+        touches=snakemake.input.touches,
+        output=snakemake.output[0],
+        attention=AttentionParameters(**snakemake.params.attention),
+        sensor=SensorParameters(**snakemake.params.sensor),
+        scene=Scene(**snakemake.params.scene),
+        seed=snakemake.params.seed,
+    )
