@@ -97,8 +97,8 @@ MUTATIONS = (
     ),
     Mutation(
         "half a focus of inhibition", "attention/scanpath.py",
-        "closed = (distance <= 1.0) | (drive == CLOSED)",
-        "closed = (distance <= 0.5) | (drive == CLOSED)",
+        "closed = (distance <= 1.0) | (faded == CLOSED)",
+        "closed = (distance <= 0.5) | (faded == CLOSED)",
         "test_attention.py::test_any_view_ends_in_finite_maps_and_distinct_fixations "
         "test_attention.py::test_the_way_of_the_eye_is_that_of_its_definition",
     ),

@@ -121,7 +121,8 @@ def on_view(
     numpy.ndarray
         Shape (h, w), float32, at least 0.
     """
-    return from_map_size(plane, (mask.shape[0], mask.shape[1]), interpolation) * mask
+    large = from_map_size(plane, (mask.shape[0], mask.shape[1]), interpolation)
+    return cv2.copyTo(large, mask.view(np.uint8))
 
 
 def promote(planes: Plane, parameters: AttentionParameters) -> Plane:
