@@ -7,17 +7,13 @@ averaged over the objects.
 
 from __future__ import annotations
 
-import os
-
-# Before NumPy is loaded, which reads it once.
-os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
-
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from visuohaptic.attention import AttentionParameters, attend
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
@@ -54,7 +50,8 @@ def run(rounds: int = 7) -> dict[str, object]:
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:
-        measured = [_measure(path, rounds) for path in sorted(MESHES.rglob("*.ply.gz"))]
+        with threadpool_limits(1):
+            measured = [_measure(path, rounds) for path in sorted(MESHES.rglob("*.ply.gz"))]
     finally:
         cv2.setNumThreads(threads)
     mean = {name: float(np.mean([one[name] for one in measured])) for name in measured[0]}
