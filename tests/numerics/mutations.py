@@ -97,8 +97,8 @@ MUTATIONS = (
     ),
     Mutation(
         "half a focus of inhibition", "attention/scanpath.py",
-        "closed = (distance <= 1.0) | (drive == CLOSED)",
-        "closed = (distance <= 0.5) | (drive == CLOSED)",
+        "closed = (distance <= 1.0) | (faded == CLOSED)",
+        "closed = (distance <= 0.5) | (faded == CLOSED)",
         "test_checks.py::[noisy_views] "
         "test_checks.py::[inhibition]",
     ),

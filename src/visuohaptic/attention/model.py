@@ -146,8 +146,9 @@ def _check_views(
     for name, (array, shape) in arrays.items():
         if array.shape != shape:
             raise AttentionError(f"{name} has shape {array.shape}; {shape} goes with the mask.")
-        # A sum is not finite if one value is not; this is faster than a test of each value.
-        if not np.isfinite(np.sum(array, dtype=np.float64)):
+        # The extremes are finite only if every value is; this is faster than a test of each.
+        lowest, highest = array.min(initial=0), array.max(initial=0)
+        if not (np.isfinite(lowest) and np.isfinite(highest)):
             raise AttentionError(f"{name} has values that are not finite; none is allowed.")
-        if name in ("colour", "curvature") and array.min(initial=0) < 0:
+        if name in ("colour", "curvature") and lowest < 0:
             raise AttentionError(f"{name} has values below 0; 0 is the least.")

@@ -63,20 +63,22 @@ def conspicuity_maps(
         Shape (MAP_SIZE, MAP_SIZE) each, float32, at least 0, in the order of
         the channels. A map that reaches 1 has a single peak.
     """
-    totals = {name: np.zeros((MAP_SIZE, MAP_SIZE), np.float32) for name in channels}
+    deepest = max(parameters.centre_levels) + max(parameters.surround_offsets)
+    certainties = reductions(view.certainty, deepest)
+    scales = _scales(certainties, parameters)
+    maps = {name: np.zeros((MAP_SIZE, MAP_SIZE), np.float32) for name in channels}
+    window = _window(certainties, parameters)
+    totals = {name: plane[window] for name, plane in maps.items()}
     strongest = dict.fromkeys(channels, 0.0)
-    scales = _scales(view.certainty, parameters)
     for stack in feature_stacks(view, channels, parameters):
-        total, peaks = _promoted_stack(stack, scales[stack.level], parameters)
+        total, peaks = _promoted_stack(stack, scales[stack.level], window, parameters)
         for index, name in enumerate(stack.channels):
             if name in totals:
                 totals[name] += total[:, :, index]
                 strongest[name] = max(strongest[name], float(peaks[index]))
-    return {
-        name: plane
-        for start in range(0, len(CHANNELS), 4)
-        for name, plane in _conspicuity(CHANNELS[start : start + 4], totals, strongest, parameters)
-    }
+    for start in range(0, len(CHANNELS), 4):
+        _promote_sums(CHANNELS[start : start + 4], totals, strongest, parameters)
+    return maps
 
 
 def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> Plane:
@@ -121,7 +123,8 @@ def on_view(
     numpy.ndarray
         Shape (h, w), float32, at least 0.
     """
-    return from_map_size(plane, (mask.shape[0], mask.shape[1]), interpolation) * mask
+    large = from_map_size(plane, (mask.shape[0], mask.shape[1]), interpolation)
+    return cv2.copyTo(large, mask.view(np.uint8))
 
 
 def promote(planes: Plane, parameters: AttentionParameters) -> Plane:
@@ -158,9 +161,17 @@ class _Scale:
     support: Plane
 
 
-def _scales(certainty: Plane, parameters: AttentionParameters) -> dict[int, list[_Scale]]:
-    deepest = max(parameters.centre_levels) + max(parameters.surround_offsets)
-    certainties = reductions(certainty, deepest)
+def _window(certainties: list[Plane], parameters: AttentionParameters) -> tuple[slice, slice]:
+    """Give the rows and columns of the object in the maps, and one more around for N."""
+    if parameters.normalisation == "iterative":
+        # What it spreads beyond the object comes back in later rounds.
+        return slice(None), slice(None)
+    seen = sum(_at_map_size(certainties[level]) for level in parameters.centre_levels)
+    left, top, width, height = cv2.boundingRect(np.ceil(seen).astype(np.uint8))
+    return slice(max(top - 1, 0), top + height + 1), slice(max(left - 1, 0), left + width + 1)
+
+
+def _scales(certainties: list[Plane], parameters: AttentionParameters) -> dict[int, list[_Scale]]:
     scales: dict[int, list[_Scale]] = {}
     for level in parameters.centre_levels:
         centre = certainties[level]
@@ -173,7 +184,10 @@ def _scales(certainty: Plane, parameters: AttentionParameters) -> dict[int, list
 
 
 def _promoted_stack(
-    stack: Stack, scales: list[_Scale], parameters: AttentionParameters
+    stack: Stack,
+    scales: list[_Scale],
+    window: tuple[slice, slice],
+    parameters: AttentionParameters,
 ) -> tuple[Plane, Plane]:
     """Add up the promoted maps of each plane of a stack, and give the largest value of any map.
 
@@ -183,12 +197,12 @@ def _promoted_stack(
     side is a map of its own (on-centre and off-centre cells), as a red spot among
     green ones is alone on its side.
     """
-    total = np.zeros((MAP_SIZE, MAP_SIZE, 4), dtype=np.float32)
+    total = np.zeros((MAP_SIZE, MAP_SIZE, 4), dtype=np.float32)[window]
     strongest = np.zeros(4, dtype=np.float32)
     two_sided = np.zeros(4, dtype=bool)
     two_sided[: len(stack.channels)] = [channel(name).two_sided for name in stack.channels]
     for scale in scales:
-        difference = _difference(stack.pyramid, scale)
+        difference = _difference(stack.pyramid, scale)[window]
         promoted = promote(_scaled(_rectified(difference - NOISE)), parameters)
         total += promoted
         strongest = np.maximum(strongest, _peaks(promoted))
@@ -205,23 +219,24 @@ def _difference(pyramid: list[Plane], scale: _Scale) -> Plane:
     return _at_map_size((centre - surround) * scale.support)
 
 
-def _conspicuity(
+def _promote_sums(
     names: tuple[str, ...],
     totals: Mapping[str, Plane],
     strongest: Mapping[str, float],
     parameters: AttentionParameters,
-) -> list[tuple[str, Plane]]:
-    """Promote up to four channels' sums; a channel is as conspicuous as its most conspicuous map.
+) -> None:
+    """Promote up to four channels' sums in place; each is as conspicuous as its strongest map.
 
     Itti, Koch & Niebur scale every channel's sum to full range before the last N,
     so a channel in which nothing stands out still counts; here it does not.
     """
-    empty = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)
-    ((stack, _),) = quads([totals.get(name, empty) for name in names])
-    scale = np.zeros(4, dtype=np.float32)
-    scale[: len(names)] = [strongest.get(name, 0.0) for name in names]
-    planes = cv2.split(_times(promote(_scaled(stack), parameters), scale))
-    return [(name, plane) for name, plane in zip(names, planes, strict=False) if name in totals]
+    names = tuple(name for name in names if name in totals)
+    for stack, count in quads([totals[name] for name in names]):
+        scale = np.zeros(4, dtype=np.float32)
+        scale[:count] = [strongest[name] for name in names]
+        planes = cv2.split(_times(promote(_scaled(stack), parameters), scale))
+        for name, plane in zip(names, planes, strict=False):
+            totals[name][:] = plane
 
 
 def _at_map_size(plane: Plane) -> Plane:

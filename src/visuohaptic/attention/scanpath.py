@@ -91,11 +91,10 @@ def scan(
         At most as many fixations as asked for. Among maxima that tie, the largest within
         one focus of the first, in row order, wins.
     """
-    depth = _depth_inside(mask)
-    pixels = np.flatnonzero(_off_outline(depth))
-    rows, columns = np.divmod(pixels, mask.shape[1])
-    values = saliency.reshape(-1)[pixels]
-    inward = depth.reshape(-1)[pixels] / np.float32(max(float(depth.max(initial=0.0)), 1.0))
+    rows, columns, depth = _off_outline(mask)
+    pixels = rows * mask.shape[1] + columns
+    values = saliency.reshape(-1).take(pixels)
+    inward = depth / np.float32(max(float(depth.max(initial=0.0)), 1.0))
     if parameters.inhibition == "surface":
         places = np.take(point.reshape(-1, 3), pixels, axis=0).T / parameters.focus_radius
     else:
@@ -117,15 +116,18 @@ def scan(
 def _winners(
     drive: NDArray[np.float32], places: NDArray[np.float32], parameters: AttentionParameters
 ) -> NDArray[np.int64]:
+    drive = drive.copy()
     winners: list[int] = []
     while len(winners) < parameters.fixations and drive.max(initial=CLOSED) > CLOSED:
         winner = _winner(drive, places)
         distance: NDArray[np.float32] = np.sqrt(_squared_distances(places, places[:, winner]))
-        closed = (distance <= 1.0) | (drive == CLOSED)
+        near = np.flatnonzero(distance <= 1.0 + parameters.inhibition_falloff)
+        distance, faded = distance[near], drive[near]
+        closed = (distance <= 1.0) | (faded == CLOSED)
         if parameters.inhibition_falloff > 0.0:
             fade = (distance - np.float32(1.0)) / np.float32(parameters.inhibition_falloff)
-            drive = drive * _release(fade)
-        drive = np.where(closed, np.float32(CLOSED), drive)
+            faded *= _release(fade)
+        drive[near] = np.where(closed, np.float32(CLOSED), faded)
         winners.append(winner)
     return np.array(winners, dtype=np.int64)
 
@@ -151,16 +153,23 @@ def _release(progress: NDArray[np.float32]) -> NDArray[np.float32]:
     return step * step * (3.0 - 2.0 * step)
 
 
-def _depth_inside(mask: NDArray[np.bool_]) -> NDArray[np.float32]:
-    """Give each pixel's distance to the nearest pixel outside the object, in pixels."""
-    padded = cv2.copyMakeBorder(mask.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
-    return cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_5)[1:-1, 1:-1]
+def _off_outline(
+    mask: NDArray[np.bool_],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
+    """Give the rows and columns that keep off the outline, and their distances from it in pixels.
 
-
-def _off_outline(depth: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Keep a margin from the outline; in parts thinner than two margins, stay near their middle."""
-    margin = OUTLINE_MARGIN * max(depth.shape)
+    In parts thinner than two margins they stay near the middle.
+    """
+    inside = mask.view(np.uint8)
+    left, top, width, height = cv2.boundingRect(inside)
+    # One row and column more, so that there is one where the mask is empty.
+    around = inside[top : top + height + 1, left : left + width + 1]
+    padded = cv2.copyMakeBorder(around, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    depth = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_5)
+    margin = OUTLINE_MARGIN * max(mask.shape)
     reach = 2 * round(margin) + 1
     window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
     middle = cv2.dilate(depth, window, borderType=cv2.BORDER_CONSTANT, borderValue=0)
-    return (depth > 0.0) & (depth >= np.minimum(margin, THIN_PART * middle))
+    kept = (depth > 0.0) & (depth >= np.minimum(margin, THIN_PART * middle))
+    rows, columns = np.nonzero(kept)
+    return rows + top - 1, columns + left - 1, depth[kept]

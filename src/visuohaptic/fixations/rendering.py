@@ -100,13 +100,16 @@ def render_views(
     """
     modes = modes or EffectModes()
     log = _EffectLog(plan_visual(modes, caster.surface.face_colours, parameters.ambient))
-    colours = _seen_colours(caster, modes, log)
+    colours = _seen_colours(caster, modes, log) / 255.0
+    linear = decode_srgb(colours)
     shape = measure_shape(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
-    views = [_render_view(caster, shape, colours, camera, parameters, log) for camera in cameras]
-    if not views:
-        views = [_background((0, parameters.resolution, parameters.resolution), parameters)]
-    joined = {name: np.concatenate([view[name] for view in views]) for name in views[0]}
-    return Views(**joined, effects=log.records(len(cameras)))
+    views = _background(len(cameras), parameters)
+    for number, camera in enumerate(cameras):
+        pixels, seen = _seen_surface(caster, shape, colours, linear, camera, parameters, log)
+        for name, values in seen.items():
+            view = views[name][number]
+            view.reshape(-1, *view.shape[2:])[pixels] = values
+    return Views(**views, effects=log.records(len(cameras)))
 
 
 def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[np.float64]:
@@ -180,10 +183,8 @@ def _seen_colours(caster: RayCaster, modes: EffectModes, log: _EffectLog) -> NDA
         return seen_colours(caster.surface.face_colours, caster.surface.face_areas, modes)
 
 
-_View = dict[str, NDArray[Any]]
-
-
-def _background(shape: tuple[int, int, int], parameters: RenderingParameters) -> _View:
+def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArray[Any]]:
+    shape = (views, parameters.resolution, parameters.resolution)
     return {
         "colour": np.full((*shape, 3), parameters.background, dtype=np.float32),
         "mask": np.zeros(shape, dtype=bool),
@@ -196,34 +197,35 @@ def _background(shape: tuple[int, int, int], parameters: RenderingParameters) ->
     }
 
 
-def _render_view(
+def _seen_surface(
     caster: RayCaster,
     shape: SurfaceShape,
-    face_colours: NDArray[np.uint8],
+    face_colours: NDArray[np.float64],
+    face_linear: NDArray[np.float64],
     camera: Camera,
     parameters: RenderingParameters,
     log: _EffectLog,
-) -> _View:
-    size = parameters.resolution
-    origins, directions = camera.rays(size)
-    hits = caster.first_hits(origins, directions)
-    seen = np.flatnonzero(hits.hit)
-    faces, barycentric = hits.face[seen], hits.barycentric[seen]
-    weights = np.column_stack([1.0 - barycentric.sum(axis=1), barycentric])
-    points = np.einsum("nk,nkd->nd", weights, caster.surface.triangles[faces])
+) -> tuple[NDArray[np.int64], dict[str, NDArray[Any]]]:
+    """Give the pixels that see the surface, and what they see of it by the names of `Views`."""
+    pixels = camera.window(caster.surface.vertices, parameters.resolution)
+    origins, directions = camera.rays(parameters.resolution, pixels)
+    seen, faces, barycentric = caster.first_faces(origins, directions)
+    second, third = barycentric.T
+    weights = np.stack([1.0 - (second + third), second, third], axis=1)
+    points = np.einsum("nk,nkd->nd", weights, caster.surface.triangles.take(faces, axis=0))
     normals = _normals_towards(shape, caster, faces, weights, directions[seen])
 
     light = light_direction(camera, parameters)
-    colours = face_colours[faces] / 255.0
+    colours = face_colours.take(faces, axis=0)
     lit = np.ones(len(seen), dtype=bool)
     if log.simulates("cast_shadows"):
         with log.clock("cast_shadows"):
             lit = _lit(caster, points, normals, light)
     if log.simulates("shading"):
         with log.clock("shading"):
-            colours = _shade(colours, normals, lit, light, parameters.ambient)
-    view = _background((1, size, size), parameters)
-    found: _View = {
+            linear = face_linear.take(faces, axis=0)
+            colours = _shade(colours, linear, normals, lit, light, parameters.ambient)
+    return pixels[seen], {
         "colour": colours,
         "mask": np.ones(len(seen), dtype=bool),
         "depth": (camera.eye - points) @ camera.axes[2],
@@ -233,9 +235,6 @@ def _render_view(
         "curvature": shape.curvature(faces, weights),
         "lit": lit | (not log.called_for("cast_shadows")),
     }
-    for name, values in found.items():
-        view[name].reshape(size * size, *values.shape[1:])[seen] = values
-    return view
 
 
 def _normals_towards(
@@ -245,12 +244,13 @@ def _normals_towards(
     weights: NDArray[np.float64],
     directions: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    flat = caster.surface.face_normals[faces]
+    flat = caster.surface.face_normals.take(faces, axis=0)
     away = np.where(np.einsum("nd,nd->n", flat, directions) > 0.0, -1.0, 1.0)[:, None]
-    flat, smooth = away * flat, away * shape.normals(faces, weights)
+    normals = away * shape.normals(faces, weights)
     # Close to its outline a facet can be seen while the rounding that it stands for turns away.
-    beyond = np.einsum("nd,nd->n", smooth, directions) >= 0.0
-    return np.where(beyond[:, None], flat, smooth)
+    beyond = np.einsum("nd,nd->n", normals, directions) >= 0.0
+    normals[beyond] = away[beyond] * flat[beyond]
+    return normals
 
 
 def _lit(
@@ -269,6 +269,7 @@ def _lit(
 
 def _shade(
     colours: NDArray[np.float64],
+    linear: NDArray[np.float64],
     normals: NDArray[np.float64],
     lit: NDArray[np.bool_],
     light: NDArray[np.float64],
@@ -277,4 +278,4 @@ def _shade(
     lambert = np.maximum(normals @ light, 0.0) * lit
     irradiance = (ambient + (1.0 - ambient) * lambert)[:, None]
     # Full light leaves a colour as it is; going to linear light and back would move last digits.
-    return np.where(irradiance == 1.0, colours, encode_srgb(decode_srgb(colours) * irradiance))
+    return np.where(irradiance == 1.0, colours, encode_srgb(linear * irradiance))

@@ -77,30 +77,66 @@ class Camera:
         """Height of the view in the plane through the object's centre, object radii."""
         return 2.0 * self.distance * math.tan(math.radians(self.field_of_view_degrees) / 2.0)
 
-    def rays(self, resolution: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Give the ray through the centre of each pixel of a square view.
+    def window(self, points: NDArray[np.float64], resolution: int) -> NDArray[np.int64]:
+        """List the pixels of the least upright rectangle that shows all of some points.
+
+        Parameters
+        ----------
+        points : numpy.ndarray
+            Shape (k, 3), float64, object frame.
+        resolution : int
+            Pixels along each edge of the view, n.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (m,), int64: pixels, counted row by row from the view's upper left. Only they can
+            see a surface whose corners are the points. All n·n where a point is not in front of
+            the camera.
+        """
+        right, up, back = (points @ self.axes.T).T
+        depth = np.full_like(back, self.distance)
+        if self.projection == "perspective":
+            depth -= back
+        if depth.min(initial=np.inf) <= 0.0:
+            return np.arange(resolution**2)
+        columns = _pixels_between(right / depth, self._steps(resolution))
+        rows = _pixels_between(-up / depth, self._steps(resolution))
+        return (resolution * rows[:, None] + columns).reshape(-1)
+
+    def rays(
+        self, resolution: int, pixels: NDArray[np.int64] | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Give the rays through the centres of pixels of a square view.
 
         Parameters
         ----------
         resolution : int
             Pixels along each edge, n.
+        pixels : numpy.ndarray, optional
+            Shape (m,), int64, counted row by row from the view's upper left; by default all n·n.
 
         Returns
         -------
         origins, directions : numpy.ndarray
-            Shape (n·n, 3) each, row by row from the view's upper left, in the
-            object frame. An optical-axis component of a direction has length 1,
-            so the distance along a ray is the depth along the viewing axis.
+            Shape (m, 3) each, in the object frame. An optical-axis component of a direction has
+            length 1, so the distance along a ray is the depth along the viewing axis.
         """
         right, up, back = self.axes
-        half = math.tan(math.radians(self.field_of_view_degrees) / 2.0)
-        steps = (np.arange(resolution) - 0.5 * (resolution - 1)) * (2.0 * half / resolution)
-        across = np.tile(steps, resolution)[:, None]
-        down = np.repeat(steps, resolution)[:, None]
-        plane = across * right - down * up
+        steps = self._steps(resolution)
+        rows, columns = np.divmod(
+            np.arange(resolution**2) if pixels is None else pixels, resolution
+        )
+        plane = (np.outer(right, steps[columns]) - np.outer(up, steps[rows])).T
         if self.projection == "orthographic":
             return self.eye + self.distance * plane, np.broadcast_to(-back, plane.shape)
         return np.broadcast_to(self.eye, plane.shape), plane - back
+
+    def _steps(self, resolution: int) -> NDArray[np.float64]:
+        """Give the pixels' places along an edge, in the plane at depth 1."""
+        half = math.tan(math.radians(self.field_of_view_degrees) / 2.0)
+        steps = np.arange(resolution, dtype=np.float64) - 0.5 * (resolution - 1)
+        return steps * (2.0 * half / resolution)
 
 
 def place_cameras(parameters: ViewpointParameters) -> list[Camera]:
@@ -152,3 +188,11 @@ def _fibonacci_angles(count: int) -> list[tuple[float, float]]:
         )
         for index in range(count)
     ]
+
+
+def _pixels_between(places: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.int64]:
+    """List the pixels along an edge that lie among some places, and one more at either end."""
+    if not len(places):
+        return np.arange(0)
+    first, end = np.searchsorted(steps, [places.min(), places.max()])
+    return np.arange(max(first - 1, 0), min(end + 1, len(steps)))

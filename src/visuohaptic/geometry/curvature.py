@@ -98,7 +98,7 @@ class SurfaceShape:
         numpy.ndarray
             Shape (n, 3), on the side of each face's winding.
         """
-        blend = np.einsum("nk,nkd->nd", weights, self.corner_normals[faces])
+        blend = np.einsum("nk,nkd->nd", weights, self.corner_normals.take(faces, axis=0))
         return unit_vectors(blend)
 
     def curvature(
@@ -118,12 +118,12 @@ class SurfaceShape:
         numpy.ndarray
             Shape (n,), at least 0, per object radius: 1/R on a sphere of radius R.
         """
-        smooth = np.einsum("nk,nk->n", weights, self.corner_curvature[faces])
+        smooth = np.einsum("nk,nk->n", weights, self.corner_curvature.take(faces, axis=0))
         # The corner across edge k is k + 2, and its weight is the distance from the edge
         # in units of the triangle's height.
-        distances = weights[:, [2, 0, 1]] * self.heights[faces]
+        distances = weights[:, [2, 0, 1]] * self.heights.take(faces, axis=0)
         reach = np.maximum(1.0 - distances / self.crease_width, 0.0)
-        folds = np.einsum("nk,nk->n", reach, self.crease_scales[faces])
+        folds = np.einsum("nk,nk->n", reach, self.crease_scales.take(faces, axis=0))
         return np.minimum(smooth + folds, self.largest)
 
 
@@ -269,7 +269,7 @@ def fold_angles(normals: NDArray[np.float64], adjacency: FaceAdjacency) -> NDArr
     """
     first, second = normals[adjacency.faces[:, 0]], normals[adjacency.faces[:, 1]]
     second = np.where(adjacency.aligned[:, None], second, -second)
-    sine = np.linalg.norm(np.cross(first, second), axis=1)
+    sine = _lengths(np.cross(first, second))
     return np.arctan2(sine, np.einsum("nd,nd->n", first, second))
 
 
@@ -376,7 +376,7 @@ def smooth_curvature(
         Shape (f, 3), float64, 0 to `largest`.
     """
     crosses = surface.face_crosses
-    double_area = np.linalg.norm(crosses, axis=1)
+    double_area = _lengths(crosses)
     solid = double_area > SMALLEST_CROSS
     corners = surface.triangles
     first = corners[:, 1] - corners[:, 0]
@@ -421,16 +421,23 @@ def unit_vectors(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     numpy.ndarray
         The same shape; a vector shorter than rounding stays zero.
     """
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > SMALLEST_CROSS)
+    lengths = _lengths(vectors)[..., None]
+    # What is divided by infinity is zero.
+    return vectors / np.where(lengths > SMALLEST_CROSS, lengths, np.inf)
+
+
+def _lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give the lengths along the last axis; summed one by one, which is faster for so few."""
+    squares: NDArray[np.float64] = sum(part * part for part in np.moveaxis(vectors, -1, 0))
+    return np.sqrt(squares)
 
 
 def _heights_and_lengths(
     surface: Surface,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     corners = surface.triangles
-    lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    double_area = np.linalg.norm(surface.face_crosses, axis=1)[:, None]
+    lengths = _lengths(np.roll(corners, -1, axis=1) - corners)
+    double_area = _lengths(surface.face_crosses)[:, None]
     return np.divide(double_area, lengths, out=np.zeros_like(lengths), where=lengths > 0), lengths
 
 
@@ -438,7 +445,7 @@ def _corner_angles(surface: Surface) -> NDArray[np.float64]:
     corners = surface.triangles
     onward = np.roll(corners, -1, axis=1) - corners
     backward = np.roll(corners, 1, axis=1) - corners
-    sine = np.linalg.norm(np.cross(onward, backward), axis=2)
+    sine = _lengths(np.cross(onward, backward))
     return np.arctan2(sine, np.einsum("fkd,fkd->fk", onward, backward))
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,6 +110,31 @@ class RayCaster:
         hits, _ = self._cast(origins, directions)
         return hits
 
+    def first_faces(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+        """Cast rays and give the face that each meets first: `first_hits` of those that hit.
+
+        Parameters
+        ----------
+        origins, directions : numpy.ndarray
+            Shape (n, 3) each; the frame and unit of the surface's vertices.
+
+        Returns
+        -------
+        rays : numpy.ndarray
+            Shape (k,), int64: the rays that meet the surface, ascending.
+        faces : numpy.ndarray
+            Shape (k,), int64: the face that each meets.
+        barycentric : numpy.ndarray
+            Shape (k, 2), float64, as in `Hits`.
+        """
+        answer = self._embree(origins, directions)
+        faces = answer["primitive_ids"].numpy()
+        rays = np.flatnonzero(faces != self._miss)
+        barycentric = answer["primitive_uvs"].numpy().take(rays, axis=0)
+        return rays, faces.take(rays).astype(np.int64), barycentric.astype(np.float64)
+
     def settled_hits(
         self,
         origins: NDArray[np.float64],
@@ -171,10 +197,7 @@ class RayCaster:
     def _cast(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[Hits, NDArray[np.bool_]]:
-        rays = np.zeros((len(origins), 6), dtype=np.float32)
-        rays[:, :3] = origins
-        rays[:, 3:] = directions
-        answer = self._scene.cast_rays(self._tensor(rays))
+        answer = self._embree(origins, directions)
         faces = answer["primitive_ids"].numpy()
         hit = faces != self._miss
         faces = faces.astype(np.int64)
@@ -192,6 +215,17 @@ class RayCaster:
         doubtful = hit & (least_weight * np.abs(along) < planes[:, 4] * length)
         hits = Hits(distance, faces, weights.astype(np.float64))
         return hits, doubtful
+
+    def _embree(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> dict[str, Any]:
+        rays = np.empty((len(origins), 6), dtype=np.float32)
+        # Column by column, for inner loops of three are slow.
+        for axis in range(3):
+            rays[:, axis] = origins[:, axis]
+            rays[:, 3 + axis] = directions[:, axis]
+        answer: dict[str, Any] = self._scene.cast_rays(self._tensor(rays))
+        return answer
 
     def _settle(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64], first: Hits

@@ -61,12 +61,12 @@ def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> NDArray[n
     perimeter = _perimeter_directions()
     for start in range(0, len(poses), step):
         part = poses[start : start + step]
+        # Component by component, so that NumPy's inner loops run along the rays.
         directions = (
-            perimeter[:, 0, None] * part.columns[:, None, :]
-            + perimeter[:, 1, None] * part.rows[:, None, :]
-        ).reshape(-1, 3)
-        origins = np.repeat(part.points + height * part.normals, PERIMETER_RAYS, axis=0)
-        distances = caster.first_hits(origins, directions).distance
+            perimeter[:, 0] * part.columns.T[:, :, None] + perimeter[:, 1] * part.rows.T[:, :, None]
+        )
+        origins = np.repeat((part.points + height * part.normals).T, PERIMETER_RAYS, axis=1)
+        distances = caster.first_hits(origins.T, directions.reshape(3, -1).T).distance
         free[start : start + step] = distances.reshape(-1, PERIMETER_RAYS).min(axis=1)
     return free
 

@@ -180,12 +180,14 @@ def smooth_normals(
 def _rays(
     poses: Poses, sizes: NDArray[np.float64], lifts: NDArray[np.float64], resolution: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    # Component by component, so that NumPy's inner loops run along the rays.
     reach = 0.5 * sizes[:, None] * sensing_offsets(resolution)
-    centres = poses.points + lifts[:, None] * poses.normals
-    along_rows = centres[:, None, :] + reach[:, :, None] * poses.rows[:, None, :]
-    along_columns = reach[:, :, None] * poses.columns[:, None, :]
-    origins = (along_rows[:, :, None, :] + along_columns[:, None, :, :]).reshape(-1, 3)
-    return origins, np.repeat(-poses.normals, resolution**2, axis=0)
+    centres = (poses.points + lifts[:, None] * poses.normals).T
+    along_rows = centres[:, :, None] + reach * poses.rows.T[:, :, None]
+    along_columns = reach * poses.columns.T[:, :, None]
+    origins = along_rows[:, :, :, None] + along_columns[:, :, None, :]
+    directions = np.repeat(-poses.normals.T, resolution**2, axis=1)
+    return origins.reshape(3, -1).T, directions.T
 
 
 def _falls_between(distances: NDArray[np.float64], drop: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -1,0 +1,127 @@
+"""What a view costs on one core from mesh to fixations, and what an imprint at a fixation costs.
+
+Run it as ``python -m benchmarks.looking``. Beside each stands what Open3D takes to cast the same
+rays, all of them ready made. All take turns in every round; figures are medians over the rounds,
+averaged over the objects.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from visuohaptic.attention import AttentionParameters, attend
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.rendering import Views, render_views
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import read_surface
+from visuohaptic.meshes.preparing import normalise
+from visuohaptic.scene.parameters import Scene
+from visuohaptic.sensor import SensorParameters, touch
+from visuohaptic.sensor.imprints import sensing_offsets, stand_on
+
+MESHES = Path(__file__).parent.parent / "meshes" / "paper"
+CAMERAS = place_cameras(ViewpointParameters())
+RENDERING = RenderingParameters()
+ATTENTION = AttentionParameters()
+SENSOR = SensorParameters()
+
+
+def run(rounds: int = 7) -> dict[str, object]:
+    """Time views and imprints of the twelve objects that the repository carries.
+
+    Parameters
+    ----------
+    rounds : int
+        How often each contestant runs on each object.
+
+    Returns
+    -------
+    dict of str to object
+        ``view_ms``: rendering and attention, their sum, and the bare cast of a view's rays;
+        ``imprint_ms``: an imprint and the bare cast of its rays; and the ratio of each two.
+    """
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        with threadpool_limits(1):
+            measured = [_measure(path, rounds) for path in sorted(MESHES.rglob("*.ply.gz"))]
+    finally:
+        cv2.setNumThreads(threads)
+    mean = {name: float(np.mean([one[name] for one in measured])) for name in measured[0]}
+    view = mean["rendering"] + mean["attention"]
+    imprint, bare_imprint = mean.pop("imprint"), mean.pop("bare imprint")
+    return {
+        "view_ms": mean | {"mesh to fixations": view},
+        "view over bare cast": view / mean["bare cast"],
+        "imprint_ms": {"imprint": imprint, "bare cast": bare_imprint},
+        "imprint over bare cast": imprint / bare_imprint,
+    }
+
+
+def _measure(path: Path, rounds: int) -> dict[str, float]:
+    """Give the median milliseconds a view or imprint of one object."""
+    caster = RayCaster(normalise(read_surface(path), path.name))
+    views = render_views(caster, CAMERAS, RENDERING)
+    paths = [one.scanpath for one in _attend(views)]
+    points = np.concatenate([path.points for path in paths])
+    normals = np.concatenate([path.normals for path in paths])
+    of_views = [_bare_cast(caster, *camera.rays(RENDERING.resolution)) for camera in CAMERAS]
+    of_imprints = _bare_cast(caster, *_sensing_rays(caster, points, normals))
+    contestants: dict[str, tuple[Callable[[], object], int]] = {
+        "rendering": (lambda: render_views(caster, CAMERAS, RENDERING), len(CAMERAS)),
+        "attention": (lambda: _attend(views), len(CAMERAS)),
+        "bare cast": (lambda: [cast() for cast in of_views], len(CAMERAS)),
+        "imprint": (lambda: touch(caster, points, normals, SENSOR, Scene()), len(points)),
+        "bare imprint": (of_imprints, len(points)),
+    }
+    seconds: dict[str, list[float]] = {name: [] for name in contestants}
+    for _ in range(rounds):
+        for name, (contestant, count) in contestants.items():
+            started = time.perf_counter()
+            contestant()
+            seconds[name].append((time.perf_counter() - started) / count)
+    return {name: 1e3 * float(np.median(taken)) for name, taken in seconds.items()}
+
+
+def _attend(views: Views) -> list:
+    return attend(
+        views.colour,
+        views.mask,
+        views.point,
+        views.normal,
+        views.face,
+        views.curvature,
+        ATTENTION,
+    )
+
+
+def _bare_cast(
+    caster: RayCaster, origins: np.ndarray, directions: np.ndarray
+) -> Callable[[], object]:
+    rays = caster._tensor(np.concatenate([origins, directions], axis=1).astype(np.float32))
+    return lambda: caster._scene.cast_rays(rays)
+
+
+def _sensing_rays(
+    caster: RayCaster, points: np.ndarray, normals: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Give the rays of the largest sensor at each point."""
+    poses = stand_on(points, normals)
+    offsets = 0.5 * SENSOR.largest_size * sensing_offsets(SENSOR.resolution)
+    starts = (points + caster.reach * normals)[:, None, None]
+    starts = starts + offsets[:, None, None] * poses.rows[:, None, None]
+    starts = starts + offsets[:, None] * poses.columns[:, None, None]
+    return starts.reshape(-1, 3), np.repeat(-normals, SENSOR.resolution**2, axis=0)
+
+
+if __name__ == "__main__":
+    for name, figure in run().items():
+        for part, value in figure.items() if isinstance(figure, dict) else [("", figure)]:
+            print(f"{f'{name} {part}':34}{value:8.3f}")
