@@ -42,7 +42,11 @@ onstart:
 
 
 onsuccess:
-    name_objects_set_aside()
+    say_results()
+
+
+onerror:
+    end_if_stopped()
 
 
 rule all:

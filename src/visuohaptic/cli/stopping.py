@@ -65,7 +65,7 @@ class Stop:
     def receive(self, _signal: int, frame: FrameType | None) -> None:
         """Stop, or come again where an import is under way."""
         self.asked = True
-        if _is_importing(frame):
+        if is_importing(frame):
             self._come_again(_SECONDS_TO_IMPORT)
             return
         self._come_again(_SECONDS_TO_CLEAN_UP)
@@ -83,7 +83,8 @@ class Stop:
         signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
-def _is_importing(frame: FrameType | None) -> bool:
+def is_importing(frame: FrameType | None) -> bool:
+    """Whether a frame, or one that called it, is importing a module."""
     while frame is not None:
         if frame.f_code.co_filename == _IMPORT:
             return True
