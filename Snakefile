@@ -31,6 +31,7 @@ include: "workflow/rules/studies.smk"
 include: "workflow/rules/report.smk"
 
 
+leave_kept_studies()
 check_folder()
 
 

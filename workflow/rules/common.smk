@@ -2,6 +2,7 @@
 
 import os
 import sys
+from functools import cache
 from pathlib import Path
 
 SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")]
@@ -161,6 +162,7 @@ def all_cores(wildcards):
 VALUES_OF_RULES = {}
 
 
+@cache
 def planned_jobs():
     """List the jobs of all rules that today's parameters and objects ask for."""
     values = {
@@ -183,7 +185,13 @@ def check_folder():
     elif is_claimed_by_another():
         return
     save_memory(IMPORTS)
-    judged = judge_brought_files(planned_jobs())
+    judged = judge_brought_files(
+        [
+            job
+            for job in planned_jobs()
+            if not any(belongs_to(job, study) for study in KEPT_STUDIES)
+        ]
+    )
     if judged.outdated:
         print(
             f"{len(judged.outdated)} jobs have files that were brought here and made with other "

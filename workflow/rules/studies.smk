@@ -5,16 +5,16 @@ studies/<study>.yaml; gives results/study_features/<study>/ (what conditions sha
 results/study_blocks/<study>/ (some conditions a job), results/studies/<study>.parquet and reports/studies/<study>.json.
 Studies `cost` and `curves` also give results/cost.parquet and results/touches_needed.parquet; what effects cost
 is in results/effect_influence.parquet. None is part of `all`: `snakemake -j2 study_<study>` makes it (of those of
-the package also `cost_all`, `curves_all`, `ablations_all`, `effects_all`); once present it is kept up to date and
-shown in the report.
+the package also `cost_all`, `curves_all`, `ablations_all`, `effects_all`) and writes the report; later runs keep it up
+to date, or leave it as it is (`workflow.keep_studies_current`).
 """
 
-STUDY_FIGURES = expand("results/studies/{study}.parquet", study=STUDIES)
-SPECIAL_FIGURES = [
-    "results/cost.parquet",
-    "results/touches_needed.parquet",
-    "results/effect_influence.parquet",
-]
+STUDY_FIGURES = {f"results/studies/{study}.parquet": study for study in STUDIES}
+SPECIAL_FIGURES = {
+    "results/cost.parquet": "cost",
+    "results/touches_needed.parquet": "curves",
+    "results/effect_influence.parquet": "effects",
+}
 MESHES = expand("results/meshes/{object}.ply", object=OBJECTS)
 # A few objects, spread over all, are enough to measure run times.
 COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
@@ -31,7 +31,7 @@ RUN = PARAMETERS.model_dump(
 
 
 wildcard_constraints:
-    study="[a-z][a-z0-9_]*",
+    study="|".join(sorted(set(STUDIES) - KEPT_STUDIES)) or "(?!)",
     key="[0-9a-f]+",
     block=r"\d+-\d+",
 
@@ -46,6 +46,7 @@ for study in STUDIES:
             f"reports/studies/{study}.json",
             # By name, so that a lost block is missed although its figures are there.
             study_blocks(study),
+            report_of_study,
 
 
 rule cost_all:

@@ -65,7 +65,7 @@ class Stop:
     def receive(self, _signal: int, frame: FrameType | None) -> None:
         """Stop, or come again where an import is under way."""
         self.asked = True
-        if is_importing(frame):
+        if _is_importing(frame):
             self._come_again(_SECONDS_TO_IMPORT)
             return
         self._come_again(_SECONDS_TO_CLEAN_UP)
@@ -83,8 +83,7 @@ class Stop:
         signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
-def is_importing(frame: FrameType | None) -> bool:
-    """Whether a frame, or one that called it, is importing a module."""
+def _is_importing(frame: FrameType | None) -> bool:
     while frame is not None:
         if frame.f_code.co_filename == _IMPORT:
             return True

@@ -35,8 +35,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import NoReturn
 
-from visuohaptic.cli.stopping import STOPPED
-from visuohaptic_workflow.stopping import interrupt_once, is_interrupted
+from visuohaptic_workflow.stopping import STOPPED, interrupt_once, is_interrupted
 from visuohaptic_workflow.warm_start import STARTED, THREADS, is_of_this_user, mount_namespace
 
 PACKAGES = ("visuohaptic", "visuohaptic_workflow")

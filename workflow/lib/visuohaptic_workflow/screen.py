@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
-from visuohaptic.cli.stopping import STOPPED
-from visuohaptic_workflow.stopping import CLEAR_LINE, end_at_ctrl_c
+from visuohaptic_workflow.stopping import CLEAR_LINE, STOPPED, end_at_ctrl_c
 
 NEXT = """\
 What else can be asked, after `source .venv/bin/activate`:

@@ -10,11 +10,13 @@ import warnings
 from types import FrameType
 from typing import NoReturn
 
-from visuohaptic.cli.stopping import STOPPED, is_importing
+STOPPED = 130
+"""Status of a run that the user stopped, as shells have it: 128 + SIGINT."""
 
 CLEAR_LINE = "\r\033[K"
 """What a terminal needs before a line that may follow a progress bar."""
 
+_IMPORT = "<frozen importlib._bootstrap>"
 _SECONDS_TO_IMPORT = 0.01
 
 
@@ -67,7 +69,7 @@ class _Stop:
             clear = CLEAR_LINE if sys.stderr.isatty() else ""
             os.write(2, f"{clear}stopped; the same command continues.\n".encode())
         # Libraries import others inside `except BaseException`, which would swallow the stop.
-        if is_importing(frame):
+        if _is_importing(frame):
             signal.signal(signal.SIGALRM, self)
             signal.setitimer(signal.ITIMER_REAL, _SECONDS_TO_IMPORT)
             return
@@ -79,4 +81,12 @@ def _end() -> NoReturn:
 
 
 def _drop(_: logging.LogRecord) -> bool:
+    return False
+
+
+def _is_importing(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename == _IMPORT:
+            return True
+        frame = frame.f_back
     return False
