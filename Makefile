@@ -11,12 +11,13 @@ VENV := .venv
 PACKAGES := $(VENV)/.packages
 READY := $(VENV)/.ready
 DEVELOP := $(VENV)/.ready-to-develop
+# Snakemake with a short screen; its log is in a file.
+RUN := $(VENV)/bin/python -P -m visuohaptic_workflow.screen
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/workflow/lib
 
 report: $(READY)
-	snakemake --cores $(JOBS)
-	@echo "The report is at reports/report.html."
+	@$(RUN) --cores $(JOBS)
 
 # The quick loop: under a minute on two cores.
 check: lint
@@ -32,7 +33,7 @@ test-hard: $(DEVELOP)
 	python -m benchmarks.precision reports/precision.json
 
 meshes: $(READY)
-	snakemake --cores $(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
 
 bench: $(DEVELOP)
 	python -m benchmarks

@@ -32,6 +32,7 @@ include: "workflow/rules/studies.smk"
 include: "workflow/rules/report.smk"
 
 
+leave_kept_studies()
 check_folder()
 
 
@@ -43,8 +44,11 @@ onstart:
 
 
 onsuccess:
-    name_objects_set_aside()
-    name_broken_tolerances()
+    say_results()
+
+
+onerror:
+    end_if_stopped()
 
 
 rule all:

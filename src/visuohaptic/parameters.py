@@ -31,7 +31,7 @@ IMPRINT_MULTIPLE = 8
 
 
 class WorkflowParameters(BaseModel):
-    """How the work is divided into jobs; no result depends on it."""
+    """How the work is divided into jobs, and what is kept current; no result depends on it."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -44,6 +44,11 @@ class WorkflowParameters(BaseModel):
     warm_starts: bool = Field(
         True,  # noqa: FBT003 - a field's default
         description="Whether local jobs are forks of one process that has imported what they need (Linux)",
+    )
+    keep_studies_current: bool = Field(
+        True,  # noqa: FBT003 - a field's default
+        description="Whether a run without a target measures studies again that were measured once; "
+        "if not, the report says which of them are of an earlier state",
     )
 
 

@@ -118,7 +118,7 @@ def test_the_books_of_the_effects_read_as_one_table(finished):
 
 def test_accuracy_by_effect_is_measured_on_request_and_then_kept(experiment):
     experiment.snakemake("effects_all")
-    assert experiment.planned() == {"report": 1}
+    assert experiment.planned() == {}
     experiment.set(sensor={"largest_size": 0.25})
     planned = experiment.planned()
     assert planned["effect_influence"] == 1

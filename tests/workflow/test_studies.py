@@ -1,5 +1,7 @@
 """A user's own study is one file and one command, and only what is unfinished runs again."""
 
+import shutil
+
 import pyarrow.parquet as pq
 import pytest
 import yaml
@@ -18,6 +20,7 @@ MINE = {
         "penalty 2": {"recognition.classifier.svm_penalty": 2.0},
     },
 }
+EARLIER = "was measured with an earlier state"
 FIGURES = "results/studies/mine.parquet"
 
 
@@ -71,13 +74,43 @@ def test_the_run_itself_has_the_accuracy_of_its_metrics(studied):
         assert found == pytest.approx(figures["mean"], abs=1e-5)
 
 
-def test_only_the_report_follows_and_then_nothing(studied, tmp_path):
-    experiment = studied.copy(tmp_path / "experiment")
-    assert planned(experiment) == {}
-    assert experiment.planned() == {"report": 1}
-    experiment.snakemake()
-    page = (experiment.folder / "reports/report.html").read_text()
+def test_the_report_shows_it_after_the_same_call_and_nothing_is_left_to_do(studied):
+    page = (studied.folder / "reports/report.html").read_text()
     assert "Does &lt;b&gt;it&lt;/b&gt; matter?" in page
+    assert planned(studied) == {}
+    assert studied.planned() == {}
+
+
+def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, tmp_path):
+    experiment = studied.copy(tmp_path / "experiment")
+    figures, page = (experiment.folder / file for file in (FIGURES, "reports/report.html"))
+    measured = figures.read_bytes()
+    experiment.set(workflow={"keep_studies_current": False})
+    experiment.snakemake()
+    assert EARLIER not in page.read_text()
+    experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
+    assert experiment.planned() == {"recognition": 2, "metrics": 1, "report": 1}
+    experiment.snakemake()
+    assert figures.read_bytes() == measured
+    assert page.read_text().count(EARLIER) == 2  # among the warnings, and in its section
+    assert experiment.planned() == {}
+    # Asked for by name it is measured again, and the report follows.
+    assert planned(experiment)["block_of_study"] == 3
+    experiment.snakemake("--", "study_mine")
+    assert figures.read_bytes() != measured
+    assert EARLIER not in page.read_text()
+    assert experiment.planned() == {}
+
+
+def test_a_study_that_was_brought_here_and_is_of_an_earlier_state_is_named(studied, tmp_path):
+    experiment = studied.copy(tmp_path / "experiment")
+    figures = experiment.folder / FIGURES
+    measured = figures.read_bytes()
+    shutil.rmtree(experiment.folder / ".snakemake")
+    experiment.set(workflow={"keep_studies_current": False}, sensor={"largest_size": 0.25})
+    experiment.snakemake()
+    assert figures.read_bytes() == measured
+    assert EARLIER in (experiment.folder / "reports/report.html").read_text()
     assert experiment.planned() == {}
 
 
@@ -86,7 +119,7 @@ def test_a_lost_block_alone_is_measured_again(studied, tmp_path):
     blocks = sorted((experiment.folder / "results/study_blocks/mine").glob("*.parquet"))
     assert len(blocks) == 3
     blocks[1].unlink()
-    assert planned(experiment) == {"block_of_study": 1, "figures_of_study": 1}
+    assert planned(experiment) == {"block_of_study": 1, "figures_of_study": 1, "report": 1}
 
 
 def test_an_added_condition_remakes_only_its_own_features(studied, tmp_path):
@@ -99,9 +132,10 @@ def test_an_added_condition_remakes_only_its_own_features(studied, tmp_path):
 def test_a_changed_parameter_of_the_run_reruns_what_depends_on_it(studied, tmp_path):
     experiment = studied.copy(tmp_path / "experiment")
     experiment.set(recognition={"intervals": {"confidence": 0.9}})
-    assert planned(experiment) == {"figures_of_study": 1}
+    assert planned(experiment) == {"figures_of_study": 1, "metrics": 1, "report": 1}
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    assert planned(experiment) == {"block_of_study": 3, "figures_of_study": 1}
+    follows = {"recognition": 2, "metrics": 1, "report": 1}
+    assert planned(experiment) == {"block_of_study": 3, "figures_of_study": 1, **follows}
 
 
 @pytest.mark.parametrize(
@@ -128,12 +162,15 @@ def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
     experiment = repository.copy(tmp_path / "experiment")
     write(experiment, {**MINE, "conditions": {"penalty 2": MINE["conditions"]["penalty 2"]}})
     experiment.snakemake("--", "study_mine")
+    assert "report.html" in experiment.run("dvc", "status").stdout
+    experiment.run("dvc", "commit", "--force")
     assert "up to date" in experiment.run("dvc", "status").stdout
     pipeline = experiment.folder / "studies/dvc.yaml"
     pipeline.write_text(pipeline.read_text().replace("own: []", "own: [mine]"))
     assert "own@mine" in experiment.run("dvc", "status").stdout
     experiment.run("dvc", "repro", "studies/dvc.yaml")
-    assert planned(experiment) == {}
+    # The report is another stage's.
+    assert planned(experiment) == {"report": 1}
     assert "up to date" in experiment.run("dvc", "status").stdout
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
     assert "own@mine" in experiment.run("dvc", "status").stdout

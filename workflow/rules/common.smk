@@ -2,10 +2,18 @@
 
 import os
 import sys
+from functools import cache
 from pathlib import Path
 
 SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")]
 sys.path[:0] = map(str, SOURCES)
+
+from visuohaptic_workflow.stopping import end_at_ctrl_c, end_if_stopped
+
+# What a workflow that uses this one as a module does at Ctrl-C is its own choice.
+IS_MAIN = Path(workflow.main_snakefile).parent == Path(workflow.basedir)
+if IS_MAIN and workflow.is_main_process:
+    end_at_ctrl_c()
 
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.meshes.catalogue import (
@@ -21,6 +29,11 @@ from visuohaptic.parameters import (
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic_workflow.brought_files import judge_brought_files
+from visuohaptic_workflow.closing import (
+    describe_results,
+    objects_left_out,
+    tolerances_exceeded,
+)
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.one_run import (
@@ -37,7 +50,7 @@ load_memory(IMPORTS)
 
 # Snakemake imports pandas, for half a second, to look for data frames among parameters; here are
 # none. A workflow that uses this one as a module may have some.
-if Path(workflow.main_snakefile).parent == Path(workflow.basedir):
+if IS_MAIN:
     sys.modules.setdefault("pandas", None)
 
 
@@ -158,6 +171,7 @@ def all_cores(wildcards):
 VALUES_OF_RULES = {}
 
 
+@cache
 def planned_jobs():
     """List the jobs of all rules that today's parameters and objects ask for."""
     values = {
@@ -180,7 +194,13 @@ def check_folder():
     elif is_claimed_by_another():
         return
     save_memory(IMPORTS)
-    judged = judge_brought_files(planned_jobs())
+    judged = judge_brought_files(
+        [
+            job
+            for job in planned_jobs()
+            if not any(belongs_to(job, study) for study in KEPT_STUDIES)
+        ]
+    )
     if judged.outdated:
         print(
             f"{len(judged.outdated)} jobs have files that were brought here and made with other "
@@ -201,24 +221,15 @@ def prune():
     prune_files(planned_jobs(), ["results", "logs"])
 
 
-def name_objects_set_aside():
-    """Say at the end of a run which own objects can't be used, and why."""
-    from visuohaptic.geometry.surface import set_aside_reason
-
-    for key in OWN:
-        mesh = Path(f"results/meshes/{key}.ply")
-        if mesh.exists() and (reason := set_aside_reason(mesh)):
-            print(f"{key} was left out: {reason}", file=sys.stderr)
-
-
-def name_broken_tolerances():
-    """Say at the end of a run which tolerances of hard cases were exceeded, and on which object."""
-    from visuohaptic.stability.rows import broken_tolerances
-
-    files = ["results/stability.parquet"]
-    files += [f"results/stability/{key}.parquet" for key in OBJECTS]
-    for sentence in broken_tolerances(file for file in files if Path(file).exists()):
-        print(f"warning: {sentence}", file=sys.stderr)
+def say_results():
+    """Say at the end of a run what was left out, and what the report holds if it was written."""
+    if "--logger" in sys.argv:  # it says so itself
+        return
+    lines = [*objects_left_out(), *tolerances_exceeded()]
+    if any(job.rule.name == "report" for job in workflow.dag.finished_jobs):
+        lines += describe_results()
+    for line in lines:
+        print(line, file=sys.stderr)
 
 
 def start_local_jobs_at_once():

@@ -64,15 +64,14 @@ rule report:
             "results/stability.parquet",
             *expand("results/stability/{object}.parquet", object=OBJECTS),
         ],
-        # Not part of `all`; once present they are kept up to date and shown in the report.
+        # Not part of `all`; once present they are shown in the report.
         measured=[
-            file
-            for file in [
-                *STUDY_FIGURES,
-                *SPECIAL_FIGURES,
-                *CHECKS_AND_BENCHMARKS,
-            ]
-            if Path(file).exists()
+            *(
+                file
+                for file, study in {**STUDY_FIGURES, **SPECIAL_FIGURES}.items()
+                if is_shown(file, study)
+            ),
+            *(file for file in CHECKS_AND_BENCHMARKS if Path(file).exists()),
         ],
         credits=CREDITS,
         code=[*code_of("report.py"), *TEMPLATES],
@@ -87,6 +86,7 @@ rule report:
     params:
         parameters=PARAMETERS.model_dump(),
         objects=OBJECTS,
+        studies=shown_studies,
         # Read if they exist; else the section is left out.
         optional={
             "logs": "logs",

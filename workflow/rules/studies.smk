@@ -6,14 +6,15 @@ results/study_blocks/<study>/ (some conditions a job), results/studies/<study>.p
 Studies `cost` and `curves` also give results/cost.parquet and results/touches_needed.parquet. Study `frontier`, which
 gives results/frontier.parquet, and what effects cost, results/effect_influence.parquet, are part of `all`. The others
 are not: `snakemake -j2 study_<study>` makes one (of those of the package also `cost_all`, `curves_all`,
-`ablations_all`, `effects_all`); once present it is kept up to date and shown in the report.
+`ablations_all`, `effects_all`) and writes the report; later runs keep it up to date, or leave it as it is
+(`workflow.keep_studies_current`).
 """
 
-STUDY_FIGURES = expand("results/studies/{study}.parquet", study=STUDIES)
-SPECIAL_FIGURES = [
-    "results/cost.parquet",
-    "results/touches_needed.parquet",
-]
+STUDY_FIGURES = {f"results/studies/{study}.parquet": study for study in STUDIES}
+SPECIAL_FIGURES = {
+    "results/cost.parquet": "cost",
+    "results/touches_needed.parquet": "curves",
+}
 MESHES = expand("results/meshes/{object}.ply", object=OBJECTS)
 # A few objects, spread over all, are enough to measure run times.
 COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
@@ -30,8 +31,8 @@ RUN = PARAMETERS.model_dump(
 
 
 wildcard_constraints:
-    weighed="frontier|cost",
-    study="[a-z][a-z0-9_]*",
+    weighed="|".join({"frontier", "cost"} - KEPT_STUDIES),
+    study="|".join(sorted(set(STUDIES) - KEPT_STUDIES)) or "(?!)",
     key="[0-9a-f]+",
     block=r"\d+-\d+",
 
@@ -46,6 +47,7 @@ for study in STUDIES:
             f"reports/studies/{study}.json",
             # By name, so that a lost block is missed although its figures are there.
             study_blocks(study),
+            report_of_study,
 
 
 rule frontier_all:
@@ -232,7 +234,9 @@ rule cost_seconds:
         remade=all_keys,
         parameters={
             **RUN,
-            "cost": PARAMETERS.cost.model_dump(exclude={"touch_seconds", "look_seconds"}),
+            "cost": PARAMETERS.cost.model_dump(
+                exclude={"touch_seconds", "look_seconds"}
+            ),
         },
     message:
         "timing all settings of study {wildcards.weighed} side by side"

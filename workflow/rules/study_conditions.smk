@@ -6,6 +6,12 @@ from visuohaptic.studies.conditions import (
     plan_study,
 )
 from visuohaptic.studies.declared import declared_studies, make_blocks
+from visuohaptic_workflow.kept_studies import (
+    RULES_OF_STUDY,
+    belongs_to,
+    expected_records,
+    studies_asked_for,
+)
 
 STUDIES = or_stop(
     declared_studies,
@@ -22,6 +28,18 @@ PLANS = {
 BLOCKS = {
     name: make_blocks(plan, PARAMETERS.workflow.conditions_per_job)
     for name, plan in PLANS.items()
+}
+
+ASKED_STUDIES = studies_asked_for(sys.argv[1:], STUDIES)
+# Measured once, and left as they are: no rule makes them in this run.
+KEPT_STUDIES = {
+    name
+    for name in STUDIES
+    if workflow.is_main_process
+    and name != "frontier"
+    and not PARAMETERS.workflow.keep_studies_current
+    and name not in ASKED_STUDIES
+    and Path(f"results/studies/{name}.parquet").exists()
 }
 
 VALUES_OF_RULES["features_of_study"] = [
@@ -139,3 +157,36 @@ def weighed_blocks(wildcards):
 def cores_for_timing(wildcards):
     """Give one core to the frontier, which is small and part of every run, and all to a whole study."""
     return 1 if wildcards.weighed == "frontier" else all_cores(wildcards)
+
+
+def is_shown(file, study):
+    """Whether the report shows a file of a study: one that exists, or that this run makes."""
+    is_made = study in ASKED_STUDIES and (
+        file.startswith("results/studies/") or f"{study}_all" in sys.argv
+    )
+    return is_made or Path(file).exists()
+
+
+def shown_studies(wildcards):
+    """Say by which records the report knows that a study is of today's state."""
+    return {
+        name: {
+            "figures": f"results/studies/{name}.parquet",
+            "records": expected_records(planned_jobs(), name),
+        }
+        for name in STUDIES
+        if is_shown(f"results/studies/{name}.parquet", name)
+    }
+
+
+def leave_kept_studies():
+    """Let no rule make what is kept; Snakemake then takes its files as they are."""
+    planned_jobs()  # of which records and logs stay
+    for study in KEPT_STUDIES:
+        for name in RULES_OF_STUDY.get(study, ()):
+            workflow._rules.pop(name)
+
+
+def report_of_study(wildcards):
+    """List the report, which shows a study; in DVC it has a stage of its own."""
+    return [] if "DVC_STAGE" in os.environ else rules.report_all.input

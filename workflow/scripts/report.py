@@ -4,6 +4,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
 from visuohaptic_workflow.jobs import job
+from visuohaptic_workflow.kept_studies import find_earlier_studies
 
 with job(snakemake):
     make_report(
@@ -17,6 +18,7 @@ with job(snakemake):
             effects=snakemake.input.effects,
             meshes=snakemake.input.meshes,
             credits=snakemake.input.credits,
+            earlier_studies=find_earlier_studies(snakemake.params.studies),
             **snakemake.params.optional,
         ),
         output=snakemake.output[0],

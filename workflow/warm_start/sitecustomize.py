@@ -4,6 +4,7 @@ Python imports a module of this name at its start. Only the workflow puts this f
 for the processes that it starts. If no server takes the script, it starts as a normal process.
 """
 
+import _signal  # `signal` itself takes a millisecond
 import os
 import sys
 
@@ -20,6 +21,8 @@ def _start_warm() -> None:
 
 # Without pathlib, whose import would cost every start some milliseconds.
 if len(sys.orig_argv) == 2 and os.path.dirname(sys.orig_argv[1]).endswith(_SCRIPTS):
+    # An interrupt ends this process without a traceback; `jobs.job` lets a script tidy up.
+    _signal.signal(_signal.SIGINT, _signal.SIG_DFL)
     _start_warm()
 
 # Import the sitecustomize that this one shadows.

@@ -10,6 +10,13 @@ from visuohaptic.report.stability import describe_checks
 from visuohaptic.report.wording import counted, listed
 from visuohaptic.tables.phases import key_of
 
+_SECTION_OF_STUDY = {
+    "ablations": "ablations",
+    "cost": "cost",
+    "curves": "touches_needed",
+    "effects": "influence",
+}
+
 
 def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
     """List in sentences what was left out, fell short or failed."""
@@ -19,8 +26,37 @@ def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
         *_unfitted_classifiers(run),
         *_missing_models(run),
         *_broken_tolerances(run),
+        *(earlier_study(run, name) for name in sorted(run.files.earlier_studies)),
         *_failed_jobs(seconds),
     ]
+
+
+def earlier_by_section(run: Run) -> dict[str, list[str]]:
+    """Give the sentences about studies of an earlier state by the section that shows them.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+
+    Returns
+    -------
+    dict of str to list of str
+        By the section's name.
+    """
+    found: dict[str, list[str]] = {}
+    for name in sorted(run.files.earlier_studies):
+        section = _SECTION_OF_STUDY.get(name, "studies")
+        found.setdefault(section, []).append(earlier_study(run, name))
+    return found
+
+
+def earlier_study(run: Run, name: str) -> str:
+    """Say that a study does not belong to the state that the rest of the page shows."""
+    return (
+        f"Study {name} was measured with an earlier state of tables, parameters or code "
+        f"({run.files.earlier_studies[name]}): snakemake -j2 study_{name} measures it again."
+    )
 
 
 def _objects_left_out(run: Run) -> list[str]:

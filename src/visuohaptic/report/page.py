@@ -9,7 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
-from visuohaptic.report.cautions import find_warnings
+from visuohaptic.report.cautions import earlier_by_section, find_warnings
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import Track, describe_objects
 from visuohaptic.report.provenance import phase_seconds
@@ -41,6 +41,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         pages=context.pages,
         marks=_most_marks(context),
         warnings=find_warnings(run, seconds),
+        earlier=earlier_by_section(run),
         summary=summarise_run(run, context.pages, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),

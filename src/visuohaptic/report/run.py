@@ -61,6 +61,9 @@ class RunFiles:
         A folder within the source's checkout.
     extras : mapping of str to path
         Tables of studies that not every run has, by name.
+    earlier_studies : mapping of str
+        Studies that were measured with other tables, parameters or code than the run's, with the
+        date.
     """
 
     metrics: str | Path
@@ -75,6 +78,7 @@ class RunFiles:
     logs: str | Path | None = None
     checkout: str | Path = "."
     extras: Mapping[str, str | Path] = field(default_factory=dict)
+    earlier_studies: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,11 @@ def find_run(folder: str | Path) -> RunFolder:
     logs = folder / "logs"
     files = RunFiles(
         metrics=folder / METRICS,
-        **tables,
+        predictions=tables["predictions"],
+        views=tables["views"],
+        fixations=tables["fixations"],
+        touches=tables["touches"],
+        features=tables["features"],
         effects=effects,
         meshes=sorted((folder / "results/meshes").glob("*/*.ply")),
         credits=[folder / "meshes/catalogue.csv", folder / "meshes/paper/credits.csv"],

@@ -35,6 +35,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import NoReturn
 
+from visuohaptic_workflow.stopping import STOPPED, interrupt_once, is_interrupted
 from visuohaptic_workflow.warm_start import STARTED, THREADS, is_of_this_user, mount_namespace
 
 PACKAGES = ("visuohaptic", "visuohaptic_workflow")
@@ -246,7 +247,7 @@ def _run(
         for file in not_its_own:
             os.close(file)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        signal.signal(signal.SIGINT, _interrupt_once)
+        signal.signal(signal.SIGINT, interrupt_once)
         for number, file in enumerate(request.files):
             os.dup2(file, number)
             os.close(file)
@@ -278,12 +279,6 @@ def _run(
         os._exit(status)
 
 
-def _interrupt_once(*_: object) -> NoReturn:
-    """Interrupt as Python does, but let what the script tidies up then come to its end."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    raise KeyboardInterrupt
-
-
 def _status_of(request: Request) -> int:
     """Run a script, and give the exit status that Python would end with."""
     try:
@@ -297,6 +292,8 @@ def _status_of(request: Request) -> int:
         sys.stderr.write(f"{stop.code}\n")
         return 1
     except BaseException as error:  # noqa: BLE001 - this is where Python itself would print it
+        if is_interrupted():
+            return STOPPED
         traceback.print_exception(error.with_traceback(_from_script_on(error.__traceback__)))
         return 1
     return 0
@@ -331,6 +328,7 @@ def main(listener: str) -> None:
     """Serve until standard input ends; see the module."""
     # Interrupts are for the scripts. Ended forks are reaped by the kernel.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     with socket.socket(fileno=int(listener)) as listening:
         ForkServer(listening, sys.stdin.fileno()).serve()

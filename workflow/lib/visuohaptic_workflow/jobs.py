@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import time
 import traceback
@@ -15,6 +16,7 @@ from visuohaptic.errors import VisuohapticError
 from visuohaptic.job_logs import SECONDS
 from visuohaptic_workflow.one_run import hold_job_lock
 from visuohaptic_workflow.records import write_record
+from visuohaptic_workflow.stopping import CLEAR_LINE, STOPPED, interrupt_once, is_interrupted
 
 
 def set_job_environment(*folders: str | Path) -> None:
@@ -51,8 +53,10 @@ def job(snakemake: Any) -> Iterator[None]:
     SystemExit
         With status 1, after any error. The sentence goes to standard error and
         the log; the log alone gets a traceback where the error was not foreseen.
+        With status 130 and nothing printed where the user stopped the run.
     """
     path = Path(snakemake.log[0])
+    _let_interrupts_tidy_up()
     hold_job_lock()
     path.parent.mkdir(parents=True, exist_ok=True)
     _keep_pandas_out()
@@ -61,14 +65,24 @@ def job(snakemake: Any) -> Iterator[None]:
     try:
         yield
         write_record(snakemake)
+    except KeyboardInterrupt:
+        raise SystemExit(STOPPED) from None
     except VisuohapticError as error:
         _end_with(path, f"error: {error}", "")
     except Exception as error:  # noqa: BLE001 - the job ends here, and says why
+        if is_interrupted():  # libraries turn an interrupt of their import into an error
+            raise SystemExit(STOPPED) from None
         _end_with(
             path, f"error: {type(error).__name__}: {error} (see {path})", traceback.format_exc()
         )
     work = time.time() - started
     path.write_text(f"done\n{SECONDS} imports {imports:.3f} work {work:.3f}\n", encoding="utf-8")
+
+
+def _let_interrupts_tidy_up() -> None:
+    """Raise KeyboardInterrupt at an interrupt, which until here ended the process at once."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
+        signal.signal(signal.SIGINT, interrupt_once)
 
 
 def _keep_pandas_out() -> None:
@@ -97,7 +111,8 @@ class _NoPandas:
 
 def _end_with(log: Path, sentence: str, details: str) -> None:
     log.write_text(f"{sentence}\n{details}", encoding="utf-8")
-    sys.stderr.write(f"{sentence}\n")
+    clear = CLEAR_LINE if sys.stderr.isatty() else ""
+    sys.stderr.write(f"{clear}{sentence}\n")
     raise SystemExit(1)
 
 

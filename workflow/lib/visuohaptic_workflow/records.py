@@ -64,13 +64,67 @@ def is_current(job: PlannedJob) -> bool:
     bool
         False also where a file or the record is missing, or the record can't be read.
     """
+    return fits_record(job.record, expected_record(job))
+
+
+def expected_record(job: PlannedJob) -> str:
+    """Sum up what a job's record would say, but for the contents of inputs and outputs.
+
+    Parameters
+    ----------
+    job : PlannedJob
+        The job.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+
+    Raises
+    ------
+    OSError
+        If a file of its code can't be read.
+    """
     outputs = [file for file in job.outputs if file != job.record]
+    return _sum_up(
+        {
+            "rule": job.name,
+            "params": job.params,
+            "code": _digest_of_code(job.code),
+            "inputs": sorted(set(job.inputs)),
+            "outputs": sorted(set(outputs)),
+        }
+    )
+
+
+def fits_record(path: str | Path, expected: str) -> bool:
+    """Whether a record says what is expected, and its files still have the contents it names.
+
+    Parameters
+    ----------
+    path : path
+        The record.
+    expected : str
+        What `expected_record` gave.
+
+    Returns
+    -------
+    bool
+        False also where a file or the record is missing, or the record can't be read.
+    """
     try:
-        kept = json.loads(Path(job.record).read_text(encoding="utf-8"))
-        now = _record(job.name, job.params, job.code, job.inputs, outputs)
-    except (OSError, ValueError):
+        kept = json.loads(Path(path).read_text(encoding="utf-8"))
+        files = {**kept["inputs"], **kept["outputs"]}
+        names = {part: sorted(kept[part]) for part in ("inputs", "outputs")}
+        if _sum_up({**kept, **names}) != expected:
+            return False
+        return all(digest(file) == found for file, found in files.items())
+    except (OSError, ValueError, KeyError, TypeError):
         return False
-    return bool(kept == json.loads(json.dumps(now)))
+
+
+def _sum_up(record: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
 
 
 def digest(path: str | Path) -> str:
@@ -109,6 +163,12 @@ def _digest_of_names(digests: Mapping[str, str]) -> str:
     return hashlib.sha256(json.dumps(digests, sort_keys=True).encode()).hexdigest()
 
 
+def _digest_of_code(code: Iterable[str]) -> str:
+    # The code's own folder does not count: the workflow may be run from another one.
+    names = sorted((Path(file).name, digest(file)) for file in code)
+    return hashlib.sha256(json.dumps(names).encode()).hexdigest()
+
+
 def _record(
     rule: str,
     params: Mapping[str, Any],
@@ -116,12 +176,10 @@ def _record(
     inputs: Iterable[str],
     outputs: Iterable[str],
 ) -> dict[str, Any]:
-    # The code's own folder does not count: the workflow may be run from another one.
-    names = sorted((Path(file).name, digest(file)) for file in code)
     return {
         "rule": rule,
         "params": params,
-        "code": hashlib.sha256(json.dumps(names).encode()).hexdigest(),
+        "code": _digest_of_code(code),
         "inputs": {str(file): digest(file) for file in inputs},
         "outputs": {str(file): digest(file) for file in outputs},
     }

@@ -55,6 +55,7 @@ def offer_warm_starts() -> None:
 
 
 def _start_server(address: str) -> Popen[bytes]:
+    import signal
     import socket
     import subprocess
 
@@ -62,13 +63,18 @@ def _start_server(address: str) -> Popen[bytes]:
         listener.bind(f"\0{address}")
         listener.listen()
         number = listener.fileno()
-        return subprocess.Popen(  # noqa: S603 - a module of this package
-            # Without -P it would import what happens to lie in this folder.
-            [sys.executable, "-P", "-m", "visuohaptic_workflow.fork_server", str(number)],
-            env={**os.environ, **dict.fromkeys(THREADS, "1")},
-            stdin=subprocess.PIPE,
-            pass_fds=[number],
-        )
+        # The server takes over this mask, until it is ready to ignore interrupts.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            return subprocess.Popen(  # noqa: S603 - a module of this package
+                # Without -P it would import what happens to lie in this folder.
+                [sys.executable, "-P", "-m", "visuohaptic_workflow.fork_server", str(number)],
+                env={**os.environ, **dict.fromkeys(THREADS, "1")},
+                stdin=subprocess.PIPE,
+                pass_fds=[number],
+            )
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _end_server(server: Popen[bytes]) -> None:

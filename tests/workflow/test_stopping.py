@@ -1,0 +1,122 @@
+"""Ctrl-C ends a run at any moment with one line, status 130 and nothing half written."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from workflow.conftest import Experiment
+from workflow.test_one_run import wait_for
+from workflow.walks import digests, make_experiment
+
+pytestmark = pytest.mark.workflow
+
+STOPPED = "stopped; the same command continues."
+PLAIN = ["snakemake", "-j2"]
+SCREEN = [sys.executable, "-P", "-m", "visuohaptic_workflow.screen", "-j2"]
+
+
+@pytest.fixture(scope="module")
+def fresh(tmp_path_factory):
+    """An experiment before anything has run; its scripts are stand-ins, which start as forks."""
+    folder = tmp_path_factory.mktemp("fresh") / "experiment"
+    make_experiment(folder)
+    experiment = Experiment(folder)
+    experiment.set(workflow={"warm_starts": True})
+    return experiment
+
+
+@pytest.fixture(scope="module")
+def finished(fresh, tmp_path_factory):
+    experiment = fresh.copy(tmp_path_factory.mktemp("finished") / "experiment")
+    experiment.snakemake()
+    return experiment
+
+
+def start(folder, command):
+    paths = os.pathsep.join(str(folder / part) for part in ("src", "workflow/lib"))
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("DVC_")}
+    environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
+    environment["PYTHONPATH"] = paths if command == SCREEN else ""
+    return subprocess.Popen(
+        command, cwd=folder, env=environment, start_new_session=True, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    )  # fmt: skip
+
+
+def is_anyone_left(session):
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            fields = (process / "stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[3]) == session and fields[0] != "Z":
+            return True
+    return False
+
+
+@pytest.mark.parametrize("command", [PLAIN, SCREEN], ids=["snakemake", "screen"])
+@pytest.mark.parametrize(
+    "sign",
+    [
+        ".snakemake/run.lock",
+        ".snakemake/locks/*",
+        "results/meshes/*/*.ply",
+        "results/touches/*/*/*.parquet",
+    ],
+)
+def test_ctrl_c_ends_with_one_line_and_the_same_command_continues(
+    fresh, finished, tmp_path, command, sign
+):
+    experiment = fresh.copy(tmp_path / "experiment")
+    process = start(experiment.folder, command)
+    wait_for(lambda: any(experiment.folder.glob(sign)))
+    os.killpg(process.pid, signal.SIGINT)
+    output, _ = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert output.count(STOPPED) == 1
+    assert output.endswith(f"{STOPPED}\n")
+    assert "Traceback" not in output
+    wait_for(lambda: not is_anyone_left(process.pid), seconds=10)
+    assert not list((experiment.folder / "results").rglob(".*"))
+    again = start(experiment.folder, command)
+    again.communicate(timeout=120)
+    assert again.returncode == 0
+    assert digests(experiment.folder) == digests(finished.folder)
+
+
+def test_make_s_screen_stops_while_snakemake_itself_is_still_being_loaded(fresh, tmp_path):
+    experiment = fresh.copy(tmp_path / "experiment")
+    process = start(experiment.folder, SCREEN)
+    maps = Path(f"/proc/{process.pid}/maps")
+    # Its imports have begun, and take another second.
+    wait_for(lambda: "_asyncio" in maps.read_text())
+    os.killpg(process.pid, signal.SIGINT)
+    output, _ = process.communicate(timeout=60)
+    assert (process.returncode, output) == (130, f"{STOPPED}\n")
+
+
+def test_an_import_that_is_interrupted_is_no_error_of_its_job(fresh, tmp_path):
+    experiment = fresh.copy(tmp_path / "experiment")
+    script = experiment.folder / "workflow/scripts/meshes.py"
+    swallows = """
+import time
+from pathlib import Path
+from visuohaptic_workflow.jobs import job
+
+with job(snakemake):
+    Path("working").touch()
+    try:
+        time.sleep(60)
+    except BaseException:
+        raise ImportError("initialization failed")
+"""
+    script.write_text(swallows)
+    process = start(experiment.folder, PLAIN)
+    wait_for((experiment.folder / "working").exists)
+    os.killpg(process.pid, signal.SIGINT)
+    output, _ = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "initialization failed" not in output

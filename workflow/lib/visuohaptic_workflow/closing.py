@@ -1,0 +1,103 @@
+"""What a run says at its end: the figures, where the report is, and what was left out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from visuohaptic.geometry.surface import set_aside_reason
+
+METRICS = "reports/metrics.json"
+REPORT = "reports/report.html"
+
+
+def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT) -> list[str]:
+    """Give each pipeline's best classifier with its accuracy by strategy, and the report's path.
+
+    Parameters
+    ----------
+    metrics : path
+        The metrics file of a run.
+    report : path
+        Its page.
+
+    Returns
+    -------
+    list of str
+        Lines; none about a file that is not there.
+    """
+    lines = []
+    if Path(metrics).is_file():
+        try:
+            lines += _describe_figures(json.loads(Path(metrics).read_text(encoding="utf-8")))
+        except (ValueError, KeyError, TypeError):
+            lines.append(f"{metrics} holds no metrics of this workflow.")
+    if Path(report).is_file():
+        lines.append(f"The report is at {report}.")
+    return lines
+
+
+def objects_left_out(meshes: str | Path = "results/meshes") -> list[str]:
+    """Name the objects that can't be used, each with the reason.
+
+    Parameters
+    ----------
+    meshes : path
+        Folder of the prepared meshes, ``<class>/<object>.ply``.
+
+    Returns
+    -------
+    list of str
+        Sentences, sorted.
+    """
+    return [
+        f"{mesh.parent.name}/{mesh.stem} was left out: {reason}"
+        for mesh in sorted(Path(meshes).glob("*/*.ply"))
+        if (reason := set_aside_reason(mesh))
+    ]
+
+
+def tolerances_exceeded(results: str | Path = "results") -> list[str]:
+    """Name the tolerances of hard cases that were exceeded, in a warning each.
+
+    Parameters
+    ----------
+    results : path
+        Holds ``stability.parquet`` and the folder ``stability``.
+
+    Returns
+    -------
+    list of str
+        Sentences; each names its object if it is about one.
+    """
+    from visuohaptic.stability.rows import broken_tolerances
+
+    files = [
+        Path(results, "stability.parquet"),
+        *sorted(Path(results, "stability").rglob("*.parquet")),
+    ]
+    sentences = broken_tolerances(file for file in files if file.is_file())
+    return [f"warning: {sentence}" for sentence in sentences]
+
+
+def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
+    from visuohaptic.report.comparison import read_tables
+    from visuohaptic.report.wording import percent, strategy_name
+
+    lines = []
+    for table in read_tables(metrics):
+        figures = (
+            f"{strategy_name(strategy)} {percent(figure.mean)}{_interval(figure.low, figure.high)}"
+            for strategy in table.strategies
+            if (figure := table.best.accuracy.get(strategy)) is not None
+        )
+        lines.append(
+            f"Pipeline {table.name}, {table.best.name}, correctly classified: {', '.join(figures)}."
+        )
+    return lines
+
+
+def _interval(low: float | None, high: float | None) -> str:
+    return "" if low is None or high is None else f" ({100 * low:.1f} to {100 * high:.1f})"
