@@ -123,7 +123,7 @@ def test_accuracy_by_effect_is_measured_on_request_and_then_kept(experiment):
     planned = experiment.planned()
     assert planned["effect_influence"] == 1
     assert planned["features_of_study"] == 22 + 1
-    assert planned["block_of_study"] == 8 + 1
+    assert planned["block_of_study"] == 1 + 1
 
 
 def test_a_changed_mesh_reruns_its_object_and_what_follows(experiment):

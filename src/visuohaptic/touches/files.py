@@ -23,7 +23,10 @@ def make_touches(
     seed: int,
 ) -> None:
     """Make the touch table and the effect log of an object from its probing locations."""
-    caster, located = RayCaster(read_surface(mesh)), read_table(FIXATIONS, fixations)
-    felt, log = touch_tables(caster, located, sensor, scene, seed)
+    located = read_table(FIXATIONS, fixations)
+    felt, log = TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table()
+    if located.num_rows:  # the mesh of an object that was left out has no faces to cast rays at
+        caster = RayCaster(read_surface(mesh))
+        felt, log = touch_tables(caster, located, sensor, scene, seed)
     write_table(TOUCHES, felt, touches)
     write_table(EFFECTS, log, effects)
