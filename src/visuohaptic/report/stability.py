@@ -172,7 +172,9 @@ def describe_checks(checks: Iterable[Check]) -> str:
     """Say in one sentence how many cases were tried, and how near the worst came to its tolerance."""
     found = list(checks)
     cases = counted(sum(check.cases for check in found), "hard case")
-    tried = f"{cases} of {counted(len({check.requirement for check in found}), 'kind')}"
+    tried = (
+        f"{cases} of {counted(len({(check.family, check.requirement) for check in found}), 'kind')}"
+    )
     broken = [check for check in found if not check.held]
     if broken:
         names = "; ".join(dict.fromkeys(_title(check) for check in broken))
