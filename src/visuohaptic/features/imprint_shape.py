@@ -35,9 +35,9 @@ def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64
     varies = deviation > 1e-9
     skewness = np.where(varies, third / np.where(varies, deviation, 1) ** 3, 0)
     terms = _quadric_terms(side)
-    # einsum without BLAS: a row's sums must not depend on how many rows there are.
-    quadric = np.einsum("np,tp->nt", flat, np.linalg.pinv(terms))
-    rest = flat - np.einsum("nt,pt->np", quadric, terms)
+    # Without BLAS: a row's sums must not depend on how many rows there are, nor on the processor.
+    quadric = np.einsum("np,tp->nt", flat, terms) / np.square(terms).sum(axis=1)
+    rest = flat - np.einsum("nt,tp->np", quadric, terms)
     along, across, mixed = quadric[:, 3], quadric[:, 5], quadric[:, 4]
     return np.column_stack(
         [
@@ -59,7 +59,12 @@ def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64
 
 
 def _quadric_terms(side: int) -> NDArray[np.float64]:
-    """Give 1, u, v, u², uv, v² at every sensing point, u along columns, shape (side², 6)."""
+    """Give 1, u, v, u² - m, uv, v² - m at every sensing point, u along columns, shape (6, side²).
+
+    m is the mean of u², which makes the terms orthogonal: each coefficient of the best quadric is
+    a quotient of two sums.
+    """
     v, u = np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side), indexing="ij")
-    terms = [np.ones_like(u), u, v, u * u, u * v, v * v]
-    return np.stack(terms, axis=-1).reshape(-1, 6)
+    centre = np.square(u).mean()
+    terms = [np.ones_like(u), u, v, u * u - centre, u * v, v * v - centre]
+    return np.stack(terms).reshape(6, -1)

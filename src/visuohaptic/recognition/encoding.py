@@ -23,6 +23,12 @@ from visuohaptic.recognition.self_organising_map import (
 )
 from visuohaptic.recognition.sequence_features import sequence_features
 
+ROUNDING = 1e-12
+"""Share of a value that is rounding: 2**-52, some thousand times over for the sums behind it."""
+
+FEATURES_MADE_OF = 1.0
+"""Size of what features of touches are made of: imprints in [0, 1], unit normals, object radii."""
+
 
 @dataclass(frozen=True)
 class Standardiser:
@@ -123,7 +129,7 @@ def fit_sequence_encoder(
             "Every feature has one and the same value at all training touches; "
             "the classes can't be distinguished."
         )
-    touch_scaling = fit_standardiser(touches, parameters.touch_scaling)
+    touch_scaling = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
     settings = parameters.self_organising_map
     reduction = _fit_reduction(touch_scaling.apply(touches), settings, generator)
     outputs = touches.shape[1] if settings.output == "none" else settings.outputs
@@ -138,16 +144,20 @@ def fit_sequence_encoder(
     return SequenceEncoder(touch_scaling, reduction, settings, parameters.sequence, feature_scaling)
 
 
-def fit_standardiser(rows: NDArray[np.float64], scaling: Scaling) -> Standardiser:
+def fit_standardiser(
+    rows: NDArray[np.float64], scaling: Scaling, made_of: float = 0.0
+) -> Standardiser:
     """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
 
     A column counts as constant when its deviation is rounding noise beside its
-    largest value; its scale is 1 then.
+    largest value, or beside `made_of`, the size of what columns are computed from. Its
+    scale is 1 then; rounding, which differs between processors, would otherwise get the
+    weight of a feature.
     """
     if scaling == "none":
         return _identity(rows.shape[1])
     deviation = rows.std(axis=0)
-    noise = 1e-12 * np.abs(rows).max(axis=0)
+    noise = ROUNDING * np.maximum(np.abs(rows).max(axis=0), made_of)
     return Standardiser(rows.mean(axis=0), np.where(deviation > noise, deviation, 1.0))
 
 
