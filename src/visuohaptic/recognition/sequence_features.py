@@ -40,7 +40,8 @@ def sequence_features(
         If the wavelet is not one of PyWavelets' discrete ones.
     """
     along_time = np.moveaxis(sequences, 1, -1)
-    signals = [along_time, *wavelet_levels(along_time, parameters)]
+    levels = wavelet_levels(along_time, parameters)
+    signals = [along_time, *(without_rounding(level, along_time) for level in levels)]
     correction = 1 if parameters.degrees_of_freedom == "sample" else 0
     statistics = [summarise_signals(signal, correction) for signal in signals]
     return np.stack(statistics, axis=2).reshape(len(sequences), -1)
@@ -111,6 +112,30 @@ def wavelet_levels(
         approximation, detail = pywt.dwt(approximation, wavelet, parameters.extension, axis=-1)
         kept.append(detail if parameters.bands == "details" else approximation)
     return kept
+
+
+def without_rounding(
+    levels: NDArray[np.float64], signals: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Set coefficients to 0 where all of a signal's are rounding beside the signal itself.
+
+    Details of a constant sequence are 0 but for rounding, whose skewness is as large as any.
+
+    Parameters
+    ----------
+    levels : numpy.ndarray
+        Shape (..., k), float64: a level's coefficients.
+    signals : numpy.ndarray
+        Shape (..., t), float64: what they were made of.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (..., k), float64.
+    """
+    largest = np.abs(signals).max(axis=-1, keepdims=True)
+    rounding = np.abs(levels).max(axis=-1, keepdims=True) <= CONSTANT_TOLERANCE * largest
+    return np.where(rounding, 0.0, levels)
 
 
 def summarise_signals(signals: NDArray[np.float64], correction: int) -> NDArray[np.float64]:
