@@ -380,7 +380,7 @@ def _interval(row: Row) -> str:
 
 def _duration(seconds: float, digits: int = 2) -> str:
     if seconds >= 1:
-        return f"{seconds:.{digits}g} s"
+        return f"{seconds:.0f} s" if seconds >= 99.5 else f"{seconds:.{digits}g} s"
     return f"{1000 * seconds:.{digits}g} ms" if seconds < 0.0995 else f"{1000 * seconds:.0f} ms"
 
 

@@ -180,9 +180,11 @@ def describe_checks(checks: Iterable[Check]) -> str:
         names = "; ".join(dict.fromkeys(_title(check) for check in broken))
         return f"{tried}: {counted(len(broken), 'tolerance')} exceeded ({names})."
     worst = max(found, key=lambda check: check.share)
+    inexact = {check.requirement for check in found if check.share > 0}
+    exact = len({check.requirement for check in found} - inexact)
     return (
-        f"{tried}: all within tolerance; the worst used {percent(worst.share)} of its tolerance "
-        f"({_title(worst)})."
+        f"{tried}: all within tolerance, {exact} of them without any error; the nearest to its "
+        f"tolerance, {_title(worst)}, used {percent(worst.share, 0)} of it."
     )
 
 
