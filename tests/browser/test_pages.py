@@ -153,7 +153,7 @@ def test_without_scripts_everything_can_be_read(visit, keep, folder):
     assert page.locator("article.object").count() == len(NAMES)
     assert page.locator("#methods-text").is_visible()
     assert not page.locator("button, input, select").locator("visible=true").count()
-    views = page.locator("article.object details").first
+    views = page.locator("article.object .all-views").first
     assert not views.locator(".views").is_visible()
     views.locator("summary").click()
     assert views.locator(".views").is_visible()

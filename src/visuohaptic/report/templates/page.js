@@ -186,11 +186,16 @@
     });
   }
 
-  // A link to an object shows it even if the filter hides it.
-  window.addEventListener("hashchange", () => {
+  // A link to an object unfolds it, and shows it even if the filter hides it.
+  const reveal = () => {
     const target = document.getElementById(location.hash.slice(1));
-    if (target?.hidden) { target.hidden = false; target.scrollIntoView(); }
-  });
+    if (!target?.classList.contains("object")) return;
+    target.hidden = false;
+    target.querySelector(".fold").open = true;
+    target.scrollIntoView();
+  };
+  window.addEventListener("hashchange", reveal);
+  reveal();
   window.addEventListener("beforeprint", () => {
     for (const details of document.querySelectorAll("main details")) details.open = true;
   });
