@@ -11,6 +11,7 @@ from visuohaptic.recognition.intervals import (
     expanded_tail,
     holm,
     object_interval,
+    rate_interval,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
 
@@ -46,6 +47,28 @@ def test_single_object_has_no_interval():
     interval = object_interval(np.array([0.5]), np.ones(1), PARAMETERS, np.random.default_rng(0))
     assert interval.mean == 0.5
     assert np.isnan([interval.low, interval.high]).all()
+
+
+@pytest.mark.parametrize(("share", "ends"), [(1.0, (0.7354, 1.0)), (0.0, (0.0, 0.2646))])
+def test_where_all_objects_agree_the_open_end_is_the_exact_binomial_limit(share, ends):
+    values = np.full(12, share)
+    interval = rate_interval(values, np.ones(12), PARAMETERS, np.random.default_rng(0))
+    # Of twelve objects: 0.025 ** (1 / 12) = 0.7354, as any table of binomial limits has it.
+    assert (interval.low, interval.high) == pytest.approx(ends, abs=1e-4)
+
+
+def test_exact_limits_leave_the_draws_of_later_intervals_as_they_are():
+    first, second = np.random.default_rng(0), np.random.default_rng(0)
+    rate_interval(np.ones(12), np.ones(12), PARAMETERS, first)
+    object_interval(np.ones(12), np.ones(12), PARAMETERS, second)
+    assert first.random() == second.random()
+
+
+def test_no_difference_among_twelve_objects_is_no_proof_of_equality():
+    same = np.linspace(0, 1, 12)
+    comparison = compare_paired(same, same, np.ones(12), PARAMETERS, np.random.default_rng(0))
+    found = (comparison.difference.low, comparison.difference.mean, comparison.difference.high)
+    assert found == pytest.approx((-0.2646, 0, 0.2646), abs=1e-4)
 
 
 def test_weights_weigh():

@@ -116,12 +116,12 @@ def rate_interval(
     Interval
         The interval; of a single object within 0 and 1 it is NaN on both ends.
     """
+    found = object_interval(values, weights, parameters, generator)
+    limit = exact_limit(len(values), parameters.confidence)
     # Sums of shares may miss 1 by a rounding.
     if np.all(values > 1 - 1e-12):
-        return Interval(1.0, 1 - exact_limit(len(values), parameters.confidence), 1.0)
-    if np.all(values < 1e-12):
-        return Interval(0.0, 0.0, exact_limit(len(values), parameters.confidence))
-    return object_interval(values, weights, parameters, generator)
+        return Interval(1.0, 1 - limit, 1.0)
+    return Interval(0.0, 0.0, limit) if np.all(values < 1e-12) else found
 
 
 def difference_interval(
@@ -147,11 +147,9 @@ def difference_interval(
         objects can't exclude that others differ: the ends are plus and minus the exact binomial
         limit.
     """
-    differences = first - second
-    if np.all(np.abs(differences) < 1e-12):
-        limit = exact_limit(len(differences), parameters.confidence)
-        return Interval(0.0, -limit, limit)
-    return object_interval(differences, weights, parameters, generator)
+    found = object_interval(first - second, weights, parameters, generator)
+    limit = exact_limit(len(first), parameters.confidence)
+    return Interval(0.0, -limit, limit) if np.all(np.abs(first - second) < 1e-12) else found
 
 
 def exact_limit(objects: int, confidence: float) -> float:
@@ -239,9 +237,8 @@ def compare_paired(
     PairedComparison
         The mean difference, its interval and the p value.
     """
-    differences = first - second
-    interval = object_interval(differences, weights, parameters, generator)
-    parts = differences * weights / weights.sum()
+    interval = difference_interval(first, second, weights, parameters, generator)
+    parts = (first - second) * weights / weights.sum()
     exact = len(parts) < 63 and 2 ** len(parts) <= parameters.permutations
     if exact:
         places = np.arange(2 ** len(parts))[:, None] >> np.arange(len(parts))

@@ -14,7 +14,7 @@ from visuohaptic.recognition.intervals import (
     Interval,
     balanced_interval,
     compare_paired,
-    object_interval,
+    rate_interval,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.voting import vote_credit
@@ -31,7 +31,7 @@ METHOD = {
     "balanced_accuracy": "mean over classes of the mean over a class's objects of their accuracy",
     "class_accuracy": "mean over a class's objects of their accuracy",
     "interval": "expanded percentile bootstrap over objects, not sequences, with the trained "
-    "classifiers as they are",
+    "classifiers as they are; where all objects agree, the exact binomial limit",
     "comparison": "paired over objects: mean difference, bootstrap interval, and two-sided p "
     "value of the sign-change permutation test",
 }
@@ -228,11 +228,9 @@ def _summarise_cell(
     generator = spawn_generator(seed, "intervals", *key)
     rows = select(scores, pipeline=pipeline, strategy=strategy, classifier=classifier)
     return {
-        "accuracy": _plain(
-            object_interval(figures.accuracy, figures.weights, parameters, generator)
-        ),
+        "accuracy": _plain(rate_interval(figures.accuracy, figures.weights, parameters, generator)),
         "object_accuracy": _plain(
-            object_interval(figures.vote, figures.vote_weights, parameters, generator)
+            rate_interval(figures.vote, figures.vote_weights, parameters, generator)
         ),
         "balanced_accuracy": _plain(
             balanced_interval(figures.accuracy, figures.classes, parameters, generator)
@@ -252,9 +250,7 @@ def _class_accuracy(
     for name in sorted({name for name, _ in figures.objects}):
         of_class = np.array([owner == name for owner, _ in figures.objects])
         values = figures.accuracy[of_class]
-        accuracy[name] = _plain(
-            object_interval(values, np.ones(len(values)), parameters, generator)
-        )
+        accuracy[name] = _plain(rate_interval(values, np.ones(len(values)), parameters, generator))
     return accuracy
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.recognition.intervals import Interval, compare_paired, holm, object_interval
+from visuohaptic.recognition.intervals import Interval, compare_paired, holm, rate_interval
 from visuohaptic.recognition.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
@@ -76,7 +76,7 @@ def cells_of(rows: pa.Table) -> dict[CellKey, Cell]:
 def condition_interval(cell: Cell, intervals: IntervalParameters, seed: int) -> Interval:
     """Give a cell's accuracy; all cells have the same draws of objects, so equal ones stay equal."""
     generator = spawn_generator(seed, "studies")
-    return object_interval(cell.accuracy, cell.weights, intervals, generator)
+    return rate_interval(cell.accuracy, cell.weights, intervals, generator)
 
 
 def study_figures(
