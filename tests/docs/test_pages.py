@@ -10,6 +10,7 @@ import re
 import runpy
 import shlex
 from importlib.metadata import metadata
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -106,7 +107,10 @@ def read_pip(arguments):
 
 
 def read_python(arguments):
-    assert (ROOT / arguments[0]).is_file()
+    if arguments[0] == "-m":
+        assert find_spec(arguments[1])
+    else:
+        assert (ROOT / arguments[0]).is_file()
 
 
 def read_pytest(arguments):
