@@ -5,6 +5,7 @@ from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 from studies.cost.test_front import BLIND, RENDER, cost_rows, cost_table
 
+from visuohaptic.report import sections
 from visuohaptic.report.cost import HEIGHT, advise, advise_robot, cost_chart, read_cost
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
@@ -146,7 +147,8 @@ def test_the_advice_says_from_which_price_on_looking_pays():
 
 
 @pytest.mark.slow
-def test_the_page_tells_what_accuracy_costs(tmp_path):
+def test_the_page_tells_what_accuracy_costs(tmp_path, monkeypatch):
+    monkeypatch.setattr(sections, "stored_frontier", lambda: None)
     table = cost_table([*POINTS, ("16 touches", 0.5, 0.0)], failed=["8 × 8"])
     write_table(COST, table, tmp_path / "cost.parquet")
     files = write_run(tmp_path)
@@ -162,3 +164,8 @@ def test_the_page_tells_what_accuracy_costs(tmp_path):
     assert shapes.count("filled") == 3 + 1  # the front, and the legend
     assert shapes.count("open") == 1 + 1
     assert shapes.count("crossed") == 1 + 1
+    monkeypatch.undo()
+    page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
+    assert page.mismatches == []
+    assert "The same settings on 142 objects" in page.text
+    assert "not in this run" in page.text
