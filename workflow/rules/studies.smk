@@ -10,7 +10,12 @@ are not: `snakemake -j2 study_<study>` makes one (of those of the package also `
 (`workflow.keep_studies_current`).
 """
 
-STUDY_FIGURES = {f"results/studies/{study}.parquet": study for study in STUDIES}
+# The frontier has a table and a section of its own.
+STUDY_FIGURES = {
+    f"results/studies/{study}.parquet": study
+    for study in STUDIES
+    if study != "frontier"
+}
 SPECIAL_FIGURES = {
     "results/cost.parquet": "cost",
     "results/touches_needed.parquet": "curves",

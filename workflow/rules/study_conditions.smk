@@ -174,7 +174,7 @@ def shown_studies(wildcards):
             "figures": f"results/studies/{name}.parquet",
             "records": expected_records(planned_jobs(), name),
         }
-        for name in STUDIES
+        for name in STUDY_FIGURES.values()
         if is_shown(f"results/studies/{name}.parquet", name)
     }
 
