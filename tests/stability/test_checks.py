@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stability.errors import plant
 
-from visuohaptic.stability import learning
+from visuohaptic.stability import invariance, learning, shapes
 from visuohaptic.stability.checks import CHECKS, Check, run_check
 from visuohaptic.stability.findings import Finding
 from visuohaptic.stability.tolerances import TOLERANCES
@@ -49,6 +49,15 @@ CHECKED = {
     "touch_batches": ("determinism", "touch"),
     "view_batches": ("determinism", "attend"),
 }
+
+
+@pytest.fixture(autouse=True)
+def clean_shapes():
+    """Forget shapes that a planted error has changed."""
+    yield
+    for made in (*vars(invariance).values(), *vars(shapes).values()):
+        if hasattr(made, "cache_clear"):
+            made.cache_clear()
 
 
 @pytest.mark.slow

@@ -48,7 +48,8 @@ EARLIER = {
     ("nonsubsampled_contourlet", "best"): [1.0, 0.75, 1.0, 1.0, 0.75, 1.0],
     ("wavelet", "paper"): [0.9167, 0.8333, 0.3333, 0.9167, 0.8333, 0.6667],
     ("wavelet", "best"): [1.0, 0.8333, 0.8333, 1.0, 0.9167, 1.0],
-    ("image_statistics", "paper"): [0.8333, 0.5833, 0.75, 0.75, 0.6667, 0.75],
+    # Boxes have columns of rounding alone, which no longer count as features.
+    ("image_statistics", "paper"): [0.9167, 0.5833, 0.5833, 0.5833, 0.75, 0.75],
     ("image_statistics", "best"): [1.0, 0.9167, 1.0, 1.0, 1.0, 1.0],
     ("fixed_sensor_size", "paper"): [1.0, 0.9167, 0.9167, 0.6667, 1.0, 0.8333],
     ("fixed_sensor_size", "best"): [1.0, 0.8333, 0.75, 1.0, 0.75, 1.0],
