@@ -8,8 +8,7 @@ section is one such function, one template, and one line in `CHAPTERS`.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from typing import Any
 
 from visuohaptic.recognition.summary import Confusion, confusion, select
@@ -20,7 +19,14 @@ from visuohaptic.report.comparison import (
     agreement,
     answer,
 )
-from visuohaptic.report.cost import cost_answer, cost_chart, cost_figures, cue_sentences, read_cost
+from visuohaptic.report.cost import (
+    CostChart,
+    cost_answer,
+    cost_chart,
+    cost_figures,
+    cue_sentences,
+    read_cost,
+)
 from visuohaptic.report.effects import sum_channels, sum_effects
 from visuohaptic.report.influence import (
     effects_answer,
@@ -53,6 +59,7 @@ from visuohaptic.report.studies import (
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
+from visuohaptic.studies.cost.front import Row
 from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, KINESTHETIC_FEATURES
 from visuohaptic.tables.schema import matrix
@@ -107,7 +114,7 @@ def answer_values(context: ReportContext) -> Values:
         "touches": touches,
         "cost": cost,
         "cost_answer": cost_answer,
-        "small_chart": partial(cost_chart, height=150),
+        "small_chart": _small_cost_chart,
         "influence": influence_figures(run.files.extras.get("effect_influence"), preset),
         "effects_answer": effects_answer,
         "stability": None if run.stability is None else stability_answer(run.stability),
@@ -356,6 +363,12 @@ CHAPTERS = {
     ),
 }
 """The page's sections in order, by their entry in the table of contents."""
+
+
+def _small_cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None:
+    """Give a chart for a third of the page's width: every second tick has no room there."""
+    chart = cost_chart(rows, families, height=150)
+    return None if chart is None else replace(chart, x_ticks=chart.x_ticks[::2])
 
 
 def _scene_strips(run: Run, page: ObjectPage) -> Mapping[str, str]:
