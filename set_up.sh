@@ -31,7 +31,11 @@ show_progress() {
   while read -r word name _; do
     case $word in
       Collecting) [ ! -t 1 ] || printf '\r\033[K  package %d: %s' $((count += 1)) "${name%%[=; ]*}" ;;
-      Installing) [ ! -t 1 ] || printf '\r\033[K' && echo "  all are here; unpacking" ;;
+      Installing)
+        [ ! -t 1 ] || printf '\r\033[K'
+        echo "  all are here; unpacking"
+        cat >/dev/null
+        ;;
     esac
   done
 }

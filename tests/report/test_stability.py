@@ -116,7 +116,7 @@ def test_the_answer_names_the_requirement_nearest_to_its_tolerance(tmp_path):
     sentence, picture = stability_answer(figures)
     assert sentence == (
         "1,240 hard cases of 2 kinds: all within tolerance, 1 of them without any error; the nearest to "
-        "its tolerance, rays, grazing, used 11\N{NO-BREAK SPACE}% of it."
+        "its tolerance, rays, grazing, used 11.26\N{NO-BREAK SPACE}% of it."
     )
     assert picture.count('class="share"') == 2
     assert "exceeded" not in picture

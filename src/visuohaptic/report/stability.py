@@ -184,7 +184,7 @@ def describe_checks(checks: Iterable[Check]) -> str:
     exact = len({check.requirement for check in found} - inexact)
     return (
         f"{tried}: all within tolerance, {exact} of them without any error; the nearest to its "
-        f"tolerance, {_title(worst)}, used {percent(worst.share, 0)} of it."
+        f"tolerance, {_title(worst)}, used {percent(worst.share, 2)} of it."
     )
 
 

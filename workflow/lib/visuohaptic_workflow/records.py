@@ -64,7 +64,11 @@ def is_current(job: PlannedJob) -> bool:
     bool
         False also where a file or the record is missing, or the record can't be read.
     """
-    return fits_record(job.record, expected_record(job))
+    try:
+        expected = expected_record(job)
+    except OSError:  # a file of its code is gone
+        return False
+    return fits_record(job.record, expected)
 
 
 def expected_record(job: PlannedJob) -> str:
