@@ -90,9 +90,7 @@ def object_interval(
         return Interval(mean, float("nan"), float("nan"))
     drawn = resample_objects(len(values), parameters.bootstrap_samples, generator)
     means = drawn @ (values * weights) / (drawn @ weights)
-    tail = expanded_tail(len(values), parameters.confidence)
-    low, high = np.quantile(means, [tail, 1 - tail])
-    return Interval(mean, float(low), float(high))
+    return _around(mean, means, len(values), parameters.confidence)
 
 
 def rate_interval(
@@ -195,7 +193,12 @@ def balanced_interval(
     sums = (drawn * values) @ member
     held = counts > 0
     means = np.where(held, sums / np.where(held, counts, 1), 0).sum(axis=1) / held.sum(axis=1)
-    tail = expanded_tail(len(values), parameters.confidence)
+    return _around(mean, means, len(values), parameters.confidence)
+
+
+def _around(mean: float, means: NDArray[np.float64], objects: int, confidence: float) -> Interval:
+    """Give a mean with the expanded percentiles of its bootstrap means, shape (samples,)."""
+    tail = expanded_tail(objects, confidence)
     low, high = np.quantile(means, [tail, 1 - tail])
     return Interval(mean, float(low), float(high))
 
