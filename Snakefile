@@ -39,6 +39,7 @@ check_folder()
 onstart:
     check_recognition()
     prune()
+    stop_remote_jobs_at_ctrl_c()
     start_local_jobs_at_once()
     start_local_jobs_warm()
 

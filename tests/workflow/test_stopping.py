@@ -13,7 +13,10 @@ from workflow.walks import digests, make_experiment
 
 pytestmark = pytest.mark.workflow
 
+ROOT = Path(__file__).parents[2]
+PATHS = os.pathsep.join(str(ROOT / part) for part in ("src", "workflow/lib"))
 STOPPED = "stopped; the same command continues."
+STATUS = 130
 PLAIN = ["snakemake", "-j2"]
 SCREEN = [sys.executable, "-P", "-m", "visuohaptic_workflow.screen", "-j2"]
 
@@ -120,3 +123,77 @@ with job(snakemake):
     output, _ = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "initialization failed" not in output
+
+
+def run_until_ctrl_c(folder, program):
+    """Run a program that calls `end_at_ctrl_c` first, interrupt it once it has begun, and give its end."""
+    start = "from visuohaptic_workflow.stopping import end_at_ctrl_c\nend_at_ctrl_c()\n"
+    process = subprocess.Popen(
+        [sys.executable, "-c", start + program], cwd=folder, start_new_session=True, text=True,
+        env={**os.environ, "PYTHONPATH": PATHS}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    )  # fmt: skip
+    wait_for((folder / "begun").exists)
+    os.killpg(process.pid, signal.SIGINT)
+    output, _ = process.communicate(timeout=20)
+    wait_for(lambda: not is_anyone_left(process.pid), seconds=10)
+    return process.returncode, output
+
+
+def test_what_swallows_every_exception_does_not_swallow_the_stop(tmp_path):
+    program = """
+import time
+from pathlib import Path
+Path("begun").touch()
+while True:
+    try:
+        time.sleep(1)
+    except BaseException:
+        pass
+"""
+    assert run_until_ctrl_c(tmp_path, program) == (STATUS, f"{STOPPED}\n")
+
+
+def test_a_job_that_is_just_starting_ends_without_a_word_of_python(tmp_path):
+    job = """
+import sys, time
+from pathlib import Path
+Path("begun").touch()
+time.sleep(0.5)
+from visuohaptic_workflow.stopping import interrupts_tidy_up
+try:
+    interrupts_tidy_up()
+    time.sleep(60)
+except KeyboardInterrupt:
+    Path("tidied").touch()
+    sys.exit(130)
+"""
+    program = f"""
+import subprocess, sys
+subprocess.run([sys.executable, "-c", {job!r}])
+"""
+    assert run_until_ctrl_c(tmp_path, program) == (STATUS, f"{STOPPED}\n")
+    assert (tmp_path / "tidied").exists()
+
+
+def test_no_job_is_started_after_the_stop(tmp_path):
+    program = """
+import subprocess
+from pathlib import Path
+for number in range(1000):
+    Path("begun").touch()
+    Path("jobs").write_text(str(number))
+    subprocess.run(["sleep", "60"])
+"""
+    assert run_until_ctrl_c(tmp_path, program) == (STATUS, f"{STOPPED}\n")
+    assert (tmp_path / "jobs").read_text() == "0"
+
+
+def test_a_stubborn_job_is_killed(tmp_path):
+    program = """
+import subprocess, sys
+from pathlib import Path
+job = "import signal, time; from pathlib import Path; signal.signal(signal.SIGINT, signal.SIG_IGN); "
+job += "Path('begun').touch(); time.sleep(60)"
+subprocess.run([sys.executable, "-c", job])
+"""
+    assert run_until_ctrl_c(tmp_path, program) == (STATUS, f"{STOPPED}\n")

@@ -8,7 +8,11 @@ from pathlib import Path
 SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")]
 sys.path[:0] = map(str, SOURCES)
 
-from visuohaptic_workflow.stopping import end_at_ctrl_c, end_if_stopped
+from visuohaptic_workflow.stopping import (
+    end_at_ctrl_c,
+    end_if_stopped,
+    let_snakemake_cancel_jobs,
+)
 
 # What a workflow that uses this one as a module does at Ctrl-C is its own choice.
 IS_MAIN = Path(workflow.main_snakefile).parent == Path(workflow.basedir)
@@ -241,6 +245,12 @@ def start_local_jobs_at_once():
     scheduler = getattr(workflow, "scheduler", None)
     if workflow.local_exec and hasattr(scheduler, "job_rate_limiter"):
         scheduler.job_rate_limiter = None
+
+
+def stop_remote_jobs_at_ctrl_c():
+    """Leave it to Snakemake at Ctrl-C to cancel jobs that run on other machines."""
+    if not workflow.local_exec:
+        let_snakemake_cancel_jobs()
 
 
 def start_local_jobs_warm():

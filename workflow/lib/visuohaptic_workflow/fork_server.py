@@ -35,7 +35,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import NoReturn
 
-from visuohaptic_workflow.stopping import STOPPED, interrupt_once, is_interrupted
+from visuohaptic_workflow.stopping import (
+    STOPPED,
+    interrupts_tidy_up,
+    is_interrupted,
+    unblock_interrupts,
+)
 from visuohaptic_workflow.warm_start import STARTED, THREADS, is_of_this_user, mount_namespace
 
 PACKAGES = ("visuohaptic", "visuohaptic_workflow")
@@ -247,7 +252,7 @@ def _run(
         for file in not_its_own:
             os.close(file)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        signal.signal(signal.SIGINT, interrupt_once)
+        interrupts_tidy_up()
         for number, file in enumerate(request.files):
             os.dup2(file, number)
             os.close(file)
@@ -264,7 +269,7 @@ def _run(
         # What the script forks must not keep the ends open that others wait for.
         os.register_at_fork(after_in_child=connection.close)
         os.register_at_fork(after_in_child=report.close)
-        status = _status_of(request)
+        status = _status_of(request, connection)
         threading._shutdown()  # type: ignore[attr-defined] # the interpreter joins threads first
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         atexit._run_exitfuncs()  # os._exit runs none, and libraries tidy up there
@@ -279,7 +284,7 @@ def _run(
         os._exit(status)
 
 
-def _status_of(request: Request) -> int:
+def _status_of(request: Request, connection: socket.socket) -> int:
     """Run a script, and give the exit status that Python would end with."""
     try:
         os.chdir(request.folder)
@@ -292,11 +297,18 @@ def _status_of(request: Request) -> int:
         sys.stderr.write(f"{stop.code}\n")
         return 1
     except BaseException as error:  # noqa: BLE001 - this is where Python itself would print it
-        if is_interrupted():
+        if is_interrupted() or _is_given_up(connection):
             return STOPPED
         traceback.print_exception(error.with_traceback(_from_script_on(error.__traceback__)))
         return 1
     return 0
+
+
+def _is_given_up(connection: socket.socket) -> bool:
+    """Whether the process that handed over a script has ended, which deletes the script, too."""
+    with suppress(BlockingIOError):
+        return not connection.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT)
+    return False
 
 
 def _from_script_on(trace: TracebackType | None) -> TracebackType | None:
@@ -328,7 +340,7 @@ def main(listener: str) -> None:
     """Serve until standard input ends; see the module."""
     # Interrupts are for the scripts. Ended forks are reaped by the kernel.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+    unblock_interrupts()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     with socket.socket(fileno=int(listener)) as listening:
         ForkServer(listening, sys.stdin.fileno()).serve()

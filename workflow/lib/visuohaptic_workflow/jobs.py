@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import time
 import traceback
@@ -16,7 +15,12 @@ from visuohaptic.errors import VisuohapticError
 from visuohaptic.job_logs import SECONDS
 from visuohaptic_workflow.one_run import hold_job_lock
 from visuohaptic_workflow.records import write_record
-from visuohaptic_workflow.stopping import CLEAR_LINE, STOPPED, interrupt_once, is_interrupted
+from visuohaptic_workflow.stopping import (
+    CLEAR_LINE,
+    STOPPED,
+    interrupts_tidy_up,
+    is_interrupted,
+)
 
 
 def set_job_environment(*folders: str | Path) -> None:
@@ -56,13 +60,13 @@ def job(snakemake: Any) -> Iterator[None]:
         With status 130 and nothing printed where the user stopped the run.
     """
     path = Path(snakemake.log[0])
-    _let_interrupts_tidy_up()
-    hold_job_lock()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    _keep_pandas_out()
-    imports = _seconds_since_start()
-    started = time.time()
     try:
+        interrupts_tidy_up()
+        hold_job_lock()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _keep_pandas_out()
+        imports = _seconds_since_start()
+        started = time.time()
         yield
         write_record(snakemake)
     except KeyboardInterrupt:
@@ -77,12 +81,6 @@ def job(snakemake: Any) -> Iterator[None]:
         )
     work = time.time() - started
     path.write_text(f"done\n{SECONDS} imports {imports:.3f} work {work:.3f}\n", encoding="utf-8")
-
-
-def _let_interrupts_tidy_up() -> None:
-    """Raise KeyboardInterrupt at an interrupt, which until here ended the process at once."""
-    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
-        signal.signal(signal.SIGINT, interrupt_once)
 
 
 def _keep_pandas_out() -> None:

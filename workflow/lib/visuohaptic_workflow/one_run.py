@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from visuohaptic.errors import VisuohapticError
+from visuohaptic_workflow.stopping import before_end
 
 STATE = Path(".snakemake")
 DVC_STATE = Path(".dvc/tmp")
@@ -56,10 +57,15 @@ def claim_folder(outputs: Iterable[str]) -> None:
     _held.append(_lock_owner_file())
     _wait_for_jobs_of_killed_runs()
     if _SNAKEMAKE_LOCKS.is_dir() and any(_SNAKEMAKE_LOCKS.iterdir()):
-        shutil.rmtree(_SNAKEMAKE_LOCKS)
+        _remove_snakemake_locks()
         sys.stderr.write("An earlier run was killed and left its lock; the lock is removed.\n")
+    before_end(_remove_snakemake_locks)
     if "DVC_STAGE" not in os.environ and DVC_STATE.parent.is_dir():
         _lock_for_dvc(outputs)
+
+
+def _remove_snakemake_locks() -> None:
+    shutil.rmtree(_SNAKEMAKE_LOCKS, ignore_errors=True)
 
 
 def check_writable() -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import signal
 import sys
-import warnings
-from types import FrameType
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
 from typing import NoReturn
 
 STOPPED = 130
@@ -16,14 +17,57 @@ STOPPED = 130
 CLEAR_LINE = "\r\033[K"
 """What a terminal needs before a line that may follow a progress bar."""
 
-_IMPORT = "<frozen importlib._bootstrap>"
-_SECONDS_TO_IMPORT = 0.01
+_SECONDS_TO_CLEAN_UP = 5.0
+_SECONDS_TO_PRINT = 0.05
+"""What another thread has just begun to print comes before the last line."""
+
+_HALT = "SIGUSR2"
+
+
+class _Run:
+    """What is known of the run in this process."""
+
+    waits = False
+    is_asked_to_stop = False
+    is_interrupted = False
+    has_remote_jobs = False
+    before_end: tuple[Callable[[], None], ...] = ()
 
 
 def end_at_ctrl_c() -> None:
-    """Let Ctrl-C end Snakemake: from then on it logs nothing, as what fails then is no error."""
-    if not isinstance(signal.getsignal(signal.SIGINT), _Stop):
-        signal.signal(signal.SIGINT, _Stop())
+    """Let Ctrl-C end Snakemake and its jobs.
+
+    An exception raised in the midst of Snakemake may be swallowed, or leave it waiting for ever.
+    So interrupts are blocked here, and another thread takes them; it ends the jobs and then this
+    process, which is as safe at any moment as to kill it. Processes that are started from now on
+    inherit the block: none is interrupted before `interrupts_tidy_up` was called in it.
+    """
+    is_ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    if _Run.waits or is_ignored or sys.platform == "win32":
+        return
+    import psutil  # noqa: F401 - at the end nothing can be imported that the main thread is importing
+
+    _Run.waits = True
+    interrupts, notes = os.pipe()
+    os.set_blocking(notes, False)
+    signal.signal(signal.SIGINT, lambda *_: None)
+    # Python notes each signal there at once, which of its threads may ever have received it.
+    signal.set_wakeup_fd(notes, warn_on_full_buffer=False)
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    signal.signal(getattr(signal, _HALT), _halt_main_thread)
+    threading.Thread(
+        target=_end_at_interrupt, args=(interrupts,), name="ctrl-c", daemon=True
+    ).start()
+
+
+def before_end(function: Callable[[], None]) -> None:
+    """Call a function before Ctrl-C ends this process."""
+    _Run.before_end += (function,)
+
+
+def let_snakemake_cancel_jobs() -> None:
+    """Interrupt Snakemake as Python does, as it has jobs on other machines to cancel."""
+    _Run.has_remote_jobs = True
 
 
 def end_if_stopped() -> None:
@@ -34,59 +78,78 @@ def end_if_stopped() -> None:
     SystemExit
         With status 130.
     """
-    stop = signal.getsignal(signal.SIGINT)
-    if isinstance(stop, _Stop) and stop.asked:
+    if _Run.is_asked_to_stop:
         raise SystemExit(STOPPED)
 
 
-def interrupt_once(*_: object) -> NoReturn:
+def interrupts_tidy_up() -> None:
     """Interrupt a job as Python does, but let what it tidies up then come to its end."""
+    if not _Run.is_interrupted:
+        signal.signal(signal.SIGINT, _interrupt_once)
+    unblock_interrupts()
+
+
+def unblock_interrupts() -> None:
+    """Take interrupts again, which a process of a run does not when it starts."""
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+
+
+def is_interrupted() -> bool:
+    """Whether this process was interrupted since `interrupts_tidy_up` was called."""
+    return _Run.is_interrupted
+
+
+def _interrupt_once(*_: object) -> NoReturn:
+    _Run.is_interrupted = True
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     raise KeyboardInterrupt
 
 
-def is_interrupted() -> bool:
-    """Whether `interrupt_once` was called in this process."""
-    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+def _wait_for_interrupt(interrupts: int) -> None:
+    while os.read(interrupts, 1) != bytes([signal.SIGINT]):
+        pass
 
 
-class _Stop:
-    """What Ctrl-C calls."""
-
-    def __init__(self) -> None:
-        self.asked = False
-        self._said = False
-
-    def __call__(self, number: int, frame: FrameType | None) -> None:
-        """Say that the run ends, and end it; the second time at once."""
-        if self.asked and number == signal.SIGINT:
-            os._exit(STOPPED)
-        self.asked = True
-        if not self._said:
-            self._said = True
-            logging.getLogger("snakemake.logging").addFilter(_drop)
-            warnings.simplefilter("ignore")  # of what was about to start
-            clear = CLEAR_LINE if sys.stderr.isatty() else ""
-            os.write(2, f"{clear}stopped; the same command continues.\n".encode())
-        # Libraries import others inside `except BaseException`, which would swallow the stop.
-        if _is_importing(frame):
-            signal.signal(signal.SIGALRM, self)
-            signal.setitimer(signal.ITIMER_REAL, _SECONDS_TO_IMPORT)
-            return
-        _end()
+def _end_at_interrupt(interrupts: int) -> None:
+    unblock_interrupts()
+    _wait_for_interrupt(interrupts)
+    _Run.is_asked_to_stop = True
+    clear = CLEAR_LINE if sys.stderr.isatty() else ""
+    # What fails from now on fails because of the stop.
+    shown = os.dup(2)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    time.sleep(_SECONDS_TO_PRINT)
+    os.write(shown, f"{clear}stopped; the same command continues.\n".encode())
+    signal.pthread_kill(threading.main_thread().ident or 0, getattr(signal, _HALT))
+    if _Run.has_remote_jobs:
+        _wait_for_interrupt(interrupts)
+    else:
+        _end_jobs()
+    os._exit(STOPPED)
 
 
-def _end() -> NoReturn:
-    raise SystemExit(STOPPED)
+def _halt_main_thread(*_: object) -> None:
+    """Go no further: this is where Snakemake starts jobs."""
+    if _Run.has_remote_jobs:
+        raise KeyboardInterrupt
+    threading.Event().wait()
 
 
-def _drop(_: logging.LogRecord) -> bool:
-    return False
+def _end_jobs() -> None:
+    import psutil
 
-
-def _is_importing(frame: FrameType | None) -> bool:
-    while frame is not None:
-        if frame.f_code.co_filename == _IMPORT:
-            return True
-        frame = frame.f_back
-    return False
+    interrupted: set[psutil.Process] = set()
+    limit = time.monotonic() + _SECONDS_TO_CLEAN_UP
+    while jobs := set(psutil.Process().children(recursive=True)):
+        for process in jobs - interrupted:
+            with suppress(psutil.NoSuchProcess):
+                process.send_signal(signal.SIGINT)
+        if not interrupted:
+            for function in _Run.before_end:
+                function()
+        interrupted |= jobs
+        _, left = psutil.wait_procs(jobs, timeout=0.1)
+        for process in left if time.monotonic() > limit else []:
+            with suppress(psutil.NoSuchProcess):
+                process.kill()

@@ -40,6 +40,9 @@ def offer_warm_starts() -> None:
         return
     import atexit
     import uuid
+    from functools import partial
+
+    from visuohaptic_workflow.stopping import before_end
 
     address = f"visuohaptic-{uuid.uuid4()}"
     try:
@@ -52,6 +55,7 @@ def offer_warm_starts() -> None:
     os.environ[ADDRESS] = address
     # The server's standard input stays open as long as this process lives; its end is the server's.
     atexit.register(_end_server, server)
+    before_end(partial(_end_server, server))
 
 
 def _start_server(address: str) -> Popen[bytes]:
@@ -129,6 +133,7 @@ def hand_over(script: str | Path) -> int | None:
             return None
         # An interrupt ends the script along with this process; only the script prints a message.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
         status = _receive(connection, 1)
     if not status:
         sys.stderr.write(f"error: the process that ran {script} ended without an answer.\n")
