@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from visuohaptic.recognition.published import PAPER
 from visuohaptic.recognition.summary import Confusion, confusion, select
 from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
@@ -41,7 +42,6 @@ from visuohaptic.report.provenance import (
     find_commit,
     find_versions,
 )
-from visuohaptic.report.published import PAPER
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import (
     describe_checks,
