@@ -22,6 +22,7 @@ SPECIAL_FIGURES = {
     "results/cost.parquet": "cost",
     "results/touches_needed.parquet": "curves",
 }
+TEMPLATES = sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
 MESHES = expand("results/meshes/{object}.ply", object=OBJECTS)
 # A few objects, spread over all, are enough to measure run times.
 COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
@@ -99,6 +100,7 @@ rule study_readings:
     input:
         "results/readings.parquet",
         "reports/readings.json",
+        "reports/readings.html",
         # By name, so that a lost block is missed although its figures are there.
         study_blocks("readings"),
         report_of_study,
@@ -194,6 +196,23 @@ rule readings:
         "summing up the paper's readings"
     script:
         "../scripts/readings.py"
+
+
+rule readings_page:
+    input:
+        readings="results/readings.parquet",
+        code=[*code_of("readings_page.py"), *TEMPLATES],
+    output:
+        "reports/readings.html",
+        record="results/records/readings_page.json",
+    log:
+        "logs/readings_page.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    message:
+        "writing the page of the paper's readings"
+    script:
+        "../scripts/readings_page.py"
 
 
 # One dot of the page: `snakemake -j2 results/reading/r017.json`.

@@ -203,6 +203,7 @@ def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any
         "highest_split_reading": best["reading"],
         "ahead": int((ahead > _SAME).sum()),
         "ahead_significantly": int(((ahead > _SAME) & significant).sum()),
+        "behind": int((ahead < -_SAME).sum()),
         "behind_significantly": int(((ahead < -_SAME) & significant).sum()),
         "ahead_median": float(np.nanmedian(ahead)),
         "ahead_lowest": float(np.nanmin(ahead)),
@@ -271,8 +272,8 @@ def _group_means(
     values: NDArray[np.float64], groups: Sequence[Any]
 ) -> tuple[NDArray[np.float64], dict[Any, float]]:
     """Give the mean of each value's group, and the mean of each group."""
-    means = {
-        group: float(values[[one == group for one in groups]].mean())
-        for group in dict.fromkeys(groups)
-    }
-    return np.array([means[group] for group in groups]), means
+    names = list(dict.fromkeys(groups))
+    places = {name: place for place, name in enumerate(names)}
+    group = np.array([places[one] for one in groups])
+    means = np.bincount(group, weights=values) / np.bincount(group)
+    return means[group], dict(zip(names, means.tolist(), strict=True))
