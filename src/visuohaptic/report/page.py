@@ -45,7 +45,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         summary=summarise_run(run, context.pages, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
-        script=_text("page.js"),
+        script=_text("page.js") + _text("figures.js"),
         plotly=plotly_library() if has_models else "",
         coordinate_steps=COORDINATE_STEPS,
     )

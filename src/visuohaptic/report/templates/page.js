@@ -1,5 +1,5 @@
 "use strict";
-// The page is complete without this script. It adds 3D models, a filter of objects, and a copy button.
+// The page is complete without scripts. This one adds 3D models, a filter of objects, and a button that copies the methods text.
 (() => {
   const MOST_OPEN = 6; // browsers limit the number of WebGL contexts
   const opened = [];
