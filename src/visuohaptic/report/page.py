@@ -11,10 +11,11 @@ from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
-from visuohaptic.report.objects import Track, describe_objects
+from visuohaptic.report.objects import Track, describe_objects, most_varied
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.sections import CHAPTERS, ReportContext
+from visuohaptic.report.sources import find_sources
 
 
 def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
@@ -35,6 +36,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
                 template = environment.get_template(f"{section.name}.html.jinja")
                 body = template.render({**shared, **values})
                 chapters.setdefault(chapter, []).append((section.name, section.title, body))
+    explained = most_varied(context.pages)
     has_models = any(page.model is not None for page in context.pages)
     return environment.get_template("page.html.jinja").render(
         chapters=chapters,
@@ -42,6 +44,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         marks=_most_marks(context),
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
+        sources=find_sources(run, (explained.key, explained.shown.viewpoint)),
         summary=summarise_run(run, context.pages, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
