@@ -6,12 +6,12 @@ from report.synthetic import OBJECTS, PARAMETERS, write_run
 from studies.cost.test_front import BLIND, RENDER, cost_rows, cost_table
 
 from visuohaptic.report import sections
-from visuohaptic.report.cost import HEIGHT, advise, advise_robot, cost_chart, read_cost
+from visuohaptic.report.cost import HEIGHT, advise, advise_robot, cost_chart, read_cost, time_parts
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.studies.cost.front import on_robot
-from visuohaptic.tables.schema import write_table
-from visuohaptic.tables.studies import COST
+from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.studies import COST, COST_SECONDS
 
 POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
 
@@ -75,6 +75,25 @@ def test_what_was_not_measured_has_no_figures(tmp_path):
     assert read_cost(None, PARAMETERS) is None
     assert read_cost(tmp_path / "none.parquet", PARAMETERS) is None
     assert cost_chart(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:], ("imprint",)) is None
+
+
+def test_the_parts_of_a_recognition_are_those_of_its_row(tmp_path):
+    names = [column.name for column in COST_SECONDS.columns]
+    row = dict.fromkeys(names, 0.001) | {"family": "touches", "setting": "5", "recognitions": 4}
+    row |= {"seconds_look": 0.06, "seconds_render": 0.02, "seconds_attend": 0.03}
+    row |= {"seconds_touch": 0.02, "seconds_cast": 0.005}
+    columns = {name: [row[name], row[name]] for name in names} | {"setting": ["5", "6"]}
+    path = tmp_path / "seconds.parquet"
+    write_table(COST_SECONDS, build_table(COST_SECONDS, columns), path)
+    setting = {"family": "touches", "setting": "5", "looks": 2, "touches": 5, "viewpoints": 2}
+    parts = {part.name: part for part in time_parts(path, setting)}
+    assert parts["rendering"].each == "10 ms a view"
+    assert parts["attention: saliency and fixations"].each == "15 ms a view"
+    assert parts["casting rays"].each == "0.5 ms a touch"
+    assert parts["rest of touching"].seconds == pytest.approx(0.015)
+    assert parts["preparing the surface"].seconds == pytest.approx(0.01)
+    assert time_parts(path, {**setting, "setting": "7"}) == []
+    assert time_parts(None, setting) == time_parts(path, None) == []
 
 
 def said(rows):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
@@ -29,6 +29,8 @@ from visuohaptic.studies.cost.front import (
     read_costs,
     reference_row,
 )
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import COST_SECONDS
 
 HEIGHT = 420
 """Of the part with the logarithmic axis, pixels."""
@@ -129,6 +131,58 @@ def cost_answer(figures: CostFigures) -> str:
         f"{said} The run's own setting, {_named(own)}, takes {_duration(own['seconds'])} and is "
         f"wrong in {percent(own['error'])} ({_interval(own)})."
     )
+
+
+@dataclass(frozen=True)
+class TimePart:
+    """A part of a recognition: median seconds of all its units, such as views."""
+
+    name: str
+    seconds: float
+    units: int
+    unit: str
+
+    @property
+    def each(self) -> str:
+        """Its time for one unit, in words."""
+        return f"{_duration(self.seconds / self.units)} a {self.unit}"
+
+
+def time_parts(path: str | Path | None, setting: Row | None) -> list[TimePart]:
+    """Say where the time of a recognition goes.
+
+    Parameters
+    ----------
+    path : path or None
+        `tables.COST_SECONDS`.
+    setting : mapping or None
+        The row of `tables.COST` that it is about.
+
+    Returns
+    -------
+    list of TimePart
+        In the order of the work; empty where the setting was not timed.
+    """
+    if path is None or not Path(path).is_file() or setting is None:
+        return []
+    key = (setting["family"], setting["setting"])
+    table = read_table(COST_SECONDS, path).to_pylist()
+    row = next((row for row in table if (row["family"], row["setting"]) == key), None)
+    if row is None:
+        return []
+    looking = row["seconds_render"] + row["seconds_attend"]
+    views, touches = (setting["looks"], "view"), (all_touches(setting), "touch")
+    parts = [
+        TimePart("preparing the surface", row["seconds_look"] - looking, 1, "recognition"),
+        TimePart("rendering", row["seconds_render"], *views),
+        TimePart("attention: saliency and fixations", row["seconds_attend"], *views),
+        TimePart("casting rays", row["seconds_cast"], *touches),
+        TimePart("rest of touching", row["seconds_touch"] - row["seconds_cast"], *touches),
+        TimePart("describing", row["seconds_describe"], *touches),
+        TimePart("classification", row["seconds_name"], 1, "recognition"),
+    ]
+    # Medians of parts need not add up.
+    return [replace(part, seconds=max(part.seconds, 0.0)) for part in parts if part.units]
 
 
 def cue_sentences(rows: Sequence[Row]) -> list[str]:

@@ -26,6 +26,7 @@ from visuohaptic.report.cost import (
     cost_figures,
     cue_sentences,
     read_cost,
+    time_parts,
 )
 from visuohaptic.report.effects import sum_channels, sum_effects
 from visuohaptic.report.influence import (
@@ -185,6 +186,9 @@ def cost_values(context: ReportContext) -> Values | None:
         "large": None if stored is None else cost_figures(stored.rows, parameters),
         "study": study,
         "seconds": context.seconds,
+        "parts": time_parts(
+            extras.get("frontier_seconds"), None if frontier is None else frontier.reference
+        ),
     }
 
 

@@ -39,6 +39,7 @@ def cost_rows(points, failed=()):
         row |= {"error": error, "error_low": error / 2, "error_high": min(1.0, 2 * error + 0.1)}
         errors.append({**SAME, **row, **dict(*others)})
         phases = {f"seconds_{part}": time / 4 for part in ("look", "touch", "describe", "name")}
+        phases |= {f"seconds_{part}": time / 8 for part in ("render", "attend", "cast")}
         quartiles = {"seconds_low": 0.9 * time, "seconds_high": 1.2 * time, "recognitions": 12}
         key = {name: errors[-1][name] for name in ("family", "setting")}
         seconds.append({**key, "seconds": time, **quartiles, **phases})
