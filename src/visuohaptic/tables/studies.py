@@ -240,7 +240,7 @@ COST = Schema(
         Column(
             "step",
             pa.bool_(),
-            "whether it is the front's quickest, or surely more accurate than the step before",
+            "whether it is the most accurate of the quickest, or slower and surely more accurate than the step before",
         ),
     ),
     names_of(COST_KEYS),
