@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.report.published import TABLE_1
+from visuohaptic.recognition.published import TABLE_1
 
 ROOT = Path(__file__).parents[1]
 LABELS = {

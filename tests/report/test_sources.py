@@ -8,6 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 from report.pages import read_page
 from report.synthetic import lay_out, write_study
+from report.test_readings import ROWS
 from report.test_stability import GRAZING, written
 from report.test_touches_needed import write_tables
 from studies.cost.test_front import cost_table
@@ -20,7 +21,7 @@ from visuohaptic.report.sections import CHAPTERS
 from visuohaptic.report.sources import find_sources
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.schemas import SCHEMAS
-from visuohaptic.tables.studies import COST, EFFECT_INFLUENCE
+from visuohaptic.tables.studies import COST, EFFECT_INFLUENCE, READINGS
 
 SHOWN = ("cup/mug", 1)
 WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance"}
@@ -42,6 +43,8 @@ def folder(tmp_path_factory):
         build_table(EFFECT_INFLUENCE, EFFECT),
         results / "effect_influence.parquet",
     )
+    columns = {name: [row[name] for row in ROWS] for name in ROWS[0]}
+    write_table(READINGS, build_table(READINGS, columns), results / "readings.parquet")
     written(results, [GRAZING])
     (results / "studies").mkdir()
     write_tables(results)

@@ -12,7 +12,6 @@ CHECKS_AND_BENCHMARKS = [
 ]
 
 CREDITS = [shipped("meshes/catalogue.csv"), shipped("meshes/paper/credits.csv")]
-TEMPLATES = sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
 
 
 rule report_all:
@@ -97,6 +96,7 @@ rule report:
                 "effect_influence": "results/effect_influence.parquet",
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",
+                "readings": "results/readings.parquet",
                 "stability": "results/stability.parquet",
                 "stability_objects": "results/stability",
                 "stability_full": "reports/stability.parquet",

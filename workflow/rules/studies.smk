@@ -6,20 +6,23 @@ results/study_blocks/<study>/ (some conditions a job), results/studies/<study>.p
 Studies `cost` and `curves` also give results/cost.parquet and results/touches_needed.parquet. Study `frontier`, which
 gives results/frontier.parquet, and what effects cost, results/effect_influence.parquet, are part of `all`. The others
 are not: `snakemake -j2 study_<study>` makes one (of those of the package also `cost_all`, `curves_all`,
-`ablations_all`, `effects_all`) and writes the report; later runs keep it up to date, or leave it as it is
+`ablations_all`, `effects_all`, `readings_all`) and writes the report; later runs keep it up to date, or leave it as it is
 (`workflow.keep_studies_current`).
 """
 
-# The frontier has a table and a section of its own.
+# The frontier and the readings have tables and sections of their own.
 STUDY_FIGURES = {
     f"results/studies/{study}.parquet": study
     for study in STUDIES
-    if study != "frontier"
+    if study not in {"frontier", "readings"}
 }
 SPECIAL_FIGURES = {
+    "results/readings.parquet": "readings",
+    "reports/readings.json": "readings",
     "results/cost.parquet": "cost",
     "results/touches_needed.parquet": "curves",
 }
+TEMPLATES = sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
 MESHES = expand("results/meshes/{object}.ply", object=OBJECTS)
 # A few objects, spread over all, are enough to measure run times.
 COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
@@ -33,16 +36,18 @@ RUN = PARAMETERS.model_dump(
         "recognition": {"intervals"},
     }
 )
+RUN_AND_INTERVALS = PARAMETERS.model_dump(exclude={"workflow", "meshes", "cost"})
 
 
 wildcard_constraints:
     weighed="|".join({"frontier", "cost"} - KEPT_STUDIES),
     study="|".join(sorted(set(STUDIES) - KEPT_STUDIES)) or "(?!)",
     key="[0-9a-f]+",
+    reading="[a-z][0-9]+",
     block=r"\d+-\d+",
 
 
-for study in STUDIES:
+for study in set(STUDIES) - {"readings"}:
 
     rule:
         name:
@@ -89,6 +94,21 @@ rule effects_all:
     input:
         "results/effect_influence.parquet",
         rules.study_effects.input,
+
+
+rule study_readings:
+    input:
+        "results/readings.parquet",
+        "reports/readings.json",
+        "reports/readings.html",
+        # By name, so that a lost block is missed although its figures are there.
+        study_blocks("readings"),
+        report_of_study,
+
+
+rule readings_all:
+    input:
+        rules.study_readings.input,
 
 
 rule features_of_study:
@@ -155,6 +175,67 @@ rule figures_of_study:
         "summing up study {wildcards.study}"
     script:
         "../scripts/study_figures.py"
+
+
+rule readings:
+    input:
+        parts=study_blocks("readings"),
+        code=code_of("readings.py"),
+    output:
+        readings="results/readings.parquet",
+        metrics="reports/readings.json",
+        record="results/records/readings.json",
+    log:
+        "logs/readings.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        intervals=PARAMETERS.recognition.intervals.model_dump(),
+        seed=PARAMETERS.seed,
+    message:
+        "summing up the paper's readings"
+    script:
+        "../scripts/readings.py"
+
+
+rule readings_page:
+    input:
+        readings="results/readings.parquet",
+        code=[*code_of("readings_page.py"), *TEMPLATES],
+    output:
+        "reports/readings.html",
+        record="results/records/readings_page.json",
+    log:
+        "logs/readings_page.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    message:
+        "writing the page of the paper's readings"
+    script:
+        "../scripts/readings_page.py"
+
+
+# One dot of the page: `snakemake -j2 results/reading/r017.json`.
+rule reading:
+    input:
+        features=features_of_reading,
+        made=made_of_reading,
+        code=code_of("reading.py"),
+    output:
+        "results/reading/{reading}.json",
+        record="results/records/reading/{reading}.json",
+    log:
+        "logs/reading/{reading}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        condition=condition_of_reading,
+        remade=keys_of_reading,
+        parameters=RUN_AND_INTERVALS,
+    message:
+        "measuring reading {wildcards.reading} of the paper"
+    script:
+        "../scripts/reading.py"
 
 
 rule candidates_of_study:

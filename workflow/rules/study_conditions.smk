@@ -30,16 +30,24 @@ BLOCKS = {
     for name, plan in PLANS.items()
 }
 
+
+def figures_of(study):
+    """Name the table that sums up a study."""
+    if study == "readings":
+        return "results/readings.parquet"
+    return f"results/studies/{study}.parquet"
+
+
 ASKED_STUDIES = studies_asked_for(sys.argv[1:], STUDIES)
 # Measured once, and left as they are: no rule makes them in this run.
 KEPT_STUDIES = {
     name
     for name in STUDIES
-    if workflow.is_main_process
-    and name != "frontier"
-    and not PARAMETERS.workflow.keep_studies_current
+    if workflow.is_main_process and name != "frontier"
+    # The readings take half an hour, so only their own target brings them up to date.
+    and (name == "readings" or not PARAMETERS.workflow.keep_studies_current)
     and name not in ASKED_STUDIES
-    and Path(f"results/studies/{name}.parquet").exists()
+    and Path(figures_of(name)).exists()
 }
 
 VALUES_OF_RULES["features_of_study"] = [
@@ -54,7 +62,11 @@ VALUES_OF_RULES["cost_seconds"] = VALUES_OF_RULES["cost"] = [
     {"weighed": "frontier"},
     {"weighed": "cost"},
 ]
-VALUES_OF_RULES["figures_of_study"] = [{"study": name} for name in STUDIES]
+VALUES_OF_RULES["figures_of_study"] = [
+    {"study": name} for name in STUDIES if name != "readings"
+]
+READINGS = {one.condition.name: one for one in PLANS["readings"].conditions}
+VALUES_OF_RULES["reading"] = [{"reading": name} for name in READINGS]
 
 
 def study_blocks(study):
@@ -134,6 +146,27 @@ def own_features(wildcards):
     return parts_of("features") if needed else []
 
 
+def keys_of_reading(wildcards):
+    """Name the features of a reading, unless they are the run's."""
+    key = READINGS[wildcards.reading].key
+    return [] if key is None else [key]
+
+
+def made_of_reading(wildcards):
+    """List the file of a reading's features, unless they are the run's."""
+    return made_features("readings", keys_of_reading(wildcards))
+
+
+def features_of_reading(wildcards):
+    """List the run's own features for a reading that has no others."""
+    return [] if keys_of_reading(wildcards) else parts_of("features")
+
+
+def condition_of_reading(wildcards):
+    """Give the condition of a reading."""
+    return describe_conditions([READINGS[wildcards.reading]])[0]
+
+
 def weighed_study(wildcards):
     """Name the study that a job weighs."""
     return wildcards.weighed
@@ -162,7 +195,9 @@ def cores_for_timing(wildcards):
 def is_shown(file, study):
     """Whether the report shows a file of a study: one that exists, or that this run makes."""
     is_made = study in ASKED_STUDIES and (
-        file.startswith("results/studies/") or f"{study}_all" in sys.argv
+        file.startswith("results/studies/")
+        or study == "readings"
+        or f"{study}_all" in sys.argv
     )
     return is_made or Path(file).exists()
 
@@ -171,11 +206,11 @@ def shown_studies(wildcards):
     """Say by which records the report knows that a study is of today's state."""
     return {
         name: {
-            "figures": f"results/studies/{name}.parquet",
+            "figures": figures_of(name),
             "records": expected_records(planned_jobs(), name),
         }
-        for name in STUDY_FIGURES.values()
-        if is_shown(f"results/studies/{name}.parquet", name)
+        for name in {**STUDY_FIGURES, "results/readings.parquet": "readings"}.values()
+        if is_shown(figures_of(name), name)
     }
 
 

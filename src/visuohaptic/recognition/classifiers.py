@@ -77,10 +77,11 @@ class ClassifierParameters(BaseModel):
         "ledoit_wolf",
         description="Shrinkage of the classes' covariances, `ledoit_wolf` or a number up to 1 (quadratic discriminant)",
     )
-    discriminant_regularisation: Literal["where_singular", "always"] = Field(
+    discriminant_regularisation: Literal["where_singular", "always", "pseudo_inverse"] = Field(
         "where_singular",
         description="Whether covariances are shrunk only `where_singular`, which the score's note then "
-        "says, or `always` (quadratic discriminant)",
+        "says, or `always`; `pseudo_inverse` shrinks none and leaves out directions without variance, "
+        "as Matlab's `pseudoquadratic` does (quadratic discriminant)",
     )
     discriminant_target: Literal["own_variances", "mean_variance"] = Field(
         "own_variances",
@@ -219,6 +220,10 @@ def _fit_quadratic_discriminant(
     from visuohaptic.recognition.covariance import ShrunkCovariance, variance_floor
 
     _check_spread("quadratic_discriminant", features, labels)
+    if parameters.discriminant_regularisation == "pseudo_inverse":
+        from visuohaptic.recognition.covariance import PseudoQuadraticDiscriminant
+
+        return PseudoQuadraticDiscriminant().fit(features, labels), None
     _, counts = np.unique(labels, return_counts=True)
     always = parameters.discriminant_regularisation == "always"
     if counts.min() > features.shape[1] and not always:

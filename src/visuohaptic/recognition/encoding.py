@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import hashlib
+from collections import OrderedDict
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,10 +100,78 @@ class SequenceEncoder:
         return sequence_features(self.reduce(sequences), self.sequence_parameters)
 
 
+@dataclass(frozen=True)
+class TouchReduction:
+    """What was fitted on single touches, and the state of the random generator afterwards."""
+
+    scaling: Standardiser
+    reduction: SelfOrganisingMap | FeatureGroups
+    state: Any
+
+
+@dataclass
+class ReductionMemory:
+    """Maps by a hash of what they were fitted on and how, so that none is fitted twice.
+
+    Readings of the paper differ mostly in what follows the map. A remembered map leaves the random
+    generator as fitting it would, so it changes no number.
+
+    Attributes
+    ----------
+    most : int
+        Maps that are remembered at once; the oldest go first.
+    """
+
+    most: int = 1000
+    _held: OrderedDict[bytes, TouchReduction] = field(default_factory=OrderedDict)
+
+    def reduction(
+        self,
+        touches: NDArray[np.float64],
+        parameters: RecognitionParameters,
+        generator: np.random.Generator,
+    ) -> TouchReduction:
+        """Give what `fit_reduction` gives; it is called only where it is new."""
+        key = _digest(touches, parameters, generator)
+        if key not in self._held:
+            self._held[key] = fit_reduction(touches, parameters, generator)
+            if len(self._held) > self.most:
+                self._held.popitem(last=False)
+        self._held.move_to_end(key)
+        found = self._held[key]
+        generator.bit_generator.state = found.state
+        return found
+
+
+def fit_reduction(
+    touches: NDArray[np.float64],
+    parameters: RecognitionParameters,
+    generator: np.random.Generator,
+) -> TouchReduction:
+    """Fit touch scaling and map on the training touches, shape (n, k), float64."""
+    scaling = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
+    settings = parameters.self_organising_map
+    reduction = _fit_reduction(scaling.apply(touches), settings, generator)
+    return TouchReduction(scaling, reduction, generator.bit_generator.state)
+
+
+def _digest(
+    touches: NDArray[np.float64],
+    parameters: RecognitionParameters,
+    generator: np.random.Generator,
+) -> bytes:
+    settings = parameters.self_organising_map.model_dump()
+    if settings["output"] == "one_hot":
+        settings["output"] = "unit_distances"  # the same map, read in another way
+    how = (parameters.touch_scaling, touches.shape, settings, generator.bit_generator.state)
+    return hashlib.blake2b(repr(how).encode() + touches.tobytes(), digest_size=16).digest()
+
+
 def fit_sequence_encoder(
     sequences: NDArray[np.float64],
     parameters: RecognitionParameters,
     generator: np.random.Generator,
+    memory: ReductionMemory | None = None,
 ) -> SequenceEncoder:
     """Fit touch scaling, map and feature scaling.
 
@@ -112,6 +183,8 @@ def fit_sequence_encoder(
         Every choice on the way.
     generator : numpy.random.Generator
         For the online map's order of touches; the batch map takes nothing from it.
+    memory : ReductionMemory, optional
+        Holds maps of other calls; it changes no number.
 
     Returns
     -------
@@ -129,19 +202,19 @@ def fit_sequence_encoder(
             "Every feature has one and the same value at all training touches; "
             "the classes can't be distinguished."
         )
-    touch_scaling = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
+    fit = fit_reduction if memory is None else memory.reduction
+    fitted = fit(touches, parameters, generator)
     settings = parameters.self_organising_map
-    reduction = _fit_reduction(touch_scaling.apply(touches), settings, generator)
     outputs = touches.shape[1] if settings.output == "none" else settings.outputs
     unscaled = SequenceEncoder(
-        touch_scaling,
-        reduction,
+        fitted.scaling,
+        fitted.reduction,
         settings,
         parameters.sequence,
         _identity(outputs * (1 + parameters.sequence.levels) * 3),
     )
     feature_scaling = fit_standardiser(unscaled.encode(sequences), parameters.sequence_scaling)
-    return SequenceEncoder(touch_scaling, reduction, settings, parameters.sequence, feature_scaling)
+    return replace(unscaled, feature_scaling=feature_scaling)
 
 
 def fit_standardiser(

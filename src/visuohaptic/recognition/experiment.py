@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-from visuohaptic.recognition.encoding import fit_sequence_encoder
+from visuohaptic.recognition.encoding import ReductionMemory, fit_sequence_encoder
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import (
     TouchSequences,
@@ -215,16 +215,17 @@ def run_paper_split(
     split: Split,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
+    memory: ReductionMemory | None = None,
 ) -> Iterator[Answer]:
     """Fit the paper's pipeline on a split's training sequences and name its test sequences.
 
-    The test sequences are only encoded and named. Yields an answer for each classifier that can be
-    fitted.
+    The test sequences are only encoded and named. `memory` holds maps of other runs; it changes no
+    number. Yields an answer for each classifier that can be fitted.
     """
     from visuohaptic.recognition.classifiers import fit_classifier
 
     labels = sequences.labels[split.train]
-    encoder = fit_sequence_encoder(sequences.features[split.train], parameters, generator)
+    encoder = fit_sequence_encoder(sequences.features[split.train], parameters, generator, memory)
     training = encoder.encode(sequences.features[split.train])
     tested = encoder.encode(sequences.features[split.test])
     failed, answered = None, False

@@ -15,6 +15,7 @@ _SECTION_OF_STUDY = {
     "cost": "cost",
     "curves": "touches_needed",
     "effects": "influence",
+    "readings": "readings",
 }
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from visuohaptic.recognition.intervals import holm
-from visuohaptic.report.published import TABLE_1
+from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.wording import (
     classifier_name,
     counted,

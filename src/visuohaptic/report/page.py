@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from datetime import UTC, datetime
 from importlib.resources import files as package_files
+from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
+from visuohaptic.errors import ReportError
 from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import Track, describe_objects, most_varied
 from visuohaptic.report.provenance import phase_seconds
+from visuohaptic.report.readings import mark_up_dots, readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.sections import CHAPTERS, ReportContext
 from visuohaptic.report.sources import find_sources
+from visuohaptic.studies.readings.stored import read_readings
 
 
 def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
@@ -54,6 +59,24 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     )
 
 
+def render_readings_page(table: str | Path) -> str:
+    """Give a page of the paper's readings alone, with the curves of all classifiers.
+
+    Raises `ReportError` if the table of `tables.READINGS` holds no reading that could be run.
+    """
+    found = readings_figures(read_readings(table))
+    if found is None:
+        raise ReportError(f"{table} has no reading that could be run; one at least is needed.")
+    environment = make_environment()
+    body = environment.get_template("readings.html.jinja").render(readings=found)
+    return environment.get_template("readings_page.html.jinja").render(
+        body=body,
+        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        style=_text("style.css"),
+        script=_text("readings.js") + _text("figures.js"),
+    )
+
+
 def make_environment() -> Environment:
     """Give the templates, with everything escaped that is not marked as safe."""
     environment = Environment(
@@ -74,6 +97,7 @@ def make_environment() -> Environment:
         "anchor": wording.anchor_of,
         "classifier": wording.classifier_name,
         "strategy": wording.strategy_name,
+        "dots": lambda dots: Markup(mark_up_dots(dots)),  # noqa: S704 - it escapes its texts
     }
     return environment
 

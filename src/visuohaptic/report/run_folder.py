@@ -21,6 +21,7 @@ EXTRAS = {
     "effect_influence": "results/effect_influence.parquet",
     "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",
+    "readings": "results/readings.parquet",
     "stability": "results/stability.parquet",
     "stability_objects": "results/stability",
     "stability_full": "reports/stability.parquet",

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from visuohaptic.recognition.published import PAPER
 from visuohaptic.recognition.summary import Confusion, confusion, select
 from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
@@ -42,7 +43,7 @@ from visuohaptic.report.provenance import (
     find_commit,
     find_versions,
 )
-from visuohaptic.report.published import PAPER
+from visuohaptic.report.readings import BEST_OF_PAPER, readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import (
     describe_checks,
@@ -62,6 +63,7 @@ from visuohaptic.report.wording import CONTACT_STATES
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.studies.cost.front import Row
 from visuohaptic.studies.cost.stored import stored_frontier
+from visuohaptic.studies.readings.stored import read_readings
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, KINESTHETIC_FEATURES
 from visuohaptic.tables.schema import matrix
 
@@ -159,6 +161,13 @@ def touches_needed_values(context: ReportContext) -> Values | None:
     extras = context.run.files.extras
     found = curve_figures(extras.get("studies"), extras.get("touches_needed"))
     return {"pipelines": found} if found else None
+
+
+def readings_values(context: ReportContext) -> Values | None:
+    """Give what the readings of the paper say together, of this run or as kept with the package."""
+    measured = read_readings(context.run.files.extras.get("readings"))
+    found = readings_figures(measured, (BEST_OF_PAPER,))
+    return {"readings": found} if found else None
 
 
 def ablations_values(context: ReportContext) -> Values | None:
@@ -351,7 +360,8 @@ CHAPTERS = {
     "Numerical stability": (
         Section("stability", "Numerical stability in hard cases", stability_values),
     ),
-    "Studies": (
+    "The paper's readings, and studies": (
+        Section("readings", "The paper under all its readings", readings_values),
         Section("ablations", "Ablations", ablations_values),
         Section("studies", "Own studies", studies_values),
     ),

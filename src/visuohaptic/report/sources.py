@@ -70,6 +70,7 @@ def find_sources(run: Run, shown: tuple[str, int]) -> dict[str, list[Source]]:
         "touches_needed": list(_touches_needed(run)),
         "confusion": [_confusion(run)],
         "cost": list(_cost(run)),
+        "readings": list(_readings(run)),
         "influence": [*_influence(run), *_study(run, "effects"), _places(run, shown)],
         "effects": list(_effects(run)),
         "stability": list(_stability(run)),
@@ -152,6 +153,12 @@ def _cost(run: Run) -> Iterator[Source]:
     parts = ("seconds_render", "seconds_attend", "seconds_cast")
     what = "Parts of a recognition"
     yield from _extra(run, "frontier_seconds", what, "cost_seconds", parts, ("family", "setting"))
+
+
+def _readings(run: Run) -> Iterator[Source]:
+    columns = ("fixation", "random", "ahead", "p_value")
+    by = ("reading", "classifier")
+    yield from _extra(run, "readings", "Readings of the paper", "readings", columns, by)
 
 
 def _stability(run: Run) -> Iterator[Source]:

@@ -14,6 +14,7 @@ from visuohaptic.studies.cost.settings import make_study
 from visuohaptic.studies.curves.settings import curve_study
 from visuohaptic.studies.effects.accuracy import effect_study
 from visuohaptic.studies.own import read_study
+from visuohaptic.studies.readings.design import make_readings_study
 
 PACKAGED: dict[str, Callable[[ExperimentParameters], Study]] = {
     "frontier": partial(make_study, "frontier"),
@@ -21,6 +22,7 @@ PACKAGED: dict[str, Callable[[ExperimentParameters], Study]] = {
     "curves": curve_study,
     "ablations": ablation_study,
     "effects": effect_study,
+    "readings": make_readings_study,
 }
 """Studies that come with the package, by name."""
 

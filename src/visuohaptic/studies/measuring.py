@@ -24,6 +24,7 @@ from visuohaptic.tables.studies import STUDY
 
 if TYPE_CHECKING:
     from visuohaptic.parameters import ExperimentParameters
+    from visuohaptic.recognition.encoding import ReductionMemory
     from visuohaptic.recognition.experiment import Answer, AnswerSplit
     from visuohaptic.recognition.sequences import TouchSequences
     from visuohaptic.recognition.splits import Split
@@ -63,9 +64,18 @@ class Named:
 
 
 class Memory:
-    """What was named last, so that conditions that differ in the vote alone train once."""
+    """What was named last, and maps, so that what conditions share is trained once.
+
+    Attributes
+    ----------
+    maps : ReductionMemory
+        Maps of the paper's pipeline.
+    """
 
     def __init__(self, kept: int = 4) -> None:
+        from visuohaptic.recognition.encoding import ReductionMemory
+
+        self.maps = ReductionMemory()
         self._kept = kept
         self._named: OrderedDict[Hashable, Named] = OrderedDict()
 
@@ -154,7 +164,9 @@ def measure_condition(
                 if isinstance(features, str):
                     raise RecognitionError(features)
                 known = (planned.key, planned.parameters.model_dump_json(), pipeline, strategy)
-                name = partial(_name_condition, planned, features, strategy, pipeline, seed)
+                name = partial(
+                    _name_condition, planned, features, strategy, pipeline, seed, memory.maps
+                )
                 named = memory.recall(known, name)
                 yield from cell_rows(key, named, planned.condition.votes)
             except REFUSALS as refusal:
@@ -184,13 +196,24 @@ def classifiers_of(parameters: ExperimentParameters, pipeline: str) -> tuple[str
 
 
 def _name_condition(
-    planned: Planned, features: pa.Table, strategy: str, pipeline: str, seed: int
+    planned: Planned,
+    features: pa.Table,
+    strategy: str,
+    pipeline: str,
+    seed: int,
+    maps: ReductionMemory,
 ) -> Named:
-    from visuohaptic.recognition.experiment import gather_pipeline
+    from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split
 
+    recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
-    sequences = gather_pipeline(rows, planned.parameters.recognition, pipeline)
-    return name_objects(sequences, planned.parameters, pipeline, seed)
+    sequences = gather_pipeline(rows, recognition, pipeline)
+    answer_split: AnswerSplit | None = None
+    if pipeline == "paper":
+        answer_split = lambda split, generator: run_paper_split(  # noqa: E731
+            sequences, split, recognition, generator, maps
+        )
+    return name_objects(sequences, planned.parameters, pipeline, seed, answer_split)
 
 
 Key = tuple[str, str, str, str]

@@ -12,6 +12,7 @@ from visuohaptic_workflow.records import expected_record, fits_record
 
 RULES_OF_STUDY: Mapping[str, Sequence[str]] = {
     "curves": ("candidates_of_study", "adaptive_of_study", "touches_needed"),
+    "readings": ("readings", "readings_page"),
 }
 """What is measured beside the conditions of a study, by the rules that do it."""
 

@@ -2,7 +2,7 @@
 // Gives every figure a control that copies it, with its caption, as an SVG drawing or a PNG picture.
 // What is shown is drawn again from the places that the browser gave it, so one function serves all figures.
 (() => {
-  const SVG = "http://www.w3.org/2000/svg";
+  const SVG = new DOMParser().parseFromString("<svg>", "text/html").body.firstChild.namespaceURI;
   const MARGIN = 20; // pixels around the drawing
   const DENSITY = 2; // pixels of a PNG for one of the page
   const STYLES = [
@@ -22,7 +22,7 @@
   function copyDrawing(source, shared) {
     const copy = source.cloneNode(false);
     for (const { name } of [...copy.attributes]) {
-      if (/^(id|class|style|role|tabindex|aria-.*)$/.test(name)) copy.removeAttribute(name);
+      if (/^(id|class|style|role|tabindex|aria-.*|data-.*)$/.test(name)) copy.removeAttribute(name);
     }
     if (source.localName !== "title") {
       const style = getComputedStyle(source);
@@ -113,9 +113,11 @@
     const stages = await photograph(figure);
     const frame = figure.getBoundingClientRect();
     const at = ({ left, top }) => ({ x: left - frame.left, y: top - frame.top });
-    const [width, height] = [frame.width + 2 * MARGIN, frame.height + 2 * MARGIN];
     const shared = new Map();
     const parts = [...figure.childNodes].flatMap((child) => [...drawParts(child, at, shared, stages)]);
+    // What scrolls within the figure may be wider than it.
+    const ends = parts.map((part) => Number(part.getAttribute("x")) + Number(part.getAttribute("width")));
+    const [width, height] = [Math.max(frame.width, ...ends) + 2 * MARGIN, frame.height + 2 * MARGIN];
     const paper = make("rect", { x: -MARGIN, y: -MARGIN, width, height, fill: getComputedStyle(document.body).backgroundColor });
     const drawing = make(
       "svg", { width, height, viewBox: `${-MARGIN} ${-MARGIN} ${width} ${height}` },

@@ -1,0 +1,281 @@
+"""The paper under all its readings: one sentence, the specification curve, and what choices explain.
+
+The curve follows U. Simonsohn, J. Simmons and L. Nelson, "Specification curve analysis", Nature
+Human Behaviour 4, 2020: readings sorted by their result, and below them the options of each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
+from visuohaptic.studies.figures import Row
+from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, Choice
+from visuohaptic.studies.readings.figures import summarise_readings
+from visuohaptic.studies.readings.stored import MeasuredReadings, Source
+
+BEST_OF_PAPER = "support_vector_machine"
+COMMAND = "snakemake -j2 results/reading/{}.json"
+"""Measures one reading again."""
+
+WIDTH = 1000
+_LEFT = 190
+_TOP, _CURVE_HEIGHT = 16, 300
+_ROW, _GAP = 13, 7
+_MOST_SHARES = 12
+
+
+@dataclass(frozen=True)
+class Dot:
+    """One reading's accuracy by fixation: its place, its name, and what it says when pointed at."""
+
+    x: float
+    y: float
+    name: str
+    label: str
+    is_default: bool
+
+
+@dataclass(frozen=True)
+class CurveChart:
+    """The specification curve and its panel, in units of its own.
+
+    Attributes
+    ----------
+    height, base : float
+        Of the whole, and of the curve's axis.
+    ticks : tuple of (float, str)
+        Places down the curve, and percentages.
+    dots : tuple of Dot
+        Fixation, in order.
+    whiskers, random : str
+        Paths: intervals of fixation, and marks of random probing.
+    published : tuple of (str, float, str)
+        Strategy, place down the curve, and label of each published figure.
+    labels : tuple of (float, str)
+        Places down the panel of the choices' names.
+    options : tuple of (float, str, str)
+        Places of the options, their names, and paths with a tick at each reading that has them.
+    """
+
+    height: float
+    base: float
+    ticks: tuple[tuple[float, str], ...]
+    dots: tuple[Dot, ...]
+    whiskers: str
+    random: str
+    published: tuple[tuple[str, float, str], ...]
+    labels: tuple[tuple[float, str], ...]
+    options: tuple[tuple[float, str, str], ...]
+
+
+@dataclass(frozen=True)
+class ReadingsFigures:
+    """What the page shows of the readings.
+
+    Attributes
+    ----------
+    sentences : tuple of str
+        What they say together.
+    summary : mapping
+        As `summarise_readings` gives it.
+    charts : mapping of str to CurveChart
+        By classifier.
+    shares : mapping of str to sequence of mapping
+        What explains most of the spread, by classifier.
+    choices : tuple of Choice
+        All of them.
+    source : Source or None
+        Where the readings come from; None where they are of this run.
+    """
+
+    sentences: tuple[str, ...]
+    summary: Mapping[str, Any]
+    charts: Mapping[str, CurveChart]
+    shares: Mapping[str, Sequence[Row]]
+    choices: tuple[Choice, ...]
+    source: Source | None
+
+
+def readings_figures(
+    measured: MeasuredReadings | None, classifiers: Sequence[str] = tuple(TABLE_1)
+) -> ReadingsFigures | None:
+    """Give what the page shows, with the curves of some classifiers; None without readings."""
+    if measured is None:
+        return None
+    summary = summarise_readings(measured.rows)
+    shown = [name for name in classifiers if name in summary["classifiers"]]
+    if not shown:
+        return None
+    return ReadingsFigures(
+        sentences=tuple(
+            _sentences(summary, shown[0] if BEST_OF_PAPER not in shown else BEST_OF_PAPER)
+        ),
+        summary=summary,
+        charts={name: curve_chart(measured.rows, name) for name in shown},
+        shares={name: _largest(summary["classifiers"][name]["choices"]) for name in shown},
+        choices=CHOICES,
+        source=measured.source,
+    )
+
+
+def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:
+    """Place the specification curve of one classifier: readings sorted by accuracy by fixation."""
+    run = [
+        row
+        for row in rows
+        if row["classifier"] == classifier and row["error"] is None and row["part"] != "protocol"
+    ]
+    run.sort(key=lambda row: (row["fixation"], row["place"]))
+    step = (WIDTH - _LEFT - 10) / len(run)
+    across = [_LEFT + (place + 0.5) * step for place in range(len(run))]
+    base = _TOP + _CURVE_HEIGHT
+    labels, options, top = _panel(run, across, base + 30)
+    return CurveChart(
+        height=top,
+        base=base,
+        ticks=tuple((_down(share), f"{share:.0%}") for share in (0, 0.25, 0.5, 0.75, 1)),
+        dots=tuple(
+            Dot(
+                round(x, 1),
+                round(_down(row["fixation"]), 1),
+                row["reading"],
+                _label(row),
+                row["place"] == 0,
+            )
+            for x, row in zip(across, run, strict=True)
+        ),
+        whiskers="".join(
+            f"M{x:.1f} {_down(row['fixation_high']):.0f}V{_down(row['fixation_low']):.0f}"
+            for x, row in zip(across, run, strict=True)
+        ),
+        random="".join(
+            f"M{x - 1:.1f} {_down(row['random']):.1f}h2" for x, row in zip(across, run, strict=True)
+        ),
+        published=tuple(
+            (strategy, _down(value), f"published, {strategy}: {percent(value, 2)}")
+            for strategy, value in TABLE_1[classifier].items()
+        ),
+        labels=labels,
+        options=options,
+    )
+
+
+def describe_options(row: Row) -> str:
+    """Say how a reading differs from our default."""
+    changed = [
+        f"{choice.label.lower()}: {spaced(row[choice.name])}"
+        for choice in CHOICES
+        if row[choice.name] != choice.default
+    ]
+    return "; ".join(changed) or "our default"
+
+
+def _panel(
+    run: Sequence[Row], across: Sequence[float], top: float
+) -> tuple[tuple[tuple[float, str], ...], tuple[tuple[float, str, str], ...], float]:
+    labels: list[tuple[float, str]] = []
+    options: list[tuple[float, str, str]] = []
+    for choice in CHOICES:
+        if len({row[choice.name] for row in run}) < 2:
+            continue
+        labels.append((top + 10, choice.label))
+        top += _ROW + 2
+        for option in choice.options:
+            ticks = "".join(
+                f"M{x:.1f} {top:.0f}v{_ROW - 4}"
+                for x, row in zip(across, run, strict=True)
+                if row[choice.name] == option
+            )
+            options.append((top + 8, spaced(option), ticks))
+            top += _ROW
+        top += _GAP
+    return tuple(labels), tuple(options), top
+
+
+def _label(row: Row) -> str:
+    interval = f"{percent(row['fixation_low'])} to {percent(row['fixation_high'])}"
+    return (
+        f"{row['reading']}: fixation {percent(row['fixation'])} ({interval}), random "
+        f"{percent(row['random'])}. {describe_options(row)}. {COMMAND.format(row['reading'])}"
+    )
+
+
+def _down(share: float) -> float:
+    return _TOP + (1 - share) * _CURVE_HEIGHT
+
+
+def _largest(choices: Sequence[Row]) -> list[Row]:
+    named = [
+        {
+            **row,
+            "words": listed([BY_NAME[name].label for name in row["choices"]]),
+            "gains": _gains(row),
+        }
+        for row in choices
+    ]
+    return [
+        row
+        for part in ("recognition", "upstream")
+        for row in [one for one in named if one["part"] == part][:_MOST_SHARES]
+        if row["share"] >= 0.005
+    ]
+
+
+def _gains(row: Row) -> str:
+    if row["gains"] is None:
+        return ""
+    default = BY_NAME[row["choices"][0]].default
+    return ", ".join(
+        f"{spaced(option)} {points(gain)}"
+        for option, gain in row["gains"].items()
+        if option != default
+    )
+
+
+def _sentences(summary: Mapping[str, Any], classifier: str) -> list[str]:
+    found = summary["classifiers"][classifier]
+    count = found["readings"]
+    named = classifier_name(classifier)
+    ahead = sum(one["ahead"] for one in summary["classifiers"].values())
+    cells = sum(one["readings"] for one in summary["classifiers"].values())
+    reached = [
+        f"{classifier_name(name)} {one['readings_reaching']}"
+        for name, one in summary["classifiers"].items()
+    ]
+    own = "" if found["default"] is None else f"; our default {percent(found['default'])}"
+    spread = (
+        f"Of {count} readings of the paper, the accuracy by fixation of its best classifier "
+        f"({named}) lies between {percent(found['lowest'])} and {percent(found['highest'])} (median "
+        f"{percent(found['median'])}{own}; published "
+        f"{percent(found['published']['fixation'], 2)})."
+    )
+    lead = (
+        f"{percent(found['ahead'] / count, 0)} of them put fixation ahead of random probing, "
+        f"{percent(found['ahead_significantly'] / count, 0)} significantly (each tested by itself "
+        f"at 0.05, not adjusted for {count} readings); the median lead is "
+        f"{points(found['ahead_median'])} points, the paper's {points(found['published_ahead'])}. "
+        f"Over all five classifiers fixation is ahead in {ahead} of {cells} cases."
+    )
+    best = (
+        f"{found['readings_reaching']} of the {count} reach the published figure as a mean over all "
+        f"splits; in {found['readings_with_a_split_reaching']} at least one split does "
+        f"({percent(found['splits_reaching'])} of all splits), the highest "
+        f"{percent(found['highest_split'])}. As means over splits, readings that reach the paper's "
+        f"figure: {listed(reached)}."
+    )
+    return [spread, lead, best]
+
+
+def mark_up_dots(dots: Sequence[Dot]) -> str:
+    """Write the dots of a chart; thousands of them would take a template seconds."""
+    return "".join(
+        f'<circle cx="{dot.x}" cy="{dot.y}" r="{4 if dot.is_default else 2}"'
+        f'{" class=own" if dot.is_default else ""} data-reading="{escape(dot.name)}">'
+        f"<title>{escape(dot.label)}</title></circle>"
+        for dot in dots
+    )

@@ -1,0 +1,156 @@
+"""Which readings are run: all combinations of some choices, and a fraction of the others.
+
+Four parts:
+
+- ``recognition``: every combination of the recognition choices that matter, on the run's touches.
+- ``upstream``: the other choices in 32 runs of a two-level design of resolution IV (main effects are
+  clear of all interactions of two), each with every kind of map output and classifier settings, so
+  that the interactions of these two with any other choice are clear as well.
+- ``training``: the map trained touch by touch, with every kind of map output and classifier settings.
+- ``protocol``: known objects from new viewpoints, which is another question.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.studies.conditions import Changes, Condition, Study
+from visuohaptic.studies.readings.choices import BY_NAME, CHOICES
+
+Part = Literal["recognition", "upstream", "training", "protocol"]
+Options = Mapping[str, str]
+"""An option of every choice, by the choice's name."""
+
+NAME = "readings"
+TITLE = "The paper under all its readings"
+STRATEGIES = ("fixation", "random")
+
+FACTORIAL = (
+    "map_output",
+    "touch_scaling",
+    "sequence_scaling",
+    "sequence_extension",
+    "wavelet_bands",
+    "classifier_settings",
+)
+CROSSED = ("map_output", "classifier_settings")
+"""What is crossed with every run of the other parts."""
+
+_VIEWPOINT_COLUMNS = ("A", "B")
+_COLUMNS: Mapping[str, str] = {
+    "channels": "C",
+    "saliency_operator": "D",
+    "inhibition": "E",
+    "sensor_size": "ABC",
+    "sensor_normal": "ABD",
+    "imprint_stretch": "ABE",
+    "contourlet_filters": "ACD",
+    "imprint_extension": "ACE",
+    "deviation": "ADE",
+}
+"""Each choice's column in the two-level design: the product of these basic columns.
+
+Products of an odd number of five basic columns make a design of resolution IV in 32 runs (G. Box,
+W. Hunter and J. Hunter, Statistics for Experimenters, chapter 6). The four options of the
+viewpoints take two basic columns and their product AB. No other choice has that column, but
+interactions such as that of the channels and the sensor's size have (C times ABC).
+"""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One reading of the paper.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``r017``: the letter of its part and its place there.
+    part : str
+        The part of the design.
+    options : mapping of str to str
+        An option of every choice.
+    """
+
+    name: str
+    part: Part
+    options: Options
+
+    @property
+    def changes(self) -> Changes:
+        """What differs from our default reading."""
+        changes: dict[str, object] = {}
+        for choice, option in self.options.items():
+            changes |= BY_NAME[choice].options[option]
+        return changes
+
+
+def all_readings() -> list[Reading]:
+    """Give the readings in order; the first is our default, and no two are the same."""
+    readings: list[Reading] = []
+    seen: set[tuple[str, ...]] = set()
+    for part, make in _PARTS.items():
+        fresh = [options for options in make() if tuple(options.values()) not in seen]
+        seen |= {tuple(options.values()) for options in fresh}
+        readings += [
+            Reading(f"{part[0]}{place:03d}", part, options) for place, options in enumerate(fresh)
+        ]
+    return readings
+
+
+def make_readings_study(_run: ExperimentParameters) -> Study:
+    """Give the study: a condition for each reading."""
+    same: Changes = {
+        "recognition.pipelines": ("paper",),
+        "recognition.classifiers": tuple(TABLE_1),
+        "probing.strategies": STRATEGIES,
+    }
+    conditions = (
+        Condition(reading.name, {**same, **reading.changes}) for reading in all_readings()
+    )
+    return Study(NAME, TITLE, tuple(conditions))
+
+
+def _defaults() -> dict[str, str]:
+    return {choice.name: choice.default for choice in CHOICES}
+
+
+def _combinations(names: tuple[str, ...], others: Options) -> Iterator[Options]:
+    for options in itertools.product(*(BY_NAME[name].options for name in names)):
+        yield {**others, **dict(zip(names, options, strict=True))}
+
+
+def _factorial() -> Iterator[Options]:
+    return _combinations(FACTORIAL, _defaults())
+
+
+def _fraction() -> Iterator[Options]:
+    for levels in itertools.product((0, 1), repeat=5):
+        basic = dict(zip("ABCDE", levels, strict=True))
+        run = _defaults()
+        place = 2 * basic["A"] + basic["B"]
+        run["viewpoints"] = list(BY_NAME["viewpoints"].options)[place]
+        for name, column in _COLUMNS.items():
+            # With odd products, the run of all zeros has every default.
+            run[name] = list(BY_NAME[name].options)[sum(basic[letter] for letter in column) % 2]
+        yield from _combinations(CROSSED, run)
+
+
+def _training() -> Iterator[Options]:
+    return _combinations(CROSSED, _defaults() | {"map_training": "online"})
+
+
+def _protocol() -> Iterator[Options]:
+    return _combinations(CROSSED, _defaults() | {"protocol": "new_viewpoint"})
+
+
+_PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {
+    "recognition": _factorial,
+    "upstream": _fraction,
+    "training": _training,
+    "protocol": _protocol,
+}

@@ -1,0 +1,279 @@
+"""From a study's blocks to the figures of each reading, and to what all readings say together."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.recognition.intervals import compare_paired
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.figures import (
+    Cell,
+    CellKey,
+    Row,
+    cells_of,
+    condition_interval,
+    write_json,
+)
+from visuohaptic.studies.readings.choices import BY_NAME, CHOICES
+from visuohaptic.studies.readings.design import (
+    CROSSED,
+    FACTORIAL,
+    STRATEGIES,
+    Reading,
+    all_readings,
+)
+from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
+from visuohaptic.tables.studies import READINGS, STUDY
+
+SIGNIFICANT = 0.05
+_SAME = 1e-12
+
+
+def make_readings(
+    parts: Sequence[str | Path],
+    output: str | Path,
+    summary: str | Path,
+    intervals: IntervalParameters,
+    seed: int,
+) -> None:
+    """Write `tables.READINGS` from the study's blocks, and what they say together as JSON."""
+    table = reading_figures(parts, intervals, seed)
+    write_table(READINGS, table, output)
+    write_json(summarise_readings(table.to_pylist()), summary)
+
+
+def reading_figures(
+    parts: Iterable[str | Path], intervals: IntervalParameters, seed: int
+) -> pa.Table:
+    """Give `tables.READINGS`, one block of the study in memory at a time.
+
+    A file of `tables.STUDY` holds all rows of its conditions.
+    """
+    order = all_readings()
+    places = {reading.name: place for place, reading in enumerate(order)}
+    rows: list[Row] = []
+    for part in parts:
+        table = read_table(STUDY, part)
+        cells, splits = cells_of(table), split_accuracies(table)
+        for name, classifier in dict.fromkeys((key[0], key[3]) for key in cells):
+            place = places[name]
+            rows.append(
+                {
+                    **_identity(order[place], place, classifier),
+                    **_figures(name, classifier, cells, splits, intervals, seed),
+                }
+            )
+    rows.sort(key=lambda row: (row["place"], list(TABLE_1).index(row["classifier"])))
+    names = [column.name for column in READINGS.columns]
+    return build_table(READINGS, {name: [row[name] for row in rows] for name in names})
+
+
+def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
+    """Give the share of each split's test sequences that is correctly classified.
+
+    Rows of `tables.STUDY`; what could not be run is left out.
+    """
+    names = [
+        rows.column(name).to_pylist()
+        for name in ("condition", "pipeline", "strategy", "classifier")
+    ]
+    places: dict[Any, list[int]] = {}
+    for place, key in enumerate(zip(*names, strict=True)):
+        places.setdefault(key, []).append(place)
+    found = {}
+    for key, chosen in places.items():
+        cell = rows.take(chosen)
+        if cell.column("error")[0].as_py() is not None:
+            continue
+        split, repeat, sequences, accuracy = matrix(
+            cell, ["split", "repeat", "sequences", "accuracy"]
+        ).T
+        _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
+        correct = np.bincount(run, weights=np.rint(sequences * accuracy))
+        found[key] = correct / np.bincount(run, weights=sequences)
+    return found
+
+
+def _identity(reading: Reading, place: int, classifier: str) -> Row:
+    return {
+        "reading": reading.name,
+        "classifier": classifier,
+        "part": reading.part,
+        "place": place,
+        **reading.options,
+    }
+
+
+def _figures(
+    name: str,
+    classifier: str,
+    cells: Mapping[CellKey, Cell],
+    splits: Mapping[CellKey, NDArray[np.float64]],
+    intervals: IntervalParameters,
+    seed: int,
+) -> Row:
+    row: Row = dict.fromkeys(column.name for column in READINGS.columns[4 + len(CHOICES) :])
+    found = {strategy: (name, "paper", strategy, classifier) for strategy in STRATEGIES}
+    errors = [cells[key].error if key in cells else "no result" for key in found.values()]
+    if reasons := [error for error in errors if error is not None]:
+        return row | {"error": reasons[0]}
+    for strategy, key in found.items():
+        interval = condition_interval(cells[key], intervals, seed)
+        published = TABLE_1[classifier][strategy]
+        row |= {
+            strategy: interval.mean,
+            f"{strategy}_low": interval.low,
+            f"{strategy}_high": interval.high,
+            f"{strategy}_best_split": float(splits[key].max()),
+            f"{strategy}_splits_reaching": float((splits[key] >= published - _SAME).mean()),
+        }
+    fixation, random = (cells[key] for key in found.values())
+    row |= {
+        "objects": len(fixation.objects),
+        "splits": len(splits[found["fixation"]]),
+        "seconds": (fixation.seconds or 0.0) + (random.seconds or 0.0),
+    }
+    if fixation.objects != random.objects:
+        return row
+    generator = spawn_generator(seed, "studies", "comparison")
+    compared = compare_paired(
+        fixation.accuracy, random.accuracy, fixation.weights, intervals, generator
+    )
+    return row | {
+        "ahead": compared.difference.mean,
+        "ahead_low": compared.difference.low,
+        "ahead_high": compared.difference.high,
+        "p_value": compared.p_value,
+    }
+
+
+def summarise_readings(rows: Sequence[Row]) -> dict[str, Any]:
+    """Say what the readings of the paper's own question show together, classifier by classifier.
+
+    `rows` are those of `tables.READINGS`. The part ``protocol`` asks another question and is summed
+    up by itself.
+    """
+    own = [row for row in rows if row["part"] != "protocol"]
+    other = [row for row in rows if row["part"] == "protocol"]
+    return {
+        "readings": len({row["reading"] for row in own}),
+        "failed": sorted({row["reading"] for row in own if row["error"] is not None}),
+        "classifiers": _by_classifier(own),
+        "known_objects": _by_classifier(other),
+    }
+
+
+def _by_classifier(rows: Sequence[Row]) -> dict[str, Any]:
+    found = {}
+    for name, published in TABLE_1.items():
+        run = [row for row in rows if row["classifier"] == name and row["error"] is None]
+        if run:
+            found[name] = {**_range(run, published), "choices": weigh_choices(run)}
+    return found
+
+
+def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any]:
+    fixation, random = (np.array([row[name] for row in rows]) for name in STRATEGIES)
+    ahead = np.array([np.nan if row["ahead"] is None else row["ahead"] for row in rows])
+    significant = np.array([(row["p_value"] or 1.0) < SIGNIFICANT for row in rows])
+    reaching = np.array([row["fixation_splits_reaching"] for row in rows])
+    best = max(rows, key=lambda row: row["fixation_best_split"])
+    return {
+        "readings": len(rows),
+        "published": dict(published),
+        "lowest": fixation.min(),
+        "median": float(np.median(fixation)),
+        "highest": fixation.max(),
+        "highest_reading": rows[int(fixation.argmax())]["reading"],
+        "random_median": float(np.median(random)),
+        "default": next((row["fixation"] for row in rows if row["place"] == 0), None),
+        "readings_reaching": int((fixation >= published["fixation"] - _SAME).sum()),
+        "readings_with_a_split_reaching": int((reaching > 0).sum()),
+        "splits_reaching": float(reaching.mean()),
+        "highest_split": best["fixation_best_split"],
+        "highest_split_reading": best["reading"],
+        "ahead": int((ahead > _SAME).sum()),
+        "ahead_significantly": int(((ahead > _SAME) & significant).sum()),
+        "behind": int((ahead < -_SAME).sum()),
+        "behind_significantly": int(((ahead < -_SAME) & significant).sum()),
+        "ahead_median": float(np.nanmedian(ahead)),
+        "ahead_lowest": float(np.nanmin(ahead)),
+        "ahead_highest": float(np.nanmax(ahead)),
+        "published_ahead": published["fixation"] - published["random"],
+    }
+
+
+def weigh_choices(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """Say how much of the spread of one classifier's accuracy by fixation each choice explains.
+
+    Sums of squares of a balanced design: of the recognition choices over the part ``recognition``,
+    of all others over the part ``upstream`` together with our default. Gives a row a choice or pair
+    of choices, with its share of its part's spread and the mean gain of each option over the default
+    one (null for pairs), the largest share first.
+    """
+    found = []
+    complete = [row for row in rows if row["part"] == "recognition"]
+    found += _shares(complete, FACTORIAL, "recognition")
+    # The runs of the fraction with every default belong to the full factorial.
+    shared = [row for row in complete if _only_differs(row, CROSSED)]
+    fraction = shared + [row for row in rows if row["part"] == "upstream"]
+    others = tuple(
+        choice.name
+        for choice in CHOICES
+        if choice.name not in FACTORIAL and len({row[choice.name] for row in fraction}) > 1
+    )
+    found += _shares(fraction, (*others, *CROSSED), "upstream")
+    return sorted(found, key=lambda row: (row["part"], -row["share"]))
+
+
+def _only_differs(row: Row, names: Sequence[str]) -> bool:
+    return all(row[choice.name] == choice.default for choice in CHOICES if choice.name not in names)
+
+
+def _shares(rows: Sequence[Row], names: Sequence[str], part: str) -> list[dict[str, Any]]:
+    if len(rows) < 2:
+        return []
+    accuracy = np.array([row["fixation"] for row in rows])
+    total = float(np.square(accuracy - accuracy.mean()).sum())
+    if total == 0:
+        return []
+    found = []
+    squares = {}
+    for name in names:
+        fitted, of_option = _group_means(accuracy, [row[name] for row in rows])
+        squares[name] = float(np.square(fitted - accuracy.mean()).sum())
+        default = of_option[BY_NAME[name].default]
+        gains = {option: mean - default for option, mean in of_option.items()}
+        found.append(
+            {"part": part, "choices": [name], "share": squares[name] / total, "gains": gains}
+        )
+    # Interactions are clear between the crossed choices and any other, and in the full factorial.
+    pairs = itertools.combinations(names, 2)
+    for first, second in pairs:
+        if part == "upstream" and not {first, second} & set(CROSSED):
+            continue
+        fitted, _ = _group_means(accuracy, [(row[first], row[second]) for row in rows])
+        both = float(np.square(fitted - accuracy.mean()).sum())
+        share = max(both - squares[first] - squares[second], 0.0) / total
+        found.append({"part": part, "choices": [first, second], "share": share, "gains": None})
+    return found
+
+
+def _group_means(
+    values: NDArray[np.float64], groups: Sequence[Any]
+) -> tuple[NDArray[np.float64], dict[Any, float]]:
+    """Give the mean of each value's group, and the mean of each group."""
+    names = list(dict.fromkeys(groups))
+    places = {name: place for place, name in enumerate(names)}
+    group = np.array([places[one] for one in groups])
+    means = np.bincount(group, weights=values) / np.bincount(group)
+    return means[group], dict(zip(names, means.tolist(), strict=True))

@@ -1,0 +1,87 @@
+"""Readings that were measured once and are kept with the package, as they take half an hour.
+
+`readings.parquet` beside this file is `tables.READINGS`, with where it comes from in its metadata;
+`python -m visuohaptic.studies.readings.stored results/readings.parquet COMMAND PROCESSOR` writes it
+again.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.resources import as_file, files
+from pathlib import Path
+
+import pyarrow.parquet as pq
+
+from visuohaptic.studies.figures import Row
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import READINGS
+
+FILE = "readings.parquet"
+_SOURCE = b"source"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where readings come from.
+
+    Attributes
+    ----------
+    machine, date, command, version : str
+        Processor, day of the measurement (UTC), what was run, and the package's version.
+    """
+
+    machine: str
+    date: str
+    command: str
+    version: str
+
+
+@dataclass(frozen=True)
+class MeasuredReadings:
+    """Rows of `tables.READINGS` in their order; the source of those that are not of this run."""
+
+    rows: list[Row]
+    source: Source | None = None
+
+
+def read_readings(path: str | Path | None) -> MeasuredReadings | None:
+    """Read the readings of a run where they were measured, else those kept with the package."""
+    if path is not None and Path(path).is_file():
+        return MeasuredReadings(_rows(path))
+    kept = files("visuohaptic.studies.readings").joinpath(FILE)
+    if not kept.is_file():
+        return None
+    with as_file(kept) as file:
+        return MeasuredReadings(_rows(file), _source_of(file))
+
+
+def store_readings(table: str | Path, output: str | Path, command: str, machine: str) -> None:
+    """Write measured readings with the command and the processor that gave them."""
+    import visuohaptic
+
+    source = {
+        "machine": machine,
+        "date": datetime.now(UTC).strftime("%Y-%m-%d"),
+        "command": command,
+        "version": visuohaptic.__version__,
+    }
+    rows = read_table(READINGS, table)
+    metadata = {**(rows.schema.metadata or {}), _SOURCE: json.dumps(source)}
+    pq.write_table(rows.replace_schema_metadata(metadata), output, compression="zstd")
+
+
+def _source_of(path: str | Path) -> Source:
+    return Source(**json.loads((pq.read_schema(path).metadata or {})[_SOURCE]))
+
+
+def _rows(path: str | Path) -> list[Row]:
+    rows: list[Row] = read_table(READINGS, path).to_pylist()
+    return sorted(rows, key=lambda row: int(row["place"]))
+
+
+if __name__ == "__main__":
+    store_readings(sys.argv[1], Path(__file__).with_name(FILE), sys.argv[2], sys.argv[3])

@@ -1,0 +1,150 @@
+"""The page of readings says what its table holds; a dot says its options and how to measure it again."""
+
+import pytest
+from report.pages import read_page
+
+from visuohaptic.errors import ReportError
+from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.page import render_readings_page
+from visuohaptic.report.readings import (
+    BEST_OF_PAPER,
+    COMMAND,
+    curve_chart,
+    mark_up_dots,
+    readings_figures,
+)
+from visuohaptic.studies.readings.design import all_readings
+from visuohaptic.studies.readings.stored import (
+    FILE,
+    MeasuredReadings,
+    Source,
+    read_readings,
+    store_readings,
+)
+from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.studies import READINGS
+
+READ = all_readings()
+
+
+def row_of(place, classifier, fixation, random):
+    reading = READ[place]
+    row = dict.fromkeys(column.name for column in READINGS.columns)
+    row |= {"reading": reading.name, "classifier": classifier, "part": reading.part}
+    row |= {"place": place, **reading.options, "objects": 12, "splits": 81, "seconds": 4.0}
+    for strategy, accuracy in (("fixation", fixation), ("random", random)):
+        row |= {strategy: accuracy, f"{strategy}_low": accuracy - 0.1}
+        row |= {f"{strategy}_high": accuracy + 0.1, f"{strategy}_best_split": accuracy + 0.2}
+        reached = accuracy + 0.2 >= TABLE_1[classifier][strategy]
+        row |= {f"{strategy}_splits_reaching": 0.5 * reached}
+    ahead = fixation - random
+    row |= {"ahead": ahead, "ahead_low": ahead - 0.1, "ahead_high": ahead + 0.1}
+    return row | {"p_value": 0.01 if abs(ahead) > 0.15 else 0.3}
+
+
+def rows(classifiers=tuple(TABLE_1)):
+    found = []
+    for place in range(len(READ)):
+        gain = 0.2 * (READ[place].options["map_output"] == "feature_groups")
+        lead = 0.2 if gain else -0.01
+        found += [
+            row_of(place, classifier, 0.55 + gain, 0.55 + gain - lead) for classifier in classifiers
+        ]
+    return found
+
+
+ROWS = rows()
+FAILED = {"error": "MiniSom has two at most <b>", "fixation": None, "ahead": None, "p_value": None}
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory):
+    path = tmp_path_factory.mktemp("readings") / "readings.parquet"
+    planted = [row | FAILED if row["part"] == "training" else row for row in ROWS]
+    names = [column.name for column in READINGS.columns]
+    built = build_table(READINGS, {name: [row[name] for row in planted] for name in names})
+    write_table(READINGS, built, path)
+    return path
+
+
+def test_sentences_count_what_the_table_holds():
+    found = readings_figures(MeasuredReadings(ROWS))
+    texts = [text.replace("\N{NO-BREAK SPACE}", " ") for text in found.sentences]
+    own = [row for row in ROWS if row["part"] != "protocol" and row["classifier"] == BEST_OF_PAPER]
+    ahead = sum(row["ahead"] > 0 for row in own)
+    assert texts[0] == (
+        "Of 672 readings of the paper, the accuracy by fixation of its best classifier (support "
+        "vector machine) lies between 55.0 % and 75.0 % (median 55.0 %; our default 55.0 %; "
+        "published 93.45 %)."
+    )
+    assert texts[1].startswith(f"{100 * ahead / 672:.0f} % of them put fixation ahead")
+    assert f"fixation is ahead in {5 * ahead} of 3360 cases" in texts[1]
+    assert texts[2].startswith("0 of the 672 reach the published figure as a mean")
+    assert f"in {ahead} at least one split does" in texts[2]
+
+
+def test_the_curve_is_sorted_and_every_reading_has_one_option_of_each_choice():
+    chart = curve_chart(ROWS, BEST_OF_PAPER)
+    assert len(chart.dots) == 672
+    assert [dot.x for dot in chart.dots] == sorted(dot.x for dot in chart.dots)
+    assert [dot.y for dot in chart.dots] == sorted((dot.y for dot in chart.dots), reverse=True)
+    assert sum(dot.is_default for dot in chart.dots) == 1
+    ticks = [path.count("M") for _, _, path in chart.options]
+    assert sum(ticks) == 672 * len(chart.labels)
+    assert chart.random.count("M") == chart.whiskers.count("M") == 672
+    assert all(y <= chart.height for y, _, _ in chart.options)
+
+
+def test_a_dot_says_its_figures_its_options_and_its_command():
+    chart = curve_chart(ROWS, BEST_OF_PAPER)
+    default = next(dot for dot in chart.dots if dot.is_default)
+    assert "our default" in default.label
+    other = next(dot for dot in chart.dots if dot.name == READ[-20].name)
+    changed = {
+        name for name, option in READ[-20].options.items() if option != READ[0].options[name]
+    }
+    assert other.label.count(";") == len(changed) - 1
+    assert COMMAND.format(other.name) in other.label
+    marked = mark_up_dots([type(default)(1, 2, "r1", 'a "<b>" & c', False)])
+    assert "&lt;b&gt;" in marked
+    assert "<b>" not in marked
+
+
+def test_the_page_stands_alone_and_names_failed_readings(table):
+    html = render_readings_page(table)
+    page = read_page(html)
+    assert "12 readings could not be run" in page.text
+    assert html.count("<circle") == 5 * 660
+    assert "://" not in html
+    assert "Another question: known objects" in page.text
+
+
+def test_what_explains_most_stands_first():
+    found = readings_figures(MeasuredReadings(ROWS))
+    first = found.shares[BEST_OF_PAPER][0]
+    assert first["words"] == "What the map's five numbers are"
+    assert first["share"] == pytest.approx(1)
+    assert "feature groups +20.0" in first["gains"]
+
+
+def test_a_table_of_failures_alone_has_no_page(tmp_path):
+    planted = [row | FAILED for row in rows((BEST_OF_PAPER,))]
+    names = [column.name for column in READINGS.columns]
+    path = tmp_path / "readings.parquet"
+    built = build_table(READINGS, {name: [row[name] for row in planted] for name in names})
+    write_table(READINGS, built, path)
+    with pytest.raises(ReportError, match="no reading that could be run; one at least is needed"):
+        render_readings_page(path)
+
+
+def test_kept_readings_say_where_they_come_from(table, tmp_path):
+    kept = tmp_path / FILE
+    store_readings(table, kept, "snakemake -j2 readings_all", "a processor")
+    measured = read_readings(table)
+    assert measured.source is None
+    from visuohaptic.studies.readings import stored
+
+    source = stored._source_of(kept)
+    assert isinstance(source, Source)
+    assert (source.command, source.machine) == ("snakemake -j2 readings_all", "a processor")
+    assert stored._rows(kept) == measured.rows

@@ -1,0 +1,290 @@
+"""A reading's figures are those that scikit-learn and PyWavelets alone give."""
+
+import itertools
+import json
+
+import numpy as np
+import pyarrow as pa
+import pytest
+import pywt
+from recognition.synthetic import features_table
+from sklearn.neighbors import KNeighborsClassifier
+from sklearn.svm import SVC
+
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.studies.conditions import Plan, Study, describe_conditions, plan_study
+from visuohaptic.studies.files import make_study_block
+from visuohaptic.studies.readings.design import all_readings, make_readings_study
+from visuohaptic.studies.readings.figures import make_readings, summarise_readings, weigh_choices
+from visuohaptic.studies.readings.files import make_reading
+from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES, KINESTHETIC_FEATURES
+from visuohaptic.tables.schema import matrix, read_table, write_table
+from visuohaptic.tables.studies import READINGS
+
+RUN = ExperimentParameters()
+INTERVALS = IntervalParameters(bootstrap_samples=200)
+OBJECTS = (3, 3, 2)
+
+
+@pytest.fixture(scope="module")
+def features(tmp_path_factory):
+    path = tmp_path_factory.mktemp("features") / "features.parquet"
+    parts = [
+        features_table(strategy, OBJECTS, separation=0.3, seed=place)
+        for place, strategy in enumerate(("fixation", "random"))
+    ]
+    write_table(FEATURES, pa.concat_tables(parts), path)
+    return path
+
+
+def conditions(*names):
+    study = make_readings_study(RUN)
+    plan: Plan = plan_study(Study("readings", "", study.conditions), RUN)
+    return describe_conditions([one for one in plan.conditions if one.condition.name in names])
+
+
+def named(**options):
+    return next(
+        reading.name
+        for reading in all_readings()
+        if all(reading.options[name] == option for name, option in options.items())
+    )
+
+
+FEATURE_GROUPS = named(
+    map_output="feature_groups",
+    classifier_settings="matlab",
+    touch_scaling="none",
+    sequence_extension="zero",
+    wavelet_bands="approximations",
+)
+ONLINE_LATTICE = named(map_output="lattice", map_training="online")
+DEFAULT = "r000"
+
+
+@pytest.fixture(scope="module")
+def block(features, tmp_path_factory):
+    path = tmp_path_factory.mktemp("blocks") / "block.parquet"
+    chosen = conditions(DEFAULT, FEATURE_GROUPS, ONLINE_LATTICE)
+    make_study_block("readings", chosen, [features], {}, path, RUN)
+    return path
+
+
+@pytest.fixture(scope="module")
+def made(block, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("readings")
+    table, summary = folder / "readings.parquet", folder / "readings.json"
+    make_readings([block], table, summary, INTERVALS, RUN.seed)
+    return read_table(READINGS, table).to_pylist(), json.loads(summary.read_text())
+
+
+def by_hand(features, strategy, reduce_touches, mode, approximations, scale, classifier):
+    """Give the accuracy of every split, without a line of the package but its table reader."""
+    table = read_table(FEATURES, features)
+    table = table.filter(pa.compute.equal(table.column("strategy"), strategy))
+    rows = matrix(table, [*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES]).reshape(-1, 5, 22)
+    owner = [
+        f"{category}/{name}"
+        for category, name in zip(
+            table.column("class").to_pylist()[::5],
+            table.column("object").to_pylist()[::5],
+            strict=True,
+        )
+    ]
+    owner, label = np.array(owner), np.array([one.partition("/")[0] for one in owner])
+    accuracies = []
+    for tested in itertools.product(
+        *(sorted({one for one in owner if one.startswith(name)}) for name in sorted(set(label)))
+    ):
+        test = np.isin(owner, tested)
+        five = reduce_touches(rows[~test].reshape(-1, 22), rows.reshape(-1, 22)).reshape(-1, 5, 5)
+        encoded = np.array([describe(sequence, mode, approximations) for sequence in five])
+        if scale:
+            deviation = encoded[~test].std(axis=0)
+            encoded = (encoded - encoded[~test].mean(axis=0)) / np.where(
+                deviation > 0, deviation, 1
+            )
+        predicted = classifier().fit(encoded[~test], label[~test]).predict(encoded[test])
+        accuracies.append((predicted == label[test]).mean())
+    return np.array(accuracies)
+
+
+def describe(sequence, mode, approximations):
+    """Give deviation, rms and skewness of five sequences and of three levels of each."""
+    found = []
+    for signal in sequence.T:
+        levels, rest = [signal], signal
+        for _ in range(3):
+            rest, detail = pywt.dwt(rest, "db2", mode)
+            levels.append(rest if approximations else detail)
+        for level in levels:
+            centred = level - level.mean()
+            second, third = (centred**2).mean(), (centred**3).mean()
+            found += [
+                level.std(ddof=1),
+                np.sqrt((level**2).mean()),
+                third / second**1.5 if second else 0.0,
+            ]
+    return found
+
+
+def units_of_a_map(touches):
+    """Fit Kohonen's batch map of five units in a row, with loops."""
+    centre = touches.mean(axis=0)
+    _, scales, directions = np.linalg.svd(touches - centre, full_matrices=False)
+    first = directions[0] * np.sign(directions[0][np.abs(directions[0]).argmax()])
+    units = [
+        centre + place * first * scales[0] / np.sqrt(len(touches))
+        for place in (-1, -0.5, 0, 0.5, 1)
+    ]
+    radii = np.geomspace(2.0, 0.5, 20).tolist() + [0.5] * 200
+    nearest = closest(touches, units)
+    for number, radius in enumerate(radii):
+        pulls = np.array(
+            [[np.exp(-((a - b) ** 2) / (2 * radius**2)) for b in nearest] for a in range(5)]
+        )
+        units = [pull @ touches / pull.sum() for pull in pulls]
+        before, nearest = nearest, closest(touches, units)
+        if number >= 20 and (before == nearest).all():
+            break
+    return np.array(units)
+
+
+def closest(touches, units):
+    return np.array(
+        [np.argmin([((touch - unit) ** 2).sum() for unit in units]) for touch in touches]
+    )
+
+
+def distances_to_units(training, touches):
+    mean, deviation = training.mean(axis=0), training.std(axis=0)
+    units = units_of_a_map((training - mean) / deviation)
+    scaled = (touches - mean) / deviation
+    return np.sqrt(((scaled[:, None] - units) ** 2).sum(axis=-1))
+
+
+def means_of_groups(training, touches):
+    group = closest(training.T, units_of_a_map(training.T))
+    return np.stack(
+        [touches[:, group == unit].mean(axis=1) if (group == unit).any() else np.zeros(len(touches))
+         for unit in range(5)],
+        axis=1,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("strategy", ["fixation", "random"])
+@pytest.mark.parametrize(
+    ("reading", "classifier", "how"),
+    [
+        (DEFAULT, "support_vector_machine", (distances_to_units, "symmetric", False, True, SVC)),
+        (DEFAULT, "k_nearest_neighbours", (distances_to_units, "symmetric", False, True, KNeighborsClassifier)),
+        (
+            FEATURE_GROUPS,
+            "k_nearest_neighbours",
+            (means_of_groups, "zero", True, True, lambda: KNeighborsClassifier(1)),
+        ),
+        (
+            FEATURE_GROUPS,
+            "support_vector_machine",
+            (means_of_groups, "zero", True, True, lambda: SVC(kernel="linear")),
+        ),
+    ],
+)  # fmt: skip
+def test_a_reading_is_what_scikit_learn_and_pywavelets_give(
+    made, features, reading, classifier, how, strategy
+):
+    expected = by_hand(features, strategy, *how)
+    row = next(
+        row for row in made[0] if (row["reading"], row["classifier"]) == (reading, classifier)
+    )
+    assert row["splits"] == len(expected) == 18
+    assert row[strategy] == pytest.approx(expected.mean(), abs=1e-9)
+    assert row[f"{strategy}_best_split"] == pytest.approx(expected.max(), abs=1e-9)
+    reached = (expected >= TABLE_1[classifier][strategy]).mean()
+    assert row[f"{strategy}_splits_reaching"] == pytest.approx(reached, abs=1e-9)
+
+
+def test_the_lead_of_fixation_is_that_of_its_accuracy(made):
+    for row in made[0]:
+        if row["error"] is None:
+            assert row["ahead"] == pytest.approx(row["fixation"] - row["random"], abs=1e-12)
+            assert row["ahead_low"] <= row["ahead"] <= row["ahead_high"]
+
+
+def test_a_reading_that_fails_stays_in_the_table_with_its_reason(made):
+    rows, summary = made
+    failed = [row for row in rows if row["reading"] == ONLINE_LATTICE]
+    assert {row["classifier"] for row in failed} == set(TABLE_1)
+    assert all("MiniSom has two at most" in row["error"] for row in failed)
+    assert all(row["fixation"] is None for row in failed)
+    assert summary["failed"] == [ONLINE_LATTICE]
+    assert summary["readings"] == 3
+
+
+def test_one_reading_alone_has_the_figures_that_it_has_among_all(made, features, tmp_path):
+    output = tmp_path / "reading.json"
+    run = RUN.model_copy(
+        update={"recognition": RUN.recognition.model_copy(update={"intervals": INTERVALS})}
+    )
+    make_reading(conditions(FEATURE_GROUPS)[0], [features], {}, output, run)
+    expected = [
+        {name: value for name, value in row.items() if name != "seconds"}
+        for row in made[0]
+        if row["reading"] == FEATURE_GROUPS
+    ]
+    assert json.loads(output.read_text()) == expected
+
+
+def planted(reading, place, fixation, random=0.5):
+    row = dict.fromkeys(column.name for column in READINGS.columns)
+    row |= {"reading": reading.name, "part": reading.part, "place": place, **reading.options}
+    row |= {"classifier": "naive_bayes", "fixation": fixation, "random": random}
+    row |= {"ahead": fixation - random, "p_value": 0.01 if fixation > 0.6 else 0.5}
+    return row | {"fixation_best_split": fixation + 0.1, "fixation_splits_reaching": 0.25}
+
+
+def test_the_spread_is_shared_out_among_the_choices_that_make_it():
+    rows = [
+        planted(
+            reading,
+            place,
+            0.5
+            + 0.10 * (reading.options["map_output"] == "feature_groups")
+            + 0.02 * (reading.options["imprint_stretch"] == "absolute")
+            + 0.04
+            * (reading.options["map_output"] == "lattice")
+            * (reading.options["sensor_size"] == "0.5 to 0.1"),
+        )
+        for place, reading in enumerate(all_readings())
+    ]
+    shares = {(row["part"], *row["choices"]): row for row in weigh_choices(rows)}
+    assert shares["recognition", "map_output"]["share"] == pytest.approx(1)
+    assert shares["recognition", "map_output"]["gains"]["feature_groups"] == pytest.approx(0.1)
+    assert shares["recognition", "wavelet_bands"]["share"] == pytest.approx(0, abs=1e-12)
+    assert shares["upstream", "imprint_stretch"]["gains"]["absolute"] == pytest.approx(0.02)
+    assert shares["upstream", "sensor_size"]["gains"]["0.5 to 0.1"] == pytest.approx(0.01)
+    assert shares["upstream", "sensor_normal"]["gains"]["smoothed"] == pytest.approx(0, abs=1e-12)
+    pair = next(
+        row for key, row in shares.items() if set(key) == {"upstream", "map_output", "sensor_size"}
+    )
+    assert pair["share"] > 0.01
+    upstream = [row["share"] for key, row in shares.items() if key[0] == "upstream"]
+    assert sum(upstream) == pytest.approx(1)
+
+
+def test_the_summary_counts_readings_and_leaves_the_other_question_out():
+    readings = all_readings()
+    rows = [planted(reading, place, 0.9) for place, reading in enumerate(readings)]
+    rows[0] |= {"fixation": 0.4, "ahead": -0.1, "p_value": 0.5, "fixation_splits_reaching": 0.0}
+    found = summarise_readings(rows)
+    assert found["readings"] == 672
+    figures = found["classifiers"]["naive_bayes"]
+    assert (figures["lowest"], figures["median"], figures["highest"]) == (0.4, 0.9, 0.9)
+    assert (figures["ahead"], figures["ahead_significantly"]) == (671, 671)
+    assert figures["default"] == 0.4
+    assert figures["readings_reaching"] == 671
+    assert figures["readings_with_a_split_reaching"] == 671
+    assert figures["splits_reaching"] == pytest.approx(0.25 * 671 / 672)
+    assert found["known_objects"]["naive_bayes"]["readings"] == 12
