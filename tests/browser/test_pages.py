@@ -103,6 +103,107 @@ def test_a_model_turns_by_its_buttons_and_by_the_keyboard(visit, keep, folder):
     assert (opened.complaints, opened.outside) == ([], [])
 
 
+@pytest.fixture
+def model(visit, folder):
+    """A model that was opened, on its page."""
+    opened = visit(folder / "report.html")
+    figure = opened.page.locator(".model").first
+    figure.locator(".open").press("Enter")
+    figure.locator("canvas").first.wait_for()
+    return opened, figure
+
+
+def test_a_model_that_is_dragged_stays_upright(model):
+    opened, figure = model
+    stage = figure.locator(".stage")
+    stage.scroll_into_view_if_needed()
+    box = stage.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    before = stage.evaluate("one => one._fullLayout.scene._scene.getCamera().eye")
+    mouse = opened.page.mouse
+    mouse.move(x, y)
+    mouse.down()
+    for step in range(1, 9):
+        mouse.move(x + 9 * step, y + 7 * step)
+    mouse.up()
+    opened.page.wait_for_timeout(300)
+    camera = stage.evaluate("one => one._fullLayout.scene._scene.getCamera()")
+    assert camera["eye"] != before
+    assert camera["up"] == {"x": 0, "y": 0, "z": 1}
+
+
+def test_no_number_covers_a_square(model):
+    _, figure = model
+    for view in ("0", "1"):
+        figure.locator(".viewpoints").select_option(view)
+        figure.page.wait_for_timeout(300)
+        rooms = figure.locator(".stage").evaluate(
+            """stage => {
+              const { x, y, z } = stage.layout.scene.camera.eye;
+              const azimuth = Math.atan2(y, x), elevation = Math.asin(z / Math.hypot(x, y, z));
+              const right = [-Math.sin(azimuth), Math.cos(azimuth), 0];
+              const up = [-Math.cos(azimuth) * Math.sin(elevation), -Math.sin(azimuth) * Math.sin(elevation), Math.cos(elevation)];
+              const flat = (trace) => trace.x.map((_, at) => [right, up].map((axis) =>
+                axis[0] * trace.x[at] + axis[1] * trace.y[at] + axis[2] * trace.z[at]));
+              const [squares, numbers] = [flat(stage.data[1]), flat(stage.data.at(-1))];
+              return numbers.map(([a, b]) => Math.min(...squares.map(([c, d]) => Math.hypot(a - c, b - d))));
+            }"""
+        )
+        assert len(rooms) == 5
+        assert min(rooms) > 0.05
+
+
+def test_the_imprint_of_a_touch_is_shown_on_focus_and_on_tap(model):
+    _, figure = model
+    buttons = figure.locator(".touched button")
+    felt = figure.locator(".felt")
+    assert buttons.count() == 5
+    assert not felt.is_visible()
+    buttons.nth(1).focus()
+    assert felt.inner_text().startswith("Touch 2: edge 0.")
+    assert figure.locator('.touched [aria-pressed="true"]').inner_text() == "2"
+    buttons.nth(3).click()
+    assert felt.inner_text().startswith("Touch 4: ")
+    cell = felt.locator(".cell img")
+    assert cell.evaluate("one => one.complete && one.naturalWidth > 0")
+    figure.page.mouse.move(0, 0)
+    figure.locator(".strategies").select_option("random")
+    felt.wait_for(state="hidden", timeout=5000)
+
+
+def test_a_square_that_is_pointed_at_shows_its_imprint(model):
+    opened, figure = model
+    stage = figure.locator(".stage")
+    stage.evaluate(
+        """stage => stage.emit("plotly_hover", { points: [{ curveNumber: 1, pointNumber: 9 }] })"""
+    )
+    assert figure.locator(".felt").inner_text().startswith("Touch 3: ")
+    stage.evaluate(
+        """stage => stage.emit("plotly_click", { points: [{ curveNumber: 5, pointNumber: 0 }] })"""
+    )
+    assert figure.locator(".felt").inner_text().startswith("Touch 1: ")
+    assert opened.complaints == []
+
+
+def test_a_model_is_enlarged_and_escape_brings_it_back(model, keep):
+    opened, figure = model
+    stage = figure.locator(".stage")
+    small = stage.bounding_box()["width"]
+    button = figure.get_by_label("Enlarge")
+    button.press("Enter")
+    assert button.get_attribute("aria-pressed") == "true"
+    opened.page.wait_for_timeout(500)
+    assert stage.bounding_box()["width"] > 2 * small
+    canvas = figure.locator("canvas").first.bounding_box()
+    assert canvas["width"] > 2 * small
+    assert canvas["height"] < DESK["height"]
+    keep(opened.page, "model_enlarged")
+    assert faults(opened.page, ".model.large") == []
+    button.press("Escape")
+    opened.page.wait_for_timeout(300)
+    assert stage.bounding_box()["width"] == pytest.approx(small, abs=2)
+
+
 def test_the_filter_finds_objects_and_an_anchor_leads_past_it(visit, keep, folder):
     page = visit(folder / "report.html").page
     page.locator("#object-filter").fill("  CUP/m ")

@@ -40,7 +40,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
             if values is not None:
                 template = environment.get_template(f"{section.name}.html.jinja")
                 body = template.render({**shared, **values})
-                chapters.setdefault(chapter, []).append((section.name, section.title, body))
+                chapters.setdefault(chapter, []).append((section.name, section.titled(run), body))
     explained = most_varied(context.pages)
     has_models = any(page.model is not None for page in context.pages)
     return environment.get_template("page.html.jinja").render(
