@@ -34,7 +34,7 @@ def test_what_is_dumped_reads_back():
         ),
         (
             {"probing": {"strategies": ["fixation", "guessing"]}},
-            r"probing.strategies.1 is 'guessing': input should be 'fixation', .* or 'curvature'",
+            r"probing.strategies.1 is 'guessing': input should be 'fixation', .* or 'contour'",
         ),
         (
             {"recognition": {"best": {"classifiers": ["oracle"]}}},

@@ -177,3 +177,16 @@ def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
     assert "up to date" in experiment.run("dvc", "status").stdout
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
     assert "own@mine" in experiment.run("dvc", "status").stdout
+
+
+def test_one_reading_of_the_paper_is_one_command(finished, tmp_path):
+    import json
+
+    experiment = finished.copy(tmp_path / "experiment")
+    targets = ["results/reading/r012.json", "results/reading/p003.json"]
+    experiment.snakemake(*targets)
+    for target in targets:
+        rows = json.loads((experiment.folder / target).read_text())
+        assert [row["reading"] for row in rows] == [target[16:20]] * 5
+        assert all(row["fixation"] is not None for row in rows)
+    assert "Nothing to be done" in experiment.snakemake("-n", *targets).stdout

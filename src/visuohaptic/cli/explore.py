@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 Made = TypeVar("Made")
 
-STRATEGIES = ("fixation", "random", "random_visible", "farthest_point", "curvature")
+STRATEGIES = ("fixation", "random", "random_visible", "farthest_point", "curvature", "contour")
 """Those of `visuohaptic.fixations.probing`, which would take too long to import for `--help`."""
 
 _TOUCH_COLUMNS = ("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z")

@@ -297,6 +297,30 @@ def _follow_curvature(one: Look, attention: AttentionParameters, *_: object) -> 
     )
 
 
+def _follow_the_contour(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Follow the object's outline from its most salient place, a focus radius a step."""
+    from visuohaptic.attention.scanpath import Scanpath
+    from visuohaptic.fixations.outline import follow_outline
+
+    seen, place, saliency = one.seen, one.place, one.attended.saliency
+    rows, columns = follow_outline(
+        seen.mask[place],
+        seen.point[place],
+        saliency,
+        attention.focus_radius,
+        attention.fixations,
+    )
+    return Scanpath(
+        rows=rows,
+        columns=columns,
+        points=seen.point[place][rows, columns],
+        normals=seen.normal[place][rows, columns],
+        faces=seen.face[place][rows, columns],
+        saliency=saliency[rows, columns].astype("float64"),
+        asked=attention.fixations,
+    )
+
+
 def _probe_anywhere(
     one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
@@ -324,6 +348,7 @@ STRATEGIES = Registry(
     Strategy("random_visible", "random probing of what is seen", _probe_what_is_seen, looks=False),
     Strategy("farthest_point", "farthest points", _probe_far_apart, looks=False),
     Strategy("curvature", "the most curved places", _follow_curvature, random=False),
+    Strategy("contour", "places along the outline", _follow_the_contour, random=False),
 )
 """Every strategy that places touches from a view or the surface, in the order of reports."""
 

@@ -99,6 +99,16 @@ def test_touches_are_shared_by_all_readings_of_the_recognition():
     assert AS_RUN not in keys
 
 
+def test_a_run_with_another_reading_has_the_same_readings():
+    other = with_changes(RUN, {"viewpoints.elevations_degrees": (45.0,), "seed": 7})
+    plan = plan_study(make_readings_study(other), other)
+    usual = plan_study(make_readings_study(RUN), RUN)
+    for one, same in zip(plan.conditions, usual.conditions, strict=True):
+        assert one.parameters == same.parameters.model_copy(update={"seed": 7})
+    changes = [one.condition.changes for one in usual.conditions]
+    assert "viewpoints.elevations_degrees" not in changes[0]
+
+
 def test_every_choice_of_the_paper_quotes_it_or_says_that_it_is_silent():
     quoting = [choice for choice in CHOICES if choice.sentence]
     assert {choice.name for choice in CHOICES} - {choice.name for choice in quoting} == {

@@ -15,6 +15,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Literal
 
 from visuohaptic.parameters import ExperimentParameters
@@ -102,17 +103,26 @@ def all_readings() -> list[Reading]:
     return readings
 
 
-def make_readings_study(_run: ExperimentParameters) -> Study:
-    """Give the study: a condition for each reading."""
+def make_readings_study(run: ExperimentParameters) -> Study:
+    """Give the study: a condition for each reading. The run's own reading of a choice changes none."""
     same: Changes = {
         "recognition.pipelines": ("paper",),
         "recognition.classifiers": tuple(TABLE_1),
         "probing.strategies": STRATEGIES,
+        **_defaults_changed_by(run),
     }
     conditions = (
         Condition(reading.name, {**same, **reading.changes}) for reading in all_readings()
     )
     return Study(NAME, TITLE, tuple(conditions))
+
+
+def _defaults_changed_by(run: ExperimentParameters) -> Changes:
+    """Give the package's own values of what is varied, where a run has others."""
+    shipped = ExperimentParameters()
+    varied = {path for choice in CHOICES for changes in choice.options.values() for path in changes}
+    values = {path: attrgetter(path)(shipped) for path in sorted(varied)}
+    return {path: value for path, value in values.items() if attrgetter(path)(run) != value}
 
 
 def _defaults() -> dict[str, str]:

@@ -1,0 +1,76 @@
+"""Places along an object's outline, as a hand that follows the contour would touch them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+_BETWEEN_PIXELS = 0.5
+
+
+def follow_outline(
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    saliency: NDArray[np.float32],
+    step: float,
+    count: int,
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Find places along the outline of what a view shows, in the order in which they are touched.
+
+    The outline is the longest closed curve between object and background, on the pixels just inside
+    it. The first place is its most salient one. From there the outline is followed in one
+    direction; the next place is the first one a step away from the place before, until the whole
+    outline was followed.
+
+    Parameters
+    ----------
+    mask : numpy.ndarray
+        Shape (h, w), bool: where the object is.
+    point : numpy.ndarray
+        Shape (h, w, 3), float64: the surface's points.
+    saliency : numpy.ndarray
+        Shape (h, w), float32.
+    step : float
+        Least distance between a place and the next, in the points' units.
+    count : int
+        Most places; fewer are the first of more.
+
+    Returns
+    -------
+    rows, columns : numpy.ndarray
+        Shape (k,) each, int64: pixels of the object, none twice; none where nothing is seen.
+    """
+    rows, columns = outline_pixels(mask)
+    if not len(rows):
+        return rows, columns
+    start = int(np.argmax(saliency[rows, columns]))
+    rows, columns = np.roll(rows, -start), np.roll(columns, -start)
+    points = point[rows, columns]
+    chosen = [0]
+    while len(chosen) < count:
+        rest = points[chosen[-1] + 1 :]
+        away = np.linalg.norm(rest - points[chosen[-1]], axis=1) >= step
+        if not away.any():
+            break
+        chosen.append(chosen[-1] + 1 + int(np.argmax(away)))
+    return rows[chosen], columns[chosen]
+
+
+def outline_pixels(mask: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Give the object's pixels along its longest outline, in order, each once: rows and columns."""
+    from skimage.measure import find_contours
+
+    curves = find_contours(np.pad(mask, 1).astype(np.float64), _BETWEEN_PIXELS)
+    if not curves:
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    curve = max(curves, key=len) - 1.0
+    # Each vertex lies between a pixel of the object and one of the background.
+    ends = np.stack([np.floor(curve), np.ceil(curve)]).astype(np.int64)
+    height, width = mask.shape
+    inside = (ends >= 0).all(axis=2) & (ends < (height, width)).all(axis=2)
+    held = np.zeros(inside.shape, dtype=bool)
+    held[inside] = mask[tuple(ends[inside].T)]
+    pixels = np.where(held[0][:, None], ends[0], ends[1])
+    _, first = np.unique(pixels, axis=0, return_index=True)
+    rows, columns = pixels[np.sort(first)].T
+    return rows, columns
