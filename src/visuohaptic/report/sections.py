@@ -34,6 +34,7 @@ from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
     influence_figures,
+    scene_accuracy,
     scene_strips,
 )
 from visuohaptic.report.objects import ObjectPage, most_varied
@@ -239,13 +240,15 @@ def influence_values(context: ReportContext) -> Values:
     """Give hard places, and what effects cost and change where that was measured."""
     extras, scene = context.run.files.extras, context.run.parameters.scene
     page = most_varied(context.pages)
+    accuracy = read_study(extras.get("studies"), "effects")
     return {
         "page": page,
         "strips": _scene_strips(context.run, page),
         "places": hard_places(context.run.parameters),
         "influence": influence_figures(extras.get("effect_influence"), scene.preset),
         "effects_answer": effects_answer,
-        "accuracy": read_study(extras.get("studies"), "effects"),
+        "accuracy": accuracy,
+        "by_scene": scene_accuracy(accuracy, 1 / len(context.run.classes)),
         "remade": remade_name,
         "scenes": list(PRESETS),
     }
