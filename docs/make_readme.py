@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.recognition.published import TABLE_1
+from visuohaptic_workflow.closing import REPORT, describe_results
 
 ROOT = Path(__file__).parents[1]
 LABELS = {
@@ -108,6 +109,23 @@ def speed_table(results: dict[str, Any]) -> str:
     )
 
 
+def printed_lines(metrics: Path) -> str:
+    """Give the figures that `make` prints at its end.
+
+    Parameters
+    ----------
+    metrics : Path
+        `reports/metrics.json`.
+
+    Returns
+    -------
+    str
+        A Markdown block.
+    """
+    lines = [*describe_results(metrics, "none"), f"The report is at {REPORT}."]
+    return "\n".join(["```text", *lines, "```"])
+
+
 def fill(text: str, name: str, content: str) -> str:
     """Replace what stands between a block's two markers.
 
@@ -130,11 +148,12 @@ def fill(text: str, name: str, content: str) -> str:
 
 
 def main() -> None:
-    """Fill both blocks of the README."""
+    """Fill all blocks of the README."""
     readme = ROOT / "README.md"
     metrics = json.loads((ROOT / "reports" / "metrics.json").read_text(encoding="utf-8"))
     results = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))
     text = fill(readme.read_text(encoding="utf-8"), "results", results_table(metrics))
+    text = fill(text, "make", printed_lines(ROOT / "reports" / "metrics.json"))
     readme.write_text(fill(text, "speed", speed_table(results)), encoding="utf-8")
 
 

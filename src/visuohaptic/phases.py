@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import pyarrow as pa
 
@@ -18,11 +18,22 @@ VIEWS_AT_ONCE = 4
 """Viewpoints that are looked from together; it changes no result."""
 
 
+def look_from(
+    caster: RayCaster, key: str, parameters: ExperimentParameters, viewpoints: Sequence[int]
+) -> list[Look]:
+    """Look at an object from numbered viewpoints, all of them at once."""
+    placed = place_cameras(parameters.viewpoints)
+    cameras = {number: placed[number] for number in viewpoints}
+    rendering, attention = parameters.rendering, parameters.attention
+    return look(caster, key, cameras, rendering, attention, parameters.scene.effects)
+
+
 def find_locations(
     caster: RayCaster,
     key: str,
     parameters: ExperimentParameters,
     viewpoints: Sequence[int] | None = None,
+    looking: Callable[..., list[Look]] = look_from,
 ) -> pa.Table:
     """Look at an object if a strategy needs it, and give where to touch it.
 
@@ -36,6 +47,8 @@ def find_locations(
         How to look, and by which strategies to choose.
     viewpoints : sequence of int, optional
         Numbers of the viewpoints; all without it.
+    looking : callable, optional
+        Looks from some of the viewpoints at once, with the arguments of `look_from`.
 
     Returns
     -------
@@ -50,19 +63,9 @@ def find_locations(
         return locate_all(stands, probing, attention, parameters.seed).combine_chunks()
     parts = []
     for start in range(0, len(numbers), VIEWS_AT_ONCE):
-        looks = look_from(caster, key, parameters, numbers[start : start + VIEWS_AT_ONCE])
+        looks = looking(caster, key, parameters, numbers[start : start + VIEWS_AT_ONCE])
         parts.append(locate_all(looks, probing, attention, parameters.seed))
     return pa.concat_tables(parts).combine_chunks()
-
-
-def look_from(
-    caster: RayCaster, key: str, parameters: ExperimentParameters, viewpoints: Sequence[int]
-) -> list[Look]:
-    """Look at an object from numbered viewpoints, all of them at once."""
-    placed = place_cameras(parameters.viewpoints)
-    cameras = {number: placed[number] for number in viewpoints}
-    rendering, attention = parameters.rendering, parameters.attention
-    return look(caster, key, cameras, rendering, attention, parameters.scene.effects)
 
 
 def touch_at(caster: RayCaster, locations: pa.Table, parameters: ExperimentParameters) -> pa.Table:

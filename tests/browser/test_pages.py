@@ -1,5 +1,7 @@
 """The report and the comparison in a real browser, as different readers meet them."""
 
+from xml.etree import ElementTree as ET
+
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from browser.conftest import DESK, PHONE, SCREENSHOTS
@@ -92,9 +94,114 @@ def test_a_model_turns_by_its_buttons_and_by_the_keyboard(visit, keep, folder):
     opened.page.wait_for_timeout(500)
     numbers = stage.evaluate("stage => stage.data.at(-1).text")
     assert numbers == ["1", "2", "3", "4", "5"]
+    opened.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    figure.locator(".copies button").first.click()
+    figure.get_by_text("Copied.").wait_for()
+    assert "data:image/png" in opened.page.evaluate("navigator.clipboard.readText()")
     keep(figure, "model")
     assert faults(opened.page, ".model") == []
     assert (opened.complaints, opened.outside) == ([], [])
+
+
+@pytest.fixture
+def model(visit, folder):
+    """A model that was opened, on its page."""
+    opened = visit(folder / "report.html")
+    figure = opened.page.locator(".model").first
+    figure.locator(".open").press("Enter")
+    figure.locator("canvas").first.wait_for()
+    return opened, figure
+
+
+def test_a_model_that_is_dragged_stays_upright(model):
+    opened, figure = model
+    stage = figure.locator(".stage")
+    stage.scroll_into_view_if_needed()
+    box = stage.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    before = stage.evaluate("one => one._fullLayout.scene._scene.getCamera().eye")
+    mouse = opened.page.mouse
+    mouse.move(x, y)
+    mouse.down()
+    for step in range(1, 9):
+        mouse.move(x + 9 * step, y + 7 * step)
+    mouse.up()
+    opened.page.wait_for_timeout(300)
+    camera = stage.evaluate("one => one._fullLayout.scene._scene.getCamera()")
+    assert camera["eye"] != before
+    assert camera["up"] == {"x": 0, "y": 0, "z": 1}
+
+
+def test_no_number_covers_a_square(model):
+    _, figure = model
+    for view in ("0", "1"):
+        figure.locator(".viewpoints").select_option(view)
+        figure.page.wait_for_timeout(300)
+        rooms = figure.locator(".stage").evaluate(
+            """stage => {
+              const { x, y, z } = stage.layout.scene.camera.eye;
+              const azimuth = Math.atan2(y, x), elevation = Math.asin(z / Math.hypot(x, y, z));
+              const right = [-Math.sin(azimuth), Math.cos(azimuth), 0];
+              const up = [-Math.cos(azimuth) * Math.sin(elevation), -Math.sin(azimuth) * Math.sin(elevation), Math.cos(elevation)];
+              const flat = (trace) => trace.x.map((_, at) => [right, up].map((axis) =>
+                axis[0] * trace.x[at] + axis[1] * trace.y[at] + axis[2] * trace.z[at]));
+              const [squares, numbers] = [flat(stage.data[1]), flat(stage.data.at(-1))];
+              return numbers.map(([a, b]) => Math.min(...squares.map(([c, d]) => Math.hypot(a - c, b - d))));
+            }"""
+        )
+        assert len(rooms) == 5
+        assert min(rooms) > 0.05
+
+
+def test_the_imprint_of_a_touch_is_shown_on_focus_and_on_tap(model):
+    _, figure = model
+    buttons = figure.locator(".touched button")
+    felt = figure.locator(".felt")
+    assert buttons.count() == 5
+    assert not felt.is_visible()
+    buttons.nth(1).focus()
+    assert felt.inner_text().startswith("Touch 2: edge 0.")
+    assert figure.locator('.touched [aria-pressed="true"]').inner_text() == "2"
+    buttons.nth(3).click()
+    assert felt.inner_text().startswith("Touch 4: ")
+    cell = felt.locator(".cell img")
+    assert cell.evaluate("one => one.complete && one.naturalWidth > 0")
+    figure.page.mouse.move(0, 0)
+    figure.locator(".strategies").select_option("random")
+    felt.wait_for(state="hidden", timeout=5000)
+
+
+def test_a_square_that_is_pointed_at_shows_its_imprint(model):
+    opened, figure = model
+    stage = figure.locator(".stage")
+    stage.evaluate(
+        """stage => stage.emit("plotly_hover", { points: [{ curveNumber: 1, pointNumber: 9 }] })"""
+    )
+    assert figure.locator(".felt").inner_text().startswith("Touch 3: ")
+    stage.evaluate(
+        """stage => stage.emit("plotly_click", { points: [{ curveNumber: 5, pointNumber: 0 }] })"""
+    )
+    assert figure.locator(".felt").inner_text().startswith("Touch 1: ")
+    assert opened.complaints == []
+
+
+def test_a_model_is_enlarged_and_escape_brings_it_back(model, keep):
+    opened, figure = model
+    stage = figure.locator(".stage")
+    small = stage.bounding_box()["width"]
+    button = figure.get_by_label("Enlarge")
+    button.press("Enter")
+    assert button.get_attribute("aria-pressed") == "true"
+    opened.page.wait_for_timeout(500)
+    assert stage.bounding_box()["width"] > 2 * small
+    canvas = figure.locator("canvas").first.bounding_box()
+    assert canvas["width"] > 2 * small
+    assert canvas["height"] < DESK["height"]
+    keep(opened.page, "model_enlarged")
+    assert faults(opened.page, ".model.large") == []
+    button.press("Escape")
+    opened.page.wait_for_timeout(300)
+    assert stage.bounding_box()["width"] == pytest.approx(small, abs=2)
 
 
 def test_the_filter_finds_objects_and_an_anchor_leads_past_it(visit, keep, folder):
@@ -142,6 +249,78 @@ def test_the_methods_text_is_copied(visit, folder):
     copied = opened.page.evaluate("navigator.clipboard.readText()")
     assert copied == opened.page.locator("#methods-text").inner_text().strip()
     assert "The seed was 2018." in copied
+
+
+def test_every_figure_has_one_control_and_a_figure_within_another_none(visit, folder):
+    page = visit(folder / "report.html").page
+    counts = page.locator("main figure").evaluate_all(
+        """all => all.map((one) => [Boolean(one.parentElement.closest("figure")),
+          [...one.querySelectorAll(".copies")].filter((control) => control.closest("figure") === one).length])"""
+    )
+    assert len(counts) > 10
+    assert all(count == (0 if within else 1) for within, count in counts)
+
+
+@pytest.mark.parametrize("part", ["#comparison", "#method", "article.object"])
+def test_a_figure_is_copied_as_a_drawing_with_its_caption(visit, folder, part):
+    opened = visit(folder / "report.html")
+    page = opened.page
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    figure = page.locator(f"{part} figure:has(> figcaption .copies)").first
+    caption = figure.locator("> figcaption").evaluate(
+        """one => { const bare = one.cloneNode(true); bare.querySelector(".copies").remove();
+          return bare.textContent.split(/\\s+/).filter(Boolean); }"""
+    )
+    figure.locator(".copies button").first.press("Enter")
+    figure.get_by_text("Copied.").wait_for()
+    source = page.evaluate("navigator.clipboard.readText()")
+    drawing = ET.fromstring(source)  # noqa: S314 - made by the page under test
+    names = [element.tag.rpartition("}")[2] for element in drawing.iter()]
+    assert drawing.tag == "{http://www.w3.org/2000/svg}svg"
+    assert not {"foreignObject", "script", "style", "button"} & set(names)
+    assert {"circle", "image", "polygon"} & set(names)
+    addresses = [value for one in drawing.iter() for key, value in one.items() if "href" in key]
+    identifiers = {one.get("id") for one in drawing.iter()}
+    assert all(one.startswith("data:") or one[1:] in identifiers for one in addresses)
+    assert not [value for one in drawing.iter() for value in one.attrib.values() if "var(" in value]
+    written = " ".join("".join(drawing.itertext()).split())
+    assert all(word in written for word in caption)
+    assert opened.outside == opened.complaints == []
+
+
+def test_a_picture_of_a_figure_is_its_drawing_at_twice_the_size(visit, keep, folder):
+    page = visit(folder / "report.html").page
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    figure = page.locator("#comparison figure").first
+    box = figure.bounding_box()
+    figure.locator(".copies button").last.press("Enter")
+    figure.get_by_text("Copied.").wait_for()
+    width, height, colours = page.evaluate(
+        """async () => {
+          const [item] = await navigator.clipboard.read();
+          const picture = await createImageBitmap(await item.getType("image/png"));
+          const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
+          context.drawImage(picture, 0, 0);
+          const pixels = new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer);
+          return [picture.width, picture.height, new Set(pixels).size];
+        }"""
+    )
+    assert abs(width - 2 * (box["width"] + 40)) <= 2
+    assert abs(height - 2 * (box["height"] + 40)) <= 2
+    assert colours > 20
+
+
+def test_a_figure_is_saved_where_the_browser_refuses_to_copy(visit, folder):
+    page = visit(folder / "report.html").page
+    page.evaluate(
+        "() => { navigator.clipboard.write = () => Promise.reject(new Error('refused')); }"
+    )
+    figure = page.locator("#comparison figure").first
+    for place, ending in enumerate(("svg", "png")):
+        with page.expect_download() as saved:
+            figure.locator(".copies button").nth(place).click()
+        assert saved.value.suggested_filename == f"comparison.{ending}"
+        assert saved.value.path().stat().st_size > 1000
 
 
 def test_without_scripts_everything_can_be_read(visit, keep, folder):

@@ -1,17 +1,29 @@
 """The chart of seconds against error rate puts every setting where its figures say, errors of 0 apart."""
 
+import re
+
+import numpy as np
 import pytest
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 from studies.cost.test_front import BLIND, RENDER, cost_rows, cost_table
 
 from visuohaptic.report import sections
-from visuohaptic.report.cost import HEIGHT, advise, advise_robot, cost_chart, read_cost
+from visuohaptic.report.cost import (
+    HEIGHT,
+    advise,
+    advise_robot,
+    cost_answer,
+    cost_chart,
+    cost_figures,
+    read_cost,
+    time_parts,
+)
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.studies.cost.front import on_robot
-from visuohaptic.tables.schema import write_table
-from visuohaptic.tables.studies import COST
+from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.studies import COST, COST_SECONDS
 
 POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
 
@@ -77,6 +89,25 @@ def test_what_was_not_measured_has_no_figures(tmp_path):
     assert cost_chart(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:], ("imprint",)) is None
 
 
+def test_the_parts_of_a_recognition_are_those_of_its_row(tmp_path):
+    names = [column.name for column in COST_SECONDS.columns]
+    row = dict.fromkeys(names, 0.001) | {"family": "touches", "setting": "5", "recognitions": 4}
+    row |= {"seconds_look": 0.06, "seconds_render": 0.02, "seconds_attend": 0.03}
+    row |= {"seconds_touch": 0.02, "seconds_cast": 0.005}
+    columns = {name: [row[name], row[name]] for name in names} | {"setting": ["5", "6"]}
+    path = tmp_path / "seconds.parquet"
+    write_table(COST_SECONDS, build_table(COST_SECONDS, columns), path)
+    setting = {"family": "touches", "setting": "5", "looks": 2, "touches": 5, "viewpoints": 2}
+    parts = {part.name: part for part in time_parts(path, setting)}
+    assert parts["rendering"].each == "10 ms a view"
+    assert parts["attention: saliency and fixations"].each == "15 ms a view"
+    assert parts["casting rays"].each == "0.5 ms a touch"
+    assert parts["rest of touching"].seconds == pytest.approx(0.015)
+    assert parts["preparing the surface"].seconds == pytest.approx(0.01)
+    assert time_parts(path, {**setting, "setting": "7"}) == []
+    assert time_parts(None, setting) == time_parts(path, None) == []
+
+
 def said(rows):
     return [sentence.replace("\N{NO-BREAK SPACE}", " ") for sentence in advise(rows, PARAMETERS)]
 
@@ -84,18 +115,46 @@ def said(rows):
 def test_the_advice_names_steps_with_their_price_and_what_can_not_be_told_apart():
     rows = cost_rows([("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.1), ("5 touches", 0.1, 0.08)])
     rows[0]["step"] = rows[1]["step"] = True
-    first, second, rest = said(rows)
+    first, time, second, rest = said(rows)
     assert first == (
-        "The quickest setting is touches, 1 touch: 10 ms, 40.0 % wrong (20.0 % to 90.0 %)."
+        "As quick as any setting, and the most accurate of these, is touches, 1 touch: 40.0 % wrong "
+        "(20.0 % to 90.0 %)."
     )
+    assert time == "It takes 10 ms."
     assert second == (
-        "Each of these is more accurate than the one before with 95 % confidence: touches, 2 touches, "
+        "Each of these is slower, and more accurate than the one before with 95 % confidence: touches, 2 touches, "
         "20 ms, 10.0 % wrong (5.0 % to 30.0 %)."
     )
     assert (
         rest == "1 further point of the front can't be told apart from that step with 12 objects."
     )
     assert said([]) == ["No setting could be both run and timed."]
+
+
+def test_the_first_sentences_do_not_depend_on_an_order_that_timing_leaves_open():
+    generator = np.random.default_rng(0)
+    sentences, answers = set(), set()
+    for _ in range(20):
+        noise = 1 + 0.05 * generator.random(4)
+        times = noise * [0.01, 0.01, 0.01, 0.1]
+        settings = zip(("1", "2", "3", "5"), times, (0.4, 0.3, 0.35, 0.1), strict=True)
+        rows = cost_rows([(f"{name} touches", time, error) for name, time, error in settings])
+        sentences.add(said(rows)[0])
+        answers.add(re.sub(r"[0-9]+ ms", "", cost_answer(cost_figures(rows, PARAMETERS))))
+    assert len(sentences) == len(answers) == 1
+    assert "2 touches" in sentences.pop()
+
+
+def test_settings_that_can_not_be_told_apart_are_one_row():
+    rows = cost_rows([("a", 0.010, 0.30), ("b", 0.011, 0.31), ("c", 0.5, 0.3)], failed=["8 × 8"])
+    together, alone, failed = cost_figures(rows, PARAMETERS).groups
+    assert together.settings == [("touches", "a; b")]
+    assert (together.milliseconds, together.quartiles) == ("10–11", "9–13")
+    assert (together.error, together.interval) == ("30.00–31.00", "15.0–72.0")
+    assert together.part("look") == "2.5–2.8"
+    assert (together.verdict, alone.verdict) == ("on the front", "dominated")
+    assert alone.milliseconds == "500"
+    assert (failed.milliseconds, failed.verdict) == ("–", "failed: images are too small.")
 
 
 @pytest.mark.parametrize(
@@ -156,7 +215,7 @@ def test_the_page_tells_what_accuracy_costs(tmp_path, monkeypatch):
     page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
     assert page.mismatches == []
     text = page.text.replace("\N{NO-BREAK SPACE}", " ")
-    assert "The quickest setting is touches, 1 touch: 10 ms, 40.0 % wrong" in text
+    assert "the most accurate of these, is touches, 1 touch: 40.0 % wrong" in text
     assert "failed: images are too small." in text
     assert "All 5 settings" in text
     assert "dominated" in text

@@ -4,9 +4,15 @@ import pytest
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
 
-from visuohaptic.report.influence import effects_answer, hard_places, influence_figures
+from visuohaptic.report.influence import (
+    effects_answer,
+    hard_places,
+    influence_figures,
+    scene_accuracy,
+)
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.report.studies import read_study
 from visuohaptic.sensor import hard_probes
 from visuohaptic.tables.phases import CONTACT_STATES
 from visuohaptic.tables.schema import build_table, write_table
@@ -82,3 +88,32 @@ def test_the_page_shows_hard_places_and_the_figures_that_are_there(tmp_path, inf
     assert "Each scene without an effect is compared with the whole scene" in text
     assert "Worn fsr 50.0 % 40.0 % to 60.0 %" in text
     assert "Worn fsr without noise 52.0 % 42.0 % to 62.0 % +2.0" in text
+
+
+def test_the_accuracy_of_each_scene_is_a_row_and_a_sentence(tmp_path):
+    rows = [
+        ("ideal", 0.9, "ideal", None),
+        ("ideal without adaptive_size", 0.8, "ideal", -0.1),
+        ("worn_fsr", 0.7, "worn_fsr", None),
+        ("fsr400", None, "fsr400", None),
+    ]
+    study = read_study(write_study(tmp_path, "effects", rows), "effects")
+    (found,) = scene_accuracy(study, 0.25)
+    assert [name for name, _ in found.chart.rows] == ["ideal", "worn_fsr"]
+    assert [mark.x for mark in found.chart.marks] == [90, 70]
+    assert found.chart.reference == 25
+    (sentence,) = found.sentences
+    assert sentence.replace("\xa0", " ") == (
+        "Eye fixations, correctly classified by scene: ideal 90.0 % (80.0 % to 100.0 %), worn_fsr "
+        "70.0 % (60.0 % to 80.0 %)."
+    )
+    assert scene_accuracy(None, 0.25) == []
+
+
+@pytest.mark.slow
+def test_a_page_without_that_study_has_no_accuracy_by_scene(tmp_path):
+    files = write_run(tmp_path)
+    assert "Accuracy by scene" not in render_page(read_run(files, PARAMETERS, OBJECTS))
+    folder = write_study(tmp_path / "studies", "effects", [("ideal", 0.9, "ideal", None)])
+    measured = RunFiles(**{**vars(files), "extras": {"studies": folder}})
+    assert "Accuracy by scene" in render_page(read_run(measured, PARAMETERS, OBJECTS))

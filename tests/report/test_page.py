@@ -3,14 +3,17 @@
 import itertools
 import json
 import re
+from types import SimpleNamespace
 
 import pytest
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, STRATEGIES, write_run
 
-from visuohaptic.report.page import render_page
+from visuohaptic.fixations.probing import STRATEGIES as STRATEGIES_OF_PACKAGE
+from visuohaptic.report.page import make_environment, render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.report.wording import percent
+from visuohaptic.report.sections import comparison_title
+from visuohaptic.report.wording import percent, strategy_name
 
 NASTY_CLASS = '<i onclick="alert(2)">&amp;'
 NASTY = (
@@ -130,6 +133,7 @@ def test_nothing_is_hidden_without_scripts_but_what_needs_them(page):
     assert {e.attributes.get("class", e.attributes.get("id")) for e in hidden} <= {
         "open",
         "controls",
+        "felt",
         "filter",
         "copy-methods",
     }
@@ -203,7 +207,7 @@ def test_names_are_shown_as_they_are_and_do_nothing(tmp_path):
     assert {element.attributes["data-name"] for element in page.named("article")} == set(keys)
     assert f"{NASTY_CLASS}: <script>alert(1)</script>" in page.text
     models = [key for key in keys if key.count("/") == 1 and len(key) < 300]
-    assert len(page.named("script")) == 3 + 2 * len(models)
+    assert len(page.named("script")) == 3 + 3 * len(models)
     assert not page.named("i")
     assert "49" not in [text.strip() for text in page.texts]
     assert all(re.fullmatch(r"[a-z0-9-]+", name) for name in page.values("id"))
@@ -254,6 +258,21 @@ def test_one_strategy_alone_makes_a_page(tmp_path, strategies):
     page = read_page(render(write_run(tmp_path, strategies=strategies)))
     assert page.mismatches == []
     assert "ahead for" not in page.text
+    assert "does it help to touch" not in page.text
+    assert strategy_name(strategies[0]).capitalize() in page.texts
+
+
+@pytest.mark.parametrize(
+    ("strategies", "title"),
+    [
+        (("fixation", "random"), "Eye fixations against random probing"),
+        (("fixation", "random", "farthest_point"), "Eye fixations against 2 other strategies"),
+        (("random",), "Random probing"),
+    ],
+)
+def test_the_title_of_the_comparison_names_the_runs_strategies(strategies, title):
+    table = SimpleNamespace(strategies=strategies)
+    assert comparison_title(SimpleNamespace(pipelines=[table])) == title
 
 
 @pytest.mark.slow
@@ -272,3 +291,11 @@ def test_strategies_are_told_apart_by_shape_too(source):
     assert chart.count('<g class="series-0"><circle') > 0
     assert chart.count('<g class="series-1"><rect') > 0
     assert len(STRATEGIES) == 2
+
+
+def test_each_of_eight_strategies_has_a_mark_and_a_colour_of_its_own():
+    draw = make_environment().get_template("macros.html.jinja").module
+    marks = [str(draw.shape(series)) for series in range(8)]
+    classes, shapes = zip(*(mark.split(">", 1) for mark in marks), strict=True)
+    assert len(set(classes)) == len(set(shapes)) == 8
+    assert len(STRATEGIES_OF_PACKAGE.names) + 1 <= 8  # and the adaptive one

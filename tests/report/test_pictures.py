@@ -9,7 +9,13 @@ from PIL import Image
 from report.synthetic import png
 
 from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.report.pictures import imprint_strip, project, shrink_picture, square_corners
+from visuohaptic.report.pictures import (
+    imprint_sheet,
+    imprint_strip,
+    project,
+    shrink_picture,
+    square_corners,
+)
 
 
 def decoded(uri):
@@ -50,3 +56,11 @@ def test_a_view_shrinks_and_still_looks_alike():
     assert size == (256, 256)
     assert len(uri) < 8000
     assert np.abs(decoded(uri).astype(int) - picture).mean() < 3
+
+
+def test_a_sheet_has_each_imprint_in_its_cell():
+    imprints = np.stack([np.full((16, 16), level, np.float32) for level in (0.25, 0.5, 1.0)])
+    sheet = decoded(imprint_sheet(imprints, np.array([0, 2, 1]), np.array([1, 0, 1])))
+    assert sheet.shape == (48, 32, 3)
+    cells = sheet[..., 0].reshape(3, 16, 2, 16)[:, 4:-4, :, 4:-4].mean(axis=(1, 3))
+    np.testing.assert_allclose(cells, [[0, 64], [0, 255], [128, 0]], atol=6)

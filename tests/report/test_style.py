@@ -11,7 +11,7 @@ LIGHT, DARK = (
     for block in re.findall(r":root \{(.*?)\}", STYLE, re.DOTALL)[:2]
 )
 TEXTS = ("ink", "quiet", "link")
-SERIES = ("fixation", "random", "third", "fourth")
+SERIES = ("fixation", "random", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
 
 
 def luminance(colour):

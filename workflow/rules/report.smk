@@ -57,7 +57,7 @@ rule report:
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
         meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
-        frontier="results/frontier.parquet",
+        frontier=["results/frontier.parquet", "results/frontier_seconds.parquet"],
         influence="results/effect_influence.parquet",
         stability=[
             "results/stability.parquet",
@@ -92,6 +92,7 @@ rule report:
             "extras": {
                 "studies": "results/studies",
                 "frontier": "results/frontier.parquet",
+                "frontier_seconds": "results/frontier_seconds.parquet",
                 "effect_influence": "results/effect_influence.parquet",
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",

@@ -98,6 +98,17 @@ def look(
         One a viewpoint.
     """
     seen = render_views(caster, list(cameras.values()), rendering, modes)
+    return attend_to(seen, caster, key, cameras, attention)
+
+
+def attend_to(
+    seen: Views,
+    caster: RayCaster,
+    key: str,
+    cameras: Mapping[int, Camera],
+    attention: AttentionParameters,
+) -> list[Look]:
+    """Find saliency and fixations in rendered views of an object: a `Look` each, as `look` gives."""
     attentions = attend(
         colour=seen.colour,
         mask=seen.mask,

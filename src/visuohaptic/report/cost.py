@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
@@ -22,13 +22,18 @@ from visuohaptic.studies.cost.front import (
     Row,
     Saving,
     all_touches,
+    as_quick,
     break_even,
     find_savings,
+    first_step,
     front_rows,
+    merge_alike,
     on_robot,
     read_costs,
     reference_row,
 )
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import COST_SECONDS
 
 HEIGHT = 420
 """Of the part with the logarithmic axis, pixels."""
@@ -46,6 +51,66 @@ class CostChart(PointChart):
 
 
 @dataclass(frozen=True)
+class SettingGroup:
+    """Settings that can't be told apart: rows of `tables.COST`, at least one."""
+
+    rows: tuple[Row, ...]
+
+    @property
+    def settings(self) -> list[tuple[str, str]]:
+        """Each of their families, with its settings."""
+        families = dict.fromkeys(row["family"] for row in self.rows)
+        return [
+            (
+                strategy_name(family),
+                "; ".join(str(row["setting"]) for row in self.rows if row["family"] == family),
+            )
+            for family in families
+        ]
+
+    @property
+    def verdict(self) -> str:
+        """Whether one of them is on the front."""
+        if self.rows[0]["failed"]:
+            return f"failed: {self.rows[0]['failed']}"
+        if any(row["on_front"] for row in self.rows):
+            return "on the front"
+        return "dominated" if self.rows[0]["dominated"] else "not timed"
+
+    @property
+    def milliseconds(self) -> str:
+        """Their median run times; with `quartiles` under them."""
+        return self._range("seconds", "seconds", _milliseconds)
+
+    @property
+    def quartiles(self) -> str:
+        """The lowest lower and the highest upper quartile."""
+        return self._range("seconds_low", "seconds_high", _milliseconds)
+
+    @property
+    def error(self) -> str:
+        """Their error rates in per cent; with `interval` under them."""
+        return self._range("error", "error", lambda value: f"{100 * value:.2f}")
+
+    @property
+    def interval(self) -> str:
+        """The lowest and the highest end of their intervals."""
+        return self._range("error_low", "error_high", lambda value: f"{100 * value:.1f}")
+
+    def part(self, name: str) -> str:
+        """Give the median milliseconds of a part, such as ``look``."""
+        column = f"seconds_{name}"
+        return self._range(column, column, lambda value: f"{1000 * value:.1f}")
+
+    def _range(self, low: str, high: str, write: Callable[[float], str]) -> str:
+        if self.rows[0][low] is None:
+            return "–"
+        ends = min(row[low] for row in self.rows), max(row[high] for row in self.rows)
+        written = dict.fromkeys(map(write, ends))
+        return "\N{EN DASH}".join(written)
+
+
+@dataclass(frozen=True)
 class CostFigures:
     """The section's numbers, of one study.
 
@@ -55,6 +120,8 @@ class CostFigures:
         Names of the families, in the order of their colours.
     rows, front : sequence of mapping
         Rows of `tables.COST`: all, and those on the front, the quickest first.
+    groups : tuple of SettingGroup
+        All rows, those that can't be told apart together.
     advice : list of str
         What follows from them, in sentences.
     recognitions : int
@@ -69,6 +136,7 @@ class CostFigures:
     families: tuple[str, ...]
     rows: Sequence[Row]
     front: Sequence[Row]
+    groups: tuple[SettingGroup, ...]
     advice: list[str]
     recognitions: int
     reference: Row | None
@@ -104,6 +172,7 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
         families,
         rows,
         front_rows(rows),
+        tuple(SettingGroup(tuple(group)) for group in merge_alike(rows)),
         [*advise(rows, run), *advise_robot(rows, robot, run.cost)],
         max((row["recognitions"] or 0 for row in rows), default=0),
         reference_row(rows),
@@ -114,12 +183,14 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
 
 def cost_answer(figures: CostFigures) -> str:
     """Say in one or two sentences what accuracy costs."""
-    if not figures.front:
+    steps = first_step(figures.rows)
+    if not steps:
         return "No setting could be both run and timed."
-    first, last = figures.front[0], figures.front[-1]
+    (first,) = steps
+    last = min(figures.front, key=lambda row: float(row["error"]))
     said = (
         f"From {_duration(first['seconds'])} a recognition at {percent(first['error'])} wrong "
-        f"({_named(first)}) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
+        f"({_named(first)}; none is surely quicker) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
         f"({_interval(last)}; {_named(last)})."
     )
     own = figures.reference
@@ -129,6 +200,58 @@ def cost_answer(figures: CostFigures) -> str:
         f"{said} The run's own setting, {_named(own)}, takes {_duration(own['seconds'])} and is "
         f"wrong in {percent(own['error'])} ({_interval(own)})."
     )
+
+
+@dataclass(frozen=True)
+class TimePart:
+    """A part of a recognition: median seconds of all its units, such as views."""
+
+    name: str
+    seconds: float
+    units: int
+    unit: str
+
+    @property
+    def each(self) -> str:
+        """Its time for one unit, in words."""
+        return f"{_duration(self.seconds / self.units)} a {self.unit}"
+
+
+def time_parts(path: str | Path | None, setting: Row | None) -> list[TimePart]:
+    """Say where the time of a recognition goes.
+
+    Parameters
+    ----------
+    path : path or None
+        `tables.COST_SECONDS`.
+    setting : mapping or None
+        The row of `tables.COST` that it is about.
+
+    Returns
+    -------
+    list of TimePart
+        In the order of the work; empty where the setting was not timed.
+    """
+    if path is None or not Path(path).is_file() or setting is None:
+        return []
+    key = (setting["family"], setting["setting"])
+    table = read_table(COST_SECONDS, path).to_pylist()
+    row = next((row for row in table if (row["family"], row["setting"]) == key), None)
+    if row is None:
+        return []
+    looking = row["seconds_render"] + row["seconds_attend"]
+    views, touches = (setting["looks"], "view"), (all_touches(setting), "touch")
+    parts = [
+        TimePart("preparing the surface", row["seconds_look"] - looking, 1, "recognition"),
+        TimePart("rendering", row["seconds_render"], *views),
+        TimePart("attention: saliency and fixations", row["seconds_attend"], *views),
+        TimePart("casting rays", row["seconds_cast"], *touches),
+        TimePart("rest of touching", row["seconds_touch"] - row["seconds_cast"], *touches),
+        TimePart("describing", row["seconds_describe"], *touches),
+        TimePart("classification", row["seconds_name"], 1, "recognition"),
+    ]
+    # Medians of parts need not add up.
+    return [replace(part, seconds=max(part.seconds, 0.0)) for part in parts if part.units]
 
 
 def cue_sentences(rows: Sequence[Row]) -> list[str]:
@@ -160,20 +283,32 @@ def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
     Returns
     -------
     list of str
-        Sentences: the steps of the front, then what each smaller setting saves and loses.
+        Sentences: the steps, then what each smaller setting saves and loses. The first names no
+        seconds, and no setting by an order that the noise of timing gave.
     """
-    steps = [row for row in front_rows(rows) if row["step"]]
-    if not steps:
+    quick = as_quick(rows)
+    if not quick:
         return ["No setting could be both run and timed."]
     confidence = f"{100 * run.recognition.intervals.confidence:g} %"
-    first, *further = steps
-    told = [f"The quickest setting is {_named(first)}: {_figures(first)}."]
+    (first,) = first_step(rows)
+    further = [row for row in rows if row["step"] and row["seconds_low"] > first["seconds_high"]]
+    further.sort(key=lambda row: float(row["seconds"]))
+    alike = (
+        f"; the quartiles of {counted(len(quick), 'setting')} overlap with those of the quickest"
+        if len(quick) > 1
+        else ""
+    )
+    best = f"{_named(first)}: {percent(first['error'])} wrong ({_interval(first)})"
+    told = [
+        f"As quick as any setting, and the most accurate of these, is {best}.",
+        f"It takes {_duration(first['seconds'])}{alike}.",
+    ]
     if further:
         told.append(
-            f"Each of these is more accurate than the one before with {confidence} confidence: "
-            f"{'; '.join(f'{_named(row)}, {_figures(row)}' for row in further)}."
+            f"Each of these is slower, and more accurate than the one before with {confidence} "
+            f"confidence: {'; '.join(f'{_named(row)}, {_figures(row)}' for row in further)}."
         )
-    last = steps[-1]
+    last = (first, *further)[-1]
     rest = [row for row in front_rows(rows) if row["seconds"] > last["seconds"]]
     if rest:
         told.append(
@@ -344,6 +479,10 @@ def _saving_sentence(saving: Saving, confidence: str) -> str:
 def _changes(row: Row) -> str:
     changes = json.loads(row["changes"])
     return listed([f"{name} {_short(value)}" for name, value in changes.items()])
+
+
+def _milliseconds(seconds: float) -> str:
+    return f"{1000 * seconds:.0f}"
 
 
 def _short(value: object) -> str:

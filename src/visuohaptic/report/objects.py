@@ -17,6 +17,7 @@ from visuohaptic.geometry.surface import read_surface
 from visuohaptic.report.models import PackedModel, pack_model
 from visuohaptic.report.pictures import (
     data_uri,
+    imprint_sheet,
     imprint_strip,
     project,
     shrink_picture,
@@ -112,6 +113,9 @@ class ObjectPage:
         None where the object's mesh is not at hand.
     touch_keys : tuple of (str, int, int, str)
         Strategy, viewpoint, number from 1 and contact state of each touch of the model.
+    sheets : mapping of str to str
+        By strategy: a picture of the imprints of the model's touches, a row a viewpoint and a
+        column a touch.
     """
 
     key: str
@@ -127,6 +131,7 @@ class ObjectPage:
     median_size: Mapping[str, float]
     model: PackedModel | None
     touch_keys: tuple[tuple[str, int, int, str], ...]
+    sheets: Mapping[str, str]
 
 
 def describe_objects(run: Run, processes: int = 1, track: Track = iter) -> list[ObjectPage]:
@@ -204,6 +209,7 @@ def _describe(
         median_size={strategy: _median_size(touches, strategy) for strategy in strategies},
         model=model,
         touch_keys=touch_keys,
+        sheets={strategy: _sheet(touches, strategy) for strategy in strategies} if model else {},
     )
 
 
@@ -305,6 +311,12 @@ def _model(
     return pack_model(read_surface(mesh), matrix(touches, names), faces), tuple(
         (row["strategy"], row["viewpoint"], row["touch"] + 1, row["contact_state"]) for row in keys
     )
+
+
+def _sheet(touches: pa.Table, strategy: str) -> str:
+    own = touches.filter(pc.equal(touches.column("strategy"), strategy))
+    viewpoints, numbers = (own.column(name).to_numpy() for name in ("viewpoint", "touch"))
+    return imprint_sheet(images(own), viewpoints.astype(np.int64), numbers.astype(np.int64))
 
 
 def _by_object(table: pa.Table, run: Run) -> dict[str, pa.Table]:

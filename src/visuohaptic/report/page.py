@@ -14,11 +14,12 @@ from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
-from visuohaptic.report.objects import Track, describe_objects
+from visuohaptic.report.objects import Track, describe_objects, most_varied
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.readings import mark_up_dots, readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.sections import CHAPTERS, ReportContext
+from visuohaptic.report.sources import find_sources
 from visuohaptic.studies.readings.stored import read_readings
 
 
@@ -39,7 +40,8 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
             if values is not None:
                 template = environment.get_template(f"{section.name}.html.jinja")
                 body = template.render({**shared, **values})
-                chapters.setdefault(chapter, []).append((section.name, section.title, body))
+                chapters.setdefault(chapter, []).append((section.name, section.titled(run), body))
+    explained = most_varied(context.pages)
     has_models = any(page.model is not None for page in context.pages)
     return environment.get_template("page.html.jinja").render(
         chapters=chapters,
@@ -47,10 +49,11 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         marks=_most_marks(context),
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
+        sources=find_sources(run, (explained.key, explained.shown.viewpoint)),
         summary=summarise_run(run, context.pages, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
-        script=_text("page.js"),
+        script=_text("page.js") + _text("figures.js"),
         plotly=plotly_library() if has_models else "",
         coordinate_steps=COORDINATE_STEPS,
     )
@@ -70,7 +73,7 @@ def render_readings_page(table: str | Path) -> str:
         body=body,
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
-        script=_text("readings.js"),
+        script=_text("readings.js") + _text("figures.js"),
     )
 
 

@@ -27,12 +27,14 @@ from visuohaptic.report.cost import (
     cost_figures,
     cue_sentences,
     read_cost,
+    time_parts,
 )
 from visuohaptic.report.effects import sum_channels, sum_effects
 from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
     influence_figures,
+    scene_accuracy,
     scene_strips,
 )
 from visuohaptic.report.objects import ObjectPage, most_varied
@@ -58,7 +60,7 @@ from visuohaptic.report.studies import (
     remade_name,
 )
 from visuohaptic.report.touches_needed import curve_figures
-from visuohaptic.report.wording import CONTACT_STATES
+from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.studies.cost.front import Row
 from visuohaptic.studies.cost.stored import stored_frontier
@@ -87,11 +89,27 @@ class ReportContext:
 
 @dataclass(frozen=True)
 class Section:
-    """One section; `name` is its anchor and the stem of its template."""
+    """One section; `name` is its anchor and the stem of its template.
+
+    The title may depend on the run.
+    """
 
     name: str
-    title: str
+    title: str | Callable[[Run], str]
     values: Callable[[ReportContext], Values | None]
+
+    def titled(self, run: Run) -> str:
+        """Give the title for a run."""
+        return self.title if isinstance(self.title, str) else self.title(run)
+
+
+def comparison_title(run: Run) -> str:
+    """Name the strategies that the run compares: two by their names, more by the first."""
+    first, *others = (strategy_name(name) for name in run.pipelines[0].strategies)
+    if not others:
+        return titled(first)
+    other = others[0] if len(others) == 1 else f"{len(others)} other strategies"
+    return f"{titled(first)} against {other}"
 
 
 def answer_values(context: ReportContext) -> Values:
@@ -114,6 +132,7 @@ def answer_values(context: ReportContext) -> Values:
     return {
         "sentences": [*sentences[:2], *(cue_sentences(cost.rows) if cost else ())],
         "touches": touches,
+        "compared": {"fixation"} < set(run.pipelines[0].strategies),
         "cost": cost,
         "cost_answer": cost_answer,
         "small_chart": _small_cost_chart,
@@ -194,6 +213,9 @@ def cost_values(context: ReportContext) -> Values | None:
         "large": None if stored is None else cost_figures(stored.rows, parameters),
         "study": study,
         "seconds": context.seconds,
+        "parts": time_parts(
+            extras.get("frontier_seconds"), None if frontier is None else frontier.reference
+        ),
     }
 
 
@@ -218,13 +240,15 @@ def influence_values(context: ReportContext) -> Values:
     """Give hard places, and what effects cost and change where that was measured."""
     extras, scene = context.run.files.extras, context.run.parameters.scene
     page = most_varied(context.pages)
+    accuracy = read_study(extras.get("studies"), "effects")
     return {
         "page": page,
         "strips": _scene_strips(context.run, page),
         "places": hard_places(context.run.parameters),
         "influence": influence_figures(extras.get("effect_influence"), scene.preset),
         "effects_answer": effects_answer,
-        "accuracy": read_study(extras.get("studies"), "effects"),
+        "accuracy": accuracy,
+        "by_scene": scene_accuracy(accuracy, 1 / len(context.run.classes)),
         "remade": remade_name,
         "scenes": list(PRESETS),
     }
@@ -343,8 +367,8 @@ def credits_values(context: ReportContext) -> Values:
 
 CHAPTERS = {
     "Question and answers": (Section("answer", "Question and answers", answer_values),),
-    "Fixations against random probing": (
-        Section("comparison", "Eye fixations against random probing", comparison_values),
+    "Probing strategies": (
+        Section("comparison", comparison_title, comparison_values),
         Section("touches_needed", "Accuracy against touches", touches_needed_values),
         Section("confusion", "Confusion matrix", confusion_values),
     ),

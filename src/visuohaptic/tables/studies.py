@@ -168,11 +168,20 @@ COST_SECONDS_COLUMNS = (
     ("seconds_name", "of it: classification"),
 )
 
+COST_PARTS_COLUMNS = (
+    ("seconds_render", "of looking: rendering the views"),
+    ("seconds_attend", "of looking: saliency and fixations"),
+    ("seconds_cast", "of touching: casting rays"),
+)
+
 COST_SECONDS = Schema(
     "cost_seconds",
     (
         *COST_KEYS,
-        *(Column(name, REAL, text, "s", 0) for name, text in COST_SECONDS_COLUMNS),
+        *(
+            Column(name, REAL, text, "s", 0)
+            for name, text in (*COST_SECONDS_COLUMNS, *COST_PARTS_COLUMNS)
+        ),
         Column("recognitions", COUNT, "recognitions that were timed", minimum=1),
     ),
     names_of(COST_KEYS),
@@ -231,7 +240,7 @@ COST = Schema(
         Column(
             "step",
             pa.bool_(),
-            "whether it is the front's quickest, or surely more accurate than the step before",
+            "whether it is the most accurate of the quickest, or slower and surely more accurate than the step before",
         ),
     ),
     names_of(COST_KEYS),

@@ -15,6 +15,7 @@ from visuohaptic.studies.cost.front import (
     front_rows,
     join_costs,
     mark_steps,
+    merge_alike,
     on_robot,
     pareto_front,
     reference_row,
@@ -39,6 +40,7 @@ def cost_rows(points, failed=()):
         row |= {"error": error, "error_low": error / 2, "error_high": min(1.0, 2 * error + 0.1)}
         errors.append({**SAME, **row, **dict(*others)})
         phases = {f"seconds_{part}": time / 4 for part in ("look", "touch", "describe", "name")}
+        phases |= {f"seconds_{part}": time / 8 for part in ("render", "attend", "cast")}
         quartiles = {"seconds_low": 0.9 * time, "seconds_high": 1.2 * time, "recognitions": 12}
         key = {name: errors[-1][name] for name in ("family", "setting")}
         seconds.append({**key, "seconds": time, **quartiles, **phases})
@@ -154,6 +156,42 @@ def test_a_step_is_more_accurate_than_the_step_before_beyond_the_choice_of_objec
     assert all(row["on_front"] for row in rows)
     mark_steps(rows, cells, BOTH)
     assert [row["step"] for row in rows] == [True, False, True]
+
+
+def test_a_step_is_slower_beyond_the_noise_of_timing_and_the_most_accurate_of_its_equals():
+    names = [one.name for one in make_settings(BOTH, "frontier") if one.family == "random"][:4]
+    levels = dict(zip(names, (0.50, 0.60, 0.90, 0.91), strict=True))
+    times = dict(zip(names, (0.100, 0.101, 0.300, 0.301), strict=True))
+    noise = np.linspace(-0.05, 0.05, 12)
+    cells = cells_of({("random", name): level + noise for name, level in levels.items()})
+    of_family = {"family": "random", "strategy": "random", "classifier": "support_vector_machine"}
+    rows = cost_rows([(name, times[name], 1 - level, of_family) for name, level in levels.items()])
+    mark_steps(rows, cells, BOTH)
+    assert [row["setting"] for row in rows if row["step"]] == [names[1], names[3]]
+
+
+def alike(first, second):
+    return [[row["setting"] for row in group] for group in merge_alike(cost_rows([first, second]))]
+
+
+def test_settings_are_merged_where_neither_time_nor_error_tells_them_apart():
+    assert alike(("a", 0.1, 0.2), ("b", 0.11, 0.21)) == [["a", "b"]]
+    assert alike(("a", 0.1, 0.2), ("b", 0.2, 0.2)) == [["a"], ["b"]]
+    # Of two intervals that overlap neither may leave out the other's rate.
+    assert alike(("a", 0.1, 0.1), ("b", 0.1, 0.12)) == [["a", "b"]]
+    assert alike(("a", 0.1, 0.1), ("b", 0.1, 0.25)) == [["a"], ["b"]]
+
+
+def test_every_two_settings_of_a_group_are_alike():
+    rows = cost_rows([("a", 0.100, 0.2), ("b", 0.120, 0.2), ("c", 0.140, 0.2)])
+    assert [[row["setting"] for row in group] for group in merge_alike(rows)] == [["a", "b"], ["c"]]
+
+
+@pytest.mark.parametrize(("low", "apart"), [(0.001, True), (-0.001, False)])
+def test_a_paired_difference_to_the_runs_own_setting_tells_apart_too(low, apart):
+    own = ("own", 0.1, 0.10, {"lost": 0.0, "lost_low": 0.0, "lost_high": 0.0})
+    other = ("other", 0.1, 0.12, {"lost": 0.02, "lost_low": low, "lost_high": 0.04})
+    assert (len(alike(own, other)) == 2) == apart
 
 
 RENDER = '{"rendering.resolution": 64}'

@@ -7,7 +7,13 @@ from studies.surfaces import RUN, run_tables, small_surfaces
 
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.cost import seconds
-from visuohaptic.studies.cost.seconds import PHASES, fit_setting, measure_seconds, recognise_once
+from visuohaptic.studies.cost.seconds import (
+    PARTS,
+    PHASES,
+    fit_setting,
+    measure_seconds,
+    recognise_once,
+)
 from visuohaptic.studies.cost.settings import make_settings, make_study
 
 
@@ -31,8 +37,10 @@ def fitted(surfaces):
 @pytest.mark.slow
 def test_a_recognition_goes_through_every_phase(surfaces, fitted):
     taken = recognise_once(surfaces["ring/ring0"], "ring/ring0", [0, 2], fitted[1])
-    assert tuple(taken) == PHASES
+    assert tuple(taken) == (*PHASES, *PARTS)
     assert all(value > 0 for value in taken.values())
+    assert taken["render"] + taken["attend"] <= taken["look"]
+    assert taken["cast"] <= taken["touch"]
 
 
 def test_the_timed_way_feels_what_the_run_felt(surfaces, fitted, monkeypatch):
@@ -51,7 +59,8 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
 
     def once(surface, key, viewpoints, setting):
         calls.append((key, tuple(viewpoints), setting.setting.name))
-        return dict.fromkeys(PHASES, 0.25 * len(viewpoints))
+        parts = dict.fromkeys(PARTS, 0.125 * len(viewpoints))
+        return {**dict.fromkeys(PHASES, 0.25 * len(viewpoints)), **parts}
 
     monkeypatch.setattr(seconds, "recognise_once", once)
     few = dict(list(surfaces.items())[:2])
@@ -62,6 +71,7 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     assert all(len(set(viewpoints)) == len(viewpoints) for _, viewpoints, _ in timed)
     assert [row["seconds"] for row in rows] == [1.0, 2.0, 4.0]
     assert [row["seconds_look"] for row in rows] == [0.25, 0.5, 1.0]
+    assert [row["seconds_attend"] for row in rows] == [0.125, 0.25, 0.5]
     assert {row["recognitions"] for row in rows} == {4}
 
 

@@ -1,7 +1,10 @@
 "use strict";
-// The page is complete without this script. It adds 3D models, a filter of objects, and a copy button.
+// The page is complete without scripts. This one adds 3D models, a filter of objects, and a button that copies the methods text.
 (() => {
   const MOST_OPEN = 6; // browsers limit the number of WebGL contexts
+  const [SQUARES, NUMBERS] = [1, 5]; // places of their traces
+  const LABEL = 0.09; // radius of a number, in object radii
+  const MOST_ASIDE = 1.05; // of a number from the middle, where the stage still shows it
   const opened = [];
   let library = null;
 
@@ -49,7 +52,7 @@
 
   function surfaceTrace(model) {
     const [i, j, k] = [0, 1, 2].map((place) => column(model.corners, 3, place));
-    const [x, y, z] = [0, 1, 2].map((place) => column(model.vertices, 3, place));
+    const [x, y, z] = [2, 0, 1].map((place) => column(model.vertices, 3, place));
     const facecolor = i.map((_, face) => `rgb(${model.colours.subarray(3 * face, 3 * face + 3).join()})`);
     return {
       type: "mesh3d", x, y, z, i, j, k, facecolor, flatshading: true, hoverinfo: "skip",
@@ -65,39 +68,127 @@
       [px, py, pz].map((centre, axis) => centre + 0.006 * n[axis] + 0.5 * size * (a * t[axis] + b * down[axis])));
   }
 
-  function touchTraces(model, strategy, viewpoint, ink) {
-    const chosen = model.keys.filter((key) => key.strategy === strategy && key.viewpoint === viewpoint);
+  // Places for the numbers, where they cover no square as seen from an eye: each beside its own.
+  function labelPlaces(poses, eye) {
+    const [right, up, towards] = screenAxes(eye);
+    const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    const centres = poses.map((pose) => ({ x: dot(pose, right), y: dot(pose, up), radius: 0.71 * pose[9] }));
+    const taken = [];
+    return poses.map((pose, place) => {
+      let best = null;
+      for (const reach of [0.15, 0.22, 0.3, 0.45]) {
+        // Away from the object's middle first, where the object is not behind a number.
+        for (const turn of [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6]) {
+          const angle = Math.atan2(centres[place].y, centres[place].x) + (turn * Math.PI) / 6;
+          const length = centres[place].radius + reach;
+          const [a, b] = [length * Math.cos(angle), length * Math.sin(angle)];
+          const [x, y] = [centres[place].x + a, centres[place].y + b];
+          const room = Math.min(
+            MOST_ASIDE - Math.abs(x), MOST_ASIDE - Math.abs(y),
+            ...centres.map((other) => Math.hypot(x - other.x, y - other.y) - other.radius - LABEL),
+            ...taken.map((other) => Math.hypot(x - other.x, y - other.y) - 2 * LABEL),
+          );
+          if (!best || Math.min(room, 0) > Math.min(best.room, 0)) best = { room, x, y, a, b };
+        }
+      }
+      taken.push(best);
+      return [0, 1, 2].map((axis) => pose[axis] + best.a * right[axis] + best.b * up[axis] + 0.25 * towards[axis]);
+    });
+  }
+
+  // The object's y is up; Plotly's turntable turns about z.
+  const axes = (rows) => Object.fromEntries(["x", "y", "z"].map((name, axis) => [name, rows.map((row) => row[(axis + 2) % 3])]));
+
+  function touchTraces(chosen, eye, ink) {
     const squares = chosen.map((key) => square(key.pose));
     const outline = squares.flatMap((corners) => [...corners, corners[0], [null, null, null]]);
-    const filled = squares.flat();
     const starts = squares.map((_, place) => 4 * place);
-    const centres = chosen.map(({ pose }) => [0, 1, 2].map((axis) => pose[axis] + 0.05 * pose[axis + 3]));
-    const axes = (rows) => Object.fromEntries(["x", "y", "z"].map((name, axis) => [name, rows.map((row) => row[axis])]));
+    const centres = chosen.map(({ pose }) => [0, 1, 2].map((axis) => pose[axis] + 0.01 * pose[axis + 3]));
+    const labels = labelPlaces(chosen.map(({ pose }) => pose), eye);
+    const leaders = labels.flatMap((label, place) => [centres[place], label, [null, null, null]]);
+    const line = { type: "scatter3d", mode: "lines", hoverinfo: "skip" };
     return [
       {
-        type: "mesh3d", ...axes(filled), i: starts.flatMap((s) => [s, s]), j: starts.flatMap((s) => [s + 1, s + 2]),
-        k: starts.flatMap((s) => [s + 2, s + 3]), color: "#ffd23f", opacity: 0.55, hoverinfo: "skip",
+        type: "mesh3d", ...axes(squares.flat()), i: starts.flatMap((s) => [s, s]), j: starts.flatMap((s) => [s + 1, s + 2]),
+        k: starts.flatMap((s) => [s + 2, s + 3]), color: "#ffd23f", opacity: 0.55, hoverinfo: "none",
         lighting: { ambient: 1, diffuse: 0, specular: 0 },
       },
-      { type: "scatter3d", mode: "lines", ...axes(outline), line: { color: "#111", width: 3 }, hoverinfo: "skip" },
+      { ...line, ...axes(outline), line: { color: "#111", width: 3 } },
+      { ...line, ...axes(centres), line: { color: ink, width: 3 } },
+      { ...line, ...axes(leaders), line: { color: ink, width: 1 } },
       {
-        type: "scatter3d", mode: "lines+markers+text", ...axes(centres),
-        line: { color: ink, width: 2 }, marker: { size: 14, color: "#111", line: { color: "#fff", width: 2 } },
-        text: chosen.map((key) => String(key.number)), textfont: { color: "#fff", size: 14 }, textposition: "middle center",
-        customdata: chosen.map((key) => [key.pose[9].toFixed(3), key.state.replaceAll("_", " ")]),
-        hovertemplate: "touch %{text}<br>edge %{customdata[0]} object radii<br>contact %{customdata[1]}<extra></extra>",
+        type: "scatter3d", mode: "markers+text", ...axes(labels), hoverinfo: "none",
+        marker: { size: 10, color: "#111", line: { color: "#fff", width: 1 } },
+        text: chosen.map((key) => String(key.number)), textfont: { color: "#fff", size: 12 }, textposition: "middle center",
       },
     ];
   }
 
   function eyeAt(azimuth, elevation, distance) {
     const [a, e] = [azimuth, elevation].map((degrees) => (degrees * Math.PI) / 180);
-    return { x: distance * Math.sin(a) * Math.cos(e), y: distance * Math.sin(e), z: distance * Math.cos(a) * Math.cos(e) };
+    return { x: distance * Math.cos(a) * Math.cos(e), y: distance * Math.sin(a) * Math.cos(e), z: distance * Math.sin(e) };
   }
 
   function whereIs({ x, y, z }) {
     const distance = Math.hypot(x, y, z);
-    return [(Math.atan2(x, z) * 180) / Math.PI, (Math.asin(y / distance) * 180) / Math.PI, distance];
+    return [(Math.atan2(y, x) * 180) / Math.PI, (Math.asin(z / distance) * 180) / Math.PI, distance];
+  }
+
+  // To the right, upwards and towards the eye, as seen from it, in the object's axes.
+  function screenAxes(eye) {
+    const [azimuth, elevation] = whereIs(eye).map((degrees) => (degrees * Math.PI) / 180);
+    const [s, c, rise, level] = [Math.sin(azimuth), Math.cos(azimuth), Math.sin(elevation), Math.cos(elevation)];
+    return [[c, 0, -s], [-s * rise, level, -c * rise], [s * level, rise, c * level]];
+  }
+
+  // Shows what the sensor felt at a touch, cut out of the strategy's sheet of imprints.
+  function showImprint(figure, sheets, key) {
+    const felt = figure.querySelector(".felt");
+    const sheet = sheets[key.strategy];
+    const picture = document.createElement("span");
+    picture.className = "cell";
+    picture.setAttribute("role", "img");
+    picture.setAttribute("aria-label", `Imprint of touch ${key.number}`);
+    const image = new Image();
+    image.alt = "";
+    image.onload = () => {
+      const scale = (96 * sheet.columns) / image.naturalWidth;
+      Object.assign(image.style, {
+        width: `${96 * sheet.columns}px`, height: `${image.naturalHeight * scale}px`,
+        translate: `${-96 * (key.number - 1)}px ${-96 * key.viewpoint}px`,
+      });
+    };
+    image.src = sheet.picture;
+    picture.append(image);
+    const edge = key.pose[9].toFixed(3);
+    felt.replaceChildren(picture, `Touch ${key.number}: edge ${edge} object radii, contact ${key.state.replaceAll("_", " ")}`);
+    felt.hidden = false;
+    for (const button of figure.querySelectorAll(".touched button")) {
+      button.setAttribute("aria-pressed", String(button.textContent === String(key.number)));
+    }
+  }
+
+  // Gives a button for each touch; focus, pointer and tap show its imprint.
+  function offerTouches(figure, chosen, show) {
+    figure.querySelector(".felt").hidden = true;
+    figure.querySelector(".touched").replaceChildren(...chosen.map((key) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = key.number;
+      button.setAttribute("aria-label", `Imprint of touch ${key.number}`);
+      button.setAttribute("aria-pressed", "false");
+      for (const event of ["focus", "pointerenter", "click"]) button.addEventListener(event, () => show(key));
+      return button;
+    }));
+  }
+
+  function enlarge(figure, stage, Plotly, large) {
+    figure.classList.toggle("large", large);
+    document.body.classList.toggle("covered", large);
+    const button = figure.querySelector(".enlarge");
+    button.setAttribute("aria-pressed", String(large));
+    Plotly.Plots.resize(stage);
+    button.scrollIntoView({ block: "nearest" });
   }
 
   async function open(figure) {
@@ -106,17 +197,25 @@
     const [Plotly, model] = await Promise.all([loadPlotly(), readModel(figure)]);
     if (opened.length >= MOST_OPEN) close(opened.shift());
     const rest = [...stage.children];
+    const sheets = JSON.parse(figure.querySelector(".imprint-sheets").textContent);
+    for (const [strategy, picture] of Object.entries(sheets)) {
+      const columns = Math.max(...model.keys.filter((key) => key.strategy === strategy).map((key) => key.number));
+      sheets[strategy] = { picture, columns };
+    }
     const ink = () => getComputedStyle(document.body).color;
     const [strategies, viewpoints] = ["strategies", "viewpoints"].map((name) => figure.querySelector(`.${name}`));
-    const shown = () => [surfaceTrace(model), ...touchTraces(model, strategies.value, Number(viewpoints.value), ink())];
+    const chosen = () => model.keys.filter((key) => key.strategy === strategies.value && key.viewpoint === Number(viewpoints.value));
+    const shown = () => [surfaceTrace(model), ...touchTraces(chosen(), standing().eye, ink())];
+    const show = (key) => showImprint(figure, sheets, key);
+    const offer = () => offerTouches(figure, chosen(), show);
     const standing = () => {
       const { azimuth, elevation } = viewpoints.selectedOptions[0].dataset;
-      return { eye: eyeAt(Number(azimuth), Number(elevation), 1.5), up: { x: 0, y: 1, z: 0 }, center: { x: 0, y: 0, z: 0 } };
+      return { eye: eyeAt(Number(azimuth), Number(elevation), 1.15), up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } };
     };
-    // The same range along all axes keeps the object's proportions, and its size among objects.
-    const hidden = { visible: false, showspikes: false, range: [-1, 1], autorange: false };
+    // The same range along all axes keeps the object's proportions, and its size among objects; numbers stand beside it.
+    const hidden = { visible: false, showspikes: false, range: [-1.4, 1.4], autorange: false };
     const layout = {
-      scene: { xaxis: hidden, yaxis: hidden, zaxis: hidden, aspectmode: "cube", camera: standing(), dragmode: "orbit" },
+      scene: { xaxis: hidden, yaxis: hidden, zaxis: hidden, aspectmode: "cube", camera: standing(), dragmode: "turntable" },
       margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, paper_bgcolor: "rgba(0,0,0,0)",
     };
     stage.replaceChildren();
@@ -126,9 +225,18 @@
     await Plotly.newPlot(stage, shown(), layout, { displayModeBar: false, responsive: true, scrollZoom: false });
     const redraw = () => Plotly.react(stage, shown(), stage.layout, { displayModeBar: false, responsive: true, scrollZoom: false });
     const stand = (camera) => Plotly.relayout(stage, { "scene.camera": camera });
-    strategies.onchange = redraw;
-    viewpoints.onchange = () => redraw().then(() => stand(standing()));
-    for (const button of figure.querySelectorAll(".turns button")) {
+    const point = ({ points: [{ curveNumber, pointNumber }] }) => {
+      if (curveNumber === SQUARES) show(chosen()[Math.floor(pointNumber / 4)]);
+      if (curveNumber === NUMBERS) show(chosen()[pointNumber]);
+    };
+    stage.on("plotly_hover", point);
+    stage.on("plotly_click", point);
+    offer();
+    strategies.onchange = () => redraw().then(offer);
+    viewpoints.onchange = () => redraw().then(() => stand(standing())).then(offer);
+    figure.querySelector(".enlarge").onclick = () => enlarge(figure, stage, Plotly, !figure.classList.contains("large"));
+    figure.onkeydown = ({ key }) => { if (key === "Escape" && figure.classList.contains("large")) enlarge(figure, stage, Plotly, false); };
+    for (const button of figure.querySelectorAll(".turns button:not(.enlarge)")) {
       button.onclick = () => {
         const [azimuth, elevation, distance] = whereIs(stage.layout.scene.camera.eye);
         const [across, up] = (button.dataset.turn ?? "0,0").split(",").map(Number);
@@ -142,7 +250,9 @@
   }
 
   function close({ figure, stage, rest, Plotly }) {
+    if (figure.classList.contains("large")) enlarge(figure, stage, Plotly, false);
     Plotly.purge(stage);
+    figure.querySelector(".felt").hidden = true;
     for (const name of ["role", "aria-label"]) stage.removeAttribute(name);
     stage.classList.remove("open");
     stage.replaceChildren(...rest);

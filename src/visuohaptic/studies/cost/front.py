@@ -113,29 +113,99 @@ def join_costs(errors: Sequence[Row], seconds: pa.Table) -> list[Row]:
     for row, on in zip(rows, on_front.tolist(), strict=True):
         whole = row["error"] is not None and row["seconds"] is not None
         row |= {"on_front": on, "dominated": whole and not on, "step": False}
-    for quickest in front_rows(rows)[:1]:
-        quickest["step"] = True
+    for first in first_step(rows):
+        first["step"] = True
     return rows
 
 
 def mark_steps(
     rows: Sequence[Row], cells: Mapping[CellKey, Cell], run: ExperimentParameters
 ) -> None:
-    """Mark the points of the front that are surely more accurate than the step before.
+    """Mark the settings that are worth their time beyond the noise of timing.
 
-    The quickest point is the first step. Each further step is the quickest point whose accuracy
-    is above that of the step before by an interval over objects that excludes 0.
+    The first step is the most accurate of the settings that are as quick as the quickest. Each
+    further step is slower than the step before (quartiles that do not overlap) and more accurate
+    (by an interval over objects that excludes 0): of those that are as quick as the quickest such
+    setting, it is the most accurate.
     """
-    front = [
-        (row, cells[name, row["pipeline"], row["strategy"], row["classifier"]])
-        for row in front_rows(rows)
-        for name in [f"{row['family']}, {row['setting']}"]
-    ]
-    last = front[0][1] if front else None
-    for row, cell in front[1:]:
-        gain = None if last is None else _gain(cell, last, run)
-        if gain is not None and gain.low > 0:
-            row["step"], last = True, cell
+
+    def is_surer(row: Row, last: Row) -> bool:
+        gain = _gain(_cell(cells, row), _cell(cells, last), run)
+        return gain is not None and gain.low > 0
+
+    steps = first_step(rows)
+    while steps:
+        (last,) = steps
+        last["step"] = True
+        slower = [row for row in _known(rows) if row["seconds_low"] > last["seconds_high"]]
+        steps = first_step([row for row in slower if is_surer(row, last)])
+
+
+def same_time(first: Row, second: Row) -> bool:
+    """Tell whether the noise of timing leaves open which is quicker: whether quartiles overlap."""
+    return bool(
+        first["seconds_low"] <= second["seconds_high"]
+        and second["seconds_low"] <= first["seconds_high"]
+    )
+
+
+def same_error(first: Row, second: Row) -> bool:
+    """Tell whether the objects leave open which is more accurate.
+
+    So it is where each error rate lies within the other's interval. Where one is the run's own
+    setting, the interval of the difference must hold 0 too.
+    """
+    pairs = ((first, second), (second, first))
+    within = all(one["error_low"] <= two["error"] <= one["error_high"] for one, two in pairs)
+    if within and reference_row([first, second]) is not None:
+        return all(row["lost_low"] <= 0 <= row["lost_high"] for row in (first, second))
+    return within
+
+
+def as_quick(rows: Sequence[Row]) -> list[Row]:
+    """Give the settings that the noise of timing can't tell apart from the quickest."""
+    known = _known(rows)
+    quickest = min(known, key=lambda row: row["seconds"], default=None)
+    return [row for row in known if quickest is not None and same_time(row, quickest)]
+
+
+def first_step(rows: Sequence[Row]) -> list[Row]:
+    """Give the most accurate of the settings that are as quick as the quickest; none of none."""
+    return sorted(as_quick(rows), key=lambda row: float(row["error"]))[:1]
+
+
+def merge_alike(rows: Sequence[Row]) -> list[list[Row]]:
+    """Put settings together that can't be told apart, neither by time nor by error.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        Rows of `tables.COST`.
+
+    Returns
+    -------
+    list of list of dict
+        Groups in which every two are alike by `same_time` and `same_error`; a setting joins the
+        first group that it fits. One that failed or was not timed is by itself.
+    """
+    groups: list[list[Row]] = []
+    for row in rows:
+        known = bool(_known([row]))
+        group = next(
+            (
+                group
+                for group in groups
+                if known
+                and _known(group)
+                and all(same_time(row, other) and same_error(row, other) for other in group)
+            ),
+            None,
+        )
+        if group is None:
+            groups.append([row])
+        else:
+            group.append(row)
+    return groups
 
 
 def cost_table(rows: Sequence[Row]) -> pa.Table:
@@ -321,6 +391,15 @@ def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
     for row, on in zip(moved, on_front.tolist(), strict=True):
         row |= {"on_front": on, "dominated": row["dominated"] and not on}
     return moved
+
+
+def _known(rows: Sequence[Row]) -> list[Row]:
+    return [row for row in rows if row["seconds"] is not None and row["error"] is not None]
+
+
+def _cell(cells: Mapping[CellKey, Cell], row: Row) -> Cell:
+    name = f"{row['family']}, {row['setting']}"
+    return cells[name, row["pipeline"], row["strategy"], row["classifier"]]
 
 
 def _verdict(row: Row) -> Literal["free", "open", "costs"]:

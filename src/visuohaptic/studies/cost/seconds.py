@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
 from visuohaptic.features.describing import describe_touches
+from visuohaptic.fixations.locations import Look, attend_to
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
@@ -23,6 +27,8 @@ from visuohaptic.tables.schema import build_table
 from visuohaptic.tables.studies import COST_SECONDS
 
 PHASES = ("look", "touch", "describe", "name")
+PARTS = ("render", "attend", "cast")
+"""Parts of looking, the first two, and of touching."""
 
 
 @dataclass(frozen=True)
@@ -34,27 +40,79 @@ class FittedSetting:
     model: RecognitionModel
 
 
+class TimedCaster(RayCaster):
+    """A surface prepared for rays that adds up the processor seconds of casting them."""
+
+    seconds = 0.0
+
+    def first_hits(self, *rays: Any) -> Any:
+        """Cast rays as `RayCaster` does."""
+        return self._timed(super().first_hits, *rays)
+
+    def first_faces(self, *rays: Any) -> Any:
+        """Cast rays as `RayCaster` does."""
+        return self._timed(super().first_faces, *rays)
+
+    def settled_hits(self, *rays: Any) -> Any:
+        """Cast rays as `RayCaster` does."""
+        return self._timed(super().settled_hits, *rays)
+
+    def _timed(self, cast: Callable[..., Any], *rays: Any) -> Any:
+        start = time.process_time()
+        found = cast(*rays)
+        self.seconds += time.process_time() - start
+        return found
+
+
+class TimedLooking:
+    """Looks as `phases.look_from` does, and adds up the processor seconds of its two parts."""
+
+    render = attend = 0.0
+
+    def __call__(
+        self,
+        caster: RayCaster,
+        key: str,
+        parameters: ExperimentParameters,
+        viewpoints: Sequence[int],
+    ) -> list[Look]:
+        """Look at an object from numbered viewpoints, all of them at once."""
+        placed = place_cameras(parameters.viewpoints)
+        cameras = {number: placed[number] for number in viewpoints}
+        start = time.process_time()
+        chosen = list(cameras.values())
+        seen = render_views(caster, chosen, parameters.rendering, parameters.scene.effects)
+        rendered = time.process_time()
+        looks = attend_to(seen, caster, key, cameras, parameters.attention)
+        self.render += rendered - start
+        self.attend += time.process_time() - rendered
+        return looks
+
+
 def recognise_once(
     surface: Surface, key: str, viewpoints: Sequence[int], fitted: FittedSetting
 ) -> dict[str, float]:
     """Recognise one object once, from its surface in memory to its class.
 
-    Gives the processor seconds of each of `PHASES`; on one thread of an idle machine they equal the
+    Gives the processor seconds of each of `PHASES` and `PARTS`; on one thread of an idle machine they equal the
     clock's. Preparing the surface for rays is a part of ``look``. The key is for the random
     generators, not for the prediction.
     """
     parameters = fitted.parameters
+    looking = TimedLooking()
     clock = [time.process_time()]
-    caster = RayCaster(surface)
-    locations = find_locations(caster, key, parameters, viewpoints)
+    caster = TimedCaster(surface)
+    locations = find_locations(caster, key, parameters, viewpoints, looking)
     clock.append(time.process_time())
+    caster.seconds = 0.0
     touches = touch_at(caster, locations, parameters)
     clock.append(time.process_time())
     features = describe_touches(touches, parameters.features)
     clock.append(time.process_time())
     fitted.model.recognise(features)
     clock.append(time.process_time())
-    return dict(zip(PHASES, np.diff(clock).tolist(), strict=True))
+    parts = {"render": looking.render, "attend": looking.attend, "cast": caster.seconds}
+    return {**dict(zip(PHASES, np.diff(clock).tolist(), strict=True)), **parts}
 
 
 def fit_setting(
@@ -114,7 +172,8 @@ def _columns(
     settings: Sequence[FittedSetting], taken: Sequence[Sequence[Mapping[str, float]]]
 ) -> dict[str, object]:
     quartiles = [
-        np.quantile([sum(once.values()) for once in each], [0.25, 0.5, 0.75]) for each in taken
+        np.quantile([sum(once[phase] for phase in PHASES) for once in each], [0.25, 0.5, 0.75])
+        for each in taken
     ]
     low, middle, high = np.reshape(quartiles, (-1, 3)).T
     columns: dict[str, object] = {
@@ -125,7 +184,7 @@ def _columns(
         "seconds_high": high,
         "recognitions": [len(each) for each in taken],
     }
-    for phase in PHASES:
+    for phase in (*PHASES, *PARTS):
         columns[f"seconds_{phase}"] = [
             float(np.median([once[phase] for once in each])) for each in taken
         ]
