@@ -53,7 +53,7 @@ def _strategy(name: str) -> str:
 MeshesArgument = Annotated[
     list[Path],
     typer.Argument(
-        metavar="MESH", parser=file_to_read, help="OBJ, PLY, STL, GLB, glTF or OFF files."
+        metavar="MESH", parser=file_to_read, help="OBJ, PLY, STL, GLB, glTF, OFF, 3MF or DAE files."
     ),
 ]
 StrategyOption = Annotated[
