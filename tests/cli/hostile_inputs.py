@@ -11,8 +11,6 @@ import io
 import json
 import os
 import re
-import signal
-import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -304,24 +302,19 @@ def run_case(case: Case, folder: Path) -> Ending:
     Ending
         How it ended; a traceback is status -1.
     """
-    from visuohaptic.cli.main import main
+    from visuohaptic.cli.main import run
 
     lay_out(folder)
     case.prepare(folder)
     before = {str(path) for path in folder.rglob("*")}
     printed = io.TextIOWrapper(io.BytesIO(), encoding="utf-8", errors="backslashreplace")
-    argv, handler = sys.argv, signal.getsignal(signal.SIGINT)
     status = -1
     try:
-        sys.argv = ["visuohaptic", *case.arguments]
         with contextlib.chdir(folder), contextlib.redirect_stdout(printed):  # noqa: SIM117
             with contextlib.redirect_stderr(printed):
-                main()
+                run([*case.arguments])
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else int(end.code is not None)
-    finally:
-        sys.argv = argv
-        signal.signal(signal.SIGINT, handler)
     printed.flush()
     text = printed.buffer.getvalue().decode("utf-8")
     left = {str(path) for path in folder.rglob("*")} - before
