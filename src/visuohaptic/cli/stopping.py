@@ -10,8 +10,6 @@ import time
 from collections.abc import Callable
 from types import FrameType
 
-from visuohaptic.whole_files import remove_unfinished
-
 STOPPED = 130
 """Status of a command that the user stopped, as shells have it: 128 + SIGINT."""
 
@@ -44,15 +42,17 @@ def stop_at_ctrl_c(command: Callable[[], None]) -> None:
     SystemExit
         With status 130.
     """
-    if sys.platform != "win32":  # Typer stops there
-        _take_interrupts()
     try:
+        if sys.platform != "win32":  # Typer stops there
+            _take_interrupts()
         command()
     except BaseException:
         if not _Command.is_asked_to_stop:
             raise
     finally:
         _Command.is_over = True
+        # Python forgets its own handlers before it ends, but not that a signal is ignored.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
     with _Command.decided:
         if _Command.is_asked_to_stop:
             raise SystemExit(STOPPED)
@@ -66,7 +66,12 @@ def _take_interrupts() -> None:
     signal.set_wakeup_fd(notes, warn_on_full_buffer=False)
     signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     signal.signal(getattr(signal, _INTERRUPT), _interrupt)
-    threading.Thread(target=_stop_at_interrupt, args=(interrupts,), daemon=True).start()
+    # At the end nothing can be imported that the main thread is importing.
+    from visuohaptic.whole_files import remove_unfinished
+
+    threading.Thread(
+        target=_stop_at_interrupt, args=(interrupts, remove_unfinished), daemon=True
+    ).start()
 
 
 def _interrupt(_signal: int, frame: FrameType | None) -> None:
@@ -86,7 +91,7 @@ def _is_importing(frame: FrameType | None) -> bool:
     return False
 
 
-def _stop_at_interrupt(interrupts: int) -> None:
+def _stop_at_interrupt(interrupts: int, remove_unfinished: Callable[[], None]) -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     while os.read(interrupts, 1) != bytes([signal.SIGINT]):
         pass
