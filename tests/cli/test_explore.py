@@ -205,6 +205,7 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert (said.code, said.err) == (0, "")
     assert "5 touches from 1 viewpoints by fixation" in said.out
     assert values["class"] in said.out
+    assert "an object of another class is named one of these all the same" in said.out
 
 
 def test_without_a_model_the_sentence_says_which_command_makes_it(visuohaptic, tmp_path):

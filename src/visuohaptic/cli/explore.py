@@ -178,7 +178,10 @@ def recognise(
     if not as_json:
         learnt, classes = len(recogniser.model.objects), len(recogniser.model.classes)
         classifier = recogniser.model.classifier.replace("_", " ")
-        say(f"{model}: {classifier}, which learnt {learnt} objects of {classes} classes")
+        say(
+            f"{model}: {classifier}, which learnt {learnt} objects of {classes} classes; "
+            "an object of another class is named one of these all the same"
+        )
 
 
 def _each(
