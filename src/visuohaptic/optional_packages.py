@@ -12,10 +12,17 @@ def require(extra: str, *packages: str) -> None:
 
     `extra` of this package brings them, such as ``report``. Raises `MissingPackageError`.
     """
+    if sentence := what_is_missing(extra, *packages):
+        raise MissingPackageError(sentence)
+
+
+def what_is_missing(extra: str, *packages: str) -> str | None:
+    """Give the sentence that names the packages that are not installed; None where all are."""
     missing = [name for name in packages if find_spec(name) is None]
-    if missing:
-        verb = "is" if len(missing) == 1 else "are"
-        raise MissingPackageError(
-            f"{' and '.join(missing)} {verb} not installed; "
-            f"`pip install 'visuohaptic[{extra}]'` brings {'it' if verb == 'is' else 'them'}."
-        )
+    if not missing:
+        return None
+    verb = "is" if len(missing) == 1 else "are"
+    return (
+        f"{' and '.join(missing)} {verb} not installed; "
+        f"`pip install 'visuohaptic[{extra}]'` brings {'it' if verb == 'is' else 'them'}."
+    )

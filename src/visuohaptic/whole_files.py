@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+_unfinished: set[Path] = set()
 
 
 @contextmanager
@@ -19,16 +20,24 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
-    os.close(handle)
-    unfinished = Path(name)
+    unfinished = path.with_name(f".{path.name}-{os.urandom(4).hex()}")
+    _unfinished.add(unfinished)
     try:
+        unfinished.touch(mode=0o600, exist_ok=False)
         yield unfinished
         unfinished.chmod(0o644)
         unfinished.replace(path)
     except BaseException:
         unfinished.unlink(missing_ok=True)
         raise
+    finally:
+        _unfinished.discard(unfinished)
+
+
+def remove_unfinished() -> None:
+    """Remove the files that are being written in this process, before it ends at once."""
+    for unfinished in list(_unfinished):
+        unfinished.unlink(missing_ok=True)
 
 
 def write_whole(path: str | Path, text: str) -> None:

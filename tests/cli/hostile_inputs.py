@@ -11,8 +11,6 @@ import io
 import json
 import os
 import re
-import signal
-import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,6 +19,7 @@ from pathlib import Path
 import trimesh
 from meshes.test_claims import HOSTILE as CLAIMS
 from meshes.test_claims import glb
+from meshes.test_xml_models import HOSTILE as XML_CLAIMS
 
 RING = trimesh.creation.torus(1, 0.4, 16, 8)
 QUICK = ("--params", "quick.yaml", "--viewpoints", "1")
@@ -127,7 +126,6 @@ _FILES: dict[str, tuple[str | bytes, str]] = {
     "text.txt": ("hello", "ends in '.txt'; .obj, .ply"),
     "none": ("hello", "ends in 'nothing'; .obj, .ply"),
     "mug.fbx": ("hello", "ends in '.fbx'; .obj, .ply"),
-    "mug.3mf": ("hello", "ends in '.3mf'; .obj, .ply"),
     "mug.obj.zip": ("hello", "ends in '.zip'; .obj, .ply"),
     "no.ply.gz": ("hello", "is no coloured triangle mesh"),
     "plain.ply.gz": (gzip.compress(b"hello"), "no header that ends"),
@@ -142,10 +140,14 @@ _GROUP_FILES = [
     Case("file", name, ("touch", name), 1, f"^error: .*(?:{says})", put(name, content))
     for name, (content, says) in _FILES.items()
 ]
+_NO_EXTRA = r"not installed; `pip install 'visuohaptic\[formats\]'`"
 _GROUP_CLAIMS = [
     Case("claim", name, ("touch", name), 1, f"^error: .*(?:{says})", put(name, content))
     for name, (content, says) in CLAIMS.items()
     if name != "bomb.ply.gz"  # its limit is lower than the default
+] + [
+    Case("claim", name, ("touch", name), 1, f"^error: .*(?:{says}|{_NO_EXTRA})", put(name, content))
+    for name, (content, says) in XML_CLAIMS.items()
 ]
 
 _ODD_SHAPES: dict[str, str] = {
@@ -300,24 +302,19 @@ def run_case(case: Case, folder: Path) -> Ending:
     Ending
         How it ended; a traceback is status -1.
     """
-    from visuohaptic.cli.main import main
+    from visuohaptic.cli.main import run
 
     lay_out(folder)
     case.prepare(folder)
     before = {str(path) for path in folder.rglob("*")}
     printed = io.TextIOWrapper(io.BytesIO(), encoding="utf-8", errors="backslashreplace")
-    argv, handler = sys.argv, signal.getsignal(signal.SIGINT)
     status = -1
     try:
-        sys.argv = ["visuohaptic", *case.arguments]
         with contextlib.chdir(folder), contextlib.redirect_stdout(printed):  # noqa: SIM117
             with contextlib.redirect_stderr(printed):
-                main()
+                run([*case.arguments])
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else int(end.code is not None)
-    finally:
-        sys.argv = argv
-        signal.signal(signal.SIGINT, handler)
     printed.flush()
     text = printed.buffer.getvalue().decode("utf-8")
     left = {str(path) for path in folder.rglob("*")} - before

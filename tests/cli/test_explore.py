@@ -11,6 +11,7 @@ import trimesh
 from cli.models import SMALL, fit_on_nonsense
 from PIL import Image
 
+from visuohaptic.cli.main import run
 from visuohaptic.exploration import exploring
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.tables.schema import read_table
@@ -95,7 +96,7 @@ def test_up_axis_turns_the_object(visuohaptic, small, tmp_path):
         ("bad.stl", b"solid\nfacet", "bad.stl"),
         ("empty.obj", b"", "empty.obj is empty"),
         ("flat.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "flat.obj has no area"),
-        ("mesh.txt", b"x", ".obj, .ply, .stl, .glb, .gltf, .off are allowed"),
+        ("mesh.txt", b"x", ".obj, .ply, .stl, .glb, .gltf, .off, .3mf, .dae are allowed"),
         ("line\nbreak.obj", b"nothing", "line\\nbreak.obj has no faces"),
         ("bad.ply.gz", b"nothing", "bad.ply.gz"),
     ],
@@ -204,6 +205,7 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert (said.code, said.err) == (0, "")
     assert "5 touches from 1 viewpoints by fixation" in said.out
     assert values["class"] in said.out
+    assert "an object of another class is named one of these all the same" in said.out
 
 
 def test_without_a_model_the_sentence_says_which_command_makes_it(visuohaptic, tmp_path):
@@ -231,11 +233,8 @@ def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(
     ended = visuohaptic("touch", "ring.obj")
     assert ended.code == 1
     assert ended.err.startswith("error: ZeroDivisionError: of a kind; `visuohaptic --debug")
-    monkeypatch.setattr(sys, "argv", ["visuohaptic", "touch", "ring.obj", "--debug"])
-    from visuohaptic.cli.main import main
-
     with pytest.raises(ZeroDivisionError):
-        main()
+        run(["touch", "ring.obj", "--debug"])
 
 
 @pytest.mark.parametrize("name", ["fast", "balanced", "accurate"])

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import textwrap
 import tomllib
 from pathlib import Path
 
@@ -90,9 +91,10 @@ def test_an_import_that_swallows_the_signal_does_not_swallow_the_stop(tmp_path):
     )
     (tmp_path / "program.py").write_text(
         "import os, signal, threading, time\n"
-        "from visuohaptic.cli.stopping import stops_at_ctrl_c\n"
+        "from visuohaptic.cli.stopping import stop_at_ctrl_c\n"
         "threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
-        "with stops_at_ctrl_c():\n    import swallows\n    time.sleep(30)\n"
+        "def command():\n    import swallows\n    time.sleep(30)\n"
+        "stop_at_ctrl_c(command)\n"
     )
     ended = subprocess.run(
         [sys.executable, "program.py"], cwd=tmp_path, timeout=20, check=False, text=True,
@@ -101,10 +103,51 @@ def test_an_import_that_swallows_the_signal_does_not_swallow_the_stop(tmp_path):
     assert (ended.returncode, ended.stderr) == (130, "stopped.\n")
 
 
-def test_a_handler_of_ctrl_c_is_given_back(visuohaptic):
-    before = signal.getsignal(signal.SIGINT)
+def test_ctrl_c_is_left_alone_within_another_program(visuohaptic):
+    before = signal.getsignal(signal.SIGINT), signal.pthread_sigmask(signal.SIG_BLOCK, [])
     visuohaptic("--version")
-    assert signal.getsignal(signal.SIGINT) is before
+    assert (signal.getsignal(signal.SIGINT), signal.pthread_sigmask(signal.SIG_BLOCK, [])) == before
+
+
+# What Python calls at odd moments, where nothing can catch an exception: of objects that go, and at its end.
+ODD_MOMENTS = {
+    "when an object goes": """
+class Gone:
+    def __del__(self):
+        interrupt()
+Gone()
+""",
+    "at the end of threads": """
+import threading
+threading.Thread(target=lambda: (threading.main_thread().join(), interrupt())).start()
+sys.exit()
+""",
+    "at the end of the process": """
+import atexit
+atexit.register(interrupt)
+sys.exit()
+""",
+}
+
+
+@pytest.mark.parametrize("moment", ODD_MOMENTS)
+def test_ctrl_c_at_an_odd_moment_prints_no_trace(tmp_path, moment):
+    program = f"""
+import os, signal, sys, time
+from visuohaptic.cli.stopping import stop_at_ctrl_c
+def interrupt():
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(0.3)
+def command():
+{textwrap.indent(ODD_MOMENTS[moment], "    ")}
+    time.sleep(30)
+stop_at_ctrl_c(command)
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, timeout=20, check=False, text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT / "src")}, capture_output=True,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr) in {(130, "stopped.\n"), (0, "")}
 
 
 def test_the_strategies_of_the_help_are_those_of_the_parameters(visuohaptic):

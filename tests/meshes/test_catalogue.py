@@ -69,7 +69,7 @@ def test_a_file_in_a_class_folder_is_an_object(tmp_path):
         ("cup/sub/mug.obj", "lies too deep; move it to {own}/cup/mug.obj."),
         ("cup/a/b/mug.stl", "lies too deep; move it to {own}/cup/mug.stl."),
         ("cup/mug.fbx", "ends in '.fbx', which can't be read; export it as .glb or .obj."),
-        ("cup/mug.3mf", "ends in '.3mf', which can't be read; export it as .glb or .obj."),
+        ("cup/mug.step", "ends in '.step', which can't be read; export it as .glb or .obj."),
         ("cup/mug.ply.gz", "ends in '.gz', which can't be read; export it as .glb or .obj."),
         ("mug.blend", "ends in '.blend', which can't be read; export it as .glb or .obj."),
         ("cup/mug", "ends in nothing, which can't be read; export it as .glb or .obj."),

@@ -53,7 +53,7 @@ def _strategy(name: str) -> str:
 MeshesArgument = Annotated[
     list[Path],
     typer.Argument(
-        metavar="MESH", parser=file_to_read, help="OBJ, PLY, STL, GLB, glTF or OFF files."
+        metavar="MESH", parser=file_to_read, help="OBJ, PLY, STL, GLB, glTF, OFF, 3MF or DAE files."
     ),
 ]
 StrategyOption = Annotated[
@@ -178,7 +178,10 @@ def recognise(
     if not as_json:
         learnt, classes = len(recogniser.model.objects), len(recogniser.model.classes)
         classifier = recogniser.model.classifier.replace("_", " ")
-        say(f"{model}: {classifier}, which learnt {learnt} objects of {classes} classes")
+        say(
+            f"{model}: {classifier}, which learnt {learnt} objects of {classes} classes; "
+            "an object of another class is named one of these all the same"
+        )
 
 
 def _each(

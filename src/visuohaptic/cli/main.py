@@ -6,21 +6,21 @@ import os
 import sys
 from contextlib import suppress
 
-from visuohaptic.cli.stopping import Stop, stops_at_ctrl_c
+from visuohaptic.cli.stopping import stop_at_ctrl_c
 
 DEBUG = "--debug"
 
 
 def main() -> None:
-    """Run the command; end with 0, 1 (failed), 2 (wrong use) or 130 (stopped), an error in one sentence.
+    """Run the command, and then end the process, which Ctrl-C may do before, with status 130."""
+    stop_at_ctrl_c(lambda: run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> None:
+    """Run the command; end with 0, 1 (failed) or 2 (wrong use), an error in one sentence.
 
     A reader that closes the pipe early has seen enough: that is no error.
     """
-    with stops_at_ctrl_c() as stop:
-        _run(sys.argv[1:], stop)
-
-
-def _run(arguments: list[str], stop: Stop) -> None:
     debug = DEBUG in arguments[: arguments.index("--")] if "--" in arguments else DEBUG in arguments
     if debug:
         arguments.remove(DEBUG)
@@ -35,7 +35,7 @@ def _run(arguments: list[str], stop: Stop) -> None:
             broken = isinstance(end.__context__, BrokenPipeError)
             raise SystemExit(0 if broken or not _flush() else end.code) from None
     except Exception as error:
-        if debug or stop.asked:
+        if debug:
             raise
         say_error(error)
         with suppress(OSError):  # what can't be written is given up, and named above

@@ -2,85 +2,85 @@
 
 from __future__ import annotations
 
-import atexit
+import os
 import signal
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+import threading
+import time
+from collections.abc import Callable
 from types import FrameType
 
 STOPPED = 130
 """Status of a command that the user stopped, as shells have it: 128 + SIGINT."""
 
+_INTERRUPT = "SIGUSR2"
 _IMPORT = "<frozen importlib._bootstrap>"
-_SECONDS_TO_IMPORT = 0.01
-_SECONDS_TO_CLEAN_UP = 1.0
+_SECONDS_TO_NOTICE = 0.02
+_SECONDS_TO_TIDY_UP = 1.0
+_SECONDS_TO_END = 5.0
+_CLEAR_LINE = "\r\033[K"
 
 
-@contextmanager
-def stops_at_ctrl_c() -> Iterator[Stop]:
-    """Let Ctrl-C end what is done here: files are left whole, and nothing goes on.
+class _Command:
+    """What is known of the command in this process."""
 
-    Libraries import others inside ``except BaseException`` and go on without them, which would
-    swallow the stop; so a stop during an import waits for its end. Where anything else
-    swallows it, it comes again.
+    is_over = False
+    is_asked_to_stop = False
+    next_interruption = 0.0
+    decided = threading.Lock()
 
-    Yields
-    ------
-    Stop
-        Whether the user asked to stop: what fails from then on is no error.
+
+def stop_at_ctrl_c(command: Callable[[], None]) -> None:
+    """Let Ctrl-C end a command, and then this process: files are left whole, and nothing goes on.
+
+    An exception may be swallowed, or printed where nothing can catch it. So another thread takes
+    Ctrl-C: it interrupts the main thread, again each second, lets nothing of this be seen, and ends
+    the process itself where that does not help. After the command's end Ctrl-C changes nothing.
 
     Raises
     ------
     SystemExit
-        With status 130, after one line on standard error.
+        With status 130.
     """
-    stop = Stop()
     try:
-        before = signal.signal(signal.SIGINT, stop.receive)
-    except ValueError:  # signals reach the main thread alone
-        yield stop
-        return
-    # The interpreter's own end is no work that could be stopped.
-    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield stop
+        if sys.platform != "win32":  # Typer stops there
+            _take_interrupts()
+        command()
     except BaseException:
-        if not stop.asked:
+        if not _Command.is_asked_to_stop:
             raise
     finally:
-        stop.rest()
-        signal.signal(signal.SIGINT, signal.SIG_IGN if stop.asked else before)
-    if stop.asked:
-        sys.stderr.write("stopped.\n")
-        raise SystemExit(STOPPED)
+        _Command.is_over = True
+        # Python forgets its own handlers before it ends, but not that a signal is ignored.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with _Command.decided:
+        if _Command.is_asked_to_stop:
+            raise SystemExit(STOPPED)
 
 
-class Stop:
-    """Whether the user asked to stop, and what brings it about."""
+def _take_interrupts() -> None:
+    interrupts, notes = os.pipe()
+    os.set_blocking(notes, False)
+    signal.signal(signal.SIGINT, lambda *_: None)
+    # Python notes each signal there at once, whichever thread received it.
+    signal.set_wakeup_fd(notes, warn_on_full_buffer=False)
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    signal.signal(getattr(signal, _INTERRUPT), _interrupt)
+    # At the end nothing can be imported that the main thread is importing.
+    from visuohaptic.whole_files import remove_unfinished
 
-    def __init__(self) -> None:
-        self.asked = False
+    threading.Thread(
+        target=_stop_at_interrupt, args=(interrupts, remove_unfinished), daemon=True
+    ).start()
 
-    def receive(self, _signal: int, frame: FrameType | None) -> None:
-        """Stop, or come again where an import is under way."""
-        self.asked = True
-        if _is_importing(frame):
-            self._come_again(_SECONDS_TO_IMPORT)
-            return
-        self._come_again(_SECONDS_TO_CLEAN_UP)
-        raise KeyboardInterrupt
 
-    def rest(self) -> None:
-        """Come no more."""
-        if self.asked and hasattr(signal, "setitimer"):
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-
-    def _come_again(self, seconds: float) -> None:
-        if not hasattr(signal, "setitimer"):  # Windows
-            raise KeyboardInterrupt
-        signal.signal(signal.SIGALRM, self.receive)
-        signal.setitimer(signal.ITIMER_REAL, seconds)
+def _interrupt(_signal: int, frame: FrameType | None) -> None:
+    """Interrupt the main thread, but no import: libraries go on without what they could not import."""
+    now = time.monotonic()
+    if _Command.is_over or now < _Command.next_interruption or _is_importing(frame):
+        return
+    _Command.next_interruption = now + _SECONDS_TO_TIDY_UP
+    raise KeyboardInterrupt
 
 
 def _is_importing(frame: FrameType | None) -> bool:
@@ -89,3 +89,23 @@ def _is_importing(frame: FrameType | None) -> bool:
             return True
         frame = frame.f_back
     return False
+
+
+def _stop_at_interrupt(interrupts: int, remove_unfinished: Callable[[], None]) -> None:
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+    while os.read(interrupts, 1) != bytes([signal.SIGINT]):
+        pass
+    with _Command.decided:
+        if _Command.is_over:
+            return
+        _Command.is_asked_to_stop = True
+        clear = _CLEAR_LINE if sys.stderr.isatty() else ""
+        os.write(2, f"{clear}stopped.\n".encode())
+        # What fails from now on fails because of the stop.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    limit = time.monotonic() + _SECONDS_TO_END
+    while time.monotonic() < limit:
+        signal.pthread_kill(threading.main_thread().ident or 0, getattr(signal, _INTERRUPT))
+        time.sleep(_SECONDS_TO_NOTICE)
+    remove_unfinished()
+    os._exit(STOPPED)

@@ -11,13 +11,19 @@ from pathlib import Path
 from typing import Literal
 
 from visuohaptic.errors import CatalogueError
+from visuohaptic.optional_packages import what_is_missing
 
 ObjectSet = Literal["paper", "benchmark", "hard"]
 """`paper` has 12 objects in 4 classes; `benchmark` 142 in 12, the 12 among them; `hard` the plants."""
 
-MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off")
+MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".3mf", ".dae")
+_PACKAGES = {".3mf": ("lxml",), ".dae": ("lxml", "collada")}
 _TEXTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tga")
-COMPANION_SUFFIXES = {".obj": (".mtl", *_TEXTURE_SUFFIXES), ".gltf": (".bin", *_TEXTURE_SUFFIXES)}
+COMPANION_SUFFIXES = {
+    ".obj": (".mtl", *_TEXTURE_SUFFIXES),
+    ".gltf": (".bin", *_TEXTURE_SUFFIXES),
+    ".dae": _TEXTURE_SUFFIXES,
+}
 """What may lie beside a model and belong to it."""
 
 # Nobody takes these for models.
@@ -150,9 +156,8 @@ def _why_not(file: Path, folder: Path) -> str | None:
     """Tell why a file can't be an object, and what to do."""
     if not file.is_file():
         return "is no file; a file is needed."
-    if file.suffix.lower() not in MODEL_SUFFIXES:
-        ending = repr(file.suffix) if file.suffix else "nothing"
-        return f"ends in {ending}, which can't be read; export it as .glb or .obj."
+    if why := _unreadable(file.suffix):
+        return why
     parts = file.relative_to(folder).parts
     if len(parts) == 1:
         return f"lies in no class's folder; move it to {folder}/<class>/{_shown(file.name)}."
@@ -164,6 +169,19 @@ def _why_not(file: Path, folder: Path) -> str | None:
     except CatalogueError as error:
         return f"can't take part: {str(error).removeprefix(': ')}"
     return None
+
+
+def _unreadable(suffix: str) -> str | None:
+    if suffix.lower() not in MODEL_SUFFIXES:
+        ending = repr(suffix) if suffix else "nothing"
+        return f"ends in {ending}, which can't be read; export it as .glb or .obj."
+    missing = missing_for(suffix)
+    return f"can't be read yet: {missing}" if missing else None
+
+
+def missing_for(suffix: str) -> str | None:
+    """Tell which packages a format needs that are not installed, and what brings them."""
+    return what_is_missing("formats", *_PACKAGES.get(suffix.lower(), ()))
 
 
 def _taken(found: Model, taken: Collection[str], models: Mapping[Model, Path]) -> str | None:

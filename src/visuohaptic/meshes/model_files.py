@@ -1,17 +1,19 @@
-"""Model files as people have them (OBJ, PLY, STL, GLB, glTF, OFF), read into a coloured surface."""
+"""Model files as people have them (OBJ, PLY, STL, GLB, glTF, OFF, 3MF, DAE), read into a coloured surface."""
 
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 from zipfile import ZipFile
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
+from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
 from visuohaptic.meshes.claims import check_claims
-from visuohaptic.meshes.in_memory import surface_of_trimesh
+from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
 
 _LARGEST_TEXTURE_BYTES = 50 * 10**6
 
@@ -26,7 +28,7 @@ def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     Parameters
     ----------
     path : path
-        An OBJ, PLY, STL, GLB, glTF or OFF file.
+        An OBJ, PLY, STL, GLB, glTF, OFF, 3MF or DAE file; the last two need extra `formats`.
     largest_megabytes : float
         Files above this size, in 10⁶ bytes, are refused.
 
@@ -82,6 +84,8 @@ def _check_suffix(suffix: str, name: str) -> None:
         raise MeshError(
             f"{name} ends in {suffix or 'nothing'!r}; {', '.join(MODEL_SUFFIXES)} are allowed."
         )
+    if missing := missing_for(suffix):
+        raise MeshError(f"{name} can't be read yet: {missing}")
 
 
 def _check_file(path: Path) -> None:
@@ -108,18 +112,46 @@ def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> byte
 
 
 def _surface(data: bytes, name: str, suffix: str, resolver: Any) -> Surface:
-    check_claims(data, name, suffix[1:].lower())
-    return surface_of_trimesh(_load_scene(data, name, suffix[1:].lower(), resolver), name)
+    kind = suffix[1:].lower()
+    if kind == "3mf":
+        return _surface_of_3mf(data, name)
+    if kind == "dae":
+        _check_collada(data, name)
+    check_claims(data, name, kind)
+    return surface_of_trimesh(_load_scene(data, name, kind, resolver), name)
+
+
+def _surface_of_3mf(data: bytes, name: str) -> Surface:
+    from visuohaptic.meshes.three_mf import read_3mf
+
+    with _reading(name, "3mf"):
+        vertices, faces = read_3mf(data)
+    if not len(faces):
+        raise MeshError(f"{name} has no faces; a surface of triangles is needed.")
+    return surface_of_arrays(vertices, faces, name)
+
+
+def _check_collada(data: bytes, name: str) -> None:
+    from visuohaptic.meshes.collada import check_collada
+
+    with _reading(name, "dae"):
+        check_collada(data)
 
 
 def _load_scene(data: bytes, name: str, kind: str, resolver: Any) -> Any:
     import trimesh
 
-    try:
+    with _reading(name, kind):
         return trimesh.load_scene(
             io.BytesIO(data), file_type=kind, resolver=resolver, process=False
         )
-    # A parser fed with a broken file may fail in any way; the file is what is wrong.
+
+
+@contextmanager
+def _reading(name: str, kind: str) -> Iterator[None]:
+    """Name the file in all that goes wrong: a parser fed with a broken one may fail in any way."""
+    try:
+        yield
     except Exception as error:
         reason = " ".join(str(error).split())[:200].rstrip(".!") or type(error).__name__
         raise MeshError(f"{name} can't be read as {kind.upper()}: {reason}.") from error

@@ -1,0 +1,22 @@
+"""A reader finds the old file or the new one, never a part, however the process ends."""
+
+import pytest
+
+from visuohaptic.whole_files import remove_unfinished, whole_file
+
+
+def test_the_old_file_stays_where_writing_fails(tmp_path):
+    (tmp_path / "a.txt").write_text("old")
+    with pytest.raises(TypeError), whole_file(tmp_path / "a.txt") as unfinished:
+        unfinished.write_text(b"no text")
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("a.txt", "old")]
+
+
+def test_what_is_being_written_can_be_removed_before_the_process_ends_at_once(tmp_path):
+    with whole_file(tmp_path / "done.txt"):
+        pass
+    with whole_file(tmp_path / "a.txt") as unfinished:
+        remove_unfinished()
+        left = [file.name for file in tmp_path.iterdir()]
+        unfinished.touch()
+    assert left == ["done.txt"]
