@@ -115,7 +115,9 @@ def test_the_packages_studies_can_be_planned_for_every_run():
     for values in ({}, {"recognition": {"pipelines": ["best"]}}, {"scene": {"preset": "worn_fsr"}}):
         run = ExperimentParameters.from_mapping(values)
         studies = declared_studies(run, [])
-        assert list(studies) == ["frontier", "cost", "curves", "ablations", "effects"]
+        assert list(studies) == [
+            "frontier", "cost", "curves", "ablations", "effects", "readings",
+        ]  # fmt: skip
         for study in studies.values():
             names = [one.condition.name for one in plan_study(study, run).conditions]
             assert len(set(names)) == len(names)
