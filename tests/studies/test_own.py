@@ -34,6 +34,24 @@ def test_a_grid_is_every_combination(tmp_path):
     assert found.conditions[6].changes["recognition.classifier.neighbours"] == 5
 
 
+def test_combinations_with_long_names_stay_apart(tmp_path):
+    found = study(
+        tmp_path,
+        """
+title: G
+grid:
+  recognition.self_organising_map.output: [unit_distances, feature_groups]
+  recognition.touch_scaling: [standardise, none]
+  recognition.sequence.extension: [symmetric, zero]
+  recognition.sequence.bands: [details, approximations]
+  recognition.sequence.degrees_of_freedom: [sample, population]
+""",
+    )
+    names = [one.name for one in found.conditions]
+    assert len(set(names)) == len(names) == 33
+    assert all(len(name) <= 100 for name in names)
+
+
 def test_what_is_common_holds_for_all_and_a_condition_goes_before_it(tmp_path):
     found = study(
         tmp_path,

@@ -22,6 +22,7 @@ USUAL: Changes = {
 """What all conditions of an own study have, unless the file's `common` says otherwise."""
 
 MOST_CONDITIONS = 20_000
+LONGEST_NAME = 100
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
 
 
@@ -39,7 +40,12 @@ class StudyFile(BaseModel):
     @classmethod
     def _names(cls, conditions: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
         for name in conditions:
-            if not name.strip() or len(name) > 100 or not name.isprintable() or name == AS_RUN:
+            if (
+                not name.strip()
+                or len(name) > LONGEST_NAME
+                or not name.isprintable()
+                or name == AS_RUN
+            ):
                 raise ValueError(
                     f"{name[:100]!r} is no name of a condition; up to 100 printable characters are "
                     f"allowed, and {AS_RUN!r} is taken"
@@ -107,6 +113,9 @@ def _combinations(grid: Mapping[str, list[Any]]) -> Iterator[tuple[str, dict[str
         return
     short = [path.rpartition(".")[2] for path in grid]
     names = short if len(set(short)) == len(short) else list(grid)
-    for values in itertools.product(*grid.values()):
+    for place, values in enumerate(itertools.product(*grid.values())):
         label = ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
-        yield label[:100], dict(zip(grid, values, strict=True))
+        if len(label) > LONGEST_NAME:
+            # What tells two of them apart may be at their ends.
+            label = f"{label[: LONGEST_NAME - 10]} … {place}"
+        yield label, dict(zip(grid, values, strict=True))
