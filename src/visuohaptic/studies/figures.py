@@ -66,11 +66,16 @@ def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
 
 def cells_of(rows: pa.Table) -> dict[CellKey, Cell]:
     """Average each object's accuracy over the splits that tested it: rows of `tables.STUDY`."""
+    return {key: _cell(part) for key, part in rows_by_cell(rows).items()}
+
+
+def rows_by_cell(rows: pa.Table) -> dict[CellKey, pa.Table]:
+    """Give the rows of `tables.STUDY` of each condition, pipeline, strategy and classifier."""
     names = [rows.column(name).to_pylist() for name in _CELL]
-    places: dict[Any, list[int]] = {}
+    places: dict[CellKey, list[int]] = {}
     for place, key in enumerate(zip(*names, strict=True)):
         places.setdefault(key, []).append(place)
-    return {key: _cell(rows.take(chosen)) for key, chosen in places.items()}
+    return {key: rows.take(chosen) for key, chosen in places.items()}
 
 
 def condition_interval(cell: Cell, intervals: IntervalParameters, seed: int) -> Interval:

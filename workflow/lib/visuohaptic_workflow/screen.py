@@ -19,7 +19,7 @@ from visuohaptic_workflow.stopping import CLEAR_LINE, STOPPED, end_at_ctrl_c
 NEXT = """\
 What else can be asked, after `source .venv/bin/activate`:
   snakemake -n                        what would run now, and why
-  snakemake -j2 cost_all              accuracy against time; also curves_all, ablations_all, effects_all
+  snakemake -j2 cost_all              accuracy against time; also curves_all, ablations_all, effects_all, readings_all
   snakemake -j2 study_palm_size       your own study (studies/README.md)
   visuohaptic recognise mug.obj       a mesh of your own; also touch, compare"""
 

@@ -21,6 +21,7 @@ from visuohaptic.studies.figures import (
     Row,
     cells_of,
     condition_interval,
+    rows_by_cell,
     write_json,
 )
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES
@@ -82,16 +83,8 @@ def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
 
     Rows of `tables.STUDY`; what could not be run is left out.
     """
-    names = [
-        rows.column(name).to_pylist()
-        for name in ("condition", "pipeline", "strategy", "classifier")
-    ]
-    places: dict[Any, list[int]] = {}
-    for place, key in enumerate(zip(*names, strict=True)):
-        places.setdefault(key, []).append(place)
     found = {}
-    for key, chosen in places.items():
-        cell = rows.take(chosen)
+    for key, cell in rows_by_cell(rows).items():
         if cell.column("error")[0].as_py() is not None:
             continue
         split, repeat, sequences, accuracy = matrix(
