@@ -24,7 +24,7 @@ from visuohaptic.studies.readings.stored import (
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import READINGS
 
-READ = all_readings()
+READ = [reading for reading in all_readings() if reading.part != "single"]
 
 
 def row_of(place, classifier, fixation, random):

@@ -15,6 +15,7 @@ from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, Choice
+from visuohaptic.studies.readings.design import is_default
 from visuohaptic.studies.readings.figures import summarise_readings
 from visuohaptic.studies.readings.stored import MeasuredReadings, Source
 
@@ -145,7 +146,7 @@ def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:
                 round(_down(row["fixation"]), 1),
                 row["reading"],
                 _label(row),
-                row["place"] == 0,
+                is_default(row),
             )
             for x, row in zip(across, run, strict=True)
         ),
@@ -229,11 +230,11 @@ def _largest(choices: Sequence[Row]) -> list[Row]:
 def _gains(row: Row) -> str:
     if row["gains"] is None:
         return ""
-    default = BY_NAME[row["choices"][0]].default
+    base = BY_NAME[row["choices"][0]].base
     return ", ".join(
         f"{spaced(option)} {points(gain)}"
         for option, gain in row["gains"].items()
-        if option != default
+        if option != base
     )
 
 
