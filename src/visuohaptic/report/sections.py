@@ -64,7 +64,7 @@ from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.studies.cost.front import Row
 from visuohaptic.studies.cost.stored import stored_frontier
-from visuohaptic.studies.readings.stored import read_readings
+from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings, read_readings
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, KINESTHETIC_FEATURES
 from visuohaptic.tables.schema import matrix
 
@@ -184,7 +184,7 @@ def touches_needed_values(context: ReportContext) -> Values | None:
 def readings_values(context: ReportContext) -> Values | None:
     """Give what the readings of the paper say together, of this run or as kept with the package."""
     measured = read_readings(context.run.files.extras.get("readings"))
-    found = readings_figures(measured, (BEST_OF_PAPER,))
+    found = readings_figures(measured, kept_readings(OUTSIDE), (BEST_OF_PAPER,))
     return {"readings": found} if found else None
 
 

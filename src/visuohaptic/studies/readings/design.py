@@ -17,7 +17,7 @@ Larger sets, where views and touches take long, have the part ``recognition`` an
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, Literal
@@ -44,7 +44,9 @@ FACTORIAL = (
     "classifier_settings",
 )
 CROSSED = ("map_output", "classifier_settings")
-"""What is crossed with every run of the other parts."""
+"""What is crossed with every run of the other parts on the paper's set."""
+CROSSED_SINGLY = ("map_output",)
+"""What is crossed with the part ``single``."""
 
 PARTS_ON_PAPER_SET: tuple[Part, ...] = ("recognition", "upstream", "training", "protocol")
 PARTS_ON_OTHERS: tuple[Part, ...] = ("recognition", "single")
@@ -101,6 +103,13 @@ class Reading:
 def is_default(options: Mapping[str, Any]) -> bool:
     """Whether options, of all choices, are those of the package's own parameters."""
     return all(options[choice.name] == choice.default for choice in CHOICES)
+
+
+def is_base_but_for(options: Mapping[str, Any], names: Sequence[str]) -> bool:
+    """Whether every choice, but for some, has the option that is the base of the design."""
+    return all(
+        options[choice.name] == choice.base for choice in CHOICES if choice.name not in names
+    )
 
 
 def all_readings() -> list[Reading]:
@@ -179,7 +188,7 @@ def _single() -> Iterator[Options]:
         if choice.name in {*FACTORIAL, "map_training", "protocol"}:
             continue
         for option in choice.options:
-            yield from _combinations(("map_output",), _base() | {choice.name: option})
+            yield from _combinations(CROSSED_SINGLY, _base() | {choice.name: option})
 
 
 _PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {

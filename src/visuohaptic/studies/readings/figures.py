@@ -31,6 +31,7 @@ from visuohaptic.studies.readings.design import (
     STRATEGIES,
     Reading,
     all_readings,
+    is_base_but_for,
     is_default,
 )
 from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
@@ -220,7 +221,7 @@ def weigh_choices(rows: Sequence[Row]) -> list[dict[str, Any]]:
     fraction = [row for row in rows if row["part"] == "upstream"]
     if fraction:
         # The runs of the fraction with the base of every other choice belong to the full factorial.
-        fraction += [row for row in complete if _only_differs(row, CROSSED)]
+        fraction += [row for row in complete if is_base_but_for(row, CROSSED)]
     others = tuple(
         choice.name
         for choice in CHOICES
@@ -228,10 +229,6 @@ def weigh_choices(rows: Sequence[Row]) -> list[dict[str, Any]]:
     )
     found += _shares(fraction, (*others, *CROSSED), "upstream")
     return sorted(found, key=lambda row: (row["part"], -row["share"]))
-
-
-def _only_differs(row: Row, names: Sequence[str]) -> bool:
-    return all(row[choice.name] == choice.base for choice in CHOICES if choice.name not in names)
 
 
 def _shares(rows: Sequence[Row], names: Sequence[str], part: str) -> list[dict[str, Any]]:
