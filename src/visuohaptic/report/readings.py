@@ -165,6 +165,31 @@ def readings_figures(
     )
 
 
+def readings_answer(
+    measured: MeasuredReadings | None, outside: MeasuredReadings | None = None
+) -> str | None:
+    """Say in one sentence how far the paper's readings differ; None without readings."""
+    run = [] if measured is None else _of_the_papers_question(measured.rows, BEST_OF_PAPER)
+    if not run:
+        return None
+    reached = [row["fixation"] for row in run]
+    leads = sum_up([row for row in run if row["ahead"] is not None])
+    elsewhere = ""
+    if outside is not None:
+        own = _of_the_papers_question(outside.rows, BEST_OF_PAPER)
+        there = sum_up([row for row in own if row["ahead"] is not None])
+        elsewhere = (
+            f"; on {max(row['objects'] for row in own)} objects outside the paper's set it is in "
+            f"{percent(there.ahead / there.cases, 0)} of {there.cases}"
+        )
+    return (
+        f"This is one reading of what the paper leaves open. Over {len(run)} readings the "
+        f"{classifier_name(BEST_OF_PAPER)} reaches {percent(min(reached))} to "
+        f"{percent(max(reached))}, and fixation is ahead of random probing in "
+        f"{percent(leads.ahead / leads.cases, 0)} of them{elsewhere}."
+    )
+
+
 def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> OutsideFigures:
     """Hold the leads of fixation on the paper's set, `rows`, beside those on other objects."""
     here, there = leads_by_option(rows), leads_by_option(outside.rows)
@@ -206,11 +231,7 @@ def _outside_sentences(
 
 def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:
     """Place the specification curve of one classifier: readings sorted by accuracy by fixation."""
-    run = [
-        row
-        for row in rows
-        if row["classifier"] == classifier and row["error"] is None and row["part"] != "protocol"
-    ]
+    run = _of_the_papers_question(rows, classifier)
     run.sort(key=lambda row: (row["fixation"], row["place"]))
     step = (WIDTH - _LEFT - 10) / len(run)
     across = [_LEFT + (place + 0.5) * step for place in range(len(run))]
@@ -244,6 +265,15 @@ def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:
         labels=labels,
         options=options,
     )
+
+
+def _of_the_papers_question(rows: Sequence[Row], classifier: str) -> list[Row]:
+    """Give one classifier's readings that could be run, without those of another question."""
+    return [
+        row
+        for row in rows
+        if row["classifier"] == classifier and row["error"] is None and row["part"] != "protocol"
+    ]
 
 
 def describe_options(row: Row) -> str:
