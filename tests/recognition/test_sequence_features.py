@@ -119,12 +119,14 @@ def test_details_of_equal_touches_are_zero_up_to_their_last_digit():
     generator = np.random.default_rng(0)
     touch = generator.normal(size=(20, 1, 5))
     equal = np.repeat(touch, 5, axis=1) * (1 + 1e-15 * generator.uniform(-1, 1, (20, 5, 5)))
-    features = sequence_features(equal, SequenceParameters()).reshape(20, 5, 4, 3)
+    parameters = SequenceParameters(extension="symmetric")
+    features = sequence_features(equal, parameters).reshape(20, 5, 4, 3)
     assert not features[:, :, 1:].any()
     np.testing.assert_allclose(features[:, :, 0, 1], np.abs(touch[:, 0]), rtol=1e-14)
 
 
 def test_small_details_of_touches_that_differ_stay():
     sequences = 1.0 + 1e-9 * np.random.default_rng(0).normal(size=(20, 5, 5))
-    details = sequence_features(sequences, SequenceParameters()).reshape(20, 5, 4, 3)[:, :, 1]
+    parameters = SequenceParameters(extension="symmetric")
+    details = sequence_features(sequences, parameters).reshape(20, 5, 4, 3)[:, :, 1]
     assert (details != 0).all()

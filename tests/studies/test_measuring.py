@@ -20,6 +20,7 @@ from visuohaptic.studies.conditions import (
     describe_conditions,
     describe_study,
     plan_study,
+    with_changes,
 )
 from visuohaptic.studies.figures import cells_of, make_study_figures
 from visuohaptic.studies.files import make_study_block, make_study_features, read_study_features
@@ -61,6 +62,14 @@ EARLIER = {
     ("without_edge", "paper"): [1.0, 0.75, 0.5833, 0.5833, 1.0, 1.0],
     ("without_edge", "best"): [1.0, 0.75, 0.75, 1.0, 1.0, 1.0],
 }  # fmt: skip
+# With the defaults of that time.
+EARLIER_RUN = with_changes(
+    RUN,
+    {
+        "recognition.self_organising_map.output": "unit_distances",
+        "recognition.sequence.extension": "symmetric",
+    },
+)
 SYNTHETIC = features_table(objects=(3, 3, 3), viewpoints=4, touches=3, separation=0.3)
 
 
@@ -72,7 +81,7 @@ def run(tmp_path_factory):
 @pytest.fixture(scope="module")
 def ablations(run):
     sources, features = run
-    plan = plan_study(ablation_study(RUN), RUN)
+    plan = plan_study(ablation_study(EARLIER_RUN), EARLIER_RUN)
     made = {None: read_table(FEATURES, features)}
     made |= {key: remake_features(remake, sources) for key, remake in plan.remakes.items()}
     return plan, made

@@ -35,7 +35,7 @@ class SelfOrganisingMapParameters(_Section):
     """The map that reduces a touch's 22 features to five."""
 
     output: Literal["unit_distances", "one_hot", "lattice", "feature_groups", "none"] = Field(
-        "unit_distances",
+        "feature_groups",
         description="What the five numbers of a touch are; `unit_distances`: its distance to each "
         "of five units; `one_hot`: 1 for the nearest of five units and 0 for the others; "
         "`lattice`: the nearest unit's place on a lattice of five axes; `feature_groups`: the "
@@ -75,7 +75,7 @@ class SequenceParameters(_Section):
     wavelet: str = Field("db2", description="Wavelet, by PyWavelets' name")
     levels: int = Field(3, ge=1, le=6, description="Levels of the decomposition")
     extension: ExtensionMode = Field(
-        "symmetric",
+        "zero",
         description="How a sequence continues beyond its ends; with five touches and db2 most "
         "coefficients depend on it",
     )

@@ -1,5 +1,8 @@
 """The default is the nearest reading to the former one that is not significantly behind the best."""
 
+import json
+from importlib.resources import files
+
 import numpy as np
 import pytest
 
@@ -8,7 +11,8 @@ from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.figures import Cell
 from visuohaptic.studies.readings.choosing import FORMER_DEFAULT, choose_default
-from visuohaptic.studies.readings.design import STRATEGIES, all_readings
+from visuohaptic.studies.readings.design import STRATEGIES, all_readings, is_default
+from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings
 
 READINGS = [reading for reading in all_readings() if reading.part == "recognition"]
 OBJECTS = tuple(("cup", f"{place:02d}") for place in range(40))
@@ -74,6 +78,26 @@ def test_a_missing_reading_is_refused():
     held.pop((READINGS[3].name, "paper", "random", "naive_bayes"))
     with pytest.raises(RecognitionError, match="r003 has no result for random naive_bayes"):
         choose_default(held, INTERVALS, 1)
+
+
+def test_the_package_has_the_default_that_the_rule_chose():
+    kept = json.loads(files("visuohaptic.studies.readings").joinpath("chosen.json").read_text())
+    (chosen,) = [one for one in READINGS if one.name == kept["chosen"]["reading"]]
+    assert is_default(chosen.options)
+    changed = {
+        name: option for name, option in chosen.options.items() if option != FORMER_DEFAULT[name]
+    }
+    assert changed == kept["chosen"]["changed"]
+
+
+def test_the_kept_readings_give_the_scores_that_the_rule_saw():
+    kept = json.loads(files("visuohaptic.studies.readings").joinpath("chosen.json").read_text())
+    rows = kept_readings(OUTSIDE).rows
+    for name in ("chosen", "best", "former"):
+        own = [row for row in rows if row["reading"] == kept[name]["reading"]]
+        figures = [row[strategy] for row in own for strategy in STRATEGIES]
+        assert len(figures) == 10
+        assert np.mean(figures) == pytest.approx(kept[name]["score"], abs=1e-3)
 
 
 def test_the_former_default_is_a_reading():
