@@ -32,7 +32,7 @@ from visuohaptic.parameters import (
     refuse_repeated_names,
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
-from visuohaptic_workflow.brought_files import judge_brought_files
+from visuohaptic_workflow.brought_files import judge_blocks, judge_brought_files
 from visuohaptic_workflow.closing import (
     describe_results,
     objects_left_out,
@@ -40,6 +40,12 @@ from visuohaptic_workflow.closing import (
 )
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
+from visuohaptic_workflow.object_blocks import (
+    LISTS,
+    describe_jobs,
+    describe_rules,
+    divide,
+)
 from visuohaptic_workflow.one_run import (
     check_writable,
     claim_folder,
@@ -94,10 +100,16 @@ DOWNLOADED = {
     if not Path(shipped(f"meshes/paper/{key}.ply.gz")).exists()
 }
 OBJECTS = sorted({**CATALOGUED, **OWN})
+# DVC's stages are phases, and a block runs through all of them.
+OBJECT_BLOCKS = divide(
+    OBJECTS,
+    None if "DVC_STAGE" in os.environ else PARAMETERS.workflow.objects_per_job,
+)
 
 
 wildcard_constraints:
     object="[^/]+/[^/]+",
+    objects=r"\d+-\d+",
     views=r"\d+-\d+",
     pipeline="[a-z_]+",
     strategy="[a-z_]+",
@@ -133,8 +145,22 @@ def viewpoints_of(wildcards):
     return list(range(int(first), int(last) + 1))
 
 
+def lists_of(table):
+    """List the lists that name the files of a table, one a block of objects."""
+    return [f"{LISTS}/{block}/{table}.json" for block in OBJECT_BLOCKS]
+
+
+def files_by_object(table, suffix="parquet"):
+    """List the files of a table with one file an object, or the lists that name them."""
+    if OBJECT_BLOCKS:
+        return lists_of(table.removeprefix("records/"))
+    return expand(f"results/{table}/{{object}}.{suffix}", object=OBJECTS)
+
+
 def parts_of(table, suffix="parquet"):
-    """List the files that make up a table with one file an object and block of viewpoints."""
+    """List the files of a table with one file an object and block of viewpoints, or the lists that name them."""
+    if OBJECT_BLOCKS:
+        return lists_of(table.removeprefix("records/"))
     return expand(
         "results/{table}/{object}/{views}.{suffix}",
         table=table,
@@ -198,11 +224,19 @@ def check_folder():
     elif is_claimed_by_another():
         return
     save_memory(IMPORTS)
+    changed_blocks = judge_blocks(
+        (job, jobs_of_blocks()[job.wildcards["objects"]])
+        for job in planned_jobs()
+        if job.name == "objects"
+    )
     judged = judge_brought_files(
         [
             job
             for job in planned_jobs()
             if not any(belongs_to(job, study) for study in KEPT_STUDIES)
+            # A block judges its objects' files itself.
+            and not (OBJECT_BLOCKS and job.name in RULES_OF_OBJECT)
+            and job.record not in changed_blocks
         ]
     )
     if judged.outdated:

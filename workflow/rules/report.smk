@@ -56,13 +56,10 @@ rule report:
         touches=parts_of("touches"),
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
-        meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
+        meshes=files_by_object("meshes", "ply"),
         frontier=["results/frontier.parquet", "results/frontier_seconds.parquet"],
         influence="results/effect_influence.parquet",
-        stability=[
-            "results/stability.parquet",
-            *expand("results/stability/{object}.parquet", object=OBJECTS),
-        ],
+        stability=["results/stability.parquet", *files_by_object("stability")],
         # Not part of `all`; once present they are shown in the report.
         measured=[
             *(
