@@ -5,7 +5,9 @@ import sys
 from functools import cache
 from pathlib import Path
 
-SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")]
+# This file's own place: the folder of the Snakefile that was called may be another workflow's.
+ROOT = Path(os.path.abspath(sys._getframe().f_code.co_filename)).parents[2]
+SOURCES = [ROOT / "src", ROOT / "workflow/lib"]
 sys.path[:0] = map(str, SOURCES)
 
 from visuohaptic_workflow.stopping import (
@@ -15,7 +17,7 @@ from visuohaptic_workflow.stopping import (
 )
 
 # What a workflow that uses this one as a module does at Ctrl-C is its own choice.
-IS_MAIN = Path(workflow.main_snakefile).parent == Path(workflow.basedir)
+IS_MAIN = Path(workflow.main_snakefile).parent in (ROOT, ROOT / "workflow")
 if IS_MAIN and workflow.is_main_process:
     end_at_ctrl_c()
 
@@ -40,12 +42,7 @@ from visuohaptic_workflow.closing import (
 )
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
-from visuohaptic_workflow.object_blocks import (
-    LISTS,
-    describe_jobs,
-    describe_rules,
-    divide,
-)
+from visuohaptic_workflow.object_blocks import LISTS, divide
 from visuohaptic_workflow.one_run import (
     check_writable,
     claim_folder,
@@ -76,7 +73,11 @@ def shipped(path):
     """Give the path of a file or folder of the repository, relative to the working folder."""
     if Path(path).exists():
         return path
-    return os.path.relpath(Path(workflow.basedir, path))
+    return os.path.relpath(ROOT / path)
+
+
+# From another folder the workflow runs with that folder's parameters, or else with its own.
+configfile: shipped("params.yaml")
 
 
 for file in workflow.configfiles:
@@ -188,7 +189,7 @@ def scores_of(table, suffix="parquet"):
 
 def code_of(script):
     """List a script and the modules that it runs: an edit in one of them reruns its jobs."""
-    file = Path(workflow.basedir, "workflow/scripts", script)
+    file = ROOT / "workflow/scripts" / script
     return [os.path.relpath(found) for found in [file, *code_inputs(file, SOURCES)]]
 
 
@@ -210,13 +211,14 @@ def planned_jobs():
         "pipeline": PARAMETERS.recognition.pipelines,
         "strategy": PARAMETERS.probing.strategies,
     }
-    by_name = {rule.name: getattr(rules, rule.name) for rule in workflow.rules}
+    # In a workflow that uses this one as a module, workflow.rules has other rules and other names.
+    by_name = dict(rules._rules)
     return plan_jobs(by_name, values, VALUES_OF_RULES)
 
 
 def check_folder():
     """Allow one run at a time in this folder, and check files that were not made here."""
-    if not workflow.is_main_process:
+    if not (IS_MAIN and workflow.is_main_process):
         return
     or_stop(check_writable)
     if runs_jobs(sys.argv):
@@ -291,4 +293,4 @@ def start_local_jobs_warm():
     """Start jobs on this machine as forks of a process that has done their imports."""
     if workflow.local_exec and PARAMETERS.workflow.warm_starts:
         offer_warm_starts()
-        set_job_environment(Path(workflow.basedir, "workflow/warm_start"), *SOURCES)
+        set_job_environment(ROOT / "workflow/warm_start", *SOURCES)

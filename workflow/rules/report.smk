@@ -30,9 +30,21 @@ rule metrics:
         predictions=scores_of("predictions"),
         code=code_of("metrics.py"),
     output:
-        metrics="reports/metrics.json",
-        accuracy="reports/plots/accuracy.csv",
-        confusion="reports/plots/confusion.csv",
+        metrics=report(
+            "reports/metrics.json",
+            caption="../report/metrics.rst",
+            category="Recognition",
+        ),
+        accuracy=report(
+            "reports/plots/accuracy.csv",
+            caption="../report/accuracy.rst",
+            category="Recognition",
+        ),
+        confusion=report(
+            "reports/plots/confusion.csv",
+            caption="../report/confusion.rst",
+            category="Recognition",
+        ),
         record="results/records/metrics.json",
     log:
         "logs/metrics.log",
@@ -72,7 +84,7 @@ rule report:
         credits=CREDITS,
         code=[*code_of("report.py"), *TEMPLATES],
     output:
-        "reports/report.html",
+        report("reports/report.html", caption="../report/page.rst", category="Report"),
         record="results/records/report.json",
     log:
         "logs/report.log",
