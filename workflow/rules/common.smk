@@ -116,13 +116,18 @@ wildcard_constraints:
     strategy="[a-z_]+",
 
 
+def in_clone(files):
+    """Mark files that no job makes: they are where the workflow is, also where results are kept in a storage."""
+    return [local(str(file)) for file in files]
+
+
 def source_of(wildcards):
     """Give an object's model file, and the files that it refers to."""
     if wildcards.object in OWN:
-        return [OWN[wildcards.object], *companions(OWN[wildcards.object])]
+        return in_clone([OWN[wildcards.object], *companions(OWN[wildcards.object])])
     if wildcards.object in DOWNLOADED:
         return [f"meshes/downloaded/{wildcards.object}.ply.gz"]
-    return [shipped(f"meshes/paper/{wildcards.object}.ply.gz")]
+    return in_clone([shipped(f"meshes/paper/{wildcards.object}.ply.gz")])
 
 
 def model_of(wildcards):
@@ -190,7 +195,7 @@ def scores_of(table, suffix="parquet"):
 def code_of(script):
     """List a script and the modules that it runs: an edit in one of them reruns its jobs."""
     file = ROOT / "workflow/scripts" / script
-    return [os.path.relpath(found) for found in [file, *code_inputs(file, SOURCES)]]
+    return in_clone(map(os.path.relpath, [file, *code_inputs(file, SOURCES)]))
 
 
 def all_cores(wildcards):

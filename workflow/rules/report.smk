@@ -11,7 +11,7 @@ CHECKS_AND_BENCHMARKS = [
     "reports/precision.json",
 ]
 
-CREDITS = [shipped("meshes/catalogue.csv"), shipped("meshes/paper/credits.csv")]
+CREDITS = in_clone(map(shipped, ["meshes/catalogue.csv", "meshes/paper/credits.csv"]))
 
 
 rule report_all:
@@ -79,7 +79,7 @@ rule report:
                 for file, study in {**STUDY_FIGURES, **SPECIAL_FIGURES}.items()
                 if is_shown(file, study)
             ),
-            *(file for file in CHECKS_AND_BENCHMARKS if Path(file).exists()),
+            *in_clone(filter(os.path.exists, CHECKS_AND_BENCHMARKS)),
         ],
         credits=CREDITS,
         code=[*code_of("report.py"), *TEMPLATES],

@@ -22,7 +22,9 @@ SPECIAL_FIGURES = {
     "results/cost.parquet": "cost",
     "results/touches_needed.parquet": "curves",
 }
-TEMPLATES = sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
+TEMPLATES = in_clone(
+    sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
+)
 MESHES = files_by_object("meshes", "ply")
 # A few objects, spread over all, are enough to measure run times.
 COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]

@@ -180,7 +180,9 @@ def _describe_job(job: PlannedJob) -> dict[str, Any]:
         "rule": job.name,
         "wildcards": dict(job.wildcards),
         "input": [
-            (name, value(asked)) for name, value in job.rule.input.items() if callable(value)
+            (name, _plain(value(asked)))
+            for name, value in job.rule.input.items()
+            if callable(value)
         ],
         "params": {
             name: value(asked) for name, value in job.rule.params.items() if callable(value)
