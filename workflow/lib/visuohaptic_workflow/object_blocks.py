@@ -11,7 +11,7 @@ import json
 import os
 import runpy
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import groupby
@@ -296,34 +296,30 @@ def _write(path: str, content: Mapping[str, str]) -> None:
     unfinished.replace(path)
 
 
-def files_of(inputs: Iterable[str], sample: Sequence[str] | None = None) -> list[str]:
+def files_of(inputs: Iterable[str], sample: Collection[str] | None = None) -> list[str]:
     """Give the files that a job reads, those of a block from its list.
 
     Parameters
     ----------
     inputs : iterable of str
         Files and lists.
-    sample : sequence of str, optional
-        Which files of lists are taken, in this order; all without it.
+    sample : collection of str, optional
+        Which files of lists are taken; all without it. Files that are no lists are the sample already, and a storage
+        gives them other names.
 
     Returns
     -------
     list of str
         Files alone.
     """
-    found = list(_all_files(inputs))
-    if sample is None:
-        return found
-    listed = set(found)
-    return [file for file in sample if file in listed]
-
-
-def _all_files(inputs: Iterable[str]) -> Iterator[str]:
+    found: list[str] = []
     for file in inputs:
         if Path(file).parts[: len(Path(LISTS).parts)] == Path(LISTS).parts:
-            yield from json.loads(Path(file).read_text(encoding="utf-8"))
+            listed = json.loads(Path(file).read_text(encoding="utf-8"))
+            found += [name for name in listed if sample is None or name in sample]
         else:
-            yield file
+            found.append(file)
+    return found
 
 
 def is_untouched(record: str, files: Iterable[str]) -> bool:
