@@ -94,6 +94,7 @@ def test_without_blocks_what_blocks_made_is_kept(in_blocks, tmp_path):
 
 
 @pytest.mark.workflow
+@pytest.mark.long
 def test_a_block_makes_a_lost_file_again_and_leaves_the_others(in_blocks):
     touches = in_blocks.folder / "results/touches" / BROKEN / "00-01.parquet"
     fixations = in_blocks.folder / "results/fixations" / BROKEN / "00-01.parquet"
@@ -107,6 +108,7 @@ def test_a_block_makes_a_lost_file_again_and_leaves_the_others(in_blocks):
 
 
 @pytest.mark.workflow
+@pytest.mark.long
 def test_a_broken_object_stops_itself_alone(fresh, finished, tmp_path):
     experiment = fresh.copy(tmp_path / "experiment")
     experiment.set(workflow={"objects_per_job": 4})
