@@ -106,6 +106,11 @@ OBJECT_BLOCKS = divide(
     OBJECTS,
     None if "DVC_STAGE" in os.environ else PARAMETERS.workflow.objects_per_job,
 )
+if OBJECT_BLOCKS and workflow.storage_settings.default_storage_provider is not None:
+    raise WorkflowError(
+        "workflow.objects_per_job needs a file system that all jobs share, and results are kept in "
+        "a storage; leave it null, or leave out --default-storage-provider."
+    )
 
 
 wildcard_constraints:
