@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report check test test-all test-hard meshes bench readme params lint format lock clean
+.PHONY: report check test test-all test-hard test-slurm meshes bench readme params lint format lock clean
 
 PYTHON ?= python3
 JOBS ?= all
@@ -36,6 +36,11 @@ test-hard: $(DEVELOP)
 	pytest tests/numerics -n 2 --dist worksteal --stability reports/stability.parquet
 	python -m benchmarks.precision reports/precision.json
 
+# A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some five minutes.
+test-slurm: $(DEVELOP)
+	pip install --quiet --no-build-isolation --editable '.[slurm]'
+	timeout 7200 python tests/slurm/check.py --set $(SET)
+
 meshes: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
 
@@ -56,13 +61,13 @@ lint: $(DEVELOP)
 	ruff check .
 	mypy
 	lint-imports
-	snakefmt --check Snakefile workflow/rules
+	snakefmt --check Snakefile workflow/Snakefile workflow/rules
 	snakemake --lint
 
 format: $(DEVELOP)
 	ruff format .
 	ruff check --fix .
-	snakefmt Snakefile workflow/rules
+	snakefmt Snakefile workflow/Snakefile workflow/rules
 
 # Pins every package with its hashes; needs `uv` on PATH. requirements.lock is what runs, requirements-dev.lock
 # adds what tests.

@@ -36,6 +36,12 @@ class WorkflowParameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     views_per_job: int = Field(16, ge=1, le=1024, description="Viewpoints that one job covers")
+    objects_per_job: int | None = Field(
+        None,
+        ge=1,
+        description="Objects that one job takes from mesh to features, for clusters and thousands of objects; "
+        "null for a job a phase and object",
+    )
     conditions_per_job: int | None = Field(
         None,
         ge=1,

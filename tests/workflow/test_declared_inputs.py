@@ -53,7 +53,7 @@ def test_a_corrected_credit_reruns_the_report_alone(experiment):
 
 def test_every_parameter_of_a_rule_is_of_a_type_that_snakemake_remembers(fresh, tmp_path):
     experiment = fresh.copy(tmp_path / "experiment")
-    experiment.set(meshes={"set": "hard"})
+    experiment.set(meshes={"set": "hard"}, workflow={"objects_per_job": 2})
     (experiment.folder / "meshes/catalogue.csv").write_text(
         (fresh.folder / "meshes/catalogue.csv").read_text().replace(",paper,", ",hard,", 1)
     )
@@ -82,3 +82,30 @@ print("checked", len({job.name for job in CHECKED}), "rules")
         for text in (file.read_text() for file in (fresh.folder / "workflow/rules").glob("*.smk"))
     )
     assert f"checked {with_a_script} rules" in output
+
+
+def test_what_no_job_makes_is_read_from_the_clone_also_where_results_are_in_a_storage(
+    fresh, tmp_path
+):
+    experiment = fresh.copy(tmp_path / "experiment")
+    (experiment.folder / "Checked").write_text(
+        """
+include: "Snakefile"
+
+from types import SimpleNamespace
+from snakemake.io import is_flagged
+
+MADE = {file for job in planned_jobs() for file in job.outputs}
+CHECKED = 0
+for job in planned_jobs():
+    for item in job.rule.input:
+        found = item(SimpleNamespace(**job.wildcards)) if callable(item) else item
+        for file in [found] if isinstance(found, str) else found:
+            if str(file).format(**job.wildcards) not in MADE:
+                assert is_flagged(file, "local"), (job.name, file)
+                CHECKED += 1
+print("checked", CHECKED > 100)
+"""
+    )
+    output = experiment.snakemake("-n", "-s", "Checked", "--", "meshes_all").stdout
+    assert "checked True" in output

@@ -5,7 +5,9 @@ import sys
 from functools import cache
 from pathlib import Path
 
-SOURCES = [Path(workflow.basedir, "src"), Path(workflow.basedir, "workflow/lib")]
+# This file's own place: the folder of the Snakefile that was called may be another workflow's.
+ROOT = Path(os.path.abspath(sys._getframe().f_code.co_filename)).parents[2]
+SOURCES = [ROOT / "src", ROOT / "workflow/lib"]
 sys.path[:0] = map(str, SOURCES)
 
 from visuohaptic_workflow.stopping import (
@@ -15,7 +17,7 @@ from visuohaptic_workflow.stopping import (
 )
 
 # What a workflow that uses this one as a module does at Ctrl-C is its own choice.
-IS_MAIN = Path(workflow.main_snakefile).parent == Path(workflow.basedir)
+IS_MAIN = Path(workflow.main_snakefile).parent in (ROOT, ROOT / "workflow")
 if IS_MAIN and workflow.is_main_process:
     end_at_ctrl_c()
 
@@ -32,7 +34,7 @@ from visuohaptic.parameters import (
     refuse_repeated_names,
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
-from visuohaptic_workflow.brought_files import judge_brought_files
+from visuohaptic_workflow.brought_files import judge_blocks, judge_brought_files
 from visuohaptic_workflow.closing import (
     describe_results,
     objects_left_out,
@@ -40,6 +42,7 @@ from visuohaptic_workflow.closing import (
 )
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
+from visuohaptic_workflow.object_blocks import LISTS, divide
 from visuohaptic_workflow.one_run import (
     check_writable,
     claim_folder,
@@ -70,7 +73,11 @@ def shipped(path):
     """Give the path of a file or folder of the repository, relative to the working folder."""
     if Path(path).exists():
         return path
-    return os.path.relpath(Path(workflow.basedir, path))
+    return os.path.relpath(ROOT / path)
+
+
+# From another folder the workflow runs with that folder's parameters, or else with its own.
+configfile: shipped("params.yaml")
 
 
 for file in workflow.configfiles:
@@ -94,22 +101,38 @@ DOWNLOADED = {
     if not Path(shipped(f"meshes/paper/{key}.ply.gz")).exists()
 }
 OBJECTS = sorted({**CATALOGUED, **OWN})
+# DVC's stages are phases, and a block runs through all of them.
+OBJECT_BLOCKS = divide(
+    OBJECTS,
+    None if "DVC_STAGE" in os.environ else PARAMETERS.workflow.objects_per_job,
+)
+if OBJECT_BLOCKS and workflow.storage_settings.default_storage_provider is not None:
+    raise WorkflowError(
+        "workflow.objects_per_job needs a file system that all jobs share, and results are kept in "
+        "a storage; leave it null, or leave out --default-storage-provider."
+    )
 
 
 wildcard_constraints:
     object="[^/]+/[^/]+",
+    objects=r"\d+-\d+",
     views=r"\d+-\d+",
     pipeline="[a-z_]+",
     strategy="[a-z_]+",
 
 
+def in_clone(files):
+    """Mark files that no job makes: they are where the workflow is, also where results are kept in a storage."""
+    return [local(str(file)) for file in files]
+
+
 def source_of(wildcards):
     """Give an object's model file, and the files that it refers to."""
     if wildcards.object in OWN:
-        return [OWN[wildcards.object], *companions(OWN[wildcards.object])]
+        return in_clone([OWN[wildcards.object], *companions(OWN[wildcards.object])])
     if wildcards.object in DOWNLOADED:
         return [f"meshes/downloaded/{wildcards.object}.ply.gz"]
-    return [shipped(f"meshes/paper/{wildcards.object}.ply.gz")]
+    return in_clone([shipped(f"meshes/paper/{wildcards.object}.ply.gz")])
 
 
 def model_of(wildcards):
@@ -133,8 +156,22 @@ def viewpoints_of(wildcards):
     return list(range(int(first), int(last) + 1))
 
 
+def lists_of(table):
+    """List the lists that name the files of a table, one a block of objects."""
+    return [f"{LISTS}/{block}/{table}.json" for block in OBJECT_BLOCKS]
+
+
+def files_by_object(table, suffix="parquet"):
+    """List the files of a table with one file an object, or the lists that name them."""
+    if OBJECT_BLOCKS:
+        return lists_of(table.removeprefix("records/"))
+    return expand(f"results/{table}/{{object}}.{suffix}", object=OBJECTS)
+
+
 def parts_of(table, suffix="parquet"):
-    """List the files that make up a table with one file an object and block of viewpoints."""
+    """List the files of a table with one file an object and block of viewpoints, or the lists that name them."""
+    if OBJECT_BLOCKS:
+        return lists_of(table.removeprefix("records/"))
     return expand(
         "results/{table}/{object}/{views}.{suffix}",
         table=table,
@@ -162,8 +199,8 @@ def scores_of(table, suffix="parquet"):
 
 def code_of(script):
     """List a script and the modules that it runs: an edit in one of them reruns its jobs."""
-    file = Path(workflow.basedir, "workflow/scripts", script)
-    return [os.path.relpath(found) for found in [file, *code_inputs(file, SOURCES)]]
+    file = ROOT / "workflow/scripts" / script
+    return in_clone(map(os.path.relpath, [file, *code_inputs(file, SOURCES)]))
 
 
 def all_cores(wildcards):
@@ -184,13 +221,14 @@ def planned_jobs():
         "pipeline": PARAMETERS.recognition.pipelines,
         "strategy": PARAMETERS.probing.strategies,
     }
-    by_name = {rule.name: getattr(rules, rule.name) for rule in workflow.rules}
+    # In a workflow that uses this one as a module, workflow.rules has other rules and other names.
+    by_name = dict(rules._rules)
     return plan_jobs(by_name, values, VALUES_OF_RULES)
 
 
 def check_folder():
     """Allow one run at a time in this folder, and check files that were not made here."""
-    if not workflow.is_main_process:
+    if not (IS_MAIN and workflow.is_main_process):
         return
     or_stop(check_writable)
     if runs_jobs(sys.argv):
@@ -198,11 +236,19 @@ def check_folder():
     elif is_claimed_by_another():
         return
     save_memory(IMPORTS)
+    changed_blocks = judge_blocks(
+        (job, jobs_of_blocks()[job.wildcards["objects"]])
+        for job in planned_jobs()
+        if job.name == "objects"
+    )
     judged = judge_brought_files(
         [
             job
             for job in planned_jobs()
             if not any(belongs_to(job, study) for study in KEPT_STUDIES)
+            # A block judges its objects' files itself.
+            and not (OBJECT_BLOCKS and job.name in RULES_OF_OBJECT)
+            and job.record not in changed_blocks
         ]
     )
     if judged.outdated:
@@ -257,4 +303,4 @@ def start_local_jobs_warm():
     """Start jobs on this machine as forks of a process that has done their imports."""
     if workflow.local_exec and PARAMETERS.workflow.warm_starts:
         offer_warm_starts()
-        set_job_environment(Path(workflow.basedir, "workflow/warm_start"), *SOURCES)
+        set_job_environment(ROOT / "workflow/warm_start", *SOURCES)

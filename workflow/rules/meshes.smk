@@ -9,8 +9,8 @@ from dataclasses import asdict
 
 rule meshes_all:
     input:
-        expand("results/meshes/{object}.ply", object=OBJECTS),
-        expand("results/records/meshes/{object}.json", object=OBJECTS),
+        files_by_object("meshes", "ply"),
+        files_by_object("records/meshes", "json"),
         ["meshes/downloaded/credits.csv"] if DOWNLOADED else [],
 
 

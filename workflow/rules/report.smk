@@ -11,7 +11,7 @@ CHECKS_AND_BENCHMARKS = [
     "reports/precision.json",
 ]
 
-CREDITS = [shipped("meshes/catalogue.csv"), shipped("meshes/paper/credits.csv")]
+CREDITS = in_clone(map(shipped, ["meshes/catalogue.csv", "meshes/paper/credits.csv"]))
 
 
 rule report_all:
@@ -30,9 +30,21 @@ rule metrics:
         predictions=scores_of("predictions"),
         code=code_of("metrics.py"),
     output:
-        metrics="reports/metrics.json",
-        accuracy="reports/plots/accuracy.csv",
-        confusion="reports/plots/confusion.csv",
+        metrics=report(
+            "reports/metrics.json",
+            caption="../report/metrics.rst",
+            category="Recognition",
+        ),
+        accuracy=report(
+            "reports/plots/accuracy.csv",
+            caption="../report/accuracy.rst",
+            category="Recognition",
+        ),
+        confusion=report(
+            "reports/plots/confusion.csv",
+            caption="../report/confusion.rst",
+            category="Recognition",
+        ),
         record="results/records/metrics.json",
     log:
         "logs/metrics.log",
@@ -56,13 +68,10 @@ rule report:
         touches=parts_of("touches"),
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
-        meshes=expand("results/meshes/{object}.ply", object=OBJECTS),
+        meshes=files_by_object("meshes", "ply"),
         frontier=["results/frontier.parquet", "results/frontier_seconds.parquet"],
         influence="results/effect_influence.parquet",
-        stability=[
-            "results/stability.parquet",
-            *expand("results/stability/{object}.parquet", object=OBJECTS),
-        ],
+        stability=["results/stability.parquet", *files_by_object("stability")],
         # Not part of `all`; once present they are shown in the report.
         measured=[
             *(
@@ -70,12 +79,12 @@ rule report:
                 for file, study in {**STUDY_FIGURES, **SPECIAL_FIGURES}.items()
                 if is_shown(file, study)
             ),
-            *(file for file in CHECKS_AND_BENCHMARKS if Path(file).exists()),
+            *in_clone(filter(os.path.exists, CHECKS_AND_BENCHMARKS)),
         ],
         credits=CREDITS,
         code=[*code_of("report.py"), *TEMPLATES],
     output:
-        "reports/report.html",
+        report("reports/report.html", caption="../report/page.rst", category="Report"),
         record="results/records/report.json",
     log:
         "logs/report.log",

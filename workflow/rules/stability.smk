@@ -10,8 +10,8 @@ rule stability_all:
     input:
         "results/stability.parquet",
         "results/records/stability.json",
-        expand("results/stability/{object}.parquet", object=OBJECTS),
-        expand("results/records/stability/{object}.json", object=OBJECTS),
+        files_by_object("stability"),
+        files_by_object("records/stability", "json"),
 
 
 rule stability:

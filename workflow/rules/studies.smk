@@ -22,11 +22,20 @@ SPECIAL_FIGURES = {
     "results/cost.parquet": "cost",
     "results/touches_needed.parquet": "curves",
 }
-TEMPLATES = sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
-MESHES = expand("results/meshes/{object}.ply", object=OBJECTS)
+TEMPLATES = in_clone(
+    sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
+)
+MESHES = files_by_object("meshes", "ply")
 # A few objects, spread over all, are enough to measure run times.
 COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
 EFFECT_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // 2))]
+COST_MESHES = expand("results/meshes/{object}.ply", object=COST_SAMPLE)
+EFFECT_MESHES = expand("results/meshes/{object}.ply", object=EFFECT_SAMPLE)
+EFFECT_FIXATIONS = expand(
+    "results/fixations/{object}/{views}.parquet",
+    object=EFFECT_SAMPLE,
+    views=view_blocks()[0],
+)
 # Everything that a condition may depend on.
 RUN = PARAMETERS.model_dump(
     exclude={
@@ -301,7 +310,7 @@ rule touches_needed:
 
 rule cost_seconds:
     input:
-        meshes=expand("results/meshes/{object}.ply", object=COST_SAMPLE),
+        meshes=lists_of("meshes") or COST_MESHES,
         features=parts_of("features"),
         made=all_made_features,
         code=code_of("cost_seconds.py"),
@@ -317,6 +326,7 @@ rule cost_seconds:
     threads: cores_for_timing
     params:
         study=weighed_study,
+        sample=COST_MESHES,
         remade=all_keys,
         parameters={
             **RUN,
@@ -353,12 +363,8 @@ rule cost:
 
 rule effect_influence:
     input:
-        meshes=expand("results/meshes/{object}.ply", object=EFFECT_SAMPLE),
-        fixations=expand(
-            "results/fixations/{object}/{views}.parquet",
-            object=EFFECT_SAMPLE,
-            views=view_blocks()[0],
-        ),
+        meshes=lists_of("meshes") or EFFECT_MESHES,
+        fixations=lists_of("fixations") or EFFECT_FIXATIONS,
         code=code_of("effect_influence.py"),
     output:
         "results/effect_influence.parquet",
@@ -368,6 +374,8 @@ rule effect_influence:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        sample=EFFECT_MESHES,
+        sampled_fixations=EFFECT_FIXATIONS,
         viewpoints=PARAMETERS.viewpoints.model_dump(),
         rendering=PARAMETERS.rendering.model_dump(),
         sensor=PARAMETERS.sensor.model_dump(),

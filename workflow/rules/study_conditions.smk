@@ -43,7 +43,7 @@ ASKED_STUDIES = studies_asked_for(sys.argv[1:], STUDIES)
 KEPT_STUDIES = {
     name
     for name in STUDIES
-    if workflow.is_main_process and name != "frontier"
+    if IS_MAIN and workflow.is_main_process and name != "frontier"
     # The readings take half an hour, so only their own target brings them up to date.
     and (name == "readings" or not PARAMETERS.workflow.keep_studies_current)
     and name not in ASKED_STUDIES

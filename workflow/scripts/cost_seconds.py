@@ -3,12 +3,13 @@
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.cost.files import make_cost_seconds
 from visuohaptic_workflow.jobs import job
+from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_cost_seconds(
         study=snakemake.params.study,
-        meshes=snakemake.input.meshes,
-        features=snakemake.input.features,
+        meshes=files_of(snakemake.input.meshes, snakemake.params.sample),
+        features=files_of(snakemake.input.features),
         made=dict(zip(snakemake.params.remade, snakemake.input.made, strict=True)),
         output=snakemake.output[0],
         run=ExperimentParameters.from_mapping(snakemake.params.parameters),

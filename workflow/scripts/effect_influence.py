@@ -5,11 +5,12 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.studies.effects.influence import make_effect_influence
 from visuohaptic_workflow.jobs import job
+from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_effect_influence(
-        meshes=snakemake.input.meshes,
-        fixations=snakemake.input.fixations,
+        meshes=files_of(snakemake.input.meshes, snakemake.params.sample),
+        fixations=files_of(snakemake.input.fixations, snakemake.params.sampled_fixations),
         output=snakemake.output[0],
         viewpoints=ViewpointParameters(**snakemake.params.viewpoints),
         rendering=RenderingParameters(**snakemake.params.rendering),

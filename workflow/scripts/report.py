@@ -5,18 +5,19 @@ from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.kept_studies import find_earlier_studies
+from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_report(
         files=RunFiles(
             metrics=snakemake.input.metrics,
             predictions=snakemake.input.predictions,
-            views=snakemake.input.views,
-            fixations=snakemake.input.fixations,
-            touches=snakemake.input.touches,
-            features=snakemake.input.features,
-            effects=snakemake.input.effects,
-            meshes=snakemake.input.meshes,
+            views=files_of(snakemake.input.views),
+            fixations=files_of(snakemake.input.fixations),
+            touches=files_of(snakemake.input.touches),
+            features=files_of(snakemake.input.features),
+            effects=files_of(snakemake.input.effects),
+            meshes=files_of(snakemake.input.meshes),
             credits=snakemake.input.credits,
             earlier_studies=find_earlier_studies(snakemake.params.studies),
             **snakemake.params.optional,

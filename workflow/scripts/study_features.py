@@ -5,6 +5,7 @@ from visuohaptic.studies.conditions import Remake
 from visuohaptic.studies.files import make_study_features
 from visuohaptic.studies.measuring import Sources
 from visuohaptic_workflow.jobs import job
+from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_study_features(
@@ -13,9 +14,9 @@ with job(snakemake):
             ExperimentParameters.from_mapping(snakemake.params.parameters),
         ),
         sources=Sources(
-            meshes=snakemake.input.meshes,
-            fixations=snakemake.input.fixations,
-            touches=snakemake.input.touches,
+            meshes=files_of(snakemake.input.meshes),
+            fixations=files_of(snakemake.input.fixations),
+            touches=files_of(snakemake.input.touches),
         ),
         output=snakemake.output[0],
     )

@@ -13,11 +13,12 @@ import os
 import stat
 import time
 from base64 import urlsafe_b64encode
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from visuohaptic_workflow.object_blocks import is_untouched
 from visuohaptic_workflow.plan import PlannedJob
 from visuohaptic_workflow.records import is_current
 
@@ -83,6 +84,29 @@ def judge_brought_files(jobs: Sequence[PlannedJob]) -> Judgement:
             for file in outputs:
                 _mark_outdated(file)
     return Judgement(tuple(kept), tuple(outdated))
+
+
+def judge_blocks(blocks: Iterable[tuple[PlannedJob, Sequence[PlannedJob]]]) -> set[str]:
+    """Let blocks of objects look at their files again of which one is missing or has changed.
+
+    Parameters
+    ----------
+    blocks : iterable of pair
+        The job of each block, and the jobs of its objects.
+
+    Returns
+    -------
+    set of str
+        The records of blocks that will run again.
+    """
+    changed = set()
+    for block, jobs in blocks:
+        written = (file for job in jobs for file in job.outputs)
+        if os.path.lexists(block.record) and not is_untouched(block.record, written):
+            changed.add(block.record)
+            for file in block.outputs:
+                _mark_outdated(file)
+    return changed
 
 
 def _is_made_here(file: str) -> bool:

@@ -65,8 +65,9 @@ def job(snakemake: Any) -> Iterator[None]:
         hold_job_lock()
         path.parent.mkdir(parents=True, exist_ok=True)
         _keep_pandas_out()
-        imports = _seconds_since_start()
         started = time.time()
+        before = getattr(snakemake, "started", None)  # of a script that is not the process's first
+        imports = _seconds_since_start() if before is None else started - before
         yield
         write_record(snakemake)
     except KeyboardInterrupt:

@@ -14,10 +14,35 @@ import os
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from visuohaptic_workflow.plan import PlannedJob
+
+class RecordedJob(Protocol):
+    """A job that keeps a record."""
+
+    @property
+    def name(self) -> str:
+        """The rule's name."""
+
+    @property
+    def params(self) -> Mapping[str, Any]:
+        """The rule's parameters for this job."""
+
+    @property
+    def code(self) -> list[str]:
+        """Files of the code that the job runs."""
+
+    @property
+    def inputs(self) -> list[str]:
+        """Files that the job reads, without the code."""
+
+    @property
+    def outputs(self) -> list[str]:
+        """Files that the job writes; its record is one of them."""
+
+    @property
+    def record(self) -> str:
+        """The file that says what made the outputs."""
 
 
 def write_record(snakemake: Any) -> None:
@@ -51,12 +76,12 @@ def write_record(snakemake: Any) -> None:
     unfinished.replace(path)
 
 
-def is_current(job: PlannedJob) -> bool:
+def is_current(job: RecordedJob) -> bool:
     """Whether a job's files are what the job would make now, by the record beside them.
 
     Parameters
     ----------
-    job : PlannedJob
+    job : RecordedJob
         The job.
 
     Returns
@@ -71,12 +96,12 @@ def is_current(job: PlannedJob) -> bool:
     return fits_record(job.record, expected)
 
 
-def expected_record(job: PlannedJob) -> str:
+def expected_record(job: RecordedJob) -> str:
     """Sum up what a job's record would say, but for the contents of inputs and outputs.
 
     Parameters
     ----------
-    job : PlannedJob
+    job : RecordedJob
         The job.
 
     Returns

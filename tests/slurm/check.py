@@ -1,0 +1,170 @@
+"""Run the experiment under a real Slurm and compare it with a local run: `make test-slurm`.
+
+A cluster of one node is set up on the loopback, and taken down. The set `paper` runs locally, by profiles/slurm, and as
+one cluster job by profiles/slurm/one.sh. In the second run the controller and the node's daemon are killed half way.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+from one_node import Cluster, ClusterError, install
+
+ROOT = Path(__file__).parents[2]
+SECONDS_OF_OUTAGE = 5
+HOURS = 3600
+TABLES = (
+    "meshes",
+    "views",
+    "fixations",
+    "touches",
+    "features",
+    "stability",
+    "scores",
+    "predictions",
+)
+
+
+def main() -> None:
+    """Run everything, and end with status 1 where a table differs."""
+    arguments = _parse()
+    install()
+    folder = Path(tempfile.mkdtemp(prefix="visuohaptic-slurm-"))
+    print(f"folder {folder}", flush=True)
+    config = ["--config", f'meshes={{"set": "{arguments.set}"}}']
+    profile = ["--profile", str(folder / "profile")]
+    blocks = f"workflow={json.dumps({'objects_per_job': arguments.objects_per_job})}"
+    try:
+        _write_profile(folder / "profile", arguments.cores)
+        local, expected = _time("local", folder, ["--cores", str(arguments.cores), *config])
+        with Cluster(folder / "cluster", arguments.cores) as cluster:
+            found = {}
+            options = [*profile, *config, blocks]
+            seconds, found["blocks"] = _time("blocks", folder, options, cluster)
+            print(f"{seconds / local:.2f} times the local run", flush=True)
+            threading.Thread(target=_break, args=(cluster, folder / "broken"), daemon=True).start()
+            _, found["broken"] = _time("broken", folder, options, cluster)
+            seconds, found["one"] = _time_one(folder, config, cluster)
+            print(f"{seconds / local:.2f} times the local run", flush=True)
+    except ClusterError as error:
+        raise SystemExit(str(error)) from None
+    differing = {name for name, digests in found.items() if digests != expected}
+    if differing or not expected:
+        raise SystemExit(f"tables differ from the local run: {', '.join(sorted(differing))}")
+    print(f"all {len(expected)} files are equal bit for bit; nothing is left running")
+    if not arguments.keep:
+        shutil.rmtree(folder)
+
+
+def _parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--set", default="paper", choices=["paper", "benchmark"])
+    parser.add_argument("--cores", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--objects-per-job", type=int, default=6)
+    parser.add_argument("--keep", action="store_true", help="keep all results")
+    return parser.parse_args()
+
+
+def _write_profile(folder: Path, cores: int) -> None:
+    """Copy the profile, with this node's cores."""
+    text = (ROOT / "profiles/slurm/config.yaml").read_text(encoding="utf-8")
+    folder.mkdir(parents=True)
+    lines = [f"cores: {cores}" if line.startswith("cores:") else line for line in text.splitlines()]
+    (folder / "config.yaml").write_text("\n".join(lines), encoding="utf-8")
+
+
+def _time(
+    name: str, folder: Path, options: list[str], cluster: Cluster | None = None
+) -> tuple[float, dict[str, str]]:
+    """Run the workflow in a folder of its own, and give seconds and digests."""
+    here = _prepare(folder / name)
+    command = [
+        sys.executable,
+        "-m",
+        "snakemake",
+        "-s",
+        str(ROOT / "Snakefile"),
+        "-d",
+        str(here),
+        *options,
+    ]
+    seconds = _run(name, command, here, cluster.environment if cluster else os.environ)
+    return seconds, _digests(here)
+
+
+def _time_one(folder: Path, config: list[str], cluster: Cluster) -> tuple[float, dict[str, str]]:
+    here = _prepare(folder / "one")
+    script = str(ROOT / "profiles/slurm/one.sh")
+    cores = f"--cpus-per-task={cluster.cores}"
+    run = [
+        "sbatch",
+        "--wait",
+        cores,
+        "--output=/dev/null",
+        script,
+        "-s",
+        str(ROOT / "Snakefile"),
+        *config,
+    ]
+    return _run("one", run, here, cluster.environment), _digests(here)
+
+
+def _prepare(folder: Path) -> Path:
+    folder.mkdir()
+    shutil.copy(ROOT / "params.yaml", folder)
+    return folder
+
+
+def _run(name: str, command: list[str], folder: Path, environment: Mapping[str, str]) -> float:
+    path = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
+    started = time.monotonic()
+    with (folder / "run.log").open("wb") as log:
+        status = subprocess.run(
+            command, cwd=folder, env={**environment, "PATH": path}, check=False, stdout=log,
+            stderr=subprocess.STDOUT, timeout=HOURS,
+        ).returncode  # fmt: skip
+    seconds = time.monotonic() - started
+    print(f"{name}: {seconds:.0f} s", flush=True)
+    if status:
+        raise SystemExit(f"{name} ended with status {status}: {folder / 'run.log'}")
+    return seconds
+
+
+def _break(cluster: Cluster, folder: Path) -> None:
+    """Kill both daemons once a block has begun, and start them again."""
+    while not list(folder.glob("results/meshes/*/*.ply")):
+        time.sleep(0.5)
+    cluster.kill("slurmctld")
+    cluster.kill("slurmd")
+    time.sleep(SECONDS_OF_OUTAGE)
+    cluster.start("slurmctld")
+    cluster.start("slurmd")
+    print("killed slurmctld and slurmd, and started them again", flush=True)
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    """Give the SHA-256 of all files that hold no seconds."""
+    files = [
+        *(file for table in TABLES for file in (folder / "results" / table).rglob("*.*")),
+        folder / "reports/metrics.json",
+    ]
+    return {
+        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in files
+        if file.is_file()
+    }
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,214 @@
+"""A Slurm cluster of one node on the loopback, in a folder of its own: munge, slurmctld and slurmd from Debian."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import shutil
+import socket
+import subprocess
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Self
+
+PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "srun")
+_PACKAGES = ("munge", "slurm-client", "slurmctld", "slurmd")
+_SECONDS_TO_START = 30.0
+_SECONDS_TO_END = 20.0
+
+_CONFIGURATION = """\
+ClusterName=loopback
+SlurmctldHost={host}(127.0.0.1)
+SlurmctldPort={port}
+SlurmdPort={node_port}
+SlurmUser={user}
+SlurmdUser={user}
+AuthType=auth/munge
+AuthInfo=socket={folder}/munge.socket
+CredType=cred/munge
+StateSaveLocation={folder}/state
+SlurmdSpoolDir={folder}/spool
+SlurmctldPidFile={folder}/slurmctld.pid
+SlurmdPidFile={folder}/slurmd.pid
+SlurmctldLogFile={folder}/slurmctld.log
+SlurmdLogFile={folder}/slurmd.log
+ProctrackType=proctrack/pgid
+TaskPlugin=task/none
+SwitchType=switch/none
+MpiDefault=none
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core_Memory
+SchedulerParameters=batch_sched_delay=0
+MinJobAge=300
+ReturnToService=2
+NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} RealMemory={memory} State=UNKNOWN
+PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
+"""
+
+
+class ClusterError(Exception):
+    """The cluster can't be set up."""
+
+
+def install() -> None:
+    """Install the Debian packages where they are missing and this user may.
+
+    Raises
+    ------
+    ClusterError
+        If they are missing and can't be installed.
+    """
+    if all(map(_find, PROGRAMS)):
+        return
+    if os.geteuid() != 0 or shutil.which("apt-get") is None:
+        raise ClusterError(f"Slurm is not installed: apt-get install {' '.join(_PACKAGES)}")
+    quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
+    command = ["apt-get", "install", "--yes", "--no-install-recommends", *_PACKAGES]
+    for line in (["apt-get", "update"], command):
+        subprocess.run(line, check=True, env=quiet, stdout=subprocess.DEVNULL)
+
+
+@dataclass
+class Cluster:
+    """A cluster that runs.
+
+    Attributes
+    ----------
+    folder : path
+        Configuration, keys, state and logs.
+    cores : int
+        Cores of its node.
+    """
+
+    folder: Path
+    cores: int
+    _daemons: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """What a command needs to find this cluster and no other."""
+        others = {name: value for name, value in os.environ.items() if not name.startswith("SLURM")}
+        return {**others, "SLURM_CONF": str(self.folder / "slurm.conf")}
+
+    def __enter__(self) -> Self:
+        """Start all daemons."""
+        self.folder.mkdir(parents=True)
+        self.folder.chmod(0o755)
+        for name in ("state", "spool"):
+            (self.folder / name).mkdir()
+        key = self.folder / "munge.key"
+        key.write_bytes(secrets.token_bytes(1024))
+        key.chmod(0o400)
+        port, node_port = _free_ports(2)
+        text = _CONFIGURATION.format(
+            host=socket.gethostname().partition(".")[0],
+            folder=self.folder,
+            port=port,
+            node_port=node_port,
+            cores=self.cores,
+            memory=_megabytes(),
+            user=_user(),
+        )
+        (self.folder / "slurm.conf").write_text(text, encoding="utf-8")
+        try:
+            self._start_munge()
+            self.start("slurmctld")
+            self.start("slurmd")
+            self._wait_for("idle")
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End all that was started here, and nothing else."""
+        with contextlib.suppress(subprocess.SubprocessError, OSError):
+            self.run("scancel", "--state=RUNNING,PENDING", f"--user={_user()}")
+        for daemon in reversed(self._daemons.values()):
+            _end(daemon)
+
+    def run(self, *command: str) -> str:
+        """Run a command of the cluster, and give what it prints."""
+        path = _find(command[0]) or command[0]
+        return subprocess.run(
+            [path, *command[1:]], env=self.environment, check=True, timeout=60,
+            capture_output=True, text=True,
+        ).stdout  # fmt: skip
+
+    def start(self, daemon: str) -> None:
+        """Start `slurmctld` or `slurmd`."""
+        self._launch(daemon, "-D", "-f", str(self.folder / "slurm.conf"))
+
+    def kill(self, daemon: str) -> None:
+        """Kill a daemon as a crash would."""
+        self._daemons[daemon].kill()
+        self._daemons[daemon].wait()
+
+    def _start_munge(self) -> None:
+        paths = {
+            "key-file": "munge.key", "socket": "munge.socket", "pid-file": "munge.pid",
+            "log-file": "munge.log", "seed-file": "munge.seed",
+        }  # fmt: skip
+        options = [f"--{name}={self.folder / path}" for name, path in paths.items()]
+        self._launch("munged", "--foreground", "--force", *options)
+        _wait((self.folder / "munge.socket").exists, "munged")
+
+    def _launch(self, daemon: str, *options: str) -> None:
+        with (self.folder / f"{daemon}.out").open("ab") as out:
+            self._daemons[daemon] = subprocess.Popen(
+                [_find(daemon) or daemon, *options], env=self.environment, stdin=subprocess.DEVNULL,
+                stdout=out, stderr=subprocess.STDOUT, start_new_session=True,
+            )  # fmt: skip
+
+    def _wait_for(self, state: str) -> None:
+        def is_so() -> bool:
+            with contextlib.suppress(subprocess.SubprocessError):
+                return self.run("sinfo", "--noheader", "--format=%T").strip() == state
+            return False
+
+        _wait(is_so, f"a node that is {state} (logs: {self.folder})")
+
+
+def _find(program: str) -> str | None:
+    return shutil.which(program) or shutil.which(program, path="/usr/sbin:/sbin")
+
+
+def _megabytes() -> int:
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") * 9 // 10 // 2**20
+
+
+def _user() -> str:
+    import pwd
+
+    return pwd.getpwuid(os.geteuid()).pw_name
+
+
+def _free_ports(count: int) -> list[int]:
+    with contextlib.ExitStack() as stack:
+        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for one in sockets:
+            one.bind(("127.0.0.1", 0))
+        return [one.getsockname()[1] for one in sockets]
+
+
+def _wait(is_so: object, what: str) -> None:
+    limit = time.monotonic() + _SECONDS_TO_START
+    while not is_so():  # type: ignore[operator]
+        if time.monotonic() > limit:
+            raise ClusterError(f"waited {_SECONDS_TO_START:.0f} s in vain for {what}")
+        time.sleep(0.2)
+
+
+def _end(daemon: subprocess.Popen[bytes]) -> None:
+    if daemon.poll() is not None:
+        return
+    daemon.terminate()
+    try:
+        daemon.wait(_SECONDS_TO_END)
+    except subprocess.TimeoutExpired:
+        daemon.kill()
+        daemon.wait()

@@ -1,0 +1,47 @@
+"""Other people's tools use the workflow: another workflow as a module, and Snakemake's own report."""
+
+import pytest
+
+pytestmark = pytest.mark.workflow
+
+OUTER = """
+import yaml
+from pathlib import Path
+
+module visuohaptic:
+    snakefile:
+        "{folder}/workflow/Snakefile"
+    config:
+        yaml.safe_load(Path("{folder}/params.yaml").read_text())
+
+
+use rule * from visuohaptic as visuohaptic_*
+
+
+rule mine:
+    default_target: True
+    input:
+        "{table}",
+    output:
+        "mine.parquet",
+    shell:
+        "cp {{input}} {{output}}"
+"""
+TABLE = "results/features/chair/bsby_chair3/00-01.parquet"
+
+
+def test_another_workflow_uses_this_one_as_a_module(finished, tmp_path):
+    outer = type(finished)(tmp_path)
+    (tmp_path / "Snakefile").write_text(OUTER.format(folder=finished.folder, table=TABLE))
+    output = outer.snakemake().stdout
+    assert "rule visuohaptic_meshes" in output or "preparing chair/bsby_chair3" in output
+    assert (tmp_path / "mine.parquet").read_bytes() == (finished.folder / TABLE).read_bytes()
+    assert "Nothing to be done" in outer.snakemake("-n").stdout
+
+
+def test_snakemakes_own_report_shows_tables_with_captions(experiment):
+    experiment.snakemake("--report", "snakemake-report.html")
+    page = (experiment.folder / "snakemake-report.html").read_text()
+    for name in ("accuracy.csv", "confusion.csv", "report.html", "metrics.json"):
+        assert name in page
+    assert "assigned to the right class" in page

@@ -1,0 +1,41 @@
+"""What Slurm says of a job is what Snakemake gets to know."""
+
+import pytest
+
+from visuohaptic_workflow.slurm_status import judge, main
+
+
+@pytest.mark.parametrize(
+    ("said", "state"),
+    [
+        ("COMPLETED", "success"),
+        ("RUNNING", "running"),
+        ("PENDING", "running"),
+        ("COMPLETING", "running"),
+        ("REQUEUED", "running"),
+        ("TIMEOUT", "failed"),
+        ("OUT_OF_MEMORY", "failed"),
+        ("NODE_FAIL", "failed"),
+        ("CANCELLED", "failed"),
+    ],
+)
+def test_a_state_of_slurm_is_one_of_snakemakes(said, state):
+    assert judge(f"JobId=7 JobName=a\n   JobState={said} Reason=None") == state
+
+
+@pytest.mark.parametrize(
+    ("error", "state"),
+    [
+        ("slurm_load_jobs error: Invalid job id specified", "failed"),
+        ("slurm_load_jobs error: Unable to contact slurm controller", "running"),
+    ],
+)
+def test_a_forgotten_job_has_failed_and_a_silent_controller_is_waited_for(
+    tmp_path, monkeypatch, capsys, error, state
+):
+    program = tmp_path / "scontrol"
+    program.write_text(f"#!/bin/sh\necho '{error}' >&2\nexit 1\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    main("7")
+    assert capsys.readouterr().out == f"{state}\n"
