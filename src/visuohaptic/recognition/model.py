@@ -28,18 +28,20 @@ from visuohaptic.recognition.encoding import (
 )
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
+from visuohaptic.recognition.pooling import BagClassifier, Combination
 from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
 from visuohaptic.recognition.sequences import (
     TouchSequences,
-    gather_sequences,
+    gather_any,
     spread_contact_states,
-    whole_sequences,
 )
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.whole_files import whole_file
 
-FORMAT = "visuohaptic recognition model 1"
+FORMAT = "visuohaptic recognition model 2"
+OLDER_FORMAT = "visuohaptic recognition model 1"
+"""Models without a classifier of bags."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,10 @@ class RecognitionModel:
         return self.tuned.probabilities(self.encoder.encode(features))
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
-        """Name one object from all its sequences together.
+        """Name one object from all its touches together, however many there are.
+
+        A viewpoint with more touches than the model's sequences have counts as several sequences; one
+        with fewer as a short one.
 
         Parameters
         ----------
@@ -113,24 +118,33 @@ class RecognitionModel:
         Returns
         -------
         dict of str to float
-            Mean probability of each class over the whole sequences, the likeliest first.
+            Probability of each class, the likeliest first.
 
         Raises
         ------
         RecognitionError
-            If the table lacks a feature, or no viewpoint has as many touches as the model needs.
+            If the table lacks a feature, or there is no touch, or, in pipeline `paper`, no viewpoint
+            has as many touches as the model needs.
         """
-        whole, _ = whole_sequences(features, self.touches)
-        if not whole.num_rows:
+        found = self._answer(features)
+        order = np.argsort(-found, kind="stable")
+        return {self.classes[place]: float(found[place]) for place in order}
+
+    def _answer(self, features: pa.Table) -> NDArray[np.float64]:
+        """Give the probability of each class, shape (c,), for all touches of one object."""
+        if not features.num_rows:
+            raise RecognitionError("There is no touch; an object is named from one touch on.")
+        parts = gather_any(spread_contact_states(features), self.feature_names, self.touches)
+        if self.pipeline == "paper":  # its wavelet needs whole sequences
+            parts = [part for part in parts if part.shape[1] == self.touches]
+        if not parts:
             raise RecognitionError(
                 f"No viewpoint has {self.touches} touches, which the model needs: the object is too "
                 "slender in all views."
             )
-        spread = spread_contact_states(whole)
-        sequences = gather_sequences(spread, self.feature_names, self.touches)
-        mean = self.probabilities(sequences.features).mean(axis=0)
-        order = np.argsort(-mean, kind="stable")
-        return {self.classes[place]: float(mean[place]) for place in order}
+        ballots = self.tuned.ballots(np.concatenate([self.encoder.encode(part) for part in parts]))
+        everything = np.ones((1, len(ballots.probabilities)), dtype=bool)
+        return ballots.together(everything)[0]
 
 
 def fit_model(
@@ -231,6 +245,7 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
         "estimator": estimator,
         "temperature": model.tuned.temperature,
         "setting": model.tuned.setting,
+        "bags": _bags_state(model.tuned),
     }
     content = skops.io.dumps(state)
     unsafe = skops.io.get_untrusted_types(data=content)
@@ -275,7 +290,7 @@ def load_model(path: str | Path) -> RecognitionModel:
         raise RecognitionError(
             f"{path} can't be read as a recognition model ({error}); train it again."
         ) from error
-    if not isinstance(state, dict) or state.get("format") != FORMAT:
+    if not isinstance(state, dict) or state.get("format") not in (FORMAT, OLDER_FORMAT):
         raise RecognitionError(f"{path} is no {FORMAT!r}; train it again with this version.")
     return _model_of(state)
 
@@ -284,6 +299,7 @@ def _model_of(state: dict[str, Any]) -> RecognitionModel:
     parameters = RecognitionParameters.model_validate_json(state["parameters"])
     classes = tuple(state["classes"])
     names = tuple(state["feature_names"])
+    bags, combination = _bags_of(state.get("bags"))
     return RecognitionModel(
         pipeline=state["pipeline"],
         strategy=state["strategy"],
@@ -296,7 +312,12 @@ def _model_of(state: dict[str, Any]) -> RecognitionModel:
         versions=state["versions"],
         encoder=_encoder_of(state["encoder"], names, parameters),
         tuned=TunedClassifier(
-            state["estimator"], state["temperature"], len(classes), state["setting"]
+            state["estimator"],
+            state["temperature"],
+            len(classes),
+            state["setting"],
+            bags,
+            combination,
         ),
     )
 
@@ -383,6 +404,32 @@ def _encoder_of(
         parameters.sequence,
         scaling,
     )
+
+
+def _bags_state(tuned: TunedClassifier) -> dict[str, Any] | None:
+    bags, combination = tuned.bags, tuned.combination
+    if bags is None or combination is None:
+        return None
+    return {
+        "coefficients": bags.coefficients,
+        "intercepts": bags.intercepts,
+        "trained": bags.trained,
+        "scales": list(combination.scales),
+        "views": combination.views,
+        "temperatures": combination.temperatures,
+        "known": combination.known,
+    }
+
+
+def _bags_of(state: dict[str, Any] | None) -> tuple[BagClassifier | None, Combination | None]:
+    if state is None:
+        return None, None
+    bags = BagClassifier(state["coefficients"], state["intercepts"], state["trained"])
+    first, second = state["scales"]
+    combination = Combination(
+        (first, second), state["views"], state["temperatures"], state["known"]
+    )
+    return bags, combination
 
 
 def _versions() -> dict[str, str]:

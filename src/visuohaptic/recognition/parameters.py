@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -161,6 +161,17 @@ class BestParameters(_Section):
         64,
         ge=1,
         description="Principal components of the descriptors that classifiers see, at most",
+    )
+    bags: tuple[Annotated[int, Field(ge=1)], ...] = Field(
+        (1, 2, 4, 8, 16),
+        description="Viewpoints in the bags from which a linear discriminant learns, which answers beside "
+        "each classifier; with none each classifier answers alone",
+    )
+    bag_components: int = Field(
+        256, ge=1, description="Principal components that the discriminant of bags sees, at most"
+    )
+    bag_weight: float = Field(
+        2.0, gt=0, description="How much more the discriminant of bags counts than the classifier"
     )
     inner_folds: int = Field(
         2, ge=2, description="Folds of training objects that choose settings and temperature"

@@ -79,14 +79,7 @@ def gather_sequences(
         If there are no rows or more than one strategy, a sequence lacks a
         touch, or a feature is not finite.
     """
-    strategies = features.column("strategy").unique().to_pylist()
-    if len(strategies) != 1:
-        raise RecognitionError(
-            f"The features hold the strategies {strategies}; exactly one is allowed at a time."
-        )
-    missing = [name for name in feature_names if name not in features.column_names]
-    if missing:
-        raise RecognitionError(f"The features lack the columns {', '.join(missing)}.")
+    _check_columns(features, feature_names)
     keys = ["class", "object", "viewpoint", "touch"]
     features = features.sort_by([(key, "ascending") for key in keys])
     touch = features.column("touch").to_numpy()
@@ -111,6 +104,43 @@ def gather_sequences(
         object_index=np.array([places[owner] for owner in owners[::length]], dtype=np.int64),
         viewpoint=viewpoint[::length],
     )
+
+
+def gather_any(
+    features: pa.Table, feature_names: Sequence[str], touches: int
+) -> list[NDArray[np.float64]]:
+    """Gather all touches of one object into sequences of at most so many touches.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES` of one object and one strategy, in any order.
+    feature_names : sequence of str
+        The k columns to take.
+    touches : int
+        Touches of a whole sequence. A viewpoint with more gives several; what remains is a shorter one.
+
+    Returns
+    -------
+    list of numpy.ndarray
+        Shape (s, t, k) each, float64: all sequences of one length, the longest first.
+
+    Raises
+    ------
+    RecognitionError
+        If there is more than one strategy, a column is missing, or a feature is not finite.
+    """
+    _check_columns(features, feature_names)
+    features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
+    values = matrix(features, feature_names)
+    _check_finite(values[:, None], feature_names, owners_of(features))
+    _, starts = np.unique(features.column("viewpoint").to_numpy(), return_index=True)
+    by_length: dict[int, list[NDArray[np.float64]]] = {}
+    for part in np.split(values, starts[1:]):
+        for first in range(0, len(part), touches):
+            sequence = part[first : first + touches]
+            by_length.setdefault(len(sequence), []).append(sequence)
+    return [np.stack(by_length[length]) for length in sorted(by_length, reverse=True)]
 
 
 def spread_contact_states(features: pa.Table) -> pa.Table:
@@ -138,6 +168,17 @@ def identical_objects(sequences: TouchSequences) -> list[tuple[str, str]]:
             pairs.append((first[content], name))
         first.setdefault(content, name)
     return pairs
+
+
+def _check_columns(features: pa.Table, feature_names: Sequence[str]) -> None:
+    strategies = features.column("strategy").unique().to_pylist()
+    if len(strategies) != 1:
+        raise RecognitionError(
+            f"The features hold the strategies {strategies}; exactly one is allowed at a time."
+        )
+    missing = [name for name in feature_names if name not in features.column_names]
+    if missing:
+        raise RecognitionError(f"The features lack the columns {', '.join(missing)}.")
 
 
 def _check_touches(
