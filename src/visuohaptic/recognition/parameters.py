@@ -173,6 +173,18 @@ class BestParameters(_Section):
     bag_weight: float = Field(
         2.0, gt=0, description="How much more the discriminant of bags counts than the classifier"
     )
+    coverage: float = Field(
+        0.9,
+        gt=0,
+        lt=1,
+        description="Share of objects of known classes whose class is in the prediction set, and that "
+        "are not taken for objects of an unknown class",
+    )
+    calibration_folds: int = Field(
+        10,
+        ge=2,
+        description="Folds of training objects by which a model's prediction sets are calibrated, at most",
+    )
     inner_folds: int = Field(
         2, ge=2, description="Folds of training objects that choose settings and temperature"
     )
