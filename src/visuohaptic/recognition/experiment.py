@@ -23,6 +23,7 @@ from visuohaptic.recognition.sequences import (
     gather_sequences,
     identical_objects,
     spread_contact_states,
+    turn_objects,
 )
 from visuohaptic.recognition.splits import Split, make_splits
 from visuohaptic.recognition.voting import vote_credit
@@ -167,6 +168,7 @@ def gather_pipeline(
     pipeline, or the features don't allow it.
     """
     bands = _described(features)
+    features = turn_objects(features, parameters.protocol.turns)
     if pipeline == "paper":
         cues = {"cutaneous": bands, "kinesthetic": KINESTHETIC_FEATURES}
         names = [name for cue, names in cues.items() if cue in parameters.cues for name in names]

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from visuohaptic.recognition.classifiers import ClassifierName, ClassifierParameters
 
-Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding"]
+Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding", "azimuth_free"]
 """Groups of descriptors: what the skin tells, what the sensor does, where it is."""
 
 ExtensionMode = Literal[
@@ -106,6 +106,11 @@ class ProtocolParameters(_Section):
     folds: int = Field(
         5, ge=2, description="Folds of `grouped_folds` and of `new_viewpoint`, at most"
     )
+    turns: Literal["none", "vertical", "any"] = Field(
+        "none",
+        description="How the poses of each object's touches are turned at random before training and "
+        "testing: not, about the vertical, or over all rotations; the touches themselves stay",
+    )
     repeats: int = Field(
         1, ge=1, le=1000, description="How often everything is repeated with another seed"
     )
@@ -144,7 +149,8 @@ class BestParameters(_Section):
     cues: tuple[Cue, ...] = Field(
         ("contourlet", "imprint", "sensor", "pose", "relations", "embedding"),
         min_length=1,
-        description="Groups of descriptors; those whose columns a table lacks are left out",
+        description="Groups of descriptors; those whose columns a table lacks are left out; `azimuth_free` "
+        "stands for `pose` and `embedding` where objects are upright and turned in unknown ways",
     )
     waves: int = Field(
         300, ge=1, le=5000, description="Random waves of the kernel mean embedding of the poses"

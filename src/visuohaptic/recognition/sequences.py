@@ -143,6 +143,36 @@ def gather_any(
     return [np.stack(by_length[length]) for length in sorted(by_length, reverse=True)]
 
 
+def turn_objects(features: pa.Table, turns: str) -> pa.Table:
+    """Turn the poses of each object's touches, ``vertical`` or ``any``, by a rotation of its own.
+
+    The rotation depends on the object's key alone; every other column stays.
+    """
+    from scipy.spatial.transform import Rotation
+
+    from visuohaptic.seeds import spawn_generator
+
+    if turns == "none":
+        return features
+    owners = np.array(["/".join(owner) for owner in owners_of(features)])
+    found = {}
+    for key in np.unique(owners):
+        generator = spawn_generator(0, "turns", key)
+        found[key] = (
+            Rotation.from_euler("y", generator.uniform(0, 2 * np.pi))
+            if turns == "vertical"
+            else Rotation.random(rng=generator)
+        )
+    for names in (("x", "y", "z"), ("normal_x", "normal_y", "normal_z")):
+        values = matrix(features, names)
+        for key, rotation in found.items():
+            values[owners == key] = rotation.apply(values[owners == key])
+        for name, column in zip(names, values.T, strict=True):
+            place = features.schema.get_field_index(name)
+            features = features.set_column(place, features.schema.field(name), [column])
+    return features
+
+
 def spread_contact_states(features: pa.Table) -> pa.Table:
     """Turn column ``contact_state``, if there, into ``contact_full``, ``contact_shrunk``, … of 0, 1."""
     if "contact_state" not in features.column_names:
