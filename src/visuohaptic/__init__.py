@@ -14,6 +14,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     submod_attrs={
         "errors": ["VisuohapticError"],
         "exploration.exploring": ["Exploration", "TouchableObject", "load", "touch"],
+        "exploration.pressing": ["Pressed", "press"],
         "exploration.recognising": ["Recogniser", "Recognition", "read_recogniser"],
         "parameters": ["read_parameters"],
     },

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from recognition.synthetic import features_table
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.descriptors import (
@@ -12,7 +13,10 @@ from visuohaptic.recognition.descriptors import (
     embed_poses,
     pose_coordinates,
 )
+from visuohaptic.recognition.experiment import PAPER_FEATURES
 from visuohaptic.recognition.parameters import BestParameters
+from visuohaptic.recognition.sequences import gather_sequences, turn_objects
+from visuohaptic.tables.schema import matrix
 
 PARAMETERS = BestParameters()
 NAMES = ("contourlet_01", "imprint_mean", "sensor_size", "contact_full", *POSE)
@@ -131,3 +135,34 @@ def test_columns_that_a_table_lacks_are_left_out_or_named():
         describe(values, POSE, BestParameters(cues=("imprint",)))
     with pytest.raises(RecognitionError, match="normal_z of the pose"):
         describe(values[..., :-1], POSE[:-1])
+
+
+def test_azimuth_free_descriptors_do_not_feel_a_turn_about_the_vertical():
+    generator = np.random.default_rng(3)
+    table = features_table(objects=(2, 2), seed=3)
+    best = BestParameters(cues=("contourlet", "relations", "azimuth_free"))
+    waves = draw_waves(best, generator)
+    found = []
+    for turns in ("none", "vertical", "any"):
+        turned = turn_objects(table, turns)
+        sequences = gather_sequences(turned, PAPER_FEATURES, 5)
+        found.append(describe_sequences(sequences.features, PAPER_FEATURES, waves, best))
+    np.testing.assert_allclose(found[1], found[0], atol=1e-9)
+    assert np.abs(found[2] - found[0]).max() > 0.1
+
+
+def test_objects_are_turned_as_a_whole_and_each_in_its_own_way():
+    table = features_table(objects=(2, 2), seed=3)
+    names = ["x", "y", "z"]
+    for turns in ("vertical", "any"):
+        turned = turn_objects(table, turns)
+        before, after = matrix(table, names), matrix(turned, names)
+        np.testing.assert_allclose((after**2).sum(axis=1), (before**2).sum(axis=1), atol=1e-12)
+        np.testing.assert_allclose(
+            after[:20] @ after[:20].T, before[:20] @ before[:20].T, atol=1e-12
+        )
+        assert not np.allclose(after[:20] @ after[20:40].T, before[:20] @ before[20:40].T)
+        assert turned.drop_columns([*names, "normal_x", "normal_y", "normal_z"]).equals(
+            table.drop_columns([*names, "normal_x", "normal_y", "normal_z"])
+        )
+    np.testing.assert_allclose(matrix(turn_objects(table, "vertical"), ["y"]), matrix(table, ["y"]))

@@ -133,3 +133,35 @@ def test_contact_states_and_sensor_sizes_are_used_where_a_table_has_them():
     assert {"sensor_size", "contact_full", "contact_blocked"} <= set(model.feature_names)
     assert recognition.run_pipeline(table, PARAMETERS, 1, "paper")[0].num_rows == 9 * 5
     model.recognise(rows_of(table, "class0", "object0"))
+
+
+@pytest.mark.parametrize("touches", [1, 2, 7])
+def test_any_number_of_touches_gets_an_answer(touches):
+    longer = features_table(objects=(4, 4), touches=touches, separation=3.0, seed=7)
+    model = recognition.fit_model(TABLE, "best", "linear_discriminant", PARAMETERS, 1)
+    unseen = rows_of(longer, "class1", "object3")
+    one_view = recognition.select(unseen, viewpoint=0)
+    for rows in (unseen, one_view):
+        answer = model.recognise(rows)
+        assert sum(answer.values()) == pytest.approx(1)
+        assert next(iter(answer)) == "class1"
+
+
+def test_no_touch_is_refused_in_a_sentence():
+    model = recognition.fit_model(TABLE, "best", "naive_bayes", PARAMETERS, 1)
+    with pytest.raises(RecognitionError, match="There is no touch"):
+        model.recognise(TABLE.slice(0, 0))
+
+
+def test_a_model_of_the_first_format_is_read_and_answers_by_mean_probability(tmp_path):
+    without = PARAMETERS.model_copy(
+        update={"best": PARAMETERS.best.model_copy(update={"bags": ()})}
+    )
+    model = recognition.fit_model(TABLE, "best", "support_vector_machine", without, 1)
+    recognition.save_model(model, tmp_path / "a.skops")
+    state = skops.io.loads((tmp_path / "a.skops").read_bytes())
+    state["format"] = "visuohaptic recognition model 1"
+    del state["bags"]
+    (tmp_path / "b.skops").write_bytes(skops.io.dumps(state))
+    rows = rows_of(TABLE, "class1", "object2")
+    assert recognition.load_model(tmp_path / "b.skops").recognise(rows) == model.recognise(rows)

@@ -17,15 +17,17 @@ from visuohaptic.recognition.classifiers import (
 )
 from visuohaptic.recognition.covariance import ShrunkCovariance
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.tuning import (
+from visuohaptic.recognition.pooling import (
     LEAST_SCORE,
     TEMPERATURES,
     best_temperature,
+    softmax,
+)
+from visuohaptic.recognition.tuning import (
     class_scores,
     fit_projection,
     fit_tuned_classifier,
     make_inner_folds,
-    softmax,
 )
 from visuohaptic.registry import Registry
 
@@ -226,21 +228,29 @@ def test_the_same_rows_are_projected_once_and_others_are_not_mistaken_for_them(m
         tuning, "fit_projection", lambda *values: projected.append(values) or original(*values)
     )
     rows, labels = np.random.default_rng(0).normal(size=(8, 5)), np.arange(8) % 2
+    owners, best = np.arange(8), BestParameters(components=3)
     memory = tuning.FitMemory()
-    first = memory.fits(rows, labels, 3)
-    assert memory.fits(rows.copy(), labels.copy(), 3) is first
-    others = [(rows + 1e-15, labels, 3), (rows, 1 - labels, 3), (rows, labels, 2)]
+    first = memory.fits(rows, labels, owners, best)
+    assert memory.fits(rows.copy(), labels.copy(), owners.copy(), best) is first
+    others = [
+        (rows + 1e-15, labels, owners, best),
+        (rows, 1 - labels, owners, best),
+        (rows, labels, owners // 2, best),
+        (rows, labels, owners, BestParameters(components=2)),
+        (rows, labels, owners, BestParameters(components=3, bags=())),
+    ]
     assert all(memory.fits(*other) is not first for other in others)
-    assert len(projected) == 4
+    assert len(projected) == 6
 
 
 def test_memory_lets_the_oldest_go():
     memory = tuning.FitMemory(sequences=20)
     tables = [np.random.default_rng(seed).normal(size=(8, 5)) for seed in range(3)]
     labels = np.arange(8) % 2
-    kept = [memory.fits(table, labels, 3) for table in tables]
-    assert memory.fits(tables[2], labels, 3) is kept[2]
-    assert memory.fits(tables[0], labels, 3) is not kept[0]
+    rest = labels, np.arange(8), BestParameters()
+    kept = [memory.fits(table, *rest) for table in tables]
+    assert memory.fits(tables[2], *rest) is kept[2]
+    assert memory.fits(tables[0], *rest) is not kept[0]
 
 
 def test_a_covariance_is_shrunk_as_scikit_learn_does_it():

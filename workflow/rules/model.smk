@@ -1,7 +1,8 @@
 """Model: features of all objects → the recognition model that `visuohaptic recognise` loads.
 
 Takes results/features/; gives results/models/best.skops, which holds no code, and
-results/models/best.yaml, the parameters with which its touches were made.
+results/models/best.yaml, the parameters with which its touches were made. `certainty_all` measures how far the answers
+of such models can be relied on: results/certainty.parquet and reports/certainty.json.
 """
 
 
@@ -10,6 +11,36 @@ rule model_all:
         "results/models/best.skops",
         "results/models/best.yaml",
         "results/records/model.json",
+
+
+rule certainty_all:
+    input:
+        "results/certainty.parquet",
+        "reports/certainty.json",
+        "results/records/certainty.json",
+
+
+rule certainty:
+    input:
+        features=parts_of("features"),
+        code=code_of("certainty.py"),
+    output:
+        table="results/certainty.parquet",
+        metrics="reports/certainty.json",
+        record="results/records/certainty.json",
+    log:
+        "logs/certainty.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        classifier="support_vector_machine",
+        strategies=PARAMETERS.probing.strategies,
+        recognition=PARAMETERS.recognition.model_dump(exclude={"pipelines"}),
+        seed=PARAMETERS.seed,
+    message:
+        "naming known and unknown objects by models that lack a class"
+    script:
+        "../scripts/certainty.py"
 
 
 rule model:

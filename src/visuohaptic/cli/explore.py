@@ -163,7 +163,7 @@ def recognise(
         return explored.recognise(recogniser)
 
     def say_one(mesh: Path, found: Recognition) -> None:
-        say(f"{mesh}: {found.name}, {100 * found.probabilities[found.name]:.1f} %")
+        say(_answer_line(mesh, found))
         for name, value in found.probabilities.items():
             say(f"  {name:<20} {100 * value:5.1f} %")
         views = found.exploration.views.num_rows
@@ -180,8 +180,26 @@ def recognise(
         classifier = recogniser.model.classifier.replace("_", " ")
         say(
             f"{model}: {classifier}, which learnt {learnt} objects of {classes} classes; "
-            "an object of another class is named one of these all the same"
+            + (
+                "an object of another class is named one of these all the same"
+                if recogniser.model.calibration is None
+                else "an object that is stranger than nearly all of these is called unknown"
+            )
         )
+
+
+def _answer_line(mesh: Path, found: Recognition) -> str:
+    likeliest = next(iter(found.probabilities))
+    if found.strangeness is None or found.coverage is None:
+        return f"{mesh}: {found.name}, {100 * found.probabilities[likeliest]:.1f} %"
+    stranger = f"stranger than {100 * found.strangeness:.0f} % of known objects"
+    if found.unknown:
+        return f"{mesh}: {found.name}, {stranger}; the nearest known class is {likeliest}"
+    named = ", ".join(found.candidates or ()) or "none"
+    return (
+        f"{mesh}: {found.name}, {100 * found.probabilities[likeliest]:.1f} %; "
+        f"in {100 * found.coverage:g} % of cases one of: {named}; {stranger}"
+    )
 
 
 def _each(
@@ -299,6 +317,10 @@ def _recognition_values(mesh: Path, model: Path, found: Recognition) -> dict[str
         "model": model,
         "class": found.name,
         "probabilities": dict(found.probabilities),
+        "candidates": None if found.candidates is None else list(found.candidates),
+        "coverage": found.coverage,
+        "unknown": found.unknown,
+        "strangeness": found.strangeness,
         "strategy": found.exploration.strategy,
         "viewpoints": found.exploration.views.num_rows,
         "touches": found.touches,

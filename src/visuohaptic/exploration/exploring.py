@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from visuohaptic.errors import MeshError, ParameterError
 from visuohaptic.exploration.recognising import (
     DEFAULT_MODEL,
+    UNKNOWN,
     Recogniser,
     Recognition,
     check_alike,
@@ -208,7 +209,7 @@ class Exploration:
         Returns
         -------
         Recognition
-            The likeliest class, and how likely each is.
+            The likeliest class, how likely each is, and how sure that is.
 
         Raises
         ------
@@ -218,10 +219,20 @@ class Exploration:
         recogniser = model if isinstance(model, Recogniser) else read_recogniser(model)
         check_alike(self, recogniser)
         started = time.perf_counter()
-        probabilities = recogniser.model.recognise(self.features)
+        found = recogniser.model.answer(self.features)
         seconds = {**self.seconds, "name": time.perf_counter() - started}
-        used = recogniser.model.touches * self.views.num_rows
-        return Recognition(next(iter(probabilities)), probabilities, self, used, seconds)
+        name = UNKNOWN if found.unknown else next(iter(found.probabilities))
+        return Recognition(
+            name,
+            found.probabilities,
+            self,
+            self.features.num_rows,
+            seconds,
+            found.candidates,
+            found.strangeness,
+            found.unknown,
+            found.coverage,
+        )
 
     def picture(self) -> Image:
         """Draw the views with the numbered touches and the sensor's squares, and the imprints.

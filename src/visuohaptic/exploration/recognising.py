@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from visuohaptic.parameters import ExperimentParameters
     from visuohaptic.recognition.model import RecognitionModel
 
+UNKNOWN = "unknown"
+"""The name of an object that is of no class that the model knows."""
+
 DEFAULT_MODEL = Path("results/models/best.skops")
 """Where the workflow leaves its recognition model."""
 
@@ -28,7 +31,7 @@ class Recognition:
     Attributes
     ----------
     name : str
-        The likeliest class.
+        The likeliest class, or ``unknown`` where the object is of no class that the model knows.
     probabilities : mapping of str to float
         Of every class that the model knows, the likeliest first.
     exploration : Exploration
@@ -37,6 +40,15 @@ class Recognition:
         Touches that the answer rests on.
     seconds : mapping of str to float
         What each phase took: prepare, look, touch, describe, name.
+    candidates : tuple of str or None
+        The prediction set, the likeliest first: of objects of known classes, the share `coverage` has
+        its class in it. None, as all that follows, where the model is not calibrated.
+    strangeness : float or None
+        The share of known objects, this one counted among them, that are less strange than it.
+    unknown : bool or None
+        Whether that is more than `coverage`.
+    coverage : float or None
+        The stated share.
     """
 
     name: str
@@ -44,17 +56,25 @@ class Recognition:
     exploration: Exploration
     touches: int
     seconds: Mapping[str, float]
+    candidates: tuple[str, ...] | None = None
+    strangeness: float | None = None
+    unknown: bool | None = None
+    coverage: float | None = None
 
     def __repr__(self) -> str:
         from visuohaptic.exploration.showing import probability_line
 
         line = probability_line(self.probabilities)
+        if self.unknown:
+            line = f"{UNKNOWN} ({line})"
         return f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches>"
 
     def _repr_html_(self) -> str:
         from visuohaptic.exploration.showing import probability_table
 
-        return probability_table(self.exploration.key, self.probabilities, self.touches)
+        key = self.exploration.key
+        named = f"{key}: {UNKNOWN}" if self.unknown else key
+        return probability_table(named, self.probabilities, self.touches)
 
 
 @dataclass(frozen=True, eq=False)

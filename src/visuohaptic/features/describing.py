@@ -42,7 +42,7 @@ def describe_imprints(
     ParameterError
         If imprints of this resolution can't be divided into 16 bands.
     """
-    from visuohaptic.contourlet import LevelsError, directional_deviations, wavelet_deviations
+    from visuohaptic.contourlet import Contourlet, LevelsError, band_deviations, wavelet_deviations
 
     if parameters.descriptor == "image_statistics":
         return describe_imprint_shape(imprints)
@@ -51,14 +51,16 @@ def describe_imprints(
     if parameters.descriptor == "nonsubsampled_contourlet":
         return nonsubsampled_deviations(imprints)
     try:
-        return directional_deviations(
-            imprints,
-            directions_log2=4,
-            pyramid_filter=parameters.pyramid_filter,
-            directional_filter=parameters.directional_filter,
-            extension=parameters.extension,
+        transform = Contourlet(
+            parameters.levels,
+            parameters.pyramid_filter,
+            parameters.directional_filter,
+            parameters.extension,
         )
-    except LevelsError:
+        return band_deviations(imprints, transform)
+    except LevelsError as error:
+        if parameters.levels != (4,):
+            raise ParameterError(f"sensor.resolution or features.levels: {error}") from None
         raise ParameterError(
             f"sensor.resolution is {imprints.shape[1]}; multiples of 8, and odd numbers from 3 on, "
             "are allowed, as a contourlet divides the imprint into 16 bands."

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+BANDS = 16
+"""Columns of a table of features for contourlet bands."""
 
 
 class FeatureParameters(BaseModel):
@@ -19,6 +22,12 @@ class FeatureParameters(BaseModel):
             "nonsubsampled contourlet, of 9 bands of a wavelet (db2, three levels), or 13 statistics of the imprint",
         )
     )
+    levels: tuple[Annotated[int, Field(ge=0, le=4)], ...] = Field(
+        (4,),
+        min_length=1,
+        description="Directions of each pyramid level as powers of two, the coarsest first; up to 16 bands "
+        "together, such as 2, 2, 3 (descriptor `contourlet` only)",
+    )
     pyramid_filter: Literal["9-7", "5-3", "haar"] = Field(
         "9-7", description="Filters of the Laplacian pyramid"
     )
@@ -29,3 +38,13 @@ class FeatureParameters(BaseModel):
         "periodic",
         description="How an imprint continues beyond its borders; the authors' toolbox has `periodic`",
     )
+
+    @field_validator("levels")
+    @classmethod
+    def _check_bands(cls, levels: tuple[int, ...]) -> tuple[int, ...]:
+        bands = sum(2**level for level in levels)
+        if bands > BANDS:
+            raise ValueError(
+                f"{bands} bands are more than the {BANDS} that a table has columns for"
+            )
+        return levels

@@ -8,11 +8,14 @@ from .summary import Confusion as Confusion
 from .summary import confusion as confusion
 from .summary import select as select
 from .summary import summarise as summarise
+from .touch_classifier import TouchClassifier as TouchClassifier
+from .touch_classifier import touch_descriptors as touch_descriptors
 
 __all__ = [
     "Confusion",
     "RecognitionModel",
     "RecognitionParameters",
+    "TouchClassifier",
     "confusion",
     "fit_model",
     "load_model",
@@ -20,4 +23,5 @@ __all__ = [
     "save_model",
     "select",
     "summarise",
+    "touch_descriptors",
 ]

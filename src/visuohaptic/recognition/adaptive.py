@@ -18,9 +18,9 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.descriptors import LEAST_SIZE, POSE
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters
+from visuohaptic.recognition.pooling import best_temperature
 from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
 from visuohaptic.recognition.splits import Split
-from visuohaptic.recognition.tuning import best_temperature
 from visuohaptic.tables.schema import matrix
 
 WORDS = 16

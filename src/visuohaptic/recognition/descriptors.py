@@ -103,6 +103,7 @@ def describe_sequences(
         "pose": lambda: statistics(pose_coordinates(points, normals)),
         "relations": lambda: describe_relations(points, normals),
         "embedding": lambda: embed_poses(points, normals, waves),
+        "azimuth_free": lambda: _describe_azimuth_free(points, normals, waves),
     }
     described = np.concatenate([makers[cue]() for cue in parameters.cues], axis=1)
     if not described.shape[1]:
@@ -147,6 +148,39 @@ def pose_coordinates(
         [points, normals, np.abs(points[..., ::2]), np.abs(normals), np.stack(free, axis=-1)],
         axis=-1,
     )
+
+
+def azimuth_free_coordinates(
+    points: NDArray[np.float64], normals: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Turn each touch about the upright axis into the plane of x and y, and mirror it to one side.
+
+    Parameters
+    ----------
+    points, normals : numpy.ndarray
+        Shape (s, t, 3) each, float64.
+
+    Returns
+    -------
+    points, normals : numpy.ndarray
+        Shape (s, t, 3) each, float64: distance from the axis, height, 0; the normal's part away from
+        the axis, upwards, and the size of that around it.
+    """
+    axial = np.hypot(points[..., 0], points[..., 2])
+    way = points[..., ::2] / np.maximum(axial, LEAST_SIZE)[..., None]
+    away = (way * normals[..., ::2]).sum(axis=-1)
+    around = np.abs(way[..., 0] * normals[..., 2] - way[..., 1] * normals[..., 0])
+    placed = np.stack([axial, points[..., 1], np.zeros_like(axial)], axis=-1)
+    return placed, np.stack([away, normals[..., 1], around], axis=-1)
+
+
+def _describe_azimuth_free(
+    points: NDArray[np.float64], normals: NDArray[np.float64], waves: WaveBasis
+) -> NDArray[np.float64]:
+    placed, turned = azimuth_free_coordinates(points, normals)
+    coordinates = np.concatenate([placed[..., :2], turned], axis=-1)
+    embedded = embed_poses(placed, turned, waves)
+    return np.concatenate([statistics(coordinates), embedded], axis=1)
 
 
 def describe_relations(

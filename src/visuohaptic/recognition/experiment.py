@@ -23,9 +23,10 @@ from visuohaptic.recognition.sequences import (
     gather_sequences,
     identical_objects,
     spread_contact_states,
+    turn_objects,
 )
 from visuohaptic.recognition.splits import Split, make_splits
-from visuohaptic.recognition.voting import soft_vote, vote_credit
+from visuohaptic.recognition.voting import vote_credit
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import (
     CONTOURLET_FEATURES,
@@ -36,6 +37,7 @@ from visuohaptic.tables.phases import (
 from visuohaptic.tables.schema import build_table
 
 if TYPE_CHECKING:
+    from visuohaptic.recognition.pooling import Ballots
     from visuohaptic.recognition.tuning import FitMemory
 
 logger = logging.getLogger(__name__)
@@ -59,14 +61,14 @@ class Answer:
         Shape (n,), int64: the class named for each test sequence.
     note : str or None
         What the classifier needed to be fitted.
-    probabilities : numpy.ndarray or None
-        Shape (n, c), float64, where the pipeline gives probabilities.
+    ballots : Ballots or None
+        What is known of the test sequences, where the pipeline gives probabilities.
     """
 
     classifier: ClassifierName
     predicted: NDArray[np.int64]
     note: str | None
-    probabilities: NDArray[np.float64] | None = None
+    ballots: Ballots | None = None
 
 
 def run_pipeline(
@@ -166,6 +168,7 @@ def gather_pipeline(
     pipeline, or the features don't allow it.
     """
     bands = _described(features)
+    features = turn_objects(features, parameters.protocol.turns)
     if pipeline == "paper":
         cues = {"cutaneous": bands, "kinesthetic": KINESTHETIC_FEATURES}
         names = [name for cue, names in cues.items() if cue in parameters.cues for name in names]
@@ -265,10 +268,10 @@ def run_best_split(
     )
     tested = projection.apply(described[split.test])
     for name, classifier, note in fits:
-        probabilities = classifier.probabilities(tested)
+        ballots = classifier.ballots(tested)
         chosen = f"chosen by inner folds: {classifier.setting}"
         notes = "; ".join(filter(None, (chosen, note)))
-        yield Answer(name, probabilities.argmax(axis=1), notes, probabilities)
+        yield Answer(name, ballots.alone().argmax(axis=1), notes, ballots)
 
 
 class _Record:
@@ -340,19 +343,18 @@ def _vote(
     owners: NDArray[np.int64], answer: Answer, true_class: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Give the class voted for each sequence's object (-1 without probabilities), and credits."""
-    if answer.probabilities is None:
+    if answer.ballots is None:
         _, credit = vote_credit(owners, answer.predicted, true_class)
         return np.full(len(owners), -1), credit
     present, row = np.unique(owners, return_inverse=True)
-    voted = soft_vote(row, answer.probabilities)
+    voted = answer.ballots.together(owners == present[:, None]).argmax(axis=1)
     return voted[row], (voted == true_class[present]).astype(np.float64)
 
 
 def _named_probability(answer: Answer) -> NDArray[np.object_]:
-    if answer.probabilities is None:
+    if answer.ballots is None:
         return np.full(len(answer.predicted), None, dtype=object)
-    named = answer.probabilities[np.arange(len(answer.predicted)), answer.predicted]
-    return named.astype(object)
+    return answer.ballots.alone().max(axis=1).astype(object)
 
 
 def _twins_note(sequences: TouchSequences) -> str | None:

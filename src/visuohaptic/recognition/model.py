@@ -14,6 +14,12 @@ from numpy.typing import NDArray
 
 from visuohaptic import __version__
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.certainty import (
+    Calibration,
+    Landmarks,
+    fit_calibration,
+    one_classifier,
+)
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.descriptors import (
     WaveBasis,
@@ -28,18 +34,20 @@ from visuohaptic.recognition.encoding import (
 )
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
+from visuohaptic.recognition.pooling import BagClassifier, Combination
 from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
 from visuohaptic.recognition.sequences import (
     TouchSequences,
-    gather_sequences,
+    gather_any,
     spread_contact_states,
-    whole_sequences,
 )
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.whole_files import whole_file
 
-FORMAT = "visuohaptic recognition model 1"
+FORMAT = "visuohaptic recognition model 2"
+OLDER_FORMAT = "visuohaptic recognition model 1"
+"""Models without a classifier of bags."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,31 @@ class SequenceDescriber:
         """Give what the classifier sees: (s, t, k) to (s, q)."""
         described = describe_sequences(sequences, self.names, self.waves, self.parameters)
         return self.projection.apply(described)
+
+
+@dataclass(frozen=True)
+class ModelAnswer:
+    """What a model says of one object.
+
+    Attributes
+    ----------
+    probabilities : dict of str to float
+        Of each class, the likeliest first.
+    candidates : tuple of str or None
+        The prediction set, the likeliest first; None, as all that follows, without a calibration.
+    strangeness : float or None
+        Share of the training objects' kind that is less strange, between 0 and 1.
+    unknown : bool or None
+        Whether the object is of no class that the model knows.
+    coverage : float or None
+        The share of objects of known classes that the set and the word unknown are right about.
+    """
+
+    probabilities: dict[str, float]
+    candidates: tuple[str, ...] | None = None
+    strangeness: float | None = None
+    unknown: bool | None = None
+    coverage: float | None = None
 
 
 @dataclass(frozen=True)
@@ -81,6 +114,9 @@ class RecognitionModel:
         From touches to what the classifier sees.
     tuned : TunedClassifier
         The classifier.
+    calibration : Calibration or None
+        Training objects, each named without itself; None in pipeline `paper`, in models of the first
+        format, and where no class has a second object.
     """
 
     pipeline: str
@@ -94,6 +130,7 @@ class RecognitionModel:
     versions: Mapping[str, str]
     encoder: SequenceEncoder | SequenceDescriber
     tuned: TunedClassifier
+    calibration: Calibration | None = None
 
     def probabilities(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
         """Give class probabilities (s, c) of sequences (s, t, k), features as in `feature_names`.
@@ -103,7 +140,10 @@ class RecognitionModel:
         return self.tuned.probabilities(self.encoder.encode(features))
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
-        """Name one object from all its sequences together.
+        """Name one object from all its touches together, however many there are.
+
+        A viewpoint with more touches than the model's sequences have counts as several sequences; one
+        with fewer as a short one.
 
         Parameters
         ----------
@@ -113,24 +153,51 @@ class RecognitionModel:
         Returns
         -------
         dict of str to float
-            Mean probability of each class over the whole sequences, the likeliest first.
+            Probability of each class, the likeliest first.
 
         Raises
         ------
         RecognitionError
-            If the table lacks a feature, or no viewpoint has as many touches as the model needs.
+            If the table lacks a feature, or there is no touch, or, in pipeline `paper`, no viewpoint
+            has as many touches as the model needs.
         """
-        whole, _ = whole_sequences(features, self.touches)
-        if not whole.num_rows:
+        return self.answer(features).probabilities
+
+    def answer(self, features: pa.Table) -> ModelAnswer:
+        """Name one object from all its touches together, and say how sure that is.
+
+        Takes and raises what `recognise` does.
+        """
+        encoded = self._encode(features)
+        everything = np.ones((1, len(encoded)), dtype=bool)
+        found = self.tuned.ballots(encoded).together(everything)[0]
+        order = np.argsort(-found, kind="stable")
+        probabilities = {self.classes[place]: float(found[place]) for place in order}
+        if self.calibration is None:
+            return ModelAnswer(probabilities)
+        coverage = self.parameters.best.coverage
+        certainty = self.calibration.assess(self.tuned, encoded, found, coverage)
+        return ModelAnswer(
+            probabilities,
+            tuple(self.classes[place] for place in order if certainty.candidates[place]),
+            certainty.strangeness,
+            certainty.unknown,
+            coverage,
+        )
+
+    def _encode(self, features: pa.Table) -> NDArray[np.float64]:
+        """Give what the classifier sees of all sequences of one object, shape (s, q)."""
+        if not features.num_rows:
+            raise RecognitionError("There is no touch; an object is named from one touch on.")
+        parts = gather_any(spread_contact_states(features), self.feature_names, self.touches)
+        if self.pipeline == "paper":  # its wavelet needs whole sequences
+            parts = [part for part in parts if part.shape[1] == self.touches]
+        if not parts:
             raise RecognitionError(
                 f"No viewpoint has {self.touches} touches, which the model needs: the object is too "
                 "slender in all views."
             )
-        spread = spread_contact_states(whole)
-        sequences = gather_sequences(spread, self.feature_names, self.touches)
-        mean = self.probabilities(sequences.features).mean(axis=0)
-        order = np.argsort(-mean, kind="stable")
-        return {self.classes[place]: float(mean[place]) for place in order}
+        return np.concatenate([self.encoder.encode(part) for part in parts])
 
 
 def fit_model(
@@ -173,12 +240,12 @@ def fit_model(
             f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
             f"distinguish them."
         )
-    fitters: dict[str, Callable[..., tuple[Any, TunedClassifier]]] = {
+    fitters: dict[str, Callable[..., tuple[Any, TunedClassifier, Calibration | None]]] = {
         "paper": _fit_paper,
         "best": _fit_best,
     }
     with threadpool_limits(limits=1):
-        encoder, tuned = fitters[pipeline](sequences, classifier, parameters, seed)
+        encoder, tuned, calibration = fitters[pipeline](sequences, classifier, parameters, seed)
     return RecognitionModel(
         pipeline=pipeline,
         strategy=features.column("strategy")[0].as_py(),
@@ -191,6 +258,7 @@ def fit_model(
         versions=_versions(),
         encoder=encoder,
         tuned=tuned,
+        calibration=calibration,
     )
 
 
@@ -231,6 +299,8 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
         "estimator": estimator,
         "temperature": model.tuned.temperature,
         "setting": model.tuned.setting,
+        "bags": _bags_state(model.tuned),
+        "calibration": _calibration_state(model.calibration),
     }
     content = skops.io.dumps(state)
     unsafe = skops.io.get_untrusted_types(data=content)
@@ -275,7 +345,7 @@ def load_model(path: str | Path) -> RecognitionModel:
         raise RecognitionError(
             f"{path} can't be read as a recognition model ({error}); train it again."
         ) from error
-    if not isinstance(state, dict) or state.get("format") != FORMAT:
+    if not isinstance(state, dict) or state.get("format") not in (FORMAT, OLDER_FORMAT):
         raise RecognitionError(f"{path} is no {FORMAT!r}; train it again with this version.")
     return _model_of(state)
 
@@ -284,6 +354,7 @@ def _model_of(state: dict[str, Any]) -> RecognitionModel:
     parameters = RecognitionParameters.model_validate_json(state["parameters"])
     classes = tuple(state["classes"])
     names = tuple(state["feature_names"])
+    bags, combination = _bags_of(state.get("bags"))
     return RecognitionModel(
         pipeline=state["pipeline"],
         strategy=state["strategy"],
@@ -296,8 +367,14 @@ def _model_of(state: dict[str, Any]) -> RecognitionModel:
         versions=state["versions"],
         encoder=_encoder_of(state["encoder"], names, parameters),
         tuned=TunedClassifier(
-            state["estimator"], state["temperature"], len(classes), state["setting"]
+            state["estimator"],
+            state["temperature"],
+            len(classes),
+            state["setting"],
+            bags,
+            combination,
         ),
+        calibration=_calibration_of(state.get("calibration")),
     )
 
 
@@ -306,7 +383,7 @@ def _fit_paper(
     classifier: ClassifierName,
     parameters: RecognitionParameters,
     seed: int,
-) -> tuple[SequenceEncoder, TunedClassifier]:
+) -> tuple[SequenceEncoder, TunedClassifier, None]:
     from visuohaptic.recognition.classifiers import fit_classifier
 
     generator = spawn_generator(seed, "recognition", "model", "paper")
@@ -318,7 +395,7 @@ def _fit_paper(
         sequences.labels,
         generator,
     )
-    return encoder, TunedClassifier(fitted, 1.0, len(sequences.classes), "")
+    return encoder, TunedClassifier(fitted, 1.0, len(sequences.classes), ""), None
 
 
 def _fit_best(
@@ -326,21 +403,16 @@ def _fit_best(
     classifier: ClassifierName,
     parameters: RecognitionParameters,
     seed: int,
-) -> tuple[SequenceDescriber, TunedClassifier]:
+) -> tuple[SequenceDescriber, TunedClassifier, Calibration | None]:
     generator = spawn_generator(seed, "recognition", "model", "best")
     waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
     names = sequences.feature_names
     described = describe_sequences(sequences.features, names, waves, parameters.best)
-    one = parameters.best.model_copy(update={"classifiers": (classifier,)})
-    projection, [(_, tuned, _)] = fit_best_classifiers(
-        described,
-        sequences.labels,
-        sequences.object_index,
-        len(sequences.classes),
-        parameters.model_copy(update={"best": one}),
-        generator,
-    )
-    return SequenceDescriber(waves, names, parameters.best, projection), tuned
+    one = one_classifier(parameters, classifier)
+    training = (described, sequences.labels, sequences.object_index, len(sequences.classes), one)
+    projection, [(_, tuned, _)] = fit_best_classifiers(*training, generator)
+    calibration = fit_calibration(*training, projection, generator)
+    return SequenceDescriber(waves, names, parameters.best, projection), tuned, calibration
 
 
 def _encoder_state(encoder: SequenceEncoder | SequenceDescriber) -> dict[str, Any]:
@@ -383,6 +455,50 @@ def _encoder_of(
         parameters.sequence,
         scaling,
     )
+
+
+def _bags_state(tuned: TunedClassifier) -> dict[str, Any] | None:
+    bags, combination = tuned.bags, tuned.combination
+    if bags is None or combination is None:
+        return None
+    return {
+        "coefficients": bags.coefficients,
+        "intercepts": bags.intercepts,
+        "trained": bags.trained,
+        "scales": list(combination.scales),
+        "views": combination.views,
+        "temperatures": combination.temperatures,
+        "known": combination.known,
+    }
+
+
+def _bags_of(state: dict[str, Any] | None) -> tuple[BagClassifier | None, Combination | None]:
+    if state is None:
+        return None, None
+    bags = BagClassifier(state["coefficients"], state["intercepts"], state["trained"])
+    first, second = state["scales"]
+    combination = Combination(
+        (first, second), state["views"], state["temperatures"], state["known"]
+    )
+    return bags, combination
+
+
+def _calibration_state(calibration: Calibration | None) -> dict[str, Any] | None:
+    if calibration is None:
+        return None
+    return {
+        "views": calibration.views,
+        "labels": calibration.labels,
+        "misfits": calibration.misfits,
+        "evidence": calibration.evidence,
+        "landmarks": calibration.landmarks.objects,
+    }
+
+
+def _calibration_of(state: dict[str, Any] | None) -> Calibration | None:
+    if state is None:
+        return None
+    return Calibration(**{**state, "landmarks": Landmarks(state["landmarks"])})
 
 
 def _versions() -> dict[str, str]:

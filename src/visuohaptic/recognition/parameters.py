@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from visuohaptic.recognition.classifiers import ClassifierName, ClassifierParameters
 
-Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding"]
+Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding", "azimuth_free"]
 """Groups of descriptors: what the skin tells, what the sensor does, where it is."""
 
 ExtensionMode = Literal[
@@ -106,6 +106,11 @@ class ProtocolParameters(_Section):
     folds: int = Field(
         5, ge=2, description="Folds of `grouped_folds` and of `new_viewpoint`, at most"
     )
+    turns: Literal["none", "vertical", "any"] = Field(
+        "none",
+        description="How the poses of each object's touches are turned at random before training and "
+        "testing: not, about the vertical, or over all rotations; the touches themselves stay",
+    )
     repeats: int = Field(
         1, ge=1, le=1000, description="How often everything is repeated with another seed"
     )
@@ -144,7 +149,8 @@ class BestParameters(_Section):
     cues: tuple[Cue, ...] = Field(
         ("contourlet", "imprint", "sensor", "pose", "relations", "embedding"),
         min_length=1,
-        description="Groups of descriptors; those whose columns a table lacks are left out",
+        description="Groups of descriptors; those whose columns a table lacks are left out; `azimuth_free` "
+        "stands for `pose` and `embedding` where objects are upright and turned in unknown ways",
     )
     waves: int = Field(
         300, ge=1, le=5000, description="Random waves of the kernel mean embedding of the poses"
@@ -161,6 +167,29 @@ class BestParameters(_Section):
         64,
         ge=1,
         description="Principal components of the descriptors that classifiers see, at most",
+    )
+    bags: tuple[Annotated[int, Field(ge=1)], ...] = Field(
+        (1, 2, 4, 8, 16),
+        description="Viewpoints in the bags from which a linear discriminant learns, which answers beside "
+        "each classifier; with none each classifier answers alone",
+    )
+    bag_components: int = Field(
+        256, ge=1, description="Principal components that the discriminant of bags sees, at most"
+    )
+    bag_weight: float = Field(
+        2.0, gt=0, description="How much more the discriminant of bags counts than the classifier"
+    )
+    coverage: float = Field(
+        0.9,
+        gt=0,
+        lt=1,
+        description="Share of objects of known classes whose class is in the prediction set, and that "
+        "are not taken for objects of an unknown class",
+    )
+    calibration_folds: int = Field(
+        10,
+        ge=2,
+        description="Folds of training objects by which a model's prediction sets are calibrated, at most",
     )
     inner_folds: int = Field(
         2, ge=2, description="Folds of training objects that choose settings and temperature"

@@ -79,14 +79,7 @@ def gather_sequences(
         If there are no rows or more than one strategy, a sequence lacks a
         touch, or a feature is not finite.
     """
-    strategies = features.column("strategy").unique().to_pylist()
-    if len(strategies) != 1:
-        raise RecognitionError(
-            f"The features hold the strategies {strategies}; exactly one is allowed at a time."
-        )
-    missing = [name for name in feature_names if name not in features.column_names]
-    if missing:
-        raise RecognitionError(f"The features lack the columns {', '.join(missing)}.")
+    _check_columns(features, feature_names)
     keys = ["class", "object", "viewpoint", "touch"]
     features = features.sort_by([(key, "ascending") for key in keys])
     touch = features.column("touch").to_numpy()
@@ -111,6 +104,73 @@ def gather_sequences(
         object_index=np.array([places[owner] for owner in owners[::length]], dtype=np.int64),
         viewpoint=viewpoint[::length],
     )
+
+
+def gather_any(
+    features: pa.Table, feature_names: Sequence[str], touches: int
+) -> list[NDArray[np.float64]]:
+    """Gather all touches of one object into sequences of at most so many touches.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES` of one object and one strategy, in any order.
+    feature_names : sequence of str
+        The k columns to take.
+    touches : int
+        Touches of a whole sequence. A viewpoint with more gives several; what remains is a shorter one.
+
+    Returns
+    -------
+    list of numpy.ndarray
+        Shape (s, t, k) each, float64: all sequences of one length, the longest first.
+
+    Raises
+    ------
+    RecognitionError
+        If there is more than one strategy, a column is missing, or a feature is not finite.
+    """
+    _check_columns(features, feature_names)
+    features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
+    values = matrix(features, feature_names)
+    _check_finite(values[:, None], feature_names, owners_of(features))
+    _, starts = np.unique(features.column("viewpoint").to_numpy(), return_index=True)
+    by_length: dict[int, list[NDArray[np.float64]]] = {}
+    for part in np.split(values, starts[1:]):
+        for first in range(0, len(part), touches):
+            sequence = part[first : first + touches]
+            by_length.setdefault(len(sequence), []).append(sequence)
+    return [np.stack(by_length[length]) for length in sorted(by_length, reverse=True)]
+
+
+def turn_objects(features: pa.Table, turns: str) -> pa.Table:
+    """Turn the poses of each object's touches, ``vertical`` or ``any``, by a rotation of its own.
+
+    The rotation depends on the object's key alone; every other column stays.
+    """
+    from scipy.spatial.transform import Rotation
+
+    from visuohaptic.seeds import spawn_generator
+
+    if turns == "none":
+        return features
+    owners = np.array(["/".join(owner) for owner in owners_of(features)])
+    found = {}
+    for key in np.unique(owners):
+        generator = spawn_generator(0, "turns", key)
+        found[key] = (
+            Rotation.from_euler("y", generator.uniform(0, 2 * np.pi))
+            if turns == "vertical"
+            else Rotation.random(rng=generator)
+        )
+    for names in (("x", "y", "z"), ("normal_x", "normal_y", "normal_z")):
+        values = matrix(features, names)
+        for key, rotation in found.items():
+            values[owners == key] = rotation.apply(values[owners == key])
+        for name, column in zip(names, values.T, strict=True):
+            place = features.schema.get_field_index(name)
+            features = features.set_column(place, features.schema.field(name), [column])
+    return features
 
 
 def spread_contact_states(features: pa.Table) -> pa.Table:
@@ -138,6 +198,17 @@ def identical_objects(sequences: TouchSequences) -> list[tuple[str, str]]:
             pairs.append((first[content], name))
         first.setdefault(content, name)
     return pairs
+
+
+def _check_columns(features: pa.Table, feature_names: Sequence[str]) -> None:
+    strategies = features.column("strategy").unique().to_pylist()
+    if len(strategies) != 1:
+        raise RecognitionError(
+            f"The features hold the strategies {strategies}; exactly one is allowed at a time."
+        )
+    missing = [name for name in feature_names if name not in features.column_names]
+    if missing:
+        raise RecognitionError(f"The features lack the columns {', '.join(missing)}.")
 
 
 def _check_touches(

@@ -21,15 +21,19 @@ from visuohaptic.recognition.classifiers import (
 )
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
+from visuohaptic.recognition.pooling import (
+    LEAST_SCORE,
+    BagClassifier,
+    Ballots,
+    Combination,
+    best_temperature,
+    fit_bag_classifier,
+    fit_combination,
+    softmax,
+)
 from visuohaptic.recognition.splits import grouped_folds
 
 logger = logging.getLogger(__name__)
-
-TEMPERATURES = np.geomspace(0.02, 50.0, 69)
-"""Candidates for what scores are divided by before they become probabilities."""
-
-LEAST_SCORE = -60.0
-"""Score of a class that training lacked, and of a probability of 0."""
 
 REMEMBERED_SEQUENCES = 20_000
 """Training sequences of inner folds whose fits are kept: some 100 MB."""
@@ -69,16 +73,33 @@ class TunedClassifier:
         Number c of classes; one that training lacked has probability 0.
     setting : str
         What was chosen, such as ``svm_penalty 10``.
+    bags : BagClassifier or None
+        The classifier of bags that answers beside it.
+    combination : Combination or None
+        How both answers become one; present with `bags`.
     """
 
     estimator: Any
     temperature: float
     classes: int
     setting: str
+    bags: BagClassifier | None = None
+    combination: Combination | None = None
+
+    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+        """Give what is known of n sequences, for one answer for any of them together.
+
+        `projected` has the shape (n, p), float64; the classifier takes the first of its columns.
+        """
+        seen = projected[:, : self.estimator.n_features_in_]
+        found = softmax(class_scores(self.estimator, seen, self.classes) / self.temperature)
+        if self.bags is None:
+            return Ballots(found)
+        return Ballots(found, self.bags.scores(projected, self.classes), self.combination)
 
     def probabilities(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give class probabilities: (n, q) to (n, c)."""
-        return softmax(class_scores(self.estimator, projected, self.classes) / self.temperature)
+        """Give the class probabilities of each sequence by itself: (n, p) to (n, c)."""
+        return self.ballots(projected).alone()
 
 
 @dataclass(frozen=True)
@@ -93,6 +114,8 @@ class FoldFits:
         Shape (n, q), float64: the sequences, projected.
     labels : numpy.ndarray
         Shape (n,), int64.
+    bags : BagClassifier or None
+        Fitted on bags of them.
     classifiers : dict
         Fitted classifiers by name and settings.
     """
@@ -100,6 +123,7 @@ class FoldFits:
     projection: Projection
     train: NDArray[np.float64]
     labels: NDArray[np.int64]
+    bags: BagClassifier | None = None
     classifiers: dict[tuple[ClassifierName, ClassifierParameters], Any] = field(
         default_factory=dict
     )
@@ -107,11 +131,20 @@ class FoldFits:
 
 @dataclass(frozen=True)
 class InnerFold:
-    """Fits on training sequences without some objects, and these objects' projected sequences."""
+    """Fits on training sequences without some objects, and these objects' projected sequences.
+
+    `projected` has the shape (m, p) and holds `held_out`, (m, q), as its first columns.
+    """
 
     fits: FoldFits
-    held_out: NDArray[np.float64]
+    projected: NDArray[np.float64]
     held_out_labels: NDArray[np.int64]
+    held_out_owners: NDArray[np.int64]
+
+    @property
+    def held_out(self) -> NDArray[np.float64]:
+        """What classifiers see of the held-out sequences, (m, q)."""
+        return self.projected[:, : self.fits.train.shape[1]]
 
 
 class FitMemory:
@@ -132,15 +165,21 @@ class FitMemory:
         self._held: OrderedDict[bytes, FoldFits] = OrderedDict()
 
     def fits(
-        self, descriptors: NDArray[np.float64], labels: NDArray[np.int64], components: int
+        self,
+        descriptors: NDArray[np.float64],
+        labels: NDArray[np.int64],
+        owners: NDArray[np.int64],
+        parameters: BestParameters,
     ) -> FoldFits:
-        """Give the fits on sequences, (n, d) and (n,); their projection is fitted where new."""
-        key = _digest(descriptors, labels, components)
+        """Give the fits on sequences, (n, d), (n,) and (n,); a projection is fitted where new."""
+        settings = (parameters.components, parameters.bags, parameters.bag_components)
+        key = _digest(descriptors, labels, owners, settings)
         if key in self._held:
             self._held.move_to_end(key)
             return self._held[key]
-        projection = fit_projection(descriptors, components)
-        self._held[key] = FoldFits(projection, projection.apply(descriptors), labels)
+        projection, projected, bags = fit_shared(descriptors, labels, owners, parameters)
+        seen = np.ascontiguousarray(projected[:, : parameters.components])
+        self._held[key] = FoldFits(projection, seen, labels, bags)
         while len(self._held) > 1 and self._remembered() > self._most:
             self._held.popitem(last=False)
         return self._held[key]
@@ -155,13 +194,64 @@ def fit_projection(descriptors: NDArray[np.float64], components: int) -> Project
     There are at most `components`; directions without variance are left out.
     """
     scaling = fit_standardiser(descriptors, "standardise")
-    _, spread, directions = np.linalg.svd(scaling.apply(descriptors), full_matrices=False)
-    rank = max(int(np.sum(spread > 1e-9 * max(spread[0], 1e-300))), 1)
+    spread, directions = _principal_directions(scaling.apply(descriptors))
+    rank = max(int(np.sum(spread > 1e-7 * max(spread[0], 1e-300))), 1)
     kept = directions[: min(components, rank)]
-    # SVD signs are arbitrary; make the largest loading positive.
+    # The signs are arbitrary; make the largest loading positive.
     largest = np.argmax(np.abs(kept), axis=1)
     signs = np.sign(kept[np.arange(len(kept)), largest])
     return Projection(scaling, np.ascontiguousarray((kept * signs[:, None]).T))
+
+
+def fit_shared(
+    descriptors: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    parameters: BestParameters,
+) -> tuple[Projection, NDArray[np.float64], BagClassifier | None]:
+    """Fit what all classifiers share: the projection, and the classifier of bags.
+
+    Parameters
+    ----------
+    descriptors : numpy.ndarray
+        Shape (n, d), float64: the training sequences.
+    labels, owners : numpy.ndarray
+        Shape (n,), int64: their classes and objects.
+    parameters : BestParameters
+        Components and bags.
+
+    Returns
+    -------
+    Projection
+        Of as many components as the classifier of bags sees; the others see the first of them.
+    numpy.ndarray
+        Shape (n, p), float64: the sequences, projected.
+    BagClassifier or None
+        None where no bags are wanted or no covariance can be taken of them.
+    """
+    most = max(parameters.components, parameters.bag_components if parameters.bags else 0)
+    projection = fit_projection(descriptors, most)
+    projected = projection.apply(descriptors)
+    if not parameters.bags:
+        return projection, projected, None
+    try:
+        bags = fit_bag_classifier(projected, labels, owners, parameters.bags)
+    except RecognitionError as error:
+        logger.warning("the classifier of bags is left out: %s", error)
+        bags = None
+    return projection, projected, bags
+
+
+def _principal_directions(
+    rows: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Give singular values, descending, and right singular vectors as rows, of (n, d)."""
+    if len(rows) < rows.shape[1]:
+        _, spread, directions = np.linalg.svd(rows, full_matrices=False)
+        return spread, directions
+    # Several times faster for many rows, and exact enough to drop what is empty.
+    squares, vectors = np.linalg.eigh(rows.T @ rows)
+    return np.sqrt(np.maximum(squares[::-1], 0)), vectors[:, ::-1].T
 
 
 def make_inner_folds(
@@ -204,9 +294,10 @@ def make_inner_folds(
         known = np.isin(labels, labels[~held_out])
         if len(np.unique(labels[~held_out])) < 2 or not np.any(held_out & known):
             continue
-        fits = memory.fits(descriptors[~held_out], labels[~held_out], parameters.components)
-        tested = fits.projection.apply(descriptors[held_out & known])
-        folds.append(InnerFold(fits, tested, labels[held_out & known]))
+        fits = memory.fits(descriptors[~held_out], labels[~held_out], owners[~held_out], parameters)
+        tested = held_out & known
+        projected = fits.projection.apply(descriptors[tested])
+        folds.append(InnerFold(fits, projected, labels[tested], owners[tested]))
     return folds
 
 
@@ -218,6 +309,8 @@ def fit_tuned_classifier(
     folds: Sequence[InnerFold],
     classes: int,
     generator: np.random.Generator,
+    bags: BagClassifier | None = None,
+    best: BestParameters | None = None,
 ) -> tuple[TunedClassifier, str | None]:
     """Choose a classifier's setting and temperature by the inner folds, then fit it.
 
@@ -241,6 +334,10 @@ def fit_tuned_classifier(
         Number of classes, also those that training lacks.
     generator : numpy.random.Generator
         Breaks ties between splits of the decision tree.
+    bags : BagClassifier, optional
+        Fitted on all training sequences; it answers beside the classifier.
+    best : BestParameters, optional
+        Sizes and weight of the bags, where there is a classifier of them.
 
     Returns
     -------
@@ -257,13 +354,18 @@ def fit_tuned_classifier(
     trials = []
     for setting in _settings(name):
         tried = parameters.model_copy(update=setting)
-        loss, temperature = _held_out_loss(name, tried, folds, classes, generator)
-        trials.append((loss, temperature, setting))
-    _, temperature, setting = min(trials, key=lambda trial: trial[0])
+        scores, labels_there = _held_out_scores(name, tried, folds, classes, generator)
+        loss, temperature = best_temperature(scores, labels_there) if folds else (0.0, 1.0)
+        trials.append((loss, temperature, setting, scores))
+    _, temperature, setting, scores = min(trials, key=lambda trial: trial[0])
     chosen = parameters.model_copy(update=setting)
     fitted, note = fit_classifier(name, chosen, projected, labels, generator)
     words = ", ".join(f"{key} {value}" for key, value in setting.items())
-    return TunedClassifier(fitted, temperature, classes, words), note
+    combination = None
+    if bags is not None and best is not None:
+        known = np.isin(np.arange(classes), labels)
+        combination = _fit_combination(softmax(scores / temperature), folds, best, known)
+    return TunedClassifier(fitted, temperature, classes, words, bags, combination), note
 
 
 def fit_best_classifiers(
@@ -310,15 +412,16 @@ def fit_best_classifiers(
             "the classes can't be distinguished."
         )
     folds = make_inner_folds(descriptors, labels, owners, parameters.best, generator, memory)
-    projection = fit_projection(descriptors, parameters.best.components)
-    projected = projection.apply(descriptors)
+    projection, projected, bags = fit_shared(descriptors, labels, owners, parameters.best)
+    seen = np.ascontiguousarray(projected[:, : parameters.best.components])
     fits = []
     failed = None
     for name in parameters.best.classifiers:
         try:
             fitted, note = fit_tuned_classifier(
-                name, parameters.classifier, projected, labels, folds, classes, generator
-            )
+                name, parameters.classifier, seen, labels, folds, classes, generator,
+                bags, parameters.best,
+            )  # fmt: skip
         except RecognitionError as error:
             logger.warning("%s is left out: %s", name, error)
             failed = error
@@ -362,39 +465,47 @@ def class_scores(
     return scores
 
 
-def softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Turn scores into probabilities along the last axis."""
-    weights = np.exp(scores - scores.max(axis=-1, keepdims=True))
-    return weights / weights.sum(axis=-1, keepdims=True)
-
-
-def best_temperature(scores: NDArray[np.float64], labels: NDArray[np.int64]) -> tuple[float, float]:
-    """Find the temperature of `TEMPERATURES` with the least mean log loss, and that loss in nats.
-
-    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64.
-    """
-    cold = (scores - scores.max(axis=1, keepdims=True)) / TEMPERATURES[:, None, None]
-    true = cold[:, np.arange(len(labels)), labels]
-    losses = (np.log(np.exp(cold).sum(axis=-1)) - true).mean(axis=-1)
-    best = int(np.argmin(losses))
-    return float(losses[best]), float(TEMPERATURES[best])
-
-
-def _held_out_loss(
+def _held_out_scores(
     name: ClassifierName,
     parameters: ClassifierParameters,
     folds: Sequence[InnerFold],
     classes: int,
     generator: np.random.Generator,
-) -> tuple[float, float]:
-    if not folds:
-        return 0.0, 1.0
-    scores = []
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Give the scores (m, c) and classes (m,) of all held-out sequences."""
+    scores = [np.zeros((0, classes))]
+    labels = [np.zeros(0, dtype=np.int64)]
     for fold in folds:
         fitted = _fit_in_fold(name, parameters, fold.fits, generator)
         scores.append(class_scores(fitted, fold.held_out, classes))
-    labels = np.concatenate([fold.held_out_labels for fold in folds])
-    return best_temperature(np.concatenate(scores), labels)
+        labels.append(fold.held_out_labels)
+    return np.concatenate(scores), np.concatenate(labels)
+
+
+def _fit_combination(
+    probabilities: NDArray[np.float64],
+    folds: Sequence[InnerFold],
+    best: BestParameters,
+    known: NDArray[np.bool_],
+) -> Combination:
+    """Fit it on the held-out sequences of all folds, or on none where one lacks a classifier of bags."""
+    scores = [np.zeros((0, len(known)))]
+    labels, owners = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    for fold in folds:
+        if fold.fits.bags is None:
+            return _fit_combination(probabilities[:0], (), best, known)
+        scores.append(fold.fits.bags.scores(fold.projected, len(known)))
+        labels.append(fold.held_out_labels)
+        owners.append(fold.held_out_owners)
+    return fit_combination(
+        probabilities,
+        np.concatenate(scores),
+        np.concatenate(labels),
+        np.concatenate(owners),
+        best.bags,
+        known,
+        best.bag_weight,
+    )
 
 
 def _fit_in_fold(
@@ -415,10 +526,15 @@ def _fit_in_fold(
     return fitted
 
 
-def _digest(descriptors: NDArray[np.float64], labels: NDArray[np.int64], components: int) -> bytes:
-    content = hashlib.blake2b(repr((descriptors.shape, components)).encode())
-    content.update(np.ascontiguousarray(descriptors).tobytes())
-    content.update(labels.tobytes())
+def _digest(
+    descriptors: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    settings: tuple[Any, ...],
+) -> bytes:
+    content = hashlib.blake2b(repr((descriptors.shape, settings)).encode())
+    for array in (descriptors, labels, owners):
+        content.update(np.ascontiguousarray(array).tobytes())
     return content.digest()
 
 

@@ -38,23 +38,3 @@ def vote_credit(
     most = votes == votes.max(axis=1, keepdims=True)
     own = most[np.arange(len(present)), true_class[present]]
     return present, own / most.sum(axis=1)
-
-
-def soft_vote(owners: NDArray[np.int64], probabilities: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Predict each object's class by the mean probabilities of its sequences.
-
-    Parameters
-    ----------
-    owners : numpy.ndarray
-        Shape (n,), int64: the object of each sequence, 0 to m - 1, each at least once.
-    probabilities : numpy.ndarray
-        Shape (n, c), float64.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (m,), int64: the class predicted for each object.
-    """
-    sums = np.zeros((int(owners.max()) + 1, probabilities.shape[1]))
-    np.add.at(sums, owners, probabilities)
-    return sums.argmax(axis=1)

@@ -22,6 +22,11 @@ NO_LOSS = "Nothing makes it worse"
 
 NAMES = {
     "whole_method": "whole method",
+    "without_bags": "no classifier of bags",
+    "turned_upright": "each object turned about the vertical",
+    "turned_any_way": "each object's poses turned in any way",
+    "azimuth_free": "no azimuth in the descriptors",
+    "azimuth_free_turned_upright": "no azimuth, objects turned about the vertical",
     "contourlet_only": "contourlet bands as the only descriptor of the imprint",
     "nonsubsampled_contourlet": "nonsubsampled contourlet instead",
     "wavelet": "wavelet (db2, three levels) instead",

@@ -21,6 +21,11 @@ _SKIN = ("contourlet", "imprint", "sensor")
 _POSE = ("pose", "relations", "embedding")
 _ONE_DESCRIPTOR: Changes = {"recognition.best.cues": ("contourlet", "sensor", *_POSE)}
 
+_AZIMUTH_FREE: Changes = {
+    "recognition.best.cues": (*_SKIN, "relations", "azimuth_free"),
+    "recognition.pipelines": ("best",),
+}
+
 PARTS: dict[str, Changes] = {
     WHOLE: {},
     "cutaneous_only": {"recognition.cues": ("cutaneous",), "recognition.best.cues": _SKIN},
@@ -35,6 +40,11 @@ PARTS: dict[str, Changes] = {
         "recognition.self_organising_map.output": "none",
         "recognition.pipelines": ("paper",),
     },
+    "without_bags": {"recognition.best.bags": (), "recognition.pipelines": ("best",)},
+    "turned_upright": {"recognition.protocol.turns": "vertical"},
+    "turned_any_way": {"recognition.protocol.turns": "any"},
+    "azimuth_free": _AZIMUTH_FREE,
+    "azimuth_free_turned_upright": {**_AZIMUTH_FREE, "recognition.protocol.turns": "vertical"},
     **{preset: {"scene.preset": preset} for preset in ("ideal", "fsr400", "worn_fsr")},
     **{f"without_{channel}": {f"attention.weights.{channel}": 0.0} for channel in CHANNELS},
 }

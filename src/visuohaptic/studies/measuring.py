@@ -301,32 +301,31 @@ def _correct(
 def _voted(
     sequences: TouchSequences, split: Split, answer: Answer, votes: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Give the tested objects, and how often a vote of viewpoints names each correctly.
+    """Give the tested objects, and how often viewpoints together name each correctly.
 
     A viewpoint without a whole sequence casts no vote.
     """
+    from visuohaptic.recognition.pooling import Ballots
+
     numbers = np.unique(sequences.viewpoint)
     if votes > len(numbers):
         raise RecognitionError(f"{votes} viewpoints can't vote, for the run has {len(numbers)}.")
     choices = spread_choices(len(numbers), votes)
     viewpoint = np.searchsorted(numbers, sequences.viewpoint[split.test])
     owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
-    ballots = answer.probabilities
-    if ballots is None:
-        ballots = np.eye(len(sequences.classes))[answer.predicted]
-    by_view = np.zeros((len(owners), len(numbers), ballots.shape[1]))
-    there = np.zeros(by_view.shape[:2], dtype=bool)
-    by_view[row, viewpoint] = ballots
-    there[row, viewpoint] = True
+    ballots = answer.ballots or Ballots(np.eye(len(sequences.classes))[answer.predicted])
     if votes > 1 and np.isin(sequences.object_index, owners).sum() > len(split.test):
         raise RecognitionError(
             "Objects are tested from some of their viewpoints alone, so not all of these can vote; "
             "choose a protocol that tests whole objects."
         )
-    sums = by_view[:, choices].sum(axis=2)
-    most = sums == sums.max(axis=2, keepdims=True)
+    chosen = (viewpoint[:, None] == choices[:, None]).any(axis=2)
+    members = (row == np.arange(len(owners))[:, None])[:, None] & chosen
+    counted = members.any(axis=2)
+    found = np.zeros((*counted.shape, len(sequences.classes)))
+    found[counted] = ballots.together(members[counted])
+    most = found == found.max(axis=2, keepdims=True)
     own = most[np.arange(len(owners)), :, sequences.class_of_object[owners]]
     credit = np.where(own, 1.0 / most.sum(axis=2), 0.0)
-    counted = there[:, choices].any(axis=2)
     shares = (credit * counted).sum(axis=1) / counted.sum(axis=1)
     return owners, shares, np.ones(len(owners), dtype=np.int64)

@@ -153,6 +153,30 @@ TOUCHES_NEEDED = Schema(
     names_of(CELL_KEYS),
 )
 
+CERTAINTY_KEYS = (
+    Column("strategy", TEXT, "whose touches"),
+    Column("classifier", TEXT, "classifier of pipeline best"),
+    Column("left_out", TEXT, "the class that the model does not know"),
+    Column("class", TEXT, "class of the tested object"),
+    Column("object", TEXT, "name of the tested object"),
+    Column("views", COUNT, "viewpoints from which it is named", minimum=1),
+)
+
+CERTAINTY = Schema(
+    "certainty",
+    (
+        *CERTAINTY_KEYS,
+        Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
+        Column("correct", pa.bool_(), "whether the likeliest class is its own"),
+        Column("covered", pa.bool_(), "whether the prediction set holds its class"),
+        Column("candidates", COUNT, "classes in the prediction set", minimum=0),
+        Column("strangeness", REAL, "share of known objects that are less strange", "1", 0, 1),
+        Column("evidence", REAL, "by which objects are compared: larger is stranger"),
+        Column("unknown", pa.bool_(), "whether the object is called unknown"),
+    ),
+    names_of(CERTAINTY_KEYS),
+)
+
 COST_KEYS = (
     Column("family", TEXT, "what varies"),
     Column("setting", TEXT, "to which value"),
@@ -303,4 +327,13 @@ READINGS = Schema(
     names_of(READING_KEYS),
 )
 
-STUDIES = (STUDY, STUDY_FIGURES, EFFECT_INFLUENCE, TOUCHES_NEEDED, COST_SECONDS, COST, READINGS)
+STUDIES = (
+    STUDY,
+    STUDY_FIGURES,
+    EFFECT_INFLUENCE,
+    TOUCHES_NEEDED,
+    COST_SECONDS,
+    COST,
+    READINGS,
+    CERTAINTY,
+)

@@ -1,0 +1,212 @@
+"""Features of tactile images of any size, such as those of a real pressure sensor.
+
+Beside the deviations of contourlet bands of several levels there is what one level leaves out: how
+hard and how much is pressed, how the pressure is spread, and coarse frequencies. None of it
+depends on where in the image the object lies, up to the borders.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+
+LEVELS = (2, 3, 4)
+"""Contourlet levels, the coarsest first: 28 bands."""
+
+CONTACT = 0.05
+"""From this share of the full scale on a taxel counts as touched."""
+
+ORDERED = 16
+RINGS = 12
+FREQUENCIES = 12
+FORMATS = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm")
+
+
+@dataclass(frozen=True)
+class TactileImages:
+    """Images of one size, each of an object.
+
+    Attributes
+    ----------
+    images : numpy.ndarray
+        Shape (n, rows, columns), float64, in [0, 1]: 1 is the full scale.
+    classes : tuple of str
+        The n images' classes: the folders' names.
+    names : tuple of str
+        The files' names.
+    """
+
+    images: NDArray[np.float64]
+    classes: tuple[str, ...]
+    names: tuple[str, ...]
+
+
+def read_tactile_images(folder: str | Path) -> TactileImages:
+    """Read `folder/<class>/<image>`, sorted by class and name.
+
+    Parameters
+    ----------
+    folder : path
+        Holds a folder for each class, with grey images (PNG, JPEG, BMP, TIFF, PGM; 8 or 16 bit).
+
+    Returns
+    -------
+    TactileImages
+        All of them.
+
+    Raises
+    ------
+    RecognitionError
+        If there is no image, one can't be read, or two differ in size.
+    """
+    folder = Path(folder)
+    files = sorted(path for path in folder.glob("*/*") if path.suffix.lower() in FORMATS)
+    if not files:
+        raise RecognitionError(
+            f"{folder} holds no <class>/<image>; images may end in {', '.join(FORMATS)}."
+        )
+    images = [_read_image(file) for file in files]
+    for file, image in zip(files, images, strict=True):
+        if image.shape != images[0].shape:
+            found, first = (" × ".join(map(str, one.shape)) for one in (image, images[0]))
+            raise RecognitionError(
+                f"{file} has {found} taxels and {files[0]} has {first}; one size is allowed."
+            )
+    return TactileImages(
+        np.stack(images),
+        tuple(file.parent.name for file in files),
+        tuple(file.name for file in files),
+    )
+
+
+def describe_tactile_images(
+    images: NDArray[np.float64], levels: Sequence[int] = LEVELS
+) -> Mapping[str, NDArray[np.float64]]:
+    """Describe tactile images by groups of features.
+
+    Parameters
+    ----------
+    images : numpy.ndarray
+        Shape (n, rows, columns), float64, in [0, 1].
+    levels : sequence of int
+        Contourlet levels: l of every pyramid level, the coarsest first.
+
+    Returns
+    -------
+    mapping of str to numpy.ndarray
+        Shape (n, k) each, float64; each row depends on its own image alone:
+        `contourlet`, deviations of the bands; `pressure`, mean, deviation, peak and share of touched
+        taxels; `ordered`, the largest, … smallest value at 16 ranks; `shape`, total, principal
+        extents and moments of the pressure, and its sums over 12 rings around its centre;
+        `spectrum`, logarithms of the amplitudes of the lowest 12 × 12 frequencies of either sign.
+
+    Raises
+    ------
+    LevelsError
+        If the levels are not allowed.
+    """
+    from visuohaptic.contourlet import Contourlet, band_deviations
+
+    transform = Contourlet(tuple(levels), "9-7", "pkva12", "symmetric")
+    padded = _pad(images, 2 ** (len(levels) + max(*levels, 1) - 1))
+    return {
+        "contourlet": band_deviations(padded, transform),
+        "pressure": _pressure(images),
+        "ordered": _ordered(images),
+        "shape": _shape(images),
+        "spectrum": _spectrum(images),
+    }
+
+
+def name_features(groups: Mapping[str, NDArray[np.float64]]) -> list[str]:
+    """Name the columns of all groups, such as `pressure_02`."""
+    return [
+        f"{group}_{place:02d}"
+        for group, values in groups.items()
+        for place in range(1, values.shape[1] + 1)
+    ]
+
+
+def write_tactile_features(
+    read: TactileImages, groups: Mapping[str, NDArray[np.float64]], path: str | Path
+) -> None:
+    """Write columns `class`, `image` and those of `name_features`, a row an image, as Parquet."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    from visuohaptic.whole_files import whole_file
+
+    values = np.concatenate(list(groups.values()), axis=1)
+    columns = dict(zip(name_features(groups), values.T, strict=True))
+    table = pa.table({"class": read.classes, "image": read.names, **columns})
+    with whole_file(path) as unfinished:
+        pq.write_table(table, unfinished)
+
+
+def _read_image(file: Path) -> NDArray[np.float64]:
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(file) as opened:
+            deep = opened.mode.startswith("I")
+            grey = np.asarray(opened if deep else opened.convert("L"), dtype=np.float64)
+    except (UnidentifiedImageError, OSError, Image.DecompressionBombError) as error:
+        raise RecognitionError(f"{file} can't be read as an image ({error}).") from error
+    if min(grey.shape) < 4:
+        raise RecognitionError(
+            f"{file} has {grey.shape[0]} × {grey.shape[1]} taxels; at least 4 × 4 are needed."
+        )
+    return grey / (65535.0 if deep else 255.0)
+
+
+def _pad(images: NDArray[np.float64], multiple: int) -> NDArray[np.float64]:
+    """Put zeros around images until both sides are multiples of a number."""
+    _, rows, columns = images.shape
+    grow = [-size % multiple for size in (rows, columns)]
+    return np.pad(images, ((0, 0), *((more // 2, more - more // 2) for more in grow)))
+
+
+def _pressure(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    flat = images.reshape(len(images), -1)
+    touched = (flat > CONTACT).mean(axis=1)
+    return np.column_stack([flat.mean(axis=1), flat.std(axis=1), flat.max(axis=1), touched])
+
+
+def _ordered(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    flat = np.sort(images.reshape(len(images), -1), axis=1)[:, ::-1]
+    ranks = np.geomspace(1, flat.shape[1], ORDERED).astype(int) - 1
+    return flat[:, ranks]
+
+
+def _shape(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    count, rows, columns = images.shape
+    y, x = np.mgrid[:rows, :columns]
+    total = images.sum(axis=(1, 2)) + 1e-9
+    across, down = ((images * axis).sum(axis=(1, 2)) / total for axis in (x, y))
+    dx, dy = x - across[:, None, None], y - down[:, None, None]
+    xx, yy, xy = (
+        (images * square).sum(axis=(1, 2)) / total for square in (dx * dx, dy * dy, dx * dy)
+    )
+    trace, gap = xx + yy, np.hypot(xx - yy, 2 * xy)
+    large, small = (np.sqrt(np.maximum(trace + sign * gap, 0) / 2) for sign in (1, -1))
+    width = math.hypot(rows, columns) / 2 / RINGS
+    ring = np.minimum((np.hypot(dx, dy) / width).astype(int), RINGS)
+    place = np.arange(count)[:, None, None] * (RINGS + 1) + ring
+    sums = np.bincount(place.ravel(), images.ravel(), count * (RINGS + 1)).reshape(count, -1)
+    return np.column_stack([np.log(total), large, small, xx, yy, np.abs(xy), sums[:, :RINGS]])
+
+
+def _spectrum(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    _, rows, columns = images.shape
+    size = (max(rows, 2 * FREQUENCIES), max(columns, 2 * FREQUENCIES))
+    amplitudes = np.log1p(np.abs(np.fft.rfft2(images, size)))
+    lowest = amplitudes[:, :FREQUENCIES, :FREQUENCIES]
+    mirrored = amplitudes[:, -1:-FREQUENCIES:-1, :FREQUENCIES]
+    return np.concatenate([one.reshape(len(images), -1) for one in (lowest, mirrored)], axis=1)

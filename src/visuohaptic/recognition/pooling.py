@@ -1,0 +1,349 @@
+"""One answer from any number of sequences: a classifier's own, and that of a classifier of bags.
+
+A bag is some sequences of one object, described by the mean of their descriptors. The embedding of
+poses in it is the kernel mean embedding of all the bag's touches. The bag classifier learns from bags
+of every size, and is linear: its scores of a bag are the means of its scores of the sequences.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.recognition.classifiers import CLASSIFIERS, ClassifierParameters
+
+TEMPERATURES = np.geomspace(0.02, 50.0, 69)
+"""Candidates for what scores are divided by before they become probabilities."""
+
+LEAST_SCORE = -60.0
+"""Score of a class that training lacked, and of a probability of 0."""
+
+LEAST_PROBABILITY = 1e-4
+"""What a mean probability counts as at least, beside the scores of bags."""
+
+
+@dataclass(frozen=True)
+class BagClassifier:
+    """A linear discriminant of bags.
+
+    Attributes
+    ----------
+    coefficients : numpy.ndarray
+        Shape (q, k), float64, each row with mean 0.
+    intercepts : numpy.ndarray
+        Shape (k,), float64, with mean 0.
+    trained : numpy.ndarray
+        Shape (k,), int64: the classes of the training bags.
+    """
+
+    coefficients: NDArray[np.float64]
+    intercepts: NDArray[np.float64]
+    trained: NDArray[np.int64]
+
+    def scores(self, projected: NDArray[np.float64], classes: int) -> NDArray[np.float64]:
+        """Give a score a class, 0 for one that training lacked: (n, q) to (n, classes)."""
+        found = np.zeros((len(projected), classes))
+        found[:, self.trained] = projected @ self.coefficients + self.intercepts
+        return found
+
+
+@dataclass(frozen=True)
+class Combination:
+    """How the two answers for a bag become one.
+
+    Attributes
+    ----------
+    scales : tuple of float
+        What the classifier's log probabilities and the bag classifier's scores are divided by: their
+        deviations over held-out bags, the latter by the weight of bags.
+    views : numpy.ndarray
+        Shape (k,), float64: numbers of sequences, ascending.
+    temperatures : numpy.ndarray
+        Shape (k,), float64: by what the sum is divided for bags of so many.
+    known : numpy.ndarray
+        Shape (c,), bool: the classes that training had.
+    """
+
+    scales: tuple[float, float]
+    views: NDArray[np.float64]
+    temperatures: NDArray[np.float64]
+    known: NDArray[np.bool_]
+
+    def probabilities(
+        self,
+        mean_probabilities: NDArray[np.float64],
+        mean_scores: NDArray[np.float64],
+        counts: NDArray[np.int64],
+    ) -> NDArray[np.float64]:
+        """Give the class probabilities of bags.
+
+        Parameters
+        ----------
+        mean_probabilities, mean_scores : numpy.ndarray
+            Shape (m, c) each, float64: means over each bag's sequences of both answers.
+        counts : numpy.ndarray
+            Shape (m,), int64: sequences of each bag.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (m, c), float64.
+        """
+        summed = add_standardised(mean_probabilities, mean_scores, self.scales)
+        places = np.log(np.maximum(counts, 1))
+        temperature = np.exp(np.interp(places, np.log(self.views), np.log(self.temperatures)))
+        return softmax(np.where(self.known, summed / temperature[:, None], LEAST_SCORE))
+
+
+@dataclass(frozen=True)
+class Ballots:
+    """What is known of n sequences, for one answer for any of them together.
+
+    Attributes
+    ----------
+    probabilities : numpy.ndarray
+        Shape (n, c), float64: by the classifier.
+    scores : numpy.ndarray or None
+        Shape (n, c), float64: by the bag classifier; None where there is none.
+    combination : Combination or None
+        Present with `scores`.
+    """
+
+    probabilities: NDArray[np.float64]
+    scores: NDArray[np.float64] | None = None
+    combination: Combination | None = None
+
+    def alone(self) -> NDArray[np.float64]:
+        """Give the class probabilities of each sequence by itself, shape (n, c)."""
+        return self._answer(self.probabilities, self.scores, np.ones(len(self.probabilities)))
+
+    def together(self, members: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Give the class probabilities of bags.
+
+        Parameters
+        ----------
+        members : numpy.ndarray
+            Shape (m, n), bool: which sequences are in each bag; none of them is empty.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (m, c), float64. Without a bag classifier these are mean probabilities.
+        """
+        counts = members.sum(axis=1)
+        # Sums first: those of whole votes are exact, so that a tie is one.
+        count_in = members.astype(np.float64)
+        probabilities = count_in @ self.probabilities / counts[:, None]
+        scores = None if self.scores is None else count_in @ self.scores / counts[:, None]
+        return self._answer(probabilities, scores, counts)
+
+    def _answer(
+        self,
+        probabilities: NDArray[np.float64],
+        scores: NDArray[np.float64] | None,
+        counts: NDArray[np.generic],
+    ) -> NDArray[np.float64]:
+        if scores is None or self.combination is None:
+            return probabilities
+        return self.combination.probabilities(probabilities, scores, counts.astype(np.int64))
+
+
+@dataclass(frozen=True)
+class Bags:
+    """Bags of sequences.
+
+    Attributes
+    ----------
+    places : numpy.ndarray
+        Int64: the places of the first bag's sequences, then of the second's, …
+    counts : numpy.ndarray
+        Shape (m,), int64: sequences of each bag.
+    """
+
+    places: NDArray[np.int64]
+    counts: NDArray[np.int64]
+
+    @property
+    def first(self) -> NDArray[np.int64]:
+        """The place of each bag's first sequence, shape (m,)."""
+        return self.places[np.cumsum(self.counts) - self.counts]
+
+    def means(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Take the mean over each bag of rows (n, q), shape (m, q)."""
+        from scipy.sparse import csr_array
+
+        shares = np.repeat(1 / self.counts, self.counts)
+        starts = np.concatenate([[0], np.cumsum(self.counts)])
+        means: NDArray[np.float64] = (
+            csr_array((shares, self.places, starts), (len(self.counts), len(rows))) @ rows
+        )
+        return means
+
+
+def spread_bags(owners: NDArray[np.int64], sizes: Sequence[int]) -> Bags:
+    """Divide each object's sequences into bags of every size, evenly spread over its views.
+
+    Parameters
+    ----------
+    owners : numpy.ndarray
+        Shape (n,), int64: the object of each sequence; an object's sequences in the order of views.
+    sizes : sequence of int
+        Sequences in a bag. A size beyond what an object has becomes all of its sequences.
+
+    Returns
+    -------
+    Bags
+        By object, then by size, none twice.
+    """
+    places, counts = [], []
+    for owner in np.unique(owners):
+        own = np.flatnonzero(owners == owner)
+        pattern, of_bag = _bag_pattern(len(own), tuple(sizes))
+        places.append(own[pattern])
+        counts.append(of_bag)
+    return Bags(np.concatenate(places), np.concatenate(counts))
+
+
+@cache
+def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Give places and counts of the bags of one object with so many sequences."""
+    bags = []
+    for size in sorted({min(size, total) for size in sizes}):
+        step = total // size
+        bags += [np.arange(start, total, step)[:size] for start in range(step)]
+    return np.concatenate(bags), np.array([len(bag) for bag in bags])
+
+
+def add_standardised(
+    mean_probabilities: NDArray[np.float64],
+    mean_scores: NDArray[np.float64],
+    scales: tuple[float, float],
+) -> NDArray[np.float64]:
+    """Add log probabilities and scores, (m, c) each, divided by their deviations."""
+    logs = np.log(np.maximum(mean_probabilities, LEAST_PROBABILITY))
+    return logs / scales[0] + mean_scores / scales[1]
+
+
+def fit_bag_classifier(
+    projected: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    sizes: Sequence[int],
+) -> BagClassifier:
+    """Fit the linear discriminant of bags of training sequences.
+
+    Parameters
+    ----------
+    projected : numpy.ndarray
+        Shape (n, q), float64: the training sequences.
+    labels, owners : numpy.ndarray
+        Shape (n,), int64: class and object of each.
+    sizes : sequence of int
+        Sequences in a bag.
+
+    Returns
+    -------
+    BagClassifier
+        The classifier.
+
+    Raises
+    ------
+    RecognitionError
+        If there is nothing to take a covariance of.
+    """
+    bags = spread_bags(owners, sizes)
+    discriminant = CLASSIFIERS["linear_discriminant"]
+    fitted, _ = discriminant.fit(
+        ClassifierParameters(), bags.means(projected), labels[bags.first], 0
+    )
+    coefficients, intercepts = fitted.coef_.T, fitted.intercept_
+    if len(fitted.classes_) == 2:  # scikit-learn keeps the difference alone
+        coefficients = np.column_stack([-coefficients[:, 0], coefficients[:, 0]]) / 2
+        intercepts = np.array([-intercepts[0], intercepts[0]]) / 2
+    return BagClassifier(
+        coefficients - coefficients.mean(axis=1, keepdims=True),
+        intercepts - intercepts.mean(),
+        fitted.classes_.astype(np.int64),
+    )
+
+
+def fit_combination(
+    probabilities: NDArray[np.float64],
+    scores: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    sizes: Sequence[int],
+    known: NDArray[np.bool_],
+    weight: float,
+) -> Combination:
+    """Fit the scales and temperatures of a combination on held-out sequences.
+
+    Parameters
+    ----------
+    probabilities, scores : numpy.ndarray
+        Shape (n, c) each, float64: what classifier and bag classifier say of sequences of objects
+        that they did not learn; n may be 0.
+    labels, owners : numpy.ndarray
+        Shape (n,), int64: their classes and objects.
+    sizes : sequence of int
+        Sequences in a bag.
+    known : numpy.ndarray
+        Shape (c,), bool: the classes that all training objects have.
+    weight : float
+        How much more the bag classifier counts than the other.
+
+    Returns
+    -------
+    Combination
+        Without held-out sequences, scales and temperature are 1.
+    """
+    if not len(labels):
+        return Combination((1.0, 1.0 / weight), np.ones(1), np.ones(1), known)
+    bags = spread_bags(owners, sizes)
+    means, mean_scores = bags.means(probabilities), bags.means(scores)
+    of_bag = labels[bags.first]
+    logs = np.log(np.maximum(means, LEAST_PROBABILITY))
+    scales = (_deviation(logs[:, known]), _deviation(mean_scores[:, known]) / weight)
+    summed = np.where(known, add_standardised(means, mean_scores, scales), LEAST_SCORE)
+    views = np.unique(bags.counts)
+    temperatures = [
+        best_temperature(summed[bags.counts == count], of_bag[bags.counts == count])[1]
+        for count in views
+    ]
+    return Combination(scales, views.astype(np.float64), np.array(temperatures), known)
+
+
+def _deviation(scores: NDArray[np.float64]) -> float:
+    """Give the deviation of scores (m, k) from the mean of their row; 1 where all are alike."""
+    found = float((scores - scores.mean(axis=1, keepdims=True)).std())
+    return found if found > 0 else 1.0
+
+
+def softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Turn scores into probabilities along the last axis."""
+    weights = np.exp(scores - scores.max(axis=-1, keepdims=True))
+    return weights / weights.sum(axis=-1, keepdims=True)
+
+
+def best_temperature(scores: NDArray[np.float64], labels: NDArray[np.int64]) -> tuple[float, float]:
+    """Find the temperature of `TEMPERATURES` with the least mean log loss, and that loss in nats.
+
+    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64.
+    """
+    relative = scores - scores.max(axis=1, keepdims=True)
+    true = relative[np.arange(len(labels)), labels]
+
+    @cache
+    def loss(place: int) -> float:
+        coldness = 1 / TEMPERATURES[place]
+        return float((np.log(np.exp(relative * coldness).sum(axis=1)) - true * coldness).mean())
+
+    # The loss is convex in 1 / temperature, so it falls before its least value and nowhere after.
+    places = range(len(TEMPERATURES) - 1)
+    best = bisect_left(places, True, key=lambda place: loss(place + 1) >= loss(place))  # noqa: FBT003
+    return loss(best), float(TEMPERATURES[best])

@@ -1,0 +1,227 @@
+"""Prediction sets and the answer `unknown`, measured with whole classes left out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.studies import CERTAINTY
+from visuohaptic.whole_files import whole_file
+
+if TYPE_CHECKING:
+    from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
+    from visuohaptic.recognition.sequences import TouchSequences
+
+VIEWS = (1, 4, 16)
+"""Numbers of views from which objects are named, as far as they have them."""
+
+
+def measure_certainty(
+    features: pa.Table,
+    strategy: str,
+    classifier: str,
+    parameters: RecognitionParameters,
+    seed: int,
+) -> pa.Table:
+    """Name known and unknown objects by models that lack one whole class each.
+
+    Of every class in turn, all objects are unknown; of the others, one grouped fold is tested and the
+    rest trains and calibrates.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES`.
+    strategy : str
+        Whose touches.
+    classifier : str
+        One classifier of pipeline `best`.
+    parameters : RecognitionParameters
+        Folds, coverage, bags.
+    seed : int
+        The experiment's seed.
+
+    Returns
+    -------
+    pyarrow.Table
+        `tables.CERTAINTY`.
+
+    Raises
+    ------
+    RecognitionError
+        If there are fewer than three classes.
+    """
+    from sklearn import config_context
+    from threadpoolctl import threadpool_limits
+
+    from visuohaptic.recognition.certainty import one_classifier
+    from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+    from visuohaptic.recognition.experiment import gather_pipeline
+    from visuohaptic.recognition.sequences import take_strategy
+
+    table, _ = take_strategy(features, strategy, parameters.touches)
+    sequences = gather_pipeline(table, parameters, "best")
+    if len(sequences.classes) < 3:
+        raise RecognitionError(
+            f"There are {len(sequences.classes)} classes; at least three are needed to leave one out."
+        )
+    waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
+    described = describe_sequences(
+        sequences.features, sequences.feature_names, waves, parameters.best
+    )
+    one = one_classifier(parameters, classifier)
+    rows: list[dict[str, object]] = []
+    checks = config_context(assume_finite=True, skip_parameter_validation=True)
+    with threadpool_limits(limits=1), checks:
+        for left_out in range(len(sequences.classes)):
+            generator = spawn_generator(seed, "certainty", left_out)
+            rows += _without_class(sequences, described, left_out, one, generator)
+    key = {"strategy": strategy, "classifier": classifier}
+    return build_table(
+        CERTAINTY,
+        {
+            **{name: [value] * len(rows) for name, value in key.items()},
+            **{name: [row[name] for row in rows] for name in rows[0]},
+        },
+    )
+
+
+def summarise_certainty(
+    table: pa.Table, coverage: float, intervals: IntervalParameters, seed: int
+) -> list[dict[str, Any]]:
+    """Sum up `tables.CERTAINTY` by strategy and number of views.
+
+    Gives for each the share of known objects whose class is in the set, and of those that are called
+    unknown, with intervals over objects; the mean size of the sets; the area under the curve that tells
+    unknown objects from known ones by their strangeness (mean over the classes left out).
+    """
+    from visuohaptic.recognition.intervals import rate_interval
+    from visuohaptic.recognition.summary import select
+
+    found = []
+    for strategy in table.column("strategy").unique().to_pylist():
+        for views in table.column("views").unique().to_pylist():
+            rows = select(table, strategy=strategy, views=views).to_pylist()
+            known = [row for row in rows if row["known"]]
+            strange = [row for row in rows if not row["known"]]
+            figures: dict[str, Any] = {"strategy": strategy, "views": views, "stated": coverage}
+            for name, of, column in (
+                ("accuracy", known, "correct"),
+                ("coverage", known, "covered"),
+                ("false_unknown", known, "unknown"),
+                ("found_unknown", strange, "unknown"),
+            ):
+                values, weights = _by_object(of, column)
+                generator = spawn_generator(seed, "certainty", strategy, views, name)
+                interval = rate_interval(values, weights, intervals, generator)
+                figures[name] = [interval.mean, interval.low, interval.high]
+            figures["set_size"] = float(np.mean([row["candidates"] for row in known]))
+            areas = [_area(rows, name) for name in {row["left_out"]: None for row in rows}]
+            figures["area"] = float(np.mean(areas))
+            found.append(figures)
+    return found
+
+
+def make_certainty(
+    features: Sequence[str | Path],
+    table: str | Path,
+    metrics: str | Path,
+    strategies: Sequence[str],
+    classifier: str,
+    parameters: RecognitionParameters,
+    seed: int,
+) -> None:
+    """Make `tables.CERTAINTY` of every strategy, and its summary as JSON."""
+    rows = read_table(FEATURES, features)
+    measured = pa.concat_tables(
+        measure_certainty(rows, strategy, classifier, parameters, seed) for strategy in strategies
+    )
+    write_table(CERTAINTY, measured, table)
+    found = summarise_certainty(measured, parameters.best.coverage, parameters.intervals, seed)
+    with whole_file(metrics) as unfinished:
+        unfinished.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+
+
+def _without_class(
+    sequences: TouchSequences,
+    described: NDArray[np.float64],
+    left_out: int,
+    parameters: RecognitionParameters,
+    generator: np.random.Generator,
+) -> Iterator[dict[str, object]]:
+    """Train without a class and without a fold of the others, and name both."""
+    from visuohaptic.recognition.certainty import fit_calibration
+    from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
+    from visuohaptic.recognition.tuning import fit_best_classifiers
+
+    members = objects_of_classes(sequences)
+    others = [objects for place, objects in enumerate(members) if place != left_out]
+    folds = grouped_folds(others, parameters.protocol.folds, generator)
+    tested = folds[left_out % len(folds)]
+    owners, labels = sequences.object_index, sequences.labels
+    trained = ~np.isin(owners, (*tested, *members[left_out]))
+    count = len(sequences.classes)
+    training = (described[trained], labels[trained], owners[trained], count, parameters)
+    projection, fits = fit_best_classifiers(*training, generator)
+    calibration = fit_calibration(*training, projection, generator)
+    if calibration is None:
+        raise RecognitionError(
+            f"Without class {sequences.classes[left_out]} and the tested objects no class has two "
+            "training objects; at least three objects of one class are needed."
+        )
+    tuned = fits[0][1]
+    for place in (*tested, *members[left_out]):
+        category, name = sequences.objects[place]
+        label = sequences.classes.index(category)
+        projected = projection.apply(described[owners == place])
+        ballots = tuned.ballots(projected)
+        for views in sorted({min(views, len(projected)) for views in VIEWS}):
+            step = len(projected) // views
+            bag = np.arange(place % step, len(projected), step)[:views]
+            member = np.isin(np.arange(len(projected)), bag)
+            answer = ballots.together(member[None])[0]
+            sure = calibration.assess(tuned, projected[bag], answer, parameters.best.coverage)
+            yield {
+                "class": category,
+                "object": name,
+                "left_out": sequences.classes[left_out],
+                "known": label != left_out,
+                "views": views,
+                "correct": bool(answer.argmax() == label),
+                "covered": bool(sure.candidates[label]),
+                "candidates": int(sure.candidates.sum()),
+                "strangeness": sure.strangeness,
+                "evidence": sure.evidence,
+                "unknown": sure.unknown,
+            }
+
+
+def _by_object(
+    rows: Sequence[dict[str, Any]], column: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Give each object's mean of a column, and how often it was tested."""
+    values: dict[tuple[str, str], list[float]] = {}
+    for row in rows:
+        values.setdefault((row["class"], row["object"]), []).append(float(row[column]))
+    means = np.array([np.mean(found) for found in values.values()])
+    return means, np.array([len(found) for found in values.values()], dtype=np.float64)
+
+
+def _area(rows: Sequence[dict[str, Any]], left_out: str) -> float:
+    """Give the area under the curve of one class left out against the known objects beside it."""
+    known, strange = (
+        np.array([r["evidence"] for r in rows if r["left_out"] == left_out and r["known"] == kind])
+        for kind in (True, False)
+    )
+    steps = np.sign(strange[:, None] - known)
+    return float(0.5 + steps.mean() / 2)

@@ -1,0 +1,73 @@
+"""Sensors at any pose."""
+
+import numpy as np
+import pytest
+import trimesh
+
+import visuohaptic as vh
+from visuohaptic.errors import MeshError, ParameterError
+
+BALL = trimesh.creation.icosphere(5, radius=40.0)
+
+
+def poses(count=20, seed=0):
+    normals = np.random.default_rng(seed).normal(size=(count, 3))
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def test_a_ball_is_as_deep_as_it_is_round_wherever_it_lies():
+    normals = poses()
+    moved = BALL.copy()
+    moved.apply_translation([500.0, -20.0, 3.0])
+    felt = vh.press(moved, normals * 40 + [500.0, -20.0, 3.0], 3 * normals, 12.0, resolution=16)
+    offsets = (2 * np.arange(16) - 15) / 16 * 6
+    expected = np.sqrt(40**2 - offsets[:, None] ** 2 - offsets**2) - 40
+    np.testing.assert_allclose(felt.heights, np.broadcast_to(expected, (20, 16, 16)), atol=0.06)
+    assert felt.images.dtype == np.float32
+    np.testing.assert_allclose(felt.images, np.clip(1 + felt.heights / 4, 0, 1), atol=1e-6)
+
+
+def test_arrays_and_a_trimesh_give_the_same_and_each_pose_is_alone():
+    normals = poses()
+    sizes = np.linspace(2, 20, 20)
+    together = vh.press(
+        (BALL.vertices, BALL.faces), normals * 40, normals, sizes, above=9.0, depth=3
+    )
+    for place in (0, 7, 19):
+        alone = vh.press(
+            BALL, normals[[place]] * 40, normals[[place]], sizes[place], above=9.0, depth=3
+        )
+        np.testing.assert_array_equal(together.heights[place], alone.heights[0])
+
+
+def test_a_plane_in_the_air_feels_nothing_and_one_within_is_full():
+    normals = poses(3)
+    air = vh.press(BALL, normals * 80, normals, 5.0)
+    assert not air.images.any()
+    within = vh.press(BALL, normals * 38, normals, 5.0, resolution=8)
+    assert (within.images == 1).all()
+    assert (within.heights > 1).all()
+
+
+def test_no_pose_gives_no_image():
+    assert vh.press(BALL, np.zeros((0, 3)), np.zeros((0, 3)), 1.0).images.shape == (0, 32, 32)
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "sentence"),
+    [
+        ({"points": [[0, 0]]}, ParameterError, r"points has the shape \(1, 2\)"),
+        ({"points": np.zeros((2, 3))}, ParameterError, "2 points and 1 normals"),
+        ({"normals": [[0, 0, 0]]}, ParameterError, "Normal 0 has the length 0"),
+        ({"size": -1}, ParameterError, "size holds -1"),
+        ({"resolution": 1}, ParameterError, "resolution is 1"),
+        ({"depth": 0}, ParameterError, "depth holds 0"),
+        ({"mesh": (np.zeros((3, 3)), np.zeros((0, 3), int))}, MeshError, "no faces"),
+        ({"mesh": (np.eye(3), [[0, 1, 3]])}, MeshError, "3 vertices and faces that name others"),
+        ({"mesh": "mug.obj"}, MeshError, "type str; a trimesh.Trimesh"),
+    ],
+)
+def test_what_is_not_allowed_is_refused_in_a_sentence(change, error, sentence):
+    given = {"mesh": BALL, "points": [[0, 40, 0]], "normals": [[0, 1, 0]], "size": 1.0} | change
+    with pytest.raises(error, match=sentence):
+        vh.press(**given)

@@ -1,0 +1,96 @@
+"""Features of tactile images of any size."""
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from PIL import Image
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.features.tactile_images import (
+    describe_tactile_images,
+    name_features,
+    read_tactile_images,
+    write_tactile_features,
+)
+
+
+def pressed(centre, radius, size=(20, 37)):
+    y, x = np.mgrid[: size[0], : size[1]]
+    return np.clip(1.2 - np.hypot(y - centre[0], x - centre[1]) / radius, 0, 1)
+
+
+def written(folder, kind, name, image, bits=8):
+    (folder / kind).mkdir(parents=True, exist_ok=True)
+    scaled = image * (2**bits - 1)
+    Image.fromarray(scaled.astype(np.uint8 if bits == 8 else np.uint16)).save(folder / kind / name)
+
+
+def test_images_are_read_by_class_and_scaled_to_one(tmp_path):
+    written(tmp_path, "ball", "b.png", pressed((9, 15), 4))
+    written(tmp_path, "ball", "a.png", np.ones((20, 37)), bits=16)
+    written(tmp_path, "arm", "c.bmp", np.zeros((20, 37)))
+    read = read_tactile_images(tmp_path)
+    assert read.classes == ("arm", "ball", "ball")
+    assert read.names == ("c.bmp", "a.png", "b.png")
+    assert read.images.shape == (3, 20, 37)
+    assert read.images[1].min() == read.images[1].max() == 1
+    np.testing.assert_allclose(read.images[2], pressed((9, 15), 4), atol=1 / 255)
+
+
+def test_a_folder_without_images_or_with_broken_or_unlike_ones_is_refused(tmp_path):
+    with pytest.raises(RecognitionError, match="holds no <class>/<image>"):
+        read_tactile_images(tmp_path)
+    written(tmp_path, "a", "1.png", np.ones((8, 8)))
+    written(tmp_path, "b", "2.png", np.ones((8, 9)))
+    with pytest.raises(RecognitionError, match=r"has 8 × 9 taxels and .* has 8 × 8"):
+        read_tactile_images(tmp_path)
+    (tmp_path / "b" / "2.png").write_bytes(b"none")
+    with pytest.raises(RecognitionError, match="can't be read as an image"):
+        read_tactile_images(tmp_path)
+
+
+@pytest.mark.parametrize("size", [(4, 4), (7, 30), (28, 50), (32, 32), (61, 5)])
+def test_images_of_any_size_have_the_same_finite_features(size):
+    images = np.random.default_rng(0).random((3, *size))
+    groups = describe_tactile_images(images)
+    assert (
+        len(name_features(groups))
+        == sum(len(one[0]) for one in groups.values())
+        == 28 + 4 + 16 + 18 + 276
+    )
+    assert all(np.isfinite(values).all() for values in groups.values())
+
+
+def test_an_image_is_described_by_itself_alone_and_an_empty_one_too():
+    images = np.stack([pressed((9, 15), 4), np.zeros((20, 37)), pressed((5, 25), 3)])
+    together = describe_tactile_images(images)
+    for place in range(3):
+        alone = describe_tactile_images(images[place : place + 1])
+        for name, values in together.items():
+            np.testing.assert_allclose(values[place], alone[name][0], rtol=1e-12, atol=1e-12)
+
+
+def test_a_shift_changes_neither_pressure_nor_shape():
+    first, moved = (
+        describe_tactile_images(pressed(centre, 4)[None]) for centre in ((9, 12), (11, 20))
+    )
+    for name in ("pressure", "ordered", "shape"):
+        np.testing.assert_allclose(first[name], moved[name], rtol=1e-9, atol=1e-9)
+
+
+def test_levels_set_the_number_of_bands():
+    images = np.random.default_rng(0).random((2, 28, 50))
+    for levels in ((4,), (3, 4), (2, 3, 4)):
+        found = describe_tactile_images(images, levels)["contourlet"]
+        assert found.shape == (2, sum(2**level for level in levels))
+
+
+def test_features_are_written_with_class_and_name(tmp_path):
+    for number in range(2):
+        written(tmp_path / "in", "ball", f"{number}.png", pressed((9, 10 + number), 4))
+    read = read_tactile_images(tmp_path / "in")
+    groups = describe_tactile_images(read.images)
+    write_tactile_features(read, groups, tmp_path / "out.parquet")
+    table = pq.read_table(tmp_path / "out.parquet")
+    assert table.column_names[:3] == ["class", "image", "contourlet_01"]
+    assert table.column("image").to_pylist() == ["0.png", "1.png"]

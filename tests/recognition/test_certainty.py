@@ -1,0 +1,134 @@
+"""Prediction sets and objects of no known class."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from recognition.synthetic import features_table
+from recognition.test_tuning import clusters
+
+from visuohaptic import recognition
+from visuohaptic.recognition.certainty import (
+    conformal_limit,
+    fit_calibration,
+    least_objects,
+    one_classifier,
+)
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.tuning import fit_best_classifiers
+
+PARAMETERS = one_classifier(RecognitionParameters(), "support_vector_machine")
+
+
+def fitted(descriptors, labels, owners, classes=3, parameters=PARAMETERS):
+    training = (descriptors, labels, owners, classes, parameters)
+    projection, fits = fit_best_classifiers(*training, np.random.default_rng(0))
+    calibration = fit_calibration(*training, projection, np.random.default_rng(0))
+    return projection, fits[0][1], calibration
+
+
+def assessed(model, rows, coverage):
+    projection, tuned, calibration = model
+    projected = projection.apply(rows)
+    found = tuned.ballots(projected).together(np.ones((1, len(rows)), dtype=bool))[0]
+    return calibration.assess(tuned, projected, found, coverage)
+
+
+@pytest.mark.parametrize("coverage", [0.5, 0.8, 0.9, 0.95])
+def test_one_more_misfit_is_within_the_limit_as_often_as_stated(coverage):
+    generator = np.random.default_rng(0)
+    within = [
+        draw[-1] <= conformal_limit(draw[:-1], coverage) for draw in generator.random((4000, 40))
+    ]
+    assert coverage - 0.02 < np.mean(within) < coverage + 1 / 40 + 0.02
+
+
+@pytest.mark.parametrize(("coverage", "least"), [(0.9, 9), (0.5, 1), (0.8, 4), (0.95, 19)])
+def test_a_limit_is_finite_from_the_least_number_of_objects_on(coverage, least):
+    assert least_objects(coverage) == least
+    assert math.isfinite(conformal_limit(np.arange(least), coverage))
+    assert conformal_limit(np.arange(least - 1), coverage) == math.inf
+
+
+def test_sets_hold_the_class_of_new_objects_as_often_as_stated():
+    descriptors, labels, owners = clusters(objects=(60, 60, 60), separation=0.12, sequences=4)
+    trained = owners % 2 == 0
+    model = fitted(descriptors[trained], labels[trained], owners[trained])
+    held, sizes = [], []
+    for owner in np.unique(owners[~trained]):
+        one = owners == owner
+        found = assessed(model, descriptors[one], 0.8)
+        held.append(found.candidates[labels[one][0]])
+        sizes.append(found.candidates.sum())
+    assert 0.7 < np.mean(held) < 0.95
+    assert 1 < np.mean(sizes) < 3
+
+
+def test_known_objects_are_seldom_called_unknown_and_far_ones_are():
+    descriptors, labels, owners = clusters(objects=(30, 30, 30), separation=3.0, sequences=4)
+    trained = owners % 2 == 0
+    model = fitted(descriptors[trained], labels[trained], owners[trained])
+    known = [
+        assessed(model, descriptors[owners == owner], 0.9) for owner in np.unique(owners[~trained])
+    ]
+    assert np.mean([one.unknown for one in known]) < 0.25
+    strange = assessed(model, 20 + descriptors[:4], 0.9)
+    assert strange.unknown
+    assert strange.strangeness == pytest.approx(1 - 1 / 46)
+
+
+def test_a_higher_coverage_gives_larger_sets():
+    descriptors, labels, owners = clusters(objects=(20, 20, 20), separation=0.1)
+    model = fitted(descriptors, labels, owners)
+    sets = [assessed(model, descriptors[:8], share).candidates for share in (0.3, 0.6, 0.9, 0.99)]
+    assert all((small <= large).all() for small, large in itertools.pairwise(sets))
+    assert sets[-1].all()
+
+
+def test_a_class_with_one_object_shares_the_limit_of_all():
+    descriptors, labels, owners = clusters(objects=(1, 12, 12))
+    calibration = fitted(descriptors, labels, owners)[2]
+    assert set(calibration.labels) == {1, 2}
+    limits = calibration.limits(0, 3, 0.9)
+    assert limits[0] == conformal_limit(calibration.misfits[0], 0.9)
+
+
+def test_a_class_that_training_lacked_is_no_candidate():
+    descriptors, labels, owners = clusters(objects=(3, 3))
+    model = fitted(descriptors, labels * 2, owners)
+    assert assessed(model, descriptors[:8], 0.99).candidates.tolist() == [True, False, True]
+
+
+def test_without_a_second_object_a_class_nothing_is_calibrated():
+    descriptors, labels, owners = clusters(objects=(1, 1))
+    assert fitted(descriptors, labels, owners, classes=2)[2] is None
+
+
+def test_no_training_object_is_named_by_what_has_learnt_it(monkeypatch):
+    from visuohaptic.recognition import certainty
+
+    descriptors, labels, owners = clusters(objects=(4, 4))
+    learnt = []
+    original = certainty.fit_best_classifiers
+
+    def catching(rows, *rest):
+        learnt.append(rows)
+        return original(rows, *rest)
+
+    monkeypatch.setattr(certainty, "fit_best_classifiers", catching)
+    fitted(descriptors, labels, owners, classes=2)
+    assert sum(len(descriptors) - len(rows) for rows in learnt) == len(descriptors)
+
+
+@pytest.mark.parametrize("classifier", ["support_vector_machine", "naive_bayes"])
+def test_a_saved_model_is_as_sure_as_before(classifier, tmp_path):
+    table = features_table(objects=(3, 3), separation=3.0)
+    model = recognition.fit_model(table, "best", classifier, RecognitionParameters(), 1)
+    recognition.save_model(model, tmp_path / "a.skops")
+    rows = recognition.select(features_table(objects=(4, 4), seed=7), object="object3")
+    rows = recognition.select(rows, **{"class": "class1"})
+    answer = model.answer(rows)
+    assert recognition.load_model(tmp_path / "a.skops").answer(rows) == answer
+    assert answer.coverage == 0.9
+    assert set(answer.candidates) <= {"class0", "class1"}

@@ -1,0 +1,111 @@
+"""One answer from any number of sequences."""
+
+import numpy as np
+import pytest
+from recognition.test_tuning import clusters
+
+from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
+from visuohaptic.recognition.pooling import (
+    TEMPERATURES,
+    Ballots,
+    best_temperature,
+    fit_bag_classifier,
+    fit_combination,
+    softmax,
+    spread_bags,
+)
+from visuohaptic.recognition.tuning import fit_best_classifiers
+
+SIZES = (1, 2, 4, 8, 16)
+
+
+def listed(bags):
+    return np.split(bags.places, np.cumsum(bags.counts)[:-1])
+
+
+def test_bags_of_every_size_hold_each_sequence_of_an_object_once_and_no_other_objects():
+    owners = np.repeat([3, 7], [16, 5])
+    bags = listed(spread_bags(owners, SIZES))
+    assert all(len(set(owners[bag])) == 1 for bag in bags)
+    for size in SIZES:
+        held = [bag for bag in bags if len(bag) == size and owners[bag[0]] == 3]
+        assert sorted(np.concatenate(held)) == list(range(16))
+    sizes = [len(bag) for bag in bags if owners[bag[0]] == 7]
+    assert sizes == [1] * 5 + [2] * 2 + [4] + [5]
+
+
+def test_views_of_a_bag_are_spread_over_the_ring():
+    assert [list(bag) for bag in listed(spread_bags(np.zeros(8, int), (2,)))] == [
+        [0, 4],
+        [1, 5],
+        [2, 6],
+        [3, 7],
+    ]
+
+
+@pytest.mark.parametrize("objects", [(3, 3), (3, 3, 3)])
+def test_scores_of_a_bag_are_the_discriminants_own_on_its_mean(objects):
+    from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
+
+    rows, labels, owners = clusters(objects=objects, separation=0.5)
+    bags = fit_bag_classifier(rows, labels, owners, (8,))
+    means = rows.reshape(-1, 8, rows.shape[1]).mean(axis=1)
+    theirs = LinearDiscriminantAnalysis(solver="lsqr", shrinkage=0.1).fit(means, labels[::8])
+    other = np.random.default_rng(3).normal(size=(6, rows.shape[1]))
+    ours = bags.scores(other, len(objects)).mean(axis=0, keepdims=True)
+    expected = theirs.predict_proba(other.mean(axis=0, keepdims=True))
+    np.testing.assert_allclose(softmax(ours), expected, atol=1e-6)
+
+
+def test_both_answers_count_by_their_deviations_and_weight():
+    generator = np.random.default_rng(0)
+    labels = np.repeat(np.arange(3), 40)
+    probabilities = softmax(generator.normal(size=(120, 3)) + np.eye(3)[labels])
+    scores = 100 * generator.normal(size=(120, 3)) + 100 * np.eye(3)[labels]
+    owners = np.arange(120) // 4
+    known = np.ones(3, bool)
+    plain = fit_combination(probabilities, scores, labels, owners, (1, 4), known, 1.0)
+    larger = fit_combination(probabilities, 7 * scores, labels, owners, (1, 4), known, 1.0)
+    alone = Ballots(probabilities, scores, plain).alone()
+    np.testing.assert_allclose(alone, Ballots(probabilities, 7 * scores, larger).alone())
+    heavy = fit_combination(probabilities, scores, labels, owners, (1, 4), known, 1e6)
+    np.testing.assert_array_equal(
+        Ballots(probabilities, scores, heavy).alone().argmax(axis=1), scores.argmax(axis=1)
+    )
+
+
+def test_without_bags_an_answer_is_the_mean_probability():
+    probabilities = softmax(np.random.default_rng(0).normal(size=(4, 3)))
+    members = np.array([[True, True, False, False], [True, True, True, True]])
+    found = Ballots(probabilities).together(members)
+    np.testing.assert_allclose(found, [probabilities[:2].mean(axis=0), probabilities.mean(axis=0)])
+
+
+def test_votes_that_tie_have_equal_shares():
+    votes = np.eye(3)[[0, 0, 0, 1, 1, 1, 2]]
+    found = Ballots(votes).together(np.ones((1, 7), dtype=bool))[0]
+    assert found[0] == found[1]
+
+
+def test_a_class_that_training_lacked_has_no_probability():
+    rows, labels, owners = clusters(objects=(3, 3))
+    _, fits = fit_best_classifiers(
+        rows, labels * 2, owners, 3,
+        RecognitionParameters(best=BestParameters(classifiers=("support_vector_machine",))),
+        np.random.default_rng(0),
+    )  # fmt: skip
+    found = fits[0][1].ballots(rows).together(np.ones((1, len(rows)), dtype=bool))
+    assert found[0, 1] < 1e-20
+    assert found.sum() == pytest.approx(1)
+
+
+def test_the_least_log_loss_of_all_temperatures_is_found():
+    generator = np.random.default_rng(4)
+    for _ in range(20):
+        scores = generator.normal(size=(30, 4)) * generator.uniform(0.1, 20)
+        labels = generator.integers(4, size=30)
+        relative = (scores - scores.max(axis=1, keepdims=True)) / TEMPERATURES[:, None, None]
+        losses = np.log(np.exp(relative).sum(axis=2)) - relative[:, np.arange(30), labels]
+        loss, temperature = best_temperature(scores, labels)
+        assert temperature == TEMPERATURES[losses.mean(axis=1).argmin()]
+        assert loss == pytest.approx(losses.mean(axis=1).min())

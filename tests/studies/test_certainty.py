@@ -1,0 +1,56 @@
+"""Prediction sets and the answer `unknown`, measured."""
+
+import json
+
+import pytest
+from recognition.synthetic import features_table
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition import select
+from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
+from visuohaptic.studies.certainty import make_certainty, measure_certainty, summarise_certainty
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table, write_table
+from visuohaptic.tables.studies import CERTAINTY
+
+PARAMETERS = RecognitionParameters()
+
+
+@pytest.fixture(scope="module")
+def measured():
+    table = features_table(objects=(8, 8, 8), viewpoints=4, separation=2.0)
+    return measure_certainty(table, "fixation", "naive_bayes", PARAMETERS, 1)
+
+
+def test_every_object_is_unknown_once_and_no_model_knows_its_class(measured):
+    strange = select(measured, known=False, views=1)
+    assert strange.num_rows == 24
+    assert strange.column("class").equals(strange.column("left_out"))
+    known = select(measured, known=True)
+    assert known.num_rows
+    assert all(row["class"] != row["left_out"] for row in known.to_pylist())
+    assert not any(row["covered"] for row in strange.to_pylist())
+
+
+def test_unknown_objects_are_stranger_than_known_ones(measured):
+    found = summarise_certainty(measured, 0.9, IntervalParameters(), 1)
+    (figures,) = [one for one in found if one["views"] == 4]
+    assert figures["area"] > 0.9
+    assert figures["coverage"][0] > 0.7
+    assert figures["found_unknown"][0] > figures["false_unknown"][0]
+
+
+def test_fewer_than_three_classes_are_refused():
+    with pytest.raises(RecognitionError, match="There are 2 classes; at least three"):
+        measure_certainty(features_table(objects=(3, 3)), "fixation", "naive_bayes", PARAMETERS, 1)
+
+
+def test_table_and_summary_are_written(tmp_path):
+    table = features_table(objects=(3, 3, 3), viewpoints=2, separation=2.0)
+    write_table(FEATURES, table, tmp_path / "features.parquet")
+    files = tmp_path / "certainty.parquet", tmp_path / "certainty.json"
+    make_certainty(
+        [tmp_path / "features.parquet"], *files, ["fixation"], "naive_bayes", PARAMETERS, 1
+    )
+    assert read_table(CERTAINTY, files[0]).num_rows
+    assert {one["views"] for one in json.loads(files[1].read_text())} == {1, 2}
