@@ -29,6 +29,7 @@ include: "workflow/rules/recognition.smk"
 include: "workflow/rules/model.smk"
 include: "workflow/rules/study_conditions.smk"
 include: "workflow/rules/studies.smk"
+include: "workflow/rules/gaze.smk"
 include: "workflow/rules/report.smk"
 
 

@@ -39,6 +39,7 @@ def test_no_output_of_a_stage_persists(stage):
 
 # Other studies are made on request; studies/dvc.yaml has their stages.
 ASIDE = {
+    "workflow/scripts/gaze.py",
     "workflow/scripts/reading.py",
     "workflow/scripts/readings.py",
     "workflow/scripts/readings_page.py",

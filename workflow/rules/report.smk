@@ -63,6 +63,8 @@ rule report:
             "results/stability.parquet",
             *expand("results/stability/{object}.parquet", object=OBJECTS),
         ],
+        # Only where recordings are given.
+        gaze=GAZE_TABLES if RECORDED_GAZE else [],
         # Not part of `all`; once present they are shown in the report.
         measured=[
             *(
@@ -97,6 +99,8 @@ rule report:
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",
                 "readings": "results/readings.parquet",
+                "gaze": "results/gaze/measured.parquet",
+                "gaze_pictures": "results/gaze/pictures.parquet",
                 "stability": "results/stability.parquet",
                 "stability_objects": "results/stability",
                 "stability_full": "reports/stability.parquet",
