@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -36,6 +36,8 @@ class SeenSurface:
         Shape (3,), float32: unit vector from the eye to the middle of what is seen.
     cell : float
         Width of a cell, in the points' unit.
+    protrusions : dict of float to numpy.ndarray
+        What `protrusion` found, by its reach: two terms use each.
     """
 
     point: NDArray[np.float32]
@@ -44,6 +46,7 @@ class SeenSurface:
     facing: Plane
     sight: NDArray[np.float32]
     cell: float
+    protrusions: dict[float, Plane] = field(default_factory=dict, repr=False)
 
 
 def prepare_surface(
@@ -146,11 +149,15 @@ def protrusion(seen: SeenSurface, reach: float) -> Plane:
     (Clarenz, Rumpf & Telea 2004, "Robust feature detection and local classification for
     surfaces based on moment analysis", IEEE TVCG 10(5)); above 0 where the surface is convex.
     """
+    if reach in seen.protrusions:
+        return seen.protrusions[reach]
     deviation = reach / 1.5
     weight = _smooth(seen.certainty, deviation / seen.cell)
     mean = _smooth(seen.point * seen.certainty[..., None], deviation / seen.cell)
     offset = seen.point - mean * reciprocal(weight)[..., None]
-    return np.einsum("ijk,ijk->ij", offset, seen.normal) / np.float32(reach)
+    found: Plane = np.einsum("ijk,ijk->ij", offset, seen.normal) / np.float32(reach)
+    seen.protrusions[reach] = found
+    return found
 
 
 def distance_from_middle(seen: SeenSurface) -> Plane:

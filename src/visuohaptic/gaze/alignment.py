@@ -14,8 +14,10 @@ from visuohaptic.geometry.surface import Surface
 
 GREY = 200
 RECONSTRUCTION_DEPTH = 8
-# Parts of a reconstruction farther than this from every point, in units of the points' half extent.
+# Parts of a reconstruction are left out where they are farther than this from every point, in units
+# of the points' half extent, and farther than so many times the points' own spacing.
 FARTHEST = 0.05
+SPACINGS = 3.0
 _REFINEMENTS = 2
 
 
@@ -123,8 +125,11 @@ def reconstruct(recording: Recording) -> Surface:
     vertices, faces = np.asarray(made.vertices), np.asarray(made.triangles).astype(np.int64)
     from scipy.spatial import cKDTree
 
-    distance, _ = cKDTree(points).query(vertices)
-    faces = faces[distance[faces].max(axis=1) < FARTHEST] if len(faces) else faces
+    tree = cKDTree(points)
+    distance, _ = tree.query(vertices)
+    spacing = float(np.median(tree.query(points, 2)[0][:, 1]))
+    farthest = max(FARTHEST, SPACINGS * spacing)
+    faces = faces[distance[faces].max(axis=1) < farthest] if len(faces) else faces
     if not len(faces):
         raise GazeError(f"{recording.name}: no surface can be made from its points; give a mesh.")
     return grey_surface(vertices, faces)

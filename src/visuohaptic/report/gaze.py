@@ -9,6 +9,7 @@ from pathlib import Path
 
 from visuohaptic.gaze.stored import MeasuredGaze
 from visuohaptic.gaze.summary import Estimate, PredictorRow, summarise
+from visuohaptic.report.wording import counted
 from visuohaptic.tables.gaze import GAZE_PICTURES
 from visuohaptic.tables.schema import read_table
 
@@ -108,7 +109,7 @@ def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> l
     return [
         *found,
         *(
-            f"On {row.objects} objects for tests, looked at once, it reaches "
+            f"On {counted(row.objects, 'object')} for tests, looked at once, it reaches "
             f"{between(row.measures['correlation'])} and {between(row.measures['auc_top'])}."
             for row in tests
             if row.predictor.name == "human"
