@@ -76,9 +76,14 @@ def gaze_figures(
     )
 
 
+def decimal(value: float) -> str:
+    """Give two decimals, with a true minus sign."""
+    return f"{value:.2f}".replace("-0.00", "0.00").replace("-", "\u2212")
+
+
 def between(value: Estimate) -> str:
     """Give a mean and its interval, such as ``0.16 (0.12 to 0.20)``."""
-    return f"{value.mean:.2f} ({value.low:.2f} to {value.high:.2f})"
+    return f"{decimal(value.mean)} ({decimal(value.low)} to {decimal(value.high)})"
 
 
 def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> list[str]:
