@@ -5,15 +5,19 @@ results/gaze/measured.parquet, results/gaze/pictures.parquet and results/gaze/we
 absent; with one it is part of the report.
 """
 
-RECORDED_GAZE = (
-    sorted(
-        str(file)
-        for file in Path(PARAMETERS.gaze.folder).rglob("*")
-        if file.suffix in {".txt", ".npz"}
-    )
-    if PARAMETERS.gaze.folder
-    else []
-)
+from visuohaptic.gaze.parameters import GAZE_SUFFIXES
+from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
+
+
+def files_of_gaze(suffixes):
+    """List the files in the folder of recordings that end in one of some suffixes."""
+    if not PARAMETERS.gaze.folder:
+        return []
+    files = Path(PARAMETERS.gaze.folder).rglob("*")
+    return sorted(str(file) for file in files if file.suffix.lower() in suffixes)
+
+
+RECORDED_GAZE = files_of_gaze(GAZE_SUFFIXES)
 GAZE_TABLES = ["results/gaze/measured.parquet", "results/gaze/pictures.parquet"]
 
 
@@ -35,6 +39,7 @@ rule gaze_all:
 rule gaze:
     input:
         recordings=RECORDED_GAZE,
+        meshes=files_of_gaze(MODEL_SUFFIXES),
         code=code_of("gaze.py"),
     output:
         measured=GAZE_TABLES[0],

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+GAZE_SUFFIXES = (".txt", ".npz")
+"""How files of recorded gaze end."""
+
 
 class GazeParameters(BaseModel):
     """Where recordings of people's gaze lie, and how they are held against attention."""

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import GazeError
+from visuohaptic.gaze.parameters import GAZE_SUFFIXES
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
-GAZE_SUFFIXES = (".txt", ".npz")
 MOST_POINTS = 1_000_000
 MOST_FILES = 10_000
 # Columns of a text file: where the seconds stand, and where the normals start.
