@@ -39,3 +39,7 @@ class MissingPackageError(VisuohapticError):
 
 class ReportError(VisuohapticError):
     """The report can't be made from the tables at hand."""
+
+
+class GazeError(VisuohapticError):
+    """A recording of gaze can't be used, or does not belong to its mesh."""

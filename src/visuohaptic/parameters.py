@@ -17,6 +17,7 @@ from visuohaptic.fixations.parameters import (
     RenderingParameters,
     ViewpointParameters,
 )
+from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import Scene
@@ -124,6 +125,7 @@ class ExperimentParameters(BaseModel):
     features: FeatureParameters = FeatureParameters()
     recognition: RecognitionParameters = RecognitionParameters()
     cost: CostParameters = CostParameters()
+    gaze: GazeParameters = GazeParameters()
 
     @model_validator(mode="after")
     def _sections_agree(self) -> Self:

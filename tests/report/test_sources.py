@@ -8,6 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 from report.pages import read_page
 from report.synthetic import lay_out, write_study
+from report.test_gaze import TABLE as GAZED
 from report.test_readings import ROWS
 from report.test_stability import GRAZING, written
 from report.test_touches_needed import write_tables
@@ -19,6 +20,7 @@ from visuohaptic.report.run import read_run
 from visuohaptic.report.run_folder import find_run
 from visuohaptic.report.sections import CHAPTERS
 from visuohaptic.report.sources import find_sources
+from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.schemas import SCHEMAS
 from visuohaptic.tables.studies import COST, EFFECT_INFLUENCE, READINGS
@@ -45,6 +47,10 @@ def folder(tmp_path_factory):
     )
     columns = {name: [row[name] for row in ROWS] for name in ROWS[0]}
     write_table(READINGS, build_table(READINGS, columns), results / "readings.parquet")
+    write_table(GAZE, GAZED, results / "gaze/measured.parquet")
+    picture = {"object": ["new"], "rank": [0], "correlation": [0.5], "picture": [b"\x89PNG"]}
+    pictures = build_table(GAZE_PICTURES, picture)
+    write_table(GAZE_PICTURES, pictures, results / "gaze/pictures.parquet")
     written(results, [GRAZING])
     (results / "studies").mkdir()
     write_tables(results)

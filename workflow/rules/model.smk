@@ -63,7 +63,7 @@ rule model:
             exclude={"pipelines", "protocol", "intervals"}
         ),
         touching=PARAMETERS.model_dump(
-            mode="json", exclude={"workflow", "recognition", "cost"}
+            mode="json", exclude={"workflow", "recognition", "cost", "gaze"}
         ),
         seed=PARAMETERS.seed,
     message:

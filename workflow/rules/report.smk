@@ -72,6 +72,8 @@ rule report:
         frontier=["results/frontier.parquet", "results/frontier_seconds.parquet"],
         influence="results/effect_influence.parquet",
         stability=["results/stability.parquet", *files_by_object("stability")],
+        # Only where recordings are given.
+        gaze=GAZE_TABLES if RECORDED_GAZE else [],
         # Not part of `all`; once present they are shown in the report.
         measured=[
             *(
@@ -106,6 +108,8 @@ rule report:
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",
                 "readings": "results/readings.parquet",
+                "gaze": "results/gaze/measured.parquet",
+                "gaze_pictures": "results/gaze/pictures.parquet",
                 "stability": "results/stability.parquet",
                 "stability_objects": "results/stability",
                 "stability_full": "reports/stability.parquet",

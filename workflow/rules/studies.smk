@@ -42,10 +42,13 @@ RUN = PARAMETERS.model_dump(
         "workflow": True,
         "meshes": True,
         "cost": True,
+        "gaze": True,
         "recognition": {"intervals"},
     }
 )
-RUN_AND_INTERVALS = PARAMETERS.model_dump(exclude={"workflow", "meshes", "cost"})
+RUN_AND_INTERVALS = PARAMETERS.model_dump(
+    exclude={"workflow", "meshes", "cost", "gaze"}
+)
 
 
 wildcard_constraints:
@@ -260,7 +263,7 @@ rule candidates_of_study:
         "../envs/visuohaptic.yaml"
     params:
         parameters=PARAMETERS.model_dump(
-            exclude={"workflow", "meshes", "cost", "recognition", "probing"}
+            exclude={"workflow", "meshes", "cost", "gaze", "recognition", "probing"}
         ),
     message:
         "touching objects wherever the strategy adaptive may choose to"
@@ -354,7 +357,7 @@ rule cost:
         "../envs/visuohaptic.yaml"
     params:
         study=weighed_study,
-        parameters=PARAMETERS.model_dump(exclude={"workflow", "meshes"}),
+        parameters=PARAMETERS.model_dump(exclude={"workflow", "meshes", "gaze"}),
     message:
         "weighing accuracy against time, study {wildcards.weighed}"
     script:

@@ -105,7 +105,7 @@ def remade_phase(wildcards):
 def remake_parameters(wildcards):
     """Give the parameters that a job makes features again with."""
     return remake_of(wildcards).parameters.model_dump(
-        exclude={"workflow", "meshes", "cost", "recognition"}
+        exclude={"workflow", "meshes", "cost", "gaze", "recognition"}
     )
 
 

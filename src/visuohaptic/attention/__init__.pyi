@@ -8,26 +8,36 @@ from .measures import area_under_curve as area_under_curve
 from .measures import normalised_scanpath_saliency as normalised_scanpath_saliency
 from .model import Attention as Attention
 from .model import attend as attend
+from .model import feature_planes as feature_planes
 from .parameters import CHANNELS as CHANNELS
 from .parameters import AttentionParameters as AttentionParameters
 from .parameters import ChannelWeights as ChannelWeights
+from .parameters import TermWeights as TermWeights
 from .saliency import conspicuity_maps as conspicuity_maps
 from .saliency import saliency_map as saliency_map
 from .scanpath import Scanpath as Scanpath
 from .scanpath import scan as scan
+from .surface_measures import MEASURES as MEASURES
+from .surface_measures import GazedSurface as GazedSurface
+from .term_registry import TERMS as TERMS
 
 __all__ = [
     "CHANNELS",
+    "MEASURES",
+    "TERMS",
     "Attention",
     "AttentionError",
     "AttentionParameters",
     "ChannelWeights",
     "Example",
+    "GazedSurface",
     "Scanpath",
+    "TermWeights",
     "WorkingView",
     "area_under_curve",
     "attend",
     "conspicuity_maps",
+    "feature_planes",
     "fit_weights",
     "normalised_scanpath_saliency",
     "prepare_view",

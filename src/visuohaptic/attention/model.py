@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 from .channels import prepare_view, reasons_to_skip
 from .errors import AttentionError
 from .parameters import CHANNELS, AttentionParameters
+from .pyramid import Plane
 from .saliency import conspicuity_maps, on_view, saliency_map
 from .scanpath import Scanpath, scan
+from .term_registry import TERMS
+from .terms import exponential, prepare_surface, term_planes
 
 SMALLEST_VIEW = 16
 # Keeps a map of zeros from being divided by zero.
@@ -51,6 +54,7 @@ def attend(
     face: NDArray[np.int64],
     curvature: NDArray[np.float32],
     parameters: AttentionParameters,
+    eye: NDArray[np.float64] | None = None,
 ) -> list[Attention]:
     """Compute saliency and fixations for each of n views.
 
@@ -70,6 +74,8 @@ def attend(
         Shape (n, h, w), float32, at least 0: curvedness of the surface, per unit of the points.
     parameters : AttentionParameters
         The model's parameters.
+    eye : numpy.ndarray, optional
+        Shape (n, 3), float64: where the eye is, in the points' frame; terms need it.
 
     Returns
     -------
@@ -79,9 +85,11 @@ def attend(
     Raises
     ------
     AttentionError
-        If shapes differ, a view is too small, or a value is not finite or below its range.
+        If shapes differ, a view is too small, a value is not finite or below its range, or a
+        term has a weight and no eye is given.
     """
     _check_views(colour, mask, point, normal, face, curvature)
+    _check_eyes(eye, len(mask), parameters)
     return [
         _attend_view(
             colour[view],
@@ -91,9 +99,44 @@ def attend(
             face[view],
             curvature[view],
             parameters,
+            None if eye is None else eye[view],
         )
         for view in range(len(mask))
     ]
+
+
+def feature_planes(
+    colour: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    curvature: NDArray[np.float32],
+    eye: NDArray[np.float64],
+    parameters: AttentionParameters,
+) -> tuple[dict[str, Plane], Plane]:
+    """Give all that saliency is a weighted sum of, for one view, to fit weights to.
+
+    Parameters
+    ----------
+    colour, mask, point, normal, curvature, eye
+        One view's part of what `attend` takes.
+    parameters : AttentionParameters
+        Scales and the operator N; a channel without weight is zero.
+
+    Returns
+    -------
+    planes : dict of str to numpy.ndarray
+        Shape (MAP_SIZE, MAP_SIZE), float32: every channel, then every term.
+    certainty : numpy.ndarray
+        The same shape: share of each cell that shows the object.
+    """
+    skipped = reasons_to_skip(colour, mask, curvature, parameters)
+    ran = tuple(name for name in CHANNELS if name not in skipped)
+    maps = conspicuity_maps(prepare_view(colour, mask, curvature), ran, parameters)
+    seen = prepare_surface(mask, point, normal, eye)
+    nothing = np.zeros_like(seen.certainty)
+    planes = {name: maps.get(name, nothing) for name in CHANNELS}
+    return planes | term_planes(seen, tuple(TERMS)), seen.certainty
 
 
 def _attend_view(
@@ -104,11 +147,15 @@ def _attend_view(
     face: NDArray[np.int64],
     curvature: NDArray[np.float32],
     parameters: AttentionParameters,
+    eye: NDArray[np.float64] | None,
 ) -> Attention:
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     channels = tuple(name for name in CHANNELS if name not in skipped)
     maps = conspicuity_maps(prepare_view(colour, mask, curvature), channels, parameters)
-    saliency = on_view(saliency_map(maps, parameters), mask, cv2.INTER_CUBIC)
+    total = saliency_map(maps, parameters)
+    if parameters.is_exponential and eye is not None:
+        total = exponential(total, prepare_surface(mask, point, normal, eye), parameters)
+    saliency = on_view(total, mask, cv2.INTER_CUBIC)
     saliency /= np.float32(max(float(saliency.max()), SMALLEST_PEAK))
     return Attention(
         saliency,
@@ -116,6 +163,18 @@ def _attend_view(
         skipped,
         scan(saliency, mask, point, normal, face, parameters),
     )
+
+
+def _check_eyes(
+    eye: NDArray[np.float64] | None, views: int, parameters: AttentionParameters
+) -> None:
+    if eye is None:
+        if parameters.is_exponential:
+            raise AttentionError("a term has a weight and no eye is given; terms need the eye.")
+    elif eye.shape != (views, 3) or not np.isfinite(eye).all():
+        raise AttentionError(
+            f"eye has shape {eye.shape}; {(views, 3)} of finite numbers is allowed."
+        )
 
 
 def _check_views(

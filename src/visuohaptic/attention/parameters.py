@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    create_model,
+    model_validator,
+)
 
+from .learnt import read_learnt
 from .registry import ENTRIES, channel
+from .term_registry import TERMS
 
 CHANNELS = tuple(ENTRIES)
 
@@ -64,6 +72,31 @@ else:
     )
 
 
+if TYPE_CHECKING:
+
+    class TermWeights(BaseModel):
+        """How much each term adds to the exponent of the saliency map; none by default."""
+
+        def __init__(self, **weights: float) -> None: ...
+
+else:
+    TermWeights = create_model(
+        "TermWeights",
+        __config__=ConfigDict(frozen=True, extra="forbid"),
+        __module__=__name__,
+        __doc__="How much each term adds to the exponent of the saliency map; none by default.",
+        **{
+            entry.name: (float, Field(0.0, description=entry.description))
+            for entry in TERMS.values()
+        },
+    )
+
+
+def _or_a_name(schema: dict[str, Any]) -> None:
+    """Let editors take the names that stand for a set of weights."""
+    schema["anyOf"] = [{"$ref": schema.pop("$ref")}, {"enum": ["equal", "human"]}]
+
+
 class AttentionParameters(BaseModel):
     """Channels, their combination, and the choice of fixations.
 
@@ -74,7 +107,8 @@ class AttentionParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    weights: ChannelWeights = ChannelWeights()
+    weights: ChannelWeights = Field(ChannelWeights(), json_schema_extra=_or_a_name)
+    terms: TermWeights = TermWeights()
     normalisation: Literal["local_maxima", "iterative", "none"] = Field(
         "local_maxima",
         description="How a map with one strong peak is promoted over one with many: the operator N",
@@ -122,6 +156,27 @@ class AttentionParameters(BaseModel):
         ge=0.0,
         description="Width of the rim over which inhibition fades out (focus radii); 0 is a disk",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _named_weights(cls, values: Any) -> Any:
+        """Take `weights: equal` and `weights: human` for the weights that they stand for."""
+        if not isinstance(values, dict) or not isinstance(values.get("weights"), str):
+            return values
+        name = values["weights"]
+        if name not in ("equal", "human"):
+            raise ValueError(f"weights is {name!r}; equal, human or a number a channel is allowed.")
+        if name == "equal":
+            return {**values, "weights": ChannelWeights()}
+        if any(dict(values.get("terms") or {}).values()):
+            raise ValueError("weights is 'human', which sets the terms too; leave terms out.")
+        learnt = read_learnt()
+        return {**values, "weights": learnt["channels"], "terms": learnt["terms"]}
+
+    @property
+    def is_exponential(self) -> bool:
+        """Whether a term has a weight, so that the weighted sum is an exponent."""
+        return any(self.terms.model_dump().values())
 
     @model_validator(mode="after")
     def _levels_exist(self) -> AttentionParameters:

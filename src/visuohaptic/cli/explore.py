@@ -28,7 +28,15 @@ if TYPE_CHECKING:
 
 Made = TypeVar("Made")
 
-STRATEGIES = ("fixation", "random", "random_visible", "farthest_point", "curvature", "contour")
+STRATEGIES = (
+    "fixation",
+    "random",
+    "random_visible",
+    "farthest_point",
+    "curvature",
+    "contour",
+    "human",
+)
 """Those of `visuohaptic.fixations.probing`, which would take too long to import for `--help`."""
 
 _TOUCH_COLUMNS = ("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z")

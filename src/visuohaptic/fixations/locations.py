@@ -117,6 +117,7 @@ def attend_to(
         face=seen.face,
         curvature=seen.curvature,
         parameters=attention,
+        eye=np.stack([camera.eye for camera in cameras.values()]) if cameras else None,
     )
     return [
         Look(key, number, caster, camera, seen, place, attentions[place])

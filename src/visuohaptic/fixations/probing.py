@@ -297,6 +297,29 @@ def _follow_curvature(one: Look, attention: AttentionParameters, *_: object) -> 
     )
 
 
+def _look_as_people(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Let the eye follow channels and terms by the weights that were fitted to people's gaze."""
+    import numpy as np
+
+    from visuohaptic.attention.model import attend
+    from visuohaptic.attention.parameters import AttentionParameters
+
+    settings = attention.model_dump(exclude={"weights", "terms"})
+    part = slice(one.place, one.place + 1)
+    seen = one.seen
+    (found,) = attend(
+        seen.colour[part],
+        seen.mask[part],
+        seen.point[part],
+        seen.normal[part],
+        seen.face[part],
+        seen.curvature[part],
+        AttentionParameters(**settings, weights="human"),
+        np.array([one.camera.eye]),
+    )
+    return found.scanpath
+
+
 def _follow_the_contour(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
     """Follow the object's outline from its most salient place, a focus radius a step."""
     from visuohaptic.attention.scanpath import Scanpath
@@ -349,6 +372,7 @@ STRATEGIES = Registry(
     Strategy("farthest_point", "farthest points", _probe_far_apart, looks=False),
     Strategy("curvature", "the most curved places", _follow_curvature, random=False),
     Strategy("contour", "places along the outline", _follow_the_contour, random=False),
+    Strategy("human", "where people are predicted to look", _look_as_people, random=False),
 )
 """Every strategy that places touches from a view or the surface, in the order of reports."""
 

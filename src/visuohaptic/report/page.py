@@ -13,6 +13,7 @@ from visuohaptic.errors import ReportError
 from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
+from visuohaptic.report.gaze import decimal
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import Track, describe_objects, most_varied
 from visuohaptic.report.provenance import phase_seconds
@@ -97,6 +98,7 @@ def make_environment() -> Environment:
         "anchor": wording.anchor_of,
         "classifier": wording.classifier_name,
         "strategy": wording.strategy_name,
+        "decimal": decimal,
         "dots": lambda dots: Markup(mark_up_dots(dots)),  # noqa: S704 - it escapes its texts
     }
     return environment

@@ -22,6 +22,8 @@ EXTRAS = {
     "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",
     "readings": "results/readings.parquet",
+    "gaze": "results/gaze/measured.parquet",
+    "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability.parquet",
     "stability_objects": "results/stability",
     "stability_full": "reports/stability.parquet",

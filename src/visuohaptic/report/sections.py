@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from visuohaptic.gaze.stored import read_measured
 from visuohaptic.recognition.published import PAPER
 from visuohaptic.recognition.summary import Confusion, confusion, select
 from visuohaptic.report.charts import interval_chart
@@ -30,6 +31,7 @@ from visuohaptic.report.cost import (
     time_parts,
 )
 from visuohaptic.report.effects import sum_channels, sum_effects
+from visuohaptic.report.gaze import gaze_figures
 from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
@@ -189,6 +191,12 @@ def touches_needed_values(context: ReportContext) -> Values | None:
 
 def _measured_readings(run: Run) -> MeasuredReadings | None:
     return read_readings(run.files.extras.get("readings"))
+
+
+def gaze_values(context: ReportContext) -> Values:
+    """Give how attention agrees with people, of this run or as kept with the package."""
+    extras = context.run.files.extras
+    return {"gaze": gaze_figures(read_measured(extras.get("gaze")), extras.get("gaze_pictures"))}
 
 
 def readings_values(context: ReportContext) -> Values | None:
@@ -389,6 +397,9 @@ CHAPTERS = {
     ),
     "Numerical stability": (
         Section("stability", "Numerical stability in hard cases", stability_values),
+    ),
+    "Attention against people": (
+        Section("gaze", "Attention held against people's gaze", gaze_values),
     ),
     "The paper's readings, and studies": (
         Section("readings", "The paper under all its readings", readings_values),

@@ -70,6 +70,7 @@ def find_sources(run: Run, shown: tuple[str, int]) -> dict[str, list[Source]]:
         "touches_needed": list(_touches_needed(run)),
         "confusion": [_confusion(run)],
         "cost": list(_cost(run)),
+        "gaze": list(_gaze(run)),
         "readings": list(_readings(run)),
         "influence": [*_influence(run), *_study(run, "effects"), _places(run, shown)],
         "effects": list(_effects(run)),
@@ -159,6 +160,15 @@ def _readings(run: Run) -> Iterator[Source]:
     columns = ("fixation", "random", "ahead", "p_value")
     by = ("reading", "classifier")
     yield from _extra(run, "readings", "Readings of the paper", "readings", columns, by)
+
+
+def _gaze(run: Run) -> Iterator[Source]:
+    columns = ("correlation", "auc_top", "auc_gaze", "normalised_saliency")
+    yield from _extra(
+        run, "gaze", "Predictions against people", "gaze", columns, ("object", "predictor")
+    )
+    shown = ("rank", "correlation", "picture")
+    yield from _extra(run, "gaze_pictures", "Pictures", "gaze_pictures", shown, ("object",))
 
 
 def _stability(run: Run) -> Iterator[Source]:

@@ -1,0 +1,187 @@
+"""What the terms measure, on the grid of the maps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .parameters import AttentionParameters
+from .pyramid import NOTHING_BEYOND, Plane, filled, reciprocal, reduce, to_working_size
+from .term_registry import TERMS
+
+# A grid cell counts as seen if so much of it shows the object.
+SEEN = 0.25
+SMALLEST_LENGTH = 1e-9
+
+
+@dataclass(frozen=True)
+class SeenSurface:
+    """What a view shows of a surface, averaged over the object in each cell of the maps' grid.
+
+    Attributes
+    ----------
+    point : numpy.ndarray
+        Shape (n, n, 3), float32: the frame of the view's points, y up and z to the front, the
+        object's middle at the origin and its farthest point at 1; zero off the object.
+    normal : numpy.ndarray
+        Shape (n, n, 3), float32: unit normals; zero off the object.
+    certainty : numpy.ndarray
+        Shape (n, n), float32: share of each cell that shows the object.
+    facing : numpy.ndarray
+        Shape (n, n), float32: cosine between the normal and the direction to the eye, 0 to 1.
+    sight : numpy.ndarray
+        Shape (3,), float32: unit vector from the eye to the middle of what is seen.
+    cell : float
+        Width of a cell, in the points' unit.
+    protrusions : dict of float to numpy.ndarray
+        What `protrusion` found, by its reach: two terms use each.
+    """
+
+    point: NDArray[np.float32]
+    normal: NDArray[np.float32]
+    certainty: Plane
+    facing: Plane
+    sight: NDArray[np.float32]
+    cell: float
+    protrusions: dict[float, Plane] = field(default_factory=dict, repr=False)
+
+
+def prepare_surface(
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    eye: NDArray[np.float64],
+) -> SeenSurface:
+    """Bring what a view shows of a surface to the maps' grid.
+
+    Parameters
+    ----------
+    mask : numpy.ndarray
+        Shape (h, w), bool: where the object is.
+    point, normal : numpy.ndarray
+        Shape (h, w, 3), float64, as `attend` takes them.
+    eye : numpy.ndarray
+        Shape (3,), float64: where the eye is, in the points' frame.
+
+    Returns
+    -------
+    SeenSurface
+        Averages by normalised convolution, as in `pyramid`.
+    """
+    cover = mask.astype(np.float32)
+    certainty = reduce(to_working_size(cover))
+    share = reciprocal(certainty)[..., None]
+    lift = cover[..., None]
+    points = reduce(to_working_size(point.astype(np.float32) * lift)) * share
+    normals = reduce(to_working_size(normal.astype(np.float32) * lift)) * share
+    normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), SMALLEST_LENGTH)
+    towards = eye.astype(np.float32) - points
+    towards /= np.maximum(np.linalg.norm(towards, axis=2, keepdims=True), SMALLEST_LENGTH)
+    seen = certainty > SEEN
+    middle = points[seen].mean(axis=0) if seen.any() else np.zeros(3, np.float32)
+    offset = middle - eye.astype(np.float32)
+    sight = (offset / max(float(np.linalg.norm(offset)), SMALLEST_LENGTH)).astype(np.float32)
+    facing = np.abs(np.einsum("ijk,ijk->ij", normals, towards))
+    return SeenSurface(points, normals, certainty, facing, sight, _cell_width(points, seen, sight))
+
+
+def term_planes(seen: SeenSurface, names: tuple[str, ...]) -> dict[str, Plane]:
+    """Compute some terms, shape (n, n), float32 each, by name; zero off the object."""
+    shown = seen.certainty > 0
+    return {name: TERMS[name].plane(seen).astype(np.float32) * shown for name in names}
+
+
+def weighted_terms(seen: SeenSurface, parameters: AttentionParameters) -> Plane:
+    """Give the sum of the terms by their weights; terms of weight 0 are not computed."""
+    weights = {name: weight for name, weight in parameters.terms.model_dump().items() if weight}
+    total = np.zeros_like(seen.certainty)
+    for name, plane in term_planes(seen, tuple(weights)).items():
+        total += np.float32(weights[name]) * plane
+    return total
+
+
+def exponential(total: Plane, seen: SeenSurface, parameters: AttentionParameters) -> Plane:
+    """Give the saliency map of a log-linear model: the exponential of channels and terms together.
+
+    Parameters
+    ----------
+    total : numpy.ndarray
+        Shape (n, n), float32: the weighted sum of the conspicuity maps.
+    seen : SeenSurface
+        The view on the same grid.
+    parameters : AttentionParameters
+        The terms' weights.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, n), float32, its largest value on the object 1; off the object it goes on as on
+        its nearest parts, so that no step stands at the outline.
+    """
+    exponent = total + weighted_terms(seen, parameters)
+    largest = float(exponent[seen.certainty > 0].max(initial=-np.inf))
+    if not np.isfinite(largest):
+        return np.zeros_like(total)
+    value = np.exp(np.minimum(exponent - np.float32(largest), 0.0))
+    return filled(value * seen.certainty, seen.certainty)
+
+
+def nearness_to_centre(seen: SeenSurface, reach: float) -> Plane:
+    """Give a Gaussian of the distance, across the line of sight, from the middle of what is seen.
+
+    `reach` is its standard deviation in the points' unit.
+    """
+    shown = seen.certainty > SEEN
+    middle = seen.point[shown].mean(axis=0) if shown.any() else np.zeros(3, np.float32)
+    offset = seen.point - middle
+    along = offset @ seen.sight
+    across = np.einsum("ijk,ijk->ij", offset, offset) - along**2
+    return np.exp(-across / np.float32(2 * reach**2))
+
+
+def protrusion(seen: SeenSurface, reach: float) -> Plane:
+    """Measure how far the surface stands out of its surroundings, in units of `reach`.
+
+    The distance, along the normal, from the centroid of what is seen around a place in a Gaussian window
+    (Clarenz, Rumpf & Telea 2004, "Robust feature detection and local classification for
+    surfaces based on moment analysis", IEEE TVCG 10(5)); above 0 where the surface is convex.
+    """
+    if reach in seen.protrusions:
+        return seen.protrusions[reach]
+    deviation = reach / 1.5
+    weight = _smooth(seen.certainty, deviation / seen.cell)
+    mean = _smooth(seen.point * seen.certainty[..., None], deviation / seen.cell)
+    offset = seen.point - mean * reciprocal(weight)[..., None]
+    found: Plane = np.einsum("ijk,ijk->ij", offset, seen.normal) / np.float32(reach)
+    seen.protrusions[reach] = found
+    return found
+
+
+def distance_from_middle(seen: SeenSurface) -> Plane:
+    """Give the distance of each place from the origin."""
+    return np.linalg.norm(seen.point, axis=2)
+
+
+def visible_share(seen: SeenSurface, reach: float) -> Plane:
+    """Give the share of a Gaussian window that the object fills, 0 to 1."""
+    return _smooth(seen.certainty, reach / 1.5 / seen.cell)
+
+
+def _smooth(planes: NDArray[np.float32], deviation: float) -> NDArray[np.float32]:
+    deviation = max(deviation, 0.5)
+    return cv2.GaussianBlur(planes, (0, 0), deviation, borderType=NOTHING_BEYOND)
+
+
+def _cell_width(
+    points: NDArray[np.float32], seen: NDArray[np.bool_], sight: NDArray[np.float32]
+) -> float:
+    """Measure the median distance, across the line of sight, of cells side by side."""
+    both = seen[:, 1:] & seen[:, :-1]
+    step = (points[:, 1:] - points[:, :-1])[both]
+    if not len(step):
+        return 1.0 / len(points)
+    across = step - (step @ sight)[:, None] * sight
+    return max(float(np.median(np.linalg.norm(across, axis=1))), SMALLEST_LENGTH)

@@ -1,0 +1,81 @@
+"""`visuohaptic gaze`: how well attention predicts where people looked."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from visuohaptic.cli.printing import say, say_json, show_progress
+
+TestsOption = Annotated[bool, typer.Option("--tests", help="Measure the objects for tests, too.")]
+
+
+def gaze(
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="Folder with recordings of gaze and meshes.")
+    ],
+    tests: TestsOption = False,  # noqa: FBT002
+    weights: Annotated[
+        Path | None, typer.Option(help="Write the fitted weights to this file, as JSON.")
+    ] = None,
+    source: Annotated[
+        str, typer.Option(help="Where the recordings come from, for that file.")
+    ] = "own recordings",
+    jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes.")] = 1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+) -> None:
+    """Hold attention against where people looked on objects.
+
+    A recording is a text file, a point a line: x y z seconds, or x y z, a normal and seconds; its mesh has
+    the same name. Weights are fitted to other objects than those they are held against.
+
+    Example: visuohaptic gaze recordings --weights weights.json
+    """
+    from visuohaptic.gaze.files import look_at_folder, write_weights
+    from visuohaptic.gaze.measuring import measure_all
+    from visuohaptic.gaze.summary import summarise
+    from visuohaptic.parameters import ExperimentParameters
+
+    parameters = ExperimentParameters()
+    settings = parameters.gaze.model_copy(update={"folder": str(folder)})
+    track: Any = partial(show_progress, doing="looking")
+    objects = look_at_folder(
+        parameters.viewpoints,
+        parameters.rendering,
+        parameters.attention,
+        settings,
+        parameters.seed,
+        jobs,
+        track,
+        tests=tests,
+    )
+    table = measure_all(objects, settings)
+    if weights is not None:
+        write_weights(objects, settings, weights, f"visuohaptic gaze {folder.name}", source)
+    parts = {part: summarise(table, part) for part in ("training", "test")}
+    if as_json:
+        say_json({part: [_plain(row) for row in rows] for part, rows in parts.items() if rows})
+        return
+    for part, rows in parts.items():
+        if rows:
+            held = "held out in turn" if part == "training" else "for tests"
+            say(f"{rows[0].objects} objects {held}: CC, AUC of the top fifth")
+        for row in rows:
+            cc, auc = row.measures["correlation"], row.measures["auc_top"]
+            say(
+                f"  {row.predictor.label:36} {cc.mean:6.3f} ({cc.low:.3f} to {cc.high:.3f})  "
+                f"{auc.mean:.3f} ({auc.low:.3f} to {auc.high:.3f})"
+            )
+
+
+def _plain(row: Any) -> dict[str, Any]:
+    return {
+        "predictor": row.predictor.name,
+        "objects": row.objects,
+        "positive": row.positive,
+        "gain": vars(row.gain),
+        **{name: vars(found) for name, found in row.measures.items()},
+    }

@@ -1,0 +1,154 @@
+"""Recorded points on a mesh: the scale and shift between them, and the surface where there is no mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import GazeError
+from visuohaptic.gaze.recordings import Recording
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+
+GREY = 200
+RECONSTRUCTION_DEPTH = 8
+# Parts of a reconstruction are left out where they are farther than this from every point, in units
+# of the points' half extent, and farther than so many times the points' own spacing.
+FARTHEST = 0.05
+SPACINGS = 3.0
+_REFINEMENTS = 2
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """Recorded points in the frame of a mesh.
+
+    Attributes
+    ----------
+    points : numpy.ndarray
+        Shape (n, 3), float64: the nearest points of the surface.
+    faces : numpy.ndarray
+        Shape (n,), int64: their faces.
+    scale : float
+        What recorded coordinates were multiplied by.
+    shift : numpy.ndarray
+        Shape (3,): what was then added.
+    error : float
+        Distance from the surface that 95 % of the points keep within, in the mesh's unit.
+    """
+
+    points: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    scale: float
+    shift: NDArray[np.float64]
+    error: float
+
+
+def align(
+    points: NDArray[np.float64], caster: RayCaster, name: str, largest_error: float
+) -> Alignment:
+    """Bring recorded points to a mesh by one scale and a shift.
+
+    Parameters
+    ----------
+    points : numpy.ndarray
+        Shape (n, 3), float64, in any unit; the mesh's axes.
+    caster : RayCaster
+        The mesh.
+    name : str
+        The recording, for messages.
+    largest_error : float
+        Largest distance, in the mesh's unit, that 95 % of the points may be off it.
+
+    Returns
+    -------
+    Alignment
+        From the bounding boxes, refined by least squares to the nearest points.
+
+    Raises
+    ------
+    GazeError
+        If points have no extent or lie off the mesh.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = float(np.linalg.norm(high - low))
+    if not extent > 0:
+        raise GazeError(f"{name}: all recorded points are at one place; an extent is needed.")
+    scale = float(np.linalg.norm(caster.bounds[1] - caster.bounds[0])) / extent
+    shift = caster.bounds.mean(axis=0) - scale * 0.5 * (low + high)
+    nearest, faces = caster.nearest(scale * points + shift)
+    best = (_error(scale * points + shift, nearest), scale, shift, nearest, faces)
+    for _ in range(_REFINEMENTS):
+        scale, shift = _fitted(points, nearest)
+        nearest, faces = caster.nearest(scale * points + shift)
+        best = min(
+            best,
+            (_error(scale * points + shift, nearest), scale, shift, nearest, faces),
+            key=lambda found: found[0],
+        )
+    error, scale, shift, nearest, faces = best
+    if error > largest_error:
+        raise GazeError(
+            f"{name}: 5 % of the recorded points lie more than {error:.3f} object radii off the mesh, "
+            f"{largest_error:g} is allowed; give the mesh the recording's axes, or the mesh that was "
+            "shown."
+        )
+    return Alignment(nearest, faces, scale, shift, error)
+
+
+def reconstruct(recording: Recording) -> Surface:
+    """Make a surface from a recording's points and normals, for one that has no mesh.
+
+    Screened Poisson reconstruction (Kazhdan & Hoppe 2013, ACM Trans. Graph. 32(3)), without what lies
+    far from every point. Raises `GazeError` where points or normals are missing.
+    """
+    from visuohaptic.geometry.compiled_open3d import open3d
+
+    if recording.points is None or recording.normals is None:
+        raise GazeError(
+            f"{recording.name} has no mesh of its name, and no points with normals to make one from; "
+            "put the mesh beside it."
+        )
+    low, high = recording.points.min(axis=0), recording.points.max(axis=0)
+    half = 0.5 * float((high - low).max())
+    if not half > 0:
+        raise GazeError(f"{recording.name}: all recorded points are at one place.")
+    points = (recording.points - 0.5 * (low + high)) / half
+    vector = open3d.utility.Vector3dVector
+    cloud = open3d.geometry.PointCloud(vector(points))
+    cloud.normals = vector(recording.normals)
+    made, _ = open3d.geometry.TriangleMesh.create_from_point_cloud_poisson(
+        cloud, depth=RECONSTRUCTION_DEPTH, n_threads=1
+    )
+    vertices, faces = np.asarray(made.vertices), np.asarray(made.triangles).astype(np.int64)
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points)
+    distance, _ = tree.query(vertices)
+    spacing = float(np.median(tree.query(points, 2)[0][:, 1]))
+    farthest = max(FARTHEST, SPACINGS * spacing)
+    faces = faces[distance[faces].max(axis=1) < farthest] if len(faces) else faces
+    if not len(faces):
+        raise GazeError(f"{recording.name}: no surface can be made from its points; give a mesh.")
+    return grey_surface(vertices, faces)
+
+
+def grey_surface(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Surface:
+    """Give a surface without colour, as people saw these objects."""
+    return Surface(vertices, faces, np.full((len(faces), 3), GREY, dtype=np.uint8))
+
+
+def _fitted(
+    points: NDArray[np.float64], nearest: NDArray[np.float64]
+) -> tuple[float, NDArray[np.float64]]:
+    """Give the scale and shift that bring points closest to others, by least squares."""
+    middle, other = points.mean(axis=0), nearest.mean(axis=0)
+    centred = points - middle
+    scale = float((centred * (nearest - other)).sum() / (centred**2).sum())
+    return scale, other - scale * middle
+
+
+def _error(points: NDArray[np.float64], nearest: NDArray[np.float64]) -> float:
+    return float(np.percentile(np.linalg.norm(points - nearest, axis=1), 95))

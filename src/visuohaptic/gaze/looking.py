@@ -1,0 +1,227 @@
+"""One recorded object as the eye sees it: features in every view, and people's time on its points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.attention.model import feature_planes
+from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
+from visuohaptic.attention.surface_measures import GazedSurface
+from visuohaptic.attention.term_registry import TERMS
+from visuohaptic.attention.terms import SEEN
+from visuohaptic.errors import GazeError
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.probing import draw_by_area, sees
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.gaze.alignment import Alignment, align, grey_surface, reconstruct
+from visuohaptic.gaze.parameters import GazeParameters
+from visuohaptic.gaze.recordings import Recording, RecordingFile, read_recording
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.meshes.model_files import read_model
+from visuohaptic.meshes.preparing import normalise
+from visuohaptic.seeds import spawn_generator
+
+FEATURES = (*CHANNELS, *TERMS)
+"""What a prediction is a weighted sum of, in order."""
+
+MOST_EVALUATED = 4000
+"""Recorded points of an object on which predictions are held against people."""
+
+AREA_SAMPLES = 100_000
+REACH = 3.0
+"""Standard deviations at which the Gaussian that spreads time ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class GazedObject:
+    """What the eye sees of an object, and where people looked.
+
+    Attributes
+    ----------
+    name, is_test, digest
+        As in the recording.
+    surface : Surface
+        In the object frame.
+    points : numpy.ndarray
+        Shape (n, 3), float64, on the surface: some of the recorded points.
+    gazed : GazedSurface
+        Time and area at these points.
+    planes : numpy.ndarray
+        Shape (v, k, m, m), float32: `FEATURES` of each view on the maps' grid.
+    shown : numpy.ndarray
+        Shape (v, m, m), bool: grid cells that show the object.
+    cells : numpy.ndarray
+        Shape (v, n), int64: grid cell of each point, counted row by row.
+    visible : numpy.ndarray
+        Shape (v, n), bool: whether a view sees a point.
+    error : float
+        Distance from the mesh that 95 % of the recorded points keep within, object radii.
+    is_reconstructed : bool
+        Whether the surface was made from the points.
+    seconds : float
+        Time that people spent on the object.
+    seen_share : float
+        Share of that time on points that a view sees.
+    """
+
+    name: str
+    is_test: bool
+    digest: str
+    surface: Surface
+    points: NDArray[np.float64]
+    gazed: GazedSurface
+    planes: NDArray[np.float32]
+    shown: NDArray[np.bool_]
+    cells: NDArray[np.int64]
+    visible: NDArray[np.bool_]
+    error: float
+    is_reconstructed: bool
+    seconds: float
+    seen_share: float
+
+    @property
+    def family(self) -> str:
+        """Name without a number at its end: poses of one figure are never in two parts."""
+        return self.name.rstrip("0123456789") or self.name
+
+    @cached_property
+    def features(self) -> NDArray[np.float64]:
+        """Features of each point, averaged over the views that see it, shape (n, k); zero if none."""
+        views, kinds = self.planes.shape[:2]
+        total = np.zeros((self.visible.shape[1], kinds))
+        for view in range(views):
+            at = self.planes[view].reshape(kinds, -1)[:, self.cells[view]]
+            total += (at * self.visible[view]).T
+        return total / np.maximum(self.visible.sum(axis=0), 1)[:, None]
+
+
+def look_at(
+    file: RecordingFile,
+    viewpoints: ViewpointParameters,
+    rendering: RenderingParameters,
+    attention: AttentionParameters,
+    gaze: GazeParameters,
+    seed: int,
+) -> GazedObject:
+    """Read a recording and its mesh, and look at the object from every viewpoint.
+
+    Raises `GazeError` where the recording can't be read or does not fit its mesh, and `MeshError`
+    where the mesh can't be read.
+    """
+    recording = read_recording(file.gaze, gaze.largest_megabytes)
+    raw = grey_mesh(file, gaze) if file.mesh else reconstruct(recording)
+    points = _recorded_points(recording, raw)
+    surface = normalise(raw, file.name)
+    caster = RayCaster(surface)
+    placed = align(points, caster, file.name, gaze.largest_error)
+    area, density = _spread(placed, recording.seconds, surface, gaze.spread, seed)
+    generator = spawn_generator(seed, "gaze", file.name)
+    count = min(MOST_EVALUATED, len(points))
+    chosen = np.sort(generator.choice(len(points), count, replace=False))
+    cameras = place_cameras(viewpoints)
+    at = placed.points[chosen]
+    visible = np.stack([sees(caster, camera, at) for camera in cameras])
+    planes, shown = _feature_planes(caster, cameras, rendering, attention)
+    seen: NDArray[np.bool_] = np.asarray(visible.any(axis=0))
+    if not (density[chosen] * area[chosen])[seen].sum() > 0:
+        raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
+    everywhere = np.zeros(len(points), dtype=bool)
+    for camera in cameras:
+        everywhere |= sees(caster, camera, placed.points)
+    return GazedObject(
+        name=file.name,
+        is_test=file.is_test,
+        digest=recording.digest,
+        surface=surface,
+        points=at,
+        gazed=GazedSurface(density[chosen], area[chosen], seen),
+        planes=planes,
+        shown=shown,
+        cells=np.stack([_cells(camera, at, planes.shape[-1]) for camera in cameras]),
+        visible=visible,
+        error=placed.error,
+        is_reconstructed=file.mesh is None,
+        seconds=float(recording.seconds.sum()),
+        seen_share=float(recording.seconds[everywhere].sum() / recording.seconds.sum()),
+    )
+
+
+def grey_mesh(file: RecordingFile, gaze: GazeParameters) -> Surface:
+    """Read a recording's mesh, without its colours; its parent must have one."""
+    mesh = read_model(str(file.mesh), gaze.largest_megabytes)
+    return grey_surface(mesh.vertices, mesh.faces)
+
+
+def _recorded_points(recording: Recording, mesh: Surface) -> NDArray[np.float64]:
+    if recording.points is not None:
+        return recording.points
+    if len(recording.seconds) != len(mesh.vertices):
+        raise GazeError(
+            f"{recording.name} has {len(recording.seconds)} times and its mesh {len(mesh.vertices)} "
+            "vertices; one a vertex is needed."
+        )
+    return mesh.vertices
+
+
+def _spread(
+    placed: Alignment, seconds: NDArray[np.float64], surface: Surface, spread: float, seed: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Give each recorded point its area and, by a Gaussian, the time per area around it."""
+    from scipy.sparse import csr_matrix
+    from scipy.spatial import cKDTree
+
+    points = placed.points
+    tree = cKDTree(points)
+    drawn = draw_by_area(surface, AREA_SAMPLES, spawn_generator(seed, "gaze area"))
+    nearest = tree.query(drawn.points)[1]
+    area = np.bincount(nearest, minlength=len(points)) * (surface.face_areas.sum() / AREA_SAMPLES)
+    pairs = tree.query_pairs(REACH * spread, output_type="ndarray")
+    first, second = pairs.T
+    squared = ((points[first] - points[second]) ** 2).sum(axis=1)
+    near = np.exp(-squared / (2 * spread**2))
+    half = csr_matrix((near, (first, second)), shape=(len(points), len(points)))
+    time = seconds + half @ seconds + half.T @ seconds
+    around = area + half @ area + half.T @ area
+    return area, np.divide(time, around, out=np.zeros_like(time), where=around > 0)
+
+
+def _feature_planes(
+    caster: RayCaster,
+    cameras: list[Camera],
+    rendering: RenderingParameters,
+    attention: AttentionParameters,
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    planes, shown = [], []
+    seen = render_views(caster, cameras, rendering)
+    for place, camera in enumerate(cameras):
+        found, certainty = feature_planes(
+            seen.colour[place],
+            seen.mask[place],
+            seen.point[place],
+            seen.normal[place],
+            seen.curvature[place],
+            camera.eye,
+            attention,
+        )
+        planes.append(np.stack([found[name] for name in FEATURES]))
+        shown.append(certainty > SEEN)
+    return np.stack(planes), np.stack(shown)
+
+
+def _cells(camera: Camera, points: NDArray[np.float64], size: int) -> NDArray[np.int64]:
+    """Give the grid cell in which a camera sees each point; those outside the view at its edge."""
+    right, up, back = camera.axes
+    offset = points - camera.eye
+    depth = np.full(len(points), camera.distance)
+    if camera.projection == "perspective":
+        depth = np.maximum(-(offset @ back), 1e-9)
+    half = 0.5 * camera.view_height / camera.distance * depth
+    columns = np.clip((offset @ right / half + 1) * 0.5 * size, 0, size - 1).astype(np.int64)
+    rows = np.clip((1 - offset @ up / half) * 0.5 * size, 0, size - 1).astype(np.int64)
+    return rows * size + columns

@@ -1,0 +1,127 @@
+"""From recordings to the table of gaze: every prediction held against people on every object."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.attention.surface_measures import MEASURES
+from visuohaptic.errors import GazeError
+from visuohaptic.gaze.looking import GazedObject, look_at
+from visuohaptic.gaze.parameters import GazeParameters
+from visuohaptic.gaze.predicting import (
+    PREDICTORS,
+    Predictor,
+    fit_predictor,
+    held_out_weights,
+    predict,
+)
+from visuohaptic.gaze.recordings import RecordingFile
+from visuohaptic.tables.gaze import GAZE
+from visuohaptic.tables.schema import build_table
+
+Weights = Mapping[str, Mapping[str, float]]
+Track = Callable[[list[Any]], Iterable[Any]]
+
+
+def look_at_all(
+    files: Sequence[RecordingFile],
+    looking: Callable[[RecordingFile], GazedObject],
+    processes: int = 1,
+    track: Track = iter,
+) -> list[GazedObject]:
+    """Look at every recorded object, in the order of the files; results don't depend on `processes`."""
+    if processes == 1:
+        return [looking(file) for file in track(list(files))]
+    from joblib import Parallel, delayed
+
+    jobs = Parallel(n_jobs=processes)(delayed(looking)(file) for file in track(list(files)))
+    return list(jobs)
+
+
+def looker(
+    parameters: Mapping[str, Any], gaze: GazeParameters, seed: int
+) -> Callable[[RecordingFile], GazedObject]:
+    """Bind `look_at` to sections viewpoints, rendering and attention of the parameters."""
+    return partial(look_at, **parameters, gaze=gaze, seed=seed)
+
+
+def weights_of(
+    objects: Sequence[GazedObject], predictor: Predictor, gaze: GazeParameters
+) -> dict[str, dict[str, float]]:
+    """Give the weights by which a predictor is held against each object.
+
+    Those of a training object are fitted without its fold; those of a test object on all training
+    objects.
+    """
+    if predictor.kind != "fitted":
+        return {one.name: dict.fromkeys(predictor.features, 1.0) for one in objects}
+    training = [one for one in objects if not one.is_test]
+    tests = [one for one in objects if one.is_test]
+    found = held_out_weights(training, predictor, gaze.folds, gaze.penalty)
+    if tests:
+        tested = {one.family for one in tests}
+        fitted = fit_predictor(training, predictor.features, tested, gaze.penalty)
+        found |= {one.name: fitted for one in tests}
+    return found
+
+
+def measure_all(objects: Sequence[GazedObject], gaze: GazeParameters) -> pa.Table:
+    """Hold every predictor against people on every object: rows of `tables.GAZE`.
+
+    Raises `GazeError` where too few objects are there to hold some of them out.
+    """
+    families = {one.family for one in objects if not one.is_test}
+    if len(families) < gaze.folds:
+        raise GazeError(
+            f"{len(families)} different objects are there to fit weights to; gaze.folds is {gaze.folds}, "
+            "and so many are needed."
+        )
+    rows: list[dict[str, object]] = []
+    for predictor in PREDICTORS:
+        weights = weights_of(objects, predictor, gaze)
+        for one in objects:
+            values = predict(one, weights[one.name], exponential=predictor.kind == "fitted")
+            rows.append(
+                {
+                    "object": one.name,
+                    "predictor": predictor.name,
+                    "part": "test" if one.is_test else "training",
+                    **{name: measure(values, one.gazed) for name, measure in MEASURES.items()},
+                    "alignment_error": one.error,
+                    "reconstructed": one.is_reconstructed,
+                    "gaze_seconds": one.seconds,
+                    "seen_share": one.seen_share,
+                    "digest": one.digest,
+                }
+            )
+    return build_table(GAZE, {name: [row[name] for row in rows] for name in rows[0]})
+
+
+def human_weights(objects: Sequence[GazedObject], gaze: GazeParameters) -> dict[str, Any]:
+    """Fit all channels and terms to all training objects, as `attention.weights: human` takes them.
+
+    Returns
+    -------
+    dict
+        ``channels`` and ``terms`` by name, ``objects`` the names fitted to, ``sha256`` of their
+        recordings together.
+    """
+    training = sorted((one for one in objects if not one.is_test), key=lambda one: one.name)
+    tested = {one.family for one in objects if one.is_test}
+    predictor = next(one for one in PREDICTORS if one.name == "human")
+    weights = fit_predictor(training, predictor.features, tested, gaze.penalty)
+    rounded = {name: float(np.round(weight, 4)) for name, weight in weights.items()}
+    digest = hashlib.sha256("".join(one.digest for one in training).encode()).hexdigest()
+    return {
+        "channels": {name: rounded[name] for name in CHANNELS},
+        "terms": {name: value for name, value in rounded.items() if name not in CHANNELS},
+        "objects": [one.name for one in training],
+        "sha256": digest,
+    }

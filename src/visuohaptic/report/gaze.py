@@ -1,0 +1,136 @@
+"""Attention held against people: means over objects, what is ahead of what, and pictures."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from visuohaptic.gaze.stored import MeasuredGaze
+from visuohaptic.gaze.summary import Estimate, PredictorRow, summarise
+from visuohaptic.report.wording import counted
+from visuohaptic.tables.gaze import GAZE_PICTURES
+from visuohaptic.tables.schema import read_table
+
+WORST_NAMED = 6
+
+
+@dataclass(frozen=True)
+class Pictured:
+    """One object: its name, the correlation of predictor human, and the picture as a data URL."""
+
+    name: str
+    correlation: float
+    source: str
+
+
+@dataclass(frozen=True)
+class GazeFigures:
+    """What the page shows of gaze.
+
+    Attributes
+    ----------
+    sentences : tuple of str
+        What the table says.
+    rows, tests : sequence of PredictorRow
+        Objects held out in turn, and those for tests.
+    worst : sequence of (str, float)
+        Objects with the lowest correlations, lowest first.
+    pictures : sequence of Pictured
+        The worst, then the best; empty where the run has none.
+    largest_error : float
+        Largest alignment error, object radii.
+    origin : mapping or None
+        Where figures come from that are not of this run.
+    """
+
+    sentences: tuple[str, ...]
+    rows: Sequence[PredictorRow]
+    tests: Sequence[PredictorRow]
+    worst: Sequence[tuple[str, float]]
+    pictures: Sequence[Pictured]
+    largest_error: float
+    origin: Mapping[str, str] | None
+
+
+def gaze_figures(
+    measured: MeasuredGaze | None, pictures: str | Path | None = None
+) -> GazeFigures | None:
+    """Give what the page shows; None where nothing was measured."""
+    if measured is None:
+        return None
+    rows, tests = (summarise(measured.table, part) for part in ("training", "test"))
+    if not rows:
+        return None
+    held = [row for row in measured.table.to_pylist() if row["predictor"] == "human"]
+    held.sort(key=lambda row: (row["correlation"], row["object"]))
+    return GazeFigures(
+        sentences=tuple(_sentences(rows, tests)),
+        rows=rows,
+        tests=tests,
+        worst=[(row["object"], row["correlation"]) for row in held[:WORST_NAMED]],
+        pictures=_pictures(pictures),
+        largest_error=max(row["alignment_error"] for row in held),
+        origin=measured.origin,
+    )
+
+
+def decimal(value: float) -> str:
+    """Give two decimals, with a true minus sign."""
+    return f"{value:.2f}".replace("-0.00", "0.00").replace("-", "\u2212")
+
+
+def between(value: Estimate) -> str:
+    """Give a mean and its interval, such as ``0.16 (0.12 to 0.20)``."""
+    return f"{decimal(value.mean)} ({decimal(value.low)} to {decimal(value.high)})"
+
+
+def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> list[str]:
+    by_name = {row.predictor.name: row for row in rows}
+    equal, human = by_name["equal"], by_name["human"]
+    floor = max(
+        (row for row in rows if row.predictor.kind == "floor"),
+        key=lambda row: row.measures["correlation"].mean,
+    )
+    place = by_name["place"].measures["correlation"]
+    found = [
+        (
+            f"With equal weights, attention correlates with people's time at "
+            f"{between(equal.measures['correlation'])} over {equal.objects} objects; {floor.predictor.label} "
+            f"reaches {between(floor.measures['correlation'])}."
+        ),
+        (
+            f"With weights fitted to other objects and terms beside the channels it reaches "
+            f"{between(human.measures['correlation'])}, {between(human.gain)} more than equal weights; the area "
+            f"under the curve for the most looked at fifth is {between(human.measures['auc_top'])}."
+        ),
+        (
+            f"Place on the object alone, up and to the front, reaches {between(place)}: a large part of what is "
+            "gained is knowing where on an object people look, which holds for objects that stand "
+            "upright and face the front."
+        ),
+    ]
+    return [
+        *found,
+        *(
+            f"On {counted(row.objects, 'object')} for tests, looked at once, it reaches "
+            f"{between(row.measures['correlation'])} and {between(row.measures['auc_top'])}."
+            for row in tests
+            if row.predictor.name == "human"
+        ),
+    ]
+
+
+def _pictures(path: str | Path | None) -> list[Pictured]:
+    if path is None or not Path(path).is_file():
+        return []
+    rows = sorted(read_table(GAZE_PICTURES, [path]).to_pylist(), key=lambda row: row["rank"])
+    return [
+        Pictured(
+            row["object"],
+            row["correlation"],
+            "data:image/png;base64," + b64encode(row["picture"]).decode("ascii"),
+        )
+        for row in rows
+    ]

@@ -1,0 +1,147 @@
+"""Each measure against its definition, written out by hand or by another library."""
+
+import numpy as np
+import pytest
+from scipy.stats import entropy, pearsonr
+from sklearn.metrics import roc_auc_score
+
+from visuohaptic.attention import MEASURES, AttentionError, GazedSurface
+from visuohaptic.attention.surface_measures import (
+    area_under_curve_of_gaze,
+    area_under_curve_of_top,
+    correlation,
+    divergence,
+    normalised_saliency,
+    similarity,
+)
+
+
+def drawn(seed, points=400, even=False):
+    rng = np.random.default_rng(seed)
+    area = np.ones(points) if even else rng.random(points) + 0.1
+    seen = rng.random(points) < 0.8
+    return GazedSurface(rng.random(points) ** 3, area, seen), rng.random(points)
+
+
+def repeated(gazed, predicted, times):
+    """Repeat each seen point as often as its area says: areas of one each, and no weights."""
+    counts = times[gazed.seen]
+    return np.repeat(gazed.density[gazed.seen], counts), np.repeat(predicted[gazed.seen], counts)
+
+
+def with_whole_areas(seed):
+    rng = np.random.default_rng(seed)
+    times = rng.integers(1, 6, 300)
+    gazed = GazedSurface(rng.random(300) ** 2, times.astype(float), rng.random(300) < 0.7)
+    return gazed, np.round(rng.random(300), 2), times
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_correlation_is_pearsons_over_points_repeated_by_area(seed):
+    gazed, predicted, times = with_whole_areas(seed)
+    expected = pearsonr(*repeated(gazed, predicted, times)).statistic
+    assert correlation(predicted, gazed) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_area_under_curve_by_time_is_that_of_weighted_samples(seed):
+    gazed, predicted, _ = with_whole_areas(seed)
+    values = predicted[gazed.seen]
+    labels = np.repeat([1, 0], len(values))
+    weights = np.concatenate([gazed.shares(), gazed.weights()])
+    expected = roc_auc_score(labels, np.tile(values, 2), sample_weight=weights)
+    assert area_under_curve_of_gaze(predicted, gazed) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_area_under_curve_of_the_top_is_that_of_the_most_looked_at_fifth(seed):
+    gazed, predicted = drawn(seed, even=True)
+    density = gazed.density[gazed.seen]
+    top = np.zeros(len(density), dtype=bool)
+    top[np.argsort(-density)[: int(0.2 * len(density))]] = True
+    expected = roc_auc_score(top, predicted[gazed.seen])
+    assert area_under_curve_of_top(predicted, gazed) == pytest.approx(expected, abs=1e-12)
+
+
+def test_normalised_saliency_is_the_mean_of_z_scores_where_people_looked():
+    gazed = GazedSurface(np.array([0.0, 3.0, 1.0, 9.0]), np.ones(4), np.array([1, 1, 1, 0], bool))
+    predicted = np.array([1.0, 4.0, 1.0, 100.0])
+    scores = (predicted[:3] - 2.0) / predicted[:3].std()
+    assert normalised_saliency(predicted, gazed) == pytest.approx((3 * scores[1] + scores[2]) / 4)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_divergence_is_the_relative_entropy_of_shares(seed):
+    gazed, predicted = drawn(seed)
+    told = (predicted * gazed.area)[gazed.seen]
+    time = (gazed.density * gazed.area)[gazed.seen]
+    assert divergence(predicted, gazed) == pytest.approx(entropy(time, told), abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_similarity_is_one_less_half_the_distance_of_shares(seed):
+    gazed, predicted = drawn(seed)
+    told = (predicted * gazed.area)[gazed.seen]
+    time = (gazed.density * gazed.area)[gazed.seen]
+    distance = np.abs(told / told.sum() - time / time.sum()).sum()
+    assert similarity(predicted, gazed) == pytest.approx(1 - distance / 2, abs=1e-12)
+
+
+def test_people_themselves_are_the_best_prediction():
+    gazed, _ = drawn(0)
+    found = {name: measure(gazed.density, gazed) for name, measure in MEASURES.items()}
+    assert found["correlation"] == pytest.approx(1)
+    assert found["auc_top"] == pytest.approx(1)
+    assert found["similarity"] == pytest.approx(1)
+    assert found["divergence"] == pytest.approx(0, abs=1e-9)
+    other = np.random.default_rng(1).random(400)
+    assert found["auc_gaze"] > MEASURES["auc_gaze"](other, gazed)
+    assert found["normalised_saliency"] > MEASURES["normalised_saliency"](other, gazed)
+
+
+def test_an_even_prediction_is_at_chance():
+    gazed, _ = drawn(0)
+    even = np.ones(400)
+    assert correlation(even, gazed) == 0
+    assert normalised_saliency(even, gazed) == 0
+    assert area_under_curve_of_top(even, gazed) == 0.5
+    assert area_under_curve_of_gaze(even, gazed) == 0.5
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_points_that_no_view_sees_do_not_count(name):
+    gazed, predicted = drawn(2)
+    changed = np.where(gazed.seen, predicted, 1e6)
+    assert MEASURES[name](changed, gazed) == MEASURES[name](predicted, gazed)
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_a_point_cut_in_two_of_half_the_area_changes_nothing(name):
+    gazed, predicted = drawn(3)
+    halves = GazedSurface(
+        np.tile(gazed.density, 2), np.tile(gazed.area / 2, 2), np.tile(gazed.seen, 2)
+    )
+    expected = MEASURES[name](predicted, gazed)
+    tolerance = 0.01 if name == "auc_top" else 1e-9  # the fifth may end within a pair
+    assert MEASURES[name](np.tile(predicted, 2), halves) == pytest.approx(expected, abs=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("density", "area", "seen", "message"),
+    [
+        ([1.0, 2.0], [1.0], [True, True], "shapes"),
+        ([1.0, -1.0], [1.0, 1.0], [True, True], "density has values that are negative"),
+        ([1.0, 1.0], [1.0, np.nan], [True, True], "area has values"),
+        ([0.0, 1.0], [1.0, 1.0], [True, False], "no seen point was looked at"),
+    ],
+)
+def test_a_surface_that_can_not_be_measured_is_refused(density, area, seen, message):
+    with pytest.raises(AttentionError, match=message):
+        GazedSurface(np.array(density), np.array(area), np.array(seen))
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_a_prediction_of_another_length_is_refused(name):
+    gazed, predicted = drawn(0)
+    with pytest.raises(AttentionError, match="the prediction has shape"):
+        MEASURES[name](predicted[:-1], gazed)

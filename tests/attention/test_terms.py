@@ -1,0 +1,195 @@
+"""Terms on shapes where their values are known, and what they do to saliency."""
+
+import numpy as np
+import pytest
+from attention import scenes
+from pydantic import ValidationError
+
+from visuohaptic.attention import (
+    CHANNELS,
+    TERMS,
+    AttentionError,
+    AttentionParameters,
+    ChannelWeights,
+    TermWeights,
+    attend,
+    feature_planes,
+    term_registry,
+)
+from visuohaptic.attention.learnt import read_learnt
+from visuohaptic.attention.terms import SEEN, prepare_surface, term_planes
+from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.geometry.raycasting import RayCaster
+
+CAMERA = Camera(30.0, 20.0, 3.0, 40.0)
+
+
+def seen_of(surface, camera=CAMERA):
+    views = render_views(RayCaster(surface), [camera], RenderingParameters())
+    return prepare_surface(views.mask[0], views.point[0], views.normal[0], camera.eye)
+
+
+def looked(surface, parameters, camera=CAMERA, **eye):
+    views = render_views(RayCaster(surface), [camera], RenderingParameters())
+    (found,) = attend(
+        views.colour,
+        views.mask,
+        views.point,
+        views.normal,
+        views.face,
+        views.curvature,
+        parameters,
+        **eye,
+    )
+    return found
+
+
+def planes_of(surface, *names):
+    seen = seen_of(surface)
+    return seen, term_planes(seen, names or tuple(TERMS))
+
+
+def test_every_term_is_finite_of_unit_size_and_zero_beside_the_object():
+    seen, planes = planes_of(scenes.sphere_with_bump([1, 1, 1]))
+    for name, plane in planes.items():
+        assert np.isfinite(plane).all(), name
+        assert abs(plane).max() < 2, name
+        assert not plane[seen.certainty == 0].any(), name
+
+
+def test_the_middle_of_a_sphere_faces_the_eye_and_its_outline_does_not():
+    seen, planes = planes_of(scenes.sphere(), "facing")
+    middle = len(seen.certainty) // 2
+    assert planes["facing"][middle, middle] == pytest.approx(1, abs=0.02)
+    assert planes["facing"][seen.certainty > SEEN].min() < 0.3
+
+
+def test_facing_is_the_cosine_of_normal_and_sight_on_a_sphere():
+    seen, planes = planes_of(scenes.sphere(), "facing")
+    whole = seen.certainty > 0.999
+    towards = CAMERA.eye - seen.point[whole]
+    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+    outward = seen.point[whole] / np.linalg.norm(seen.point[whole], axis=1, keepdims=True)
+    expected = (towards * outward).sum(axis=1)
+    np.testing.assert_allclose(planes["facing"][whole], expected, atol=0.03)
+
+
+def test_place_is_that_of_the_seen_points():
+    seen, planes = planes_of(
+        scenes.sphere(), "height", "height_squared", "front", "front_height", "extremity"
+    )
+    whole = seen.certainty > 0.999
+    y, z = seen.point[whole][:, 1], seen.point[whole][:, 2]
+    np.testing.assert_allclose(planes["height"][whole], y, atol=1e-6)
+    np.testing.assert_allclose(planes["height_squared"][whole], y**2, atol=1e-6)
+    np.testing.assert_allclose(planes["front"][whole], z, atol=1e-6)
+    np.testing.assert_allclose(planes["front_height"][whole], y * z, atol=1e-6)
+    np.testing.assert_allclose(planes["extremity"][whole], 0.9, atol=0.01)
+
+
+@pytest.mark.parametrize("scale", ["fine", "middle", "coarse"])
+def test_a_bump_stands_out_and_a_dent_lies_in(scale):
+    back = CAMERA.axes[2]
+    for height, sign in ((0.12, 1), (-0.12, -1)):
+        surface = scenes.sphere_with_bump(back, height=height, width=0.08)
+        _, planes = planes_of(surface, f"protrusion_{scale}", f"relief_{scale}")
+        _, plain = planes_of(scenes.sphere(), f"protrusion_{scale}")
+        middle = slice(31, 33)
+        change = (planes[f"protrusion_{scale}"] - plain[f"protrusion_{scale}"])[middle, middle]
+        assert (sign * change > 0.05).all()
+        np.testing.assert_array_equal(planes[f"relief_{scale}"], abs(planes[f"protrusion_{scale}"]))
+
+
+def test_nearness_to_the_middle_falls_as_a_gaussian_of_the_distance():
+    seen, planes = planes_of(scenes.sphere(), "centre")
+    whole = seen.certainty > 0.999
+    offset = seen.point[whole] - seen.point[seen.certainty > SEEN].mean(axis=0)
+    across = np.linalg.norm(np.cross(offset, seen.sight), axis=1)
+    expected = np.exp(-(across**2) / (2 * 0.2**2))
+    np.testing.assert_allclose(planes["centre"][whole], expected, atol=1e-4)
+
+
+def test_without_weights_of_terms_an_eye_changes_no_bit():
+    surface, parameters = scenes.sphere_with_bump([1, 1, 1]), AttentionParameters()
+    plain = looked(surface, parameters)
+    given = looked(surface, parameters, eye=CAMERA.eye[None])
+    np.testing.assert_array_equal(plain.saliency, given.saliency)
+    np.testing.assert_array_equal(plain.scanpath.points, given.scanpath.points)
+
+
+def test_a_term_of_large_weight_decides_where_the_eye_rests_first():
+    surface = scenes.sphere_with_bump([0, 0, 1])
+    for weight in (40.0, -40.0):
+        parameters = AttentionParameters(terms=TermWeights(height=weight))
+        found = looked(surface, parameters, eye=CAMERA.eye[None])
+        views = render_views(RayCaster(surface), [CAMERA], RenderingParameters())
+        heights = views.point[0][views.mask[0]][:, 1]
+        first = found.scanpath.points[0, 1]
+        assert weight * (first - np.median(heights)) > 0
+        assert found.saliency.max() == pytest.approx(1)
+        assert not found.saliency[~views.mask[0]].any()
+
+
+def test_terms_without_an_eye_are_refused():
+    parameters = AttentionParameters(terms=TermWeights(centre=1.0))
+    with pytest.raises(AttentionError, match="terms need the eye"):
+        looked(scenes.sphere(), parameters)
+    with pytest.raises(AttentionError, match="eye has shape"):
+        looked(scenes.sphere(), parameters, eye=CAMERA.eye)
+
+
+def test_features_are_all_channels_and_terms():
+    views = render_views(RayCaster(scenes.sphere()), [CAMERA], RenderingParameters())
+    planes, certainty = feature_planes(
+        views.colour[0],
+        views.mask[0],
+        views.point[0],
+        views.normal[0],
+        views.curvature[0],
+        CAMERA.eye,
+        AttentionParameters(),
+    )
+    assert tuple(planes) == (*CHANNELS, *TERMS)
+    assert {plane.shape for plane in planes.values()} == {certainty.shape}
+
+
+def test_equal_is_the_default():
+    assert AttentionParameters(weights="equal") == AttentionParameters()
+
+
+def test_human_stands_for_the_learnt_weights():
+    parameters = AttentionParameters(weights="human")
+    learnt = read_learnt()
+    assert parameters.weights == ChannelWeights(**learnt["channels"])
+    assert parameters.terms == TermWeights(**learnt["terms"])
+    assert parameters.is_exponential
+    assert AttentionParameters(**parameters.model_dump()) == parameters
+    zeros = TermWeights().model_dump()
+    assert AttentionParameters(weights="human", terms=zeros) == parameters
+
+
+def test_learnt_weights_say_where_they_come_from():
+    learnt = read_learnt()
+    assert set(learnt) == {"source", "date", "command", "channels", "terms", "objects", "sha256"}
+    assert set(learnt["channels"]) == set(CHANNELS)
+    assert set(learnt["terms"]) == set(TERMS)
+    assert len(learnt["sha256"]) == 64
+
+
+def test_other_names_of_weights_are_refused():
+    with pytest.raises(ValidationError, match="equal, human or a number a channel"):
+        AttentionParameters(weights="animal")
+    with pytest.raises(ValidationError, match="leave terms out"):
+        AttentionParameters(weights="human", terms={"centre": 1.0})
+
+
+def test_two_terms_of_one_name_are_refused():
+    with pytest.raises(AttentionError, match="each name is allowed once"):
+        term_registry._by_name(TERMS["centre"], TERMS["centre"])
+
+
+def test_every_term_names_its_source():
+    assert all(term.source and term.description for term in TERMS.values())
+    assert {term.kind for term in TERMS.values()} == {"view", "place", "shape"}

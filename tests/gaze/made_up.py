@@ -1,0 +1,45 @@
+"""Made-up recordings: objects whose people look where one feature is large."""
+
+import numpy as np
+import trimesh
+
+from visuohaptic.attention import GazedSurface
+from visuohaptic.gaze.alignment import grey_surface
+from visuohaptic.gaze.looking import FEATURES, GazedObject
+
+SIZE, VIEWS, POINTS = 12, 4, 300
+
+
+def made_up_object(name, planted, seed, *, shuffled=False, strength=2.0, is_test=False):
+    """An object on which people look by exp(strength * planted), or anywhere if shuffled."""
+    rng = np.random.default_rng(seed)
+    planes = rng.random((VIEWS, len(FEATURES), SIZE, SIZE), dtype=np.float32)
+    cells = rng.integers(0, SIZE * SIZE, (VIEWS, POINTS))
+    visible = rng.random((VIEWS, POINTS)) < 0.7
+    mesh = trimesh.creation.icosphere(1)
+    one = GazedObject(
+        name=name,
+        is_test=is_test,
+        digest=f"{seed:064x}",
+        surface=grey_surface(np.array(mesh.vertices), np.array(mesh.faces)),
+        points=rng.normal(size=(POINTS, 3)),
+        gazed=GazedSurface(np.ones(POINTS), rng.random(POINTS) + 0.5, visible.any(axis=0)),
+        planes=planes,
+        shown=np.ones((VIEWS, SIZE, SIZE), dtype=bool),
+        cells=cells,
+        visible=visible,
+        error=0.001,
+        is_reconstructed=False,
+        seconds=10.0,
+        seen_share=0.9,
+    )
+    density = np.exp(strength * 5 * one.features[:, FEATURES.index(planted)])
+    density *= visible.mean(axis=0)
+    if shuffled:
+        density = rng.permutation(density)
+    gazed = GazedSurface(density, one.gazed.area, one.gazed.seen)
+    return GazedObject(**{**one_fields(one), "gazed": gazed})
+
+
+def one_fields(one):
+    return {name: getattr(one, name) for name in one.__dataclass_fields__}

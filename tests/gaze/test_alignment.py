@@ -1,0 +1,67 @@
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.errors import GazeError
+from visuohaptic.fixations.probing import draw_by_area
+from visuohaptic.gaze.alignment import align, grey_surface, reconstruct
+from visuohaptic.gaze.recordings import Recording
+from visuohaptic.geometry.raycasting import RayCaster
+
+BOX = trimesh.creation.box(extents=(1.0, 0.6, 0.3)).subdivide().subdivide().subdivide()
+SURFACE = grey_surface(np.array(BOX.vertices), np.array(BOX.faces))
+
+
+def points_on(surface, count, seed=0):
+    return draw_by_area(surface, count, np.random.default_rng(seed)).points
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.01, 250.0])
+def test_scale_and_shift_are_found(scale):
+    shift = np.array([3.0, -2.0, 0.5])
+    points = (SURFACE.vertices - shift) / scale
+    found = align(points, RayCaster(SURFACE), "box", 0.03)
+    assert found.scale == pytest.approx(scale, rel=1e-6)
+    np.testing.assert_allclose(found.shift, shift, atol=1e-5 * max(1, scale))
+    assert found.error < 1e-6
+
+
+def test_points_that_leave_out_the_corners_are_brought_closer_than_their_box_does():
+    points = points_on(SURFACE, 300)
+    points = points[np.linalg.norm(points, axis=1) < 0.45]
+    found = align(points, RayCaster(SURFACE), "box", 0.05)
+    box = float(
+        np.linalg.norm(np.ptp(SURFACE.vertices, axis=0)) / np.linalg.norm(np.ptp(points, axis=0))
+    )
+    assert abs(found.scale - 1) < abs(box - 1)
+
+
+def test_other_axes_are_refused_with_the_error():
+    points = points_on(SURFACE, 2000)[:, [1, 2, 0]]
+    with pytest.raises(
+        GazeError, match=r"box: 5 % of the recorded points lie more than 0\.\d+ "
+    ) as found:
+        align(points, RayCaster(SURFACE), "box", 0.03)
+    assert "axes" in str(found.value)
+
+
+def test_points_at_one_place_are_refused():
+    with pytest.raises(GazeError, match="at one place"):
+        align(np.ones((5, 3)), RayCaster(SURFACE), "box", 0.03)
+
+
+def test_a_surface_is_made_from_points_and_normals():
+    mesh = trimesh.creation.icosphere(4)
+    surface = grey_surface(np.array(mesh.vertices), np.array(mesh.faces))
+    ball = draw_by_area(surface, 5000, np.random.default_rng(1))
+    seconds = np.ones(5000)
+    made = reconstruct(Recording("ball", ball.points, ball.normals, seconds, ""))
+    radius = np.linalg.norm(made.vertices, axis=1)
+    assert abs(radius - 1).max() < 0.03
+    again = reconstruct(Recording("ball", ball.points, ball.normals, seconds, ""))
+    np.testing.assert_array_equal(made.vertices, again.vertices)
+
+
+def test_without_mesh_and_normals_there_is_no_surface():
+    with pytest.raises(GazeError, match="put the mesh beside it"):
+        reconstruct(Recording("ball", np.eye(3), None, np.ones(3), ""))

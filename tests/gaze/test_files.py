@@ -1,0 +1,135 @@
+"""From made-up recordings in a folder to tables, pictures and weights."""
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.attention import CHANNELS, TERMS, AttentionParameters
+from visuohaptic.errors import GazeError, MeshError
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.gaze.files import look_at_folder, make_gaze
+from visuohaptic.gaze.looking import look_at
+from visuohaptic.gaze.parameters import GazeParameters
+from visuohaptic.gaze.predicting import PREDICTORS
+from visuohaptic.gaze.recordings import RecordingFile, find_recordings
+from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
+from visuohaptic.tables.schema import read_table
+
+LOOKING = {
+    "viewpoints": ViewpointParameters(count=3),
+    "rendering": RenderingParameters(resolution=48),
+    "attention": AttentionParameters(),
+}
+SEED = 5
+
+
+def settings(folder, **changes):
+    return GazeParameters(folder=str(folder), folds=2, spread=0.1, **changes)
+
+
+def write_object(folder, name, part, stretch, *, mesh=True):
+    """People look at the top of a stretched ball, in another unit and place than the mesh's."""
+    ball = trimesh.creation.icosphere(3)
+    vertices = np.array(ball.vertices) * stretch
+    seconds = np.maximum(vertices[:, 1], 0) ** 2
+    (folder / part).mkdir(parents=True, exist_ok=True)
+    np.savetxt(
+        folder / part / f"{name}.txt",
+        np.column_stack([10 * vertices + 3, ball.vertex_normals, seconds]),
+    )
+    if mesh:
+        trimesh.Trimesh(vertices, ball.faces).export(folder / part / f"{name}.obj")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recordings")
+    for name, part, stretch in (
+        ("egg", "training", (0.8, 1, 0.7)),
+        ("disk", "training", (1, 0.6, 1)),
+        ("pole", "test", (0.5, 1, 0.5)),
+    ):
+        write_object(folder, name, part, stretch)
+    write_object(folder, "cloud", "training", (0.9, 1, 0.9), mesh=False)
+    return folder
+
+
+@pytest.mark.slow
+def test_a_folder_becomes_tables_pictures_and_weights(folder, tmp_path):
+    made = {name: tmp_path / f"{name}.parquet" for name in ("measured", "pictures")}
+    make_gaze(
+        **LOOKING, gaze=settings(folder), seed=SEED, weights=tmp_path / "weights.json", **made
+    )
+    rows = read_table(GAZE, [made["measured"]]).to_pylist()
+    assert {row["object"] for row in rows} == {"egg", "disk", "pole", "cloud"}
+    assert {row["predictor"] for row in rows} == {one.name for one in PREDICTORS}
+    assert {row["object"] for row in rows if row["part"] == "test"} == {"pole"}
+    assert {row["object"] for row in rows if row["reconstructed"]} == {"cloud"}
+    assert max(row["alignment_error"] for row in rows) < 0.02
+    human = {row["object"]: row["correlation"] for row in rows if row["predictor"] == "human"}
+    assert min(human.values()) > 0.5
+    pictures = read_table(GAZE_PICTURES, [made["pictures"]])
+    assert pictures.num_rows == 4
+    assert all(data.startswith(b"\x89PNG") for data in pictures.column("picture").to_pylist())
+    weights = json.loads((tmp_path / "weights.json").read_text())
+    assert list(weights["channels"]) == list(CHANNELS)
+    assert list(weights["terms"]) == list(TERMS)
+    assert weights["objects"] == ["cloud", "disk", "egg"]
+    AttentionParameters(weights=weights["channels"], terms=weights["terms"])
+
+
+@pytest.mark.slow
+def test_objects_for_tests_are_not_read_unless_asked_for(folder):
+    found = look_at_folder(**LOOKING, gaze=settings(folder), seed=SEED, tests=False)
+    assert [one.name for one in found] == ["cloud", "disk", "egg"]
+
+
+@pytest.mark.slow
+def test_scale_and_place_of_a_recording_change_nothing(folder, tmp_path):
+    (file,) = (one for one in find_recordings(folder) if one.name == "egg")
+    numbers = np.loadtxt(file.gaze)
+    numbers[:, :3] = 0.25 * numbers[:, :3] - 100
+    np.savetxt(tmp_path / "egg.txt", numbers)
+    moved = RecordingFile("egg", tmp_path / "egg.txt", file.mesh, is_test=False)
+    first, second = (
+        look_at(one, **LOOKING, gaze=settings(folder), seed=SEED) for one in (file, moved)
+    )
+    np.testing.assert_allclose(first.points, second.points, atol=1e-4)
+    np.testing.assert_allclose(first.gazed.density, second.gazed.density, rtol=1e-3)
+
+
+@pytest.mark.slow
+def test_time_is_where_people_looked_and_area_adds_up(folder):
+    (file,) = (one for one in find_recordings(folder) if one.name == "egg")
+    one = look_at(file, **LOOKING, gaze=settings(folder), seed=SEED)
+    assert one.gazed.area.sum() == pytest.approx(one.surface.face_areas.sum(), rel=1e-6)
+    looked = np.maximum(one.points[:, 1], 0) ** 2
+    assert np.corrcoef(one.gazed.density, looked)[0, 1] > 0.95
+    assert one.gazed.density[one.points[:, 1] < -0.5].max() < 0.01 * one.gazed.density.max()
+
+
+def test_a_recording_of_other_length_than_the_mesh_is_refused(folder, tmp_path):
+    (mesh,) = (one.mesh for one in find_recordings(folder) if one.name == "egg")
+    np.savetxt(tmp_path / "egg.txt", np.ones(7))
+    file = RecordingFile("egg", tmp_path / "egg.txt", mesh, is_test=False)
+    with pytest.raises(GazeError, match=r"7 times and its mesh 642 vertices"):
+        look_at(file, **LOOKING, gaze=settings(folder), seed=SEED)
+
+
+def test_a_mesh_that_can_not_be_read_is_named(folder, tmp_path):
+    (gaze,) = (one.gaze for one in find_recordings(folder) if one.name == "egg")
+    (tmp_path / "egg.obj").write_bytes(b"\x00\x01nothing")
+    file = RecordingFile("egg", gaze, tmp_path / "egg.obj", is_test=False)
+    with pytest.raises(MeshError, match="egg"):
+        look_at(file, **LOOKING, gaze=settings(folder), seed=SEED)
+
+
+def test_too_few_objects_are_refused(folder):
+    from gaze.made_up import made_up_object
+
+    from visuohaptic.gaze.measuring import measure_all
+
+    with pytest.raises(GazeError, match=r"1 different objects .* gaze\.folds is 2"):
+        measure_all([made_up_object("egg", "edge", 0)], settings(folder))

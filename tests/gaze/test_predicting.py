@@ -1,0 +1,114 @@
+import numpy as np
+import pytest
+from gaze.made_up import made_up_object
+
+from visuohaptic.attention import CHANNELS, MEASURES
+from visuohaptic.errors import GazeError
+from visuohaptic.gaze.looking import FEATURES
+from visuohaptic.gaze.predicting import (
+    PREDICTORS,
+    Predictor,
+    assign_folds,
+    fit_predictor,
+    held_out_weights,
+    predict,
+)
+
+HUMAN = next(one for one in PREDICTORS if one.name == "human")
+PENALTY = 1e-3
+
+
+def objects(planted, count=12, **settings):
+    names = [f"thing{chr(97 + place)}" for place in range(count)]
+    return [made_up_object(name, planted, seed, **settings) for seed, name in enumerate(names)]
+
+
+@pytest.mark.parametrize("planted", ["curvature", "symmetry", "height", "relief_fine"])
+def test_a_planted_feature_is_found_on_objects_held_out(planted):
+    made = objects(planted)
+    weights = held_out_weights(made, HUMAN, 4, PENALTY)
+    for one in made:
+        assert max(weights[one.name], key=weights[one.name].get) == planted
+    found = [predict(one, weights[one.name], exponential=True) for one in made]
+    scores = [
+        MEASURES["correlation"](value, one.gazed) for value, one in zip(found, made, strict=True)
+    ]
+    assert min(scores) > 0.8
+
+
+def test_a_planted_weight_is_found_again():
+    weights = fit_predictor(objects("height", 20), ("height",), (), 0.0)
+    assert weights["height"] == pytest.approx(10, rel=1e-4)
+
+
+def test_a_feature_that_people_avoid_gets_a_weight_below_zero_and_a_channel_none():
+    found = fit_predictor(objects("height", strength=-2.0), FEATURES, (), PENALTY)
+    assert found["height"] < -1
+    found = fit_predictor(objects("edge", strength=-2.0), FEATURES, (), PENALTY)
+    assert found["edge"] == 0
+    assert min(found[name] for name in CHANNELS) == 0
+
+
+def test_shuffled_gaze_gives_chance():
+    made = objects("curvature", 24, shuffled=True)
+    # Where a point is seen from more views it has more of the prediction; gaze here does not.
+    weights = held_out_weights(made, HUMAN, 4, PENALTY)
+    scores = [
+        MEASURES["auc_top"](predict(one, weights[one.name], exponential=True), one.gazed)
+        for one in made
+    ]
+    error = np.std(scores) / np.sqrt(len(scores))
+    assert abs(np.mean(scores) - 0.5) < 3 * error
+    planted = objects("curvature", 24)
+    weights = held_out_weights(planted, HUMAN, 4, PENALTY)
+    good = [
+        MEASURES["auc_top"](predict(one, weights[one.name], exponential=True), one.gazed)
+        for one in planted
+    ]
+    assert min(good) > 0.8
+
+
+def test_weights_do_not_depend_on_the_object_held_out():
+    made = objects("curvature", 6)
+    other = [*made[:-1], made_up_object(made[-1].name, "height", 99)]
+    before = held_out_weights(made, HUMAN, 6, PENALTY)[made[-1].name]
+    assert before == held_out_weights(other, HUMAN, 6, PENALTY)[made[-1].name]
+
+
+def test_an_object_in_both_parts_is_refused():
+    made = objects("curvature", 3)
+    with pytest.raises(GazeError, match="thinga would be in both parts"):
+        fit_predictor(made, FEATURES, {"thinga"}, PENALTY)
+
+
+def test_no_object_is_refused():
+    with pytest.raises(GazeError, match="0 objects"):
+        fit_predictor([], FEATURES, (), PENALTY)
+
+
+def test_poses_of_one_figure_share_a_fold():
+    made = [made_up_object(name, "edge", 0) for name in ("michael3", "michael8", "cat", "7")]
+    folds = assign_folds(made, 3)
+    assert set(folds) == {"michael", "cat", "7"}
+
+
+@pytest.mark.parametrize("predictor", PREDICTORS, ids=lambda one: one.name)
+def test_every_prediction_is_finite_and_zero_where_no_view_sees(predictor: Predictor):
+    (one,) = objects("edge", 1)
+    weights = dict.fromkeys(predictor.features, 1.0)
+    found = predict(one, weights, exponential=predictor.kind == "fitted")
+    assert np.isfinite(found).all()
+    assert (found >= 0).all()
+    assert not found[~one.gazed.seen].any()
+
+
+def test_a_sum_is_the_mean_over_views_of_shares_of_the_maximum():
+    (one,) = objects("edge", 1)
+    place = FEATURES.index("curvature")
+    found = predict(one, {"curvature": 1.0}, exponential=False)
+    for point in (0, 17):
+        shares = [
+            plane[place].flat[cells[point]] / plane[place].max() * visible[point]
+            for plane, cells, visible in zip(one.planes, one.cells, one.visible, strict=True)
+        ]
+        assert found[point] == pytest.approx(np.mean(shares), rel=1e-5)

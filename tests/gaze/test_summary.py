@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+from gaze.made_up import made_up_object
+
+from visuohaptic.gaze.measuring import human_weights, measure_all
+from visuohaptic.gaze.parameters import GazeParameters
+from visuohaptic.gaze.predicting import PREDICTORS
+from visuohaptic.gaze.summary import estimate, summarise
+
+GAZE = GazeParameters(folds=2)
+
+
+@pytest.fixture(scope="module")
+def objects():
+    training = [made_up_object(f"thing{chr(97 + n)}", "height", n) for n in range(6)]
+    return [*training, made_up_object("new", "height", 9, is_test=True)]
+
+
+@pytest.fixture(scope="module")
+def table(objects):
+    return measure_all(objects, GAZE)
+
+
+def test_a_planted_term_is_ahead_of_equal_weights_in_both_parts(table):
+    for part, count in (("training", 6), ("test", 1)):
+        rows = {row.predictor.name: row for row in summarise(table, part)}
+        assert list(rows) == [one.name for one in PREDICTORS]
+        assert rows["human"].objects == count
+        assert rows["place"].measures["correlation"].mean > 0.8
+        assert rows["human"].gain.low > 0.3
+        assert rows["equal"].gain.mean == 0
+
+
+def test_means_are_those_of_the_rows(table):
+    rows = [row for row in table.to_pylist() if row["part"] == "training"]
+    for found in summarise(table, "training"):
+        own = [row["similarity"] for row in rows if row["predictor"] == found.predictor.name]
+        assert found.measures["similarity"].mean == pytest.approx(np.mean(own))
+
+
+def test_an_interval_holds_its_mean_and_narrows_with_more_objects():
+    rng = np.random.default_rng(0)
+    few, many = estimate(rng.normal(size=10)), estimate(rng.normal(size=1000))
+    assert few.low < few.mean < few.high
+    assert many.high - many.low < (few.high - few.low) / 3
+    assert many.high - many.low == pytest.approx(2 * 1.96 / np.sqrt(1000), rel=0.1)
+
+
+def test_weights_are_fitted_to_training_objects_alone(objects):
+    changed = [*objects[:-1], made_up_object("new", "edge", 3, is_test=True)]
+    first, second = human_weights(objects, GAZE), human_weights(changed, GAZE)
+    assert first == second
+    assert "new" not in first["objects"]

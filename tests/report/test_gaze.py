@@ -1,0 +1,68 @@
+import numpy as np
+from gaze.made_up import made_up_object
+
+from visuohaptic.gaze.measuring import measure_all
+from visuohaptic.gaze.parameters import GazeParameters
+from visuohaptic.gaze.stored import MeasuredGaze, read_measured
+from visuohaptic.report.gaze import gaze_figures
+from visuohaptic.report.page import make_environment
+from visuohaptic.tables.gaze import GAZE_PICTURES
+from visuohaptic.tables.schema import build_table, write_table
+
+OBJECTS = [
+    *(made_up_object(f"thing{chr(97 + n)}", "height", n) for n in range(4)),
+    made_up_object("new", "height", 9, is_test=True),
+]
+TABLE = measure_all(OBJECTS, GazeParameters(folds=2))
+
+
+def page(figures):
+    return make_environment().get_template("gaze.html.jinja").render(gaze=figures)
+
+
+def test_without_anything_measured_the_section_says_how_to_get_it():
+    assert gaze_figures(None) is None
+    assert "gaze.folder" in page(None)
+
+
+def test_the_section_shows_each_predictor_and_the_worst_objects():
+    figures = gaze_figures(MeasuredGaze(TABLE))
+    text = page(figures)
+    for row in figures.rows:
+        assert row.predictor.label in text
+    assert [row.objects for row in figures.rows] == [4] * len(figures.rows)
+    assert figures.worst == sorted(figures.worst, key=lambda one: one[1])
+    assert "On 1 object for tests" in text
+    assert "Measured once" not in text
+
+
+def test_figures_that_are_not_of_this_run_say_where_they_come_from():
+    origin = {"date": "2026-01-02", "command": "measure <it>", "source": "recordings"}
+    text = page(gaze_figures(MeasuredGaze(TABLE, origin)))
+    assert "2026-01-02" in text
+    assert "measure &lt;it&gt;" in text
+
+
+def test_pictures_are_shown_worst_first(tmp_path):
+    columns = {
+        "object": ["good", "bad<"],
+        "rank": np.array([3, 0], dtype=np.int32),
+        "correlation": [0.9, 0.1],
+        "picture": [b"\x89PNG1", b"\x89PNG2"],
+    }
+    path = tmp_path / "pictures.parquet"
+    write_table(GAZE_PICTURES, build_table(GAZE_PICTURES, columns), path)
+    figures = gaze_figures(MeasuredGaze(TABLE), path)
+    assert [one.name for one in figures.pictures] == ["bad<", "good"]
+    text = page(figures)
+    assert "bad&lt;" in text
+    assert "data:image/png;base64," in text
+
+
+def test_what_is_kept_with_the_package_has_an_origin_and_no_test_data_of_its_own():
+    kept = read_measured(None)
+    assert kept is not None
+    assert set(kept.origin) == {"date", "command", "source"}
+    assert len(set(kept.table.column("digest").to_pylist())) == len(
+        set(kept.table.column("object").to_pylist())
+    )
