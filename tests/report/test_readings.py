@@ -11,11 +11,11 @@ from visuohaptic.report.readings import (
     COMMAND,
     curve_chart,
     mark_up_dots,
+    readings_answer,
     readings_figures,
 )
 from visuohaptic.studies.readings.design import all_readings
 from visuohaptic.studies.readings.stored import (
-    FILE,
     MeasuredReadings,
     Source,
     read_readings,
@@ -24,7 +24,7 @@ from visuohaptic.studies.readings.stored import (
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import READINGS
 
-READ = all_readings()
+READ = [reading for reading in all_readings() if reading.part != "single"]
 
 
 def row_of(place, classifier, fixation, random):
@@ -119,6 +119,31 @@ def test_the_page_stands_alone_and_names_failed_readings(table):
     assert "Another question: known objects" in page.text
 
 
+def test_an_option_that_decides_who_leads_outside_is_named():
+    outside = [dict(row, objects=130) for row in ROWS if row["part"] == "recognition"]
+    found = readings_figures(MeasuredReadings(ROWS), MeasuredReadings(outside)).outside
+    first, second = found.sentences
+    ahead = sum(row["ahead"] > 0 for row in outside)
+    assert f"ahead of random probing in {ahead} of {len(outside)} cases" in first
+    assert "On 130 objects" in first
+    assert "fixation with feature groups, random probing with unit distances, one hot and" in second
+    turning = {one.choice for one in found.options if one.turns}
+    assert turning == {"What the map's five numbers are"}
+    assert all(one.here.cases == one.outside.cases for one in found.options)
+
+
+def test_the_first_screen_says_how_far_readings_differ():
+    outside = [dict(row, objects=130) for row in ROWS if row["part"] == "recognition"]
+    own = [row for row in ROWS if row["part"] != "protocol" and row["classifier"] == BEST_OF_PAPER]
+    ahead = sum(row["ahead"] > 0 for row in own)
+    text = readings_answer(MeasuredReadings(ROWS), MeasuredReadings(outside))
+    text = text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "Over 672 readings the support vector machine reaches 55.0 % to 75.0 %" in text
+    assert f"ahead of random probing in {100 * ahead / 672:.0f} % of them" in text
+    assert text.endswith("on 130 objects outside the paper's set it is in 25 % of 288.")
+    assert readings_answer(None) is None
+
+
 def test_what_explains_most_stands_first():
     found = readings_figures(MeasuredReadings(ROWS))
     first = found.shares[BEST_OF_PAPER][0]
@@ -138,7 +163,7 @@ def test_a_table_of_failures_alone_has_no_page(tmp_path):
 
 
 def test_kept_readings_say_where_they_come_from(table, tmp_path):
-    kept = tmp_path / FILE
+    kept = tmp_path / "kept.parquet"
     store_readings(table, kept, "snakemake -j2 readings_all", "a processor")
     measured = read_readings(table)
     assert measured.source is None

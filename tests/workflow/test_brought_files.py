@@ -8,7 +8,7 @@ from small_experiment import merged
 from workflow.conftest import Experiment
 from workflow.walks import digests, make_repository
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.long]
 
 WIDER_FOCUS = {"attention": {"focus_radius": 0.3}}
 SMALLER_SENSOR = {"sensor": {"largest_size": 0.2}}

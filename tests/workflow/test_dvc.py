@@ -6,7 +6,7 @@ import shutil
 import pandas as pd
 import pytest
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.long]
 
 METRICS = "reports/metrics.json"
 LATE_CHANGE = {"recognition": {"classifier": {"neighbours": 3}}}

@@ -12,7 +12,7 @@ import pytest
 from workflow.conftest import Experiment
 from workflow.walks import digests, make_experiment
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.long]
 
 
 def start(experiment, *command):

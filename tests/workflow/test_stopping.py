@@ -11,7 +11,7 @@ from workflow.conftest import Experiment
 from workflow.test_one_run import wait_for
 from workflow.walks import digests, make_experiment
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.long]
 
 ROOT = Path(__file__).parents[2]
 PATHS = os.pathsep.join(str(ROOT / part) for part in ("src", "workflow/lib"))

@@ -3,7 +3,7 @@
 import pytest
 from workflow.walks import take_walks
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.long]
 
 
 def test_random_walks_end_in_the_results_of_a_clean_run(tmp_path, pytestconfig):

@@ -21,6 +21,7 @@ class SetName(StrEnum):
 
     PAPER = "paper"
     BENCHMARK = "benchmark"
+    OUTSIDE = "outside"
     HARD = "hard"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,7 @@ class Camera:
     projection: str = "perspective"
     roll_degrees: float = 0.0
 
-    @property
+    @cached_property
     def axes(self) -> NDArray[np.float64]:
         """Unit vectors right, up and back (towards the eye), rows of a rotation, shape (3, 3).
 
@@ -67,7 +68,7 @@ class Camera:
             ]
         )
 
-    @property
+    @cached_property
     def eye(self) -> NDArray[np.float64]:
         """Centre of the camera in the object frame, shape (3,)."""
         return self.distance * self.axes[2]

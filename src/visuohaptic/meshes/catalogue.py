@@ -13,8 +13,11 @@ from typing import Literal
 from visuohaptic.errors import CatalogueError
 from visuohaptic.optional_packages import what_is_missing
 
-ObjectSet = Literal["paper", "benchmark", "hard"]
-"""`paper` has 12 objects in 4 classes; `benchmark` 142 in 12, the 12 among them; `hard` the plants."""
+ObjectSet = Literal["paper", "benchmark", "outside", "hard"]
+"""`paper`: 12 objects in 4 classes. `benchmark`: 142 in 12, the 12 among them; `outside`: the other 130.
+
+`hard`: the plants.
+"""
 
 MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".3mf", ".dae")
 _PACKAGES = {".3mf": ("lxml",), ".dae": ("lxml", "collada")}
@@ -32,6 +35,7 @@ _NO_MODEL_SUFFIXES = (".mtl", ".bin", *_TEXTURE_SUFFIXES, ".webp", ".txt", ".md"
 _MEMBERS_OF_SET = {
     "paper": ("paper",),
     "benchmark": ("paper", "benchmark"),
+    "outside": ("benchmark",),
     "hard": ("hard",),
 }
 # Snakemake takes <name> for a variable of its own; U+D800 to U+DFFF are bytes that are no text.

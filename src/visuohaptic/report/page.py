@@ -21,7 +21,7 @@ from visuohaptic.report.readings import mark_up_dots, readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.sections import CHAPTERS, ReportContext
 from visuohaptic.report.sources import find_sources
-from visuohaptic.studies.readings.stored import read_readings
+from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings, read_readings
 
 
 def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
@@ -65,7 +65,7 @@ def render_readings_page(table: str | Path) -> str:
 
     Raises `ReportError` if the table of `tables.READINGS` holds no reading that could be run.
     """
-    found = readings_figures(read_readings(table))
+    found = readings_figures(read_readings(table), kept_readings(OUTSIDE))
     if found is None:
         raise ReportError(f"{table} has no reading that could be run; one at least is needed.")
     environment = make_environment()

@@ -6,7 +6,7 @@ Human Behaviour 4, 2020: readings sorted by their result, and below them the opt
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -15,7 +15,9 @@ from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, Choice
+from visuohaptic.studies.readings.design import is_default
 from visuohaptic.studies.readings.figures import summarise_readings
+from visuohaptic.studies.readings.leads import Lead, leads_by_option, sum_up
 from visuohaptic.studies.readings.stored import MeasuredReadings, Source
 
 BEST_OF_PAPER = "support_vector_machine"
@@ -74,6 +76,37 @@ class CurveChart:
 
 
 @dataclass(frozen=True)
+class OptionLead:
+    """One option of a choice: how far fixation leads on the paper's set and on other objects.
+
+    Attributes
+    ----------
+    choice, option : str
+        As the page calls them.
+    here, outside : Lead or None
+        None where the option was not run.
+    turns : bool
+        Whether other options of the choice have a median lead of another sign, on the other objects.
+    """
+
+    choice: str
+    option: str
+    here: Lead | None
+    outside: Lead
+    turns: bool
+
+
+@dataclass(frozen=True)
+class OutsideFigures:
+    """The readings on objects outside the paper's set, beside those on it."""
+
+    sentences: tuple[str, ...]
+    options: tuple[OptionLead, ...]
+    objects: int
+    source: Source | None
+
+
+@dataclass(frozen=True)
 class ReadingsFigures:
     """What the page shows of the readings.
 
@@ -91,6 +124,8 @@ class ReadingsFigures:
         All of them.
     source : Source or None
         Where the readings come from; None where they are of this run.
+    outside : OutsideFigures or None
+        The same on objects outside the paper's set, where they were measured.
     """
 
     sentences: tuple[str, ...]
@@ -99,12 +134,18 @@ class ReadingsFigures:
     shares: Mapping[str, Sequence[Row]]
     choices: tuple[Choice, ...]
     source: Source | None
+    outside: OutsideFigures | None
 
 
 def readings_figures(
-    measured: MeasuredReadings | None, classifiers: Sequence[str] = tuple(TABLE_1)
+    measured: MeasuredReadings | None,
+    outside: MeasuredReadings | None = None,
+    classifiers: Sequence[str] = tuple(TABLE_1),
 ) -> ReadingsFigures | None:
-    """Give what the page shows, with the curves of some classifiers; None without readings."""
+    """Give what the page shows, with the curves of some classifiers; None without readings.
+
+    `outside` holds the readings on objects outside the paper's set.
+    """
     if measured is None:
         return None
     summary = summarise_readings(measured.rows)
@@ -120,16 +161,77 @@ def readings_figures(
         shares={name: _largest(summary["classifiers"][name]["choices"]) for name in shown},
         choices=CHOICES,
         source=measured.source,
+        outside=outside_figures(measured.rows, outside) if outside else None,
     )
+
+
+def readings_answer(
+    measured: MeasuredReadings | None, outside: MeasuredReadings | None = None
+) -> str | None:
+    """Say in one sentence how far the paper's readings differ; None without readings."""
+    run = [] if measured is None else _of_the_papers_question(measured.rows, BEST_OF_PAPER)
+    if not run:
+        return None
+    reached = [row["fixation"] for row in run]
+    leads = sum_up([row for row in run if row["ahead"] is not None])
+    elsewhere = ""
+    if outside is not None:
+        own = _of_the_papers_question(outside.rows, BEST_OF_PAPER)
+        there = sum_up([row for row in own if row["ahead"] is not None])
+        elsewhere = (
+            f"; on {max(row['objects'] for row in own)} objects outside the paper's set it is in "
+            f"{percent(there.ahead / there.cases, 0)} of {there.cases}"
+        )
+    return (
+        f"This is one reading of what the paper leaves open. Over {len(run)} readings the "
+        f"{classifier_name(BEST_OF_PAPER)} reaches {percent(min(reached))} to "
+        f"{percent(max(reached))}, and fixation is ahead of random probing in "
+        f"{percent(leads.ahead / leads.cases, 0)} of them{elsewhere}."
+    )
+
+
+def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> OutsideFigures:
+    """Hold the leads of fixation on the paper's set, `rows`, beside those on other objects."""
+    here, there = leads_by_option(rows), leads_by_option(outside.rows)
+    turning = {
+        choice
+        for choice, _ in there
+        if len({lead.middle > 0 for (name, _), lead in there.items() if name == choice}) > 1
+    }
+    options = tuple(
+        OptionLead(BY_NAME[choice].label, spaced(option), here.get(key), lead, choice in turning)
+        for key, lead in there.items()
+        for choice, option in [key]
+    )
+    objects = max(row["objects"] or 0 for row in outside.rows)
+    return OutsideFigures(
+        tuple(_outside_sentences(outside.rows, options, objects)), options, objects, outside.source
+    )
+
+
+def _outside_sentences(
+    rows: Sequence[Row], options: Sequence[OptionLead], objects: int
+) -> Iterator[str]:
+    found = sum_up([row for row in rows if row["ahead"] is not None])
+    yield (
+        f"On {objects} objects outside the paper's set, fixation is ahead of random probing in "
+        f"{found.ahead} of {found.cases} cases (a reading with one classifier), in "
+        f"{found.ahead_significantly} significantly; it is significantly behind in "
+        f"{found.behind_significantly}. The median lead is {points(found.middle)} points."
+    )
+    for choice in dict.fromkeys(one.choice for one in options if one.turns):
+        own = [one for one in options if one.choice == choice]
+        ahead = [one.option for one in own if one.outside.middle > 0]
+        behind = [one.option for one in own if one.outside.middle <= 0]
+        yield (
+            f"“{choice}” decides who leads there: fixation with {listed(ahead)}, random probing "
+            f"with {listed(behind)} (median over the readings with each)."
+        )
 
 
 def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:
     """Place the specification curve of one classifier: readings sorted by accuracy by fixation."""
-    run = [
-        row
-        for row in rows
-        if row["classifier"] == classifier and row["error"] is None and row["part"] != "protocol"
-    ]
+    run = _of_the_papers_question(rows, classifier)
     run.sort(key=lambda row: (row["fixation"], row["place"]))
     step = (WIDTH - _LEFT - 10) / len(run)
     across = [_LEFT + (place + 0.5) * step for place in range(len(run))]
@@ -145,7 +247,7 @@ def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:
                 round(_down(row["fixation"]), 1),
                 row["reading"],
                 _label(row),
-                row["place"] == 0,
+                is_default(row),
             )
             for x, row in zip(across, run, strict=True)
         ),
@@ -163,6 +265,15 @@ def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:
         labels=labels,
         options=options,
     )
+
+
+def _of_the_papers_question(rows: Sequence[Row], classifier: str) -> list[Row]:
+    """Give one classifier's readings that could be run, without those of another question."""
+    return [
+        row
+        for row in rows
+        if row["classifier"] == classifier and row["error"] is None and row["part"] != "protocol"
+    ]
 
 
 def describe_options(row: Row) -> str:
@@ -229,11 +340,11 @@ def _largest(choices: Sequence[Row]) -> list[Row]:
 def _gains(row: Row) -> str:
     if row["gains"] is None:
         return ""
-    default = BY_NAME[row["choices"][0]].default
+    base = BY_NAME[row["choices"][0]].base
     return ", ".join(
         f"{spaced(option)} {points(gain)}"
         for option, gain in row["gains"].items()
-        if option != default
+        if option != base
     )
 
 

@@ -46,7 +46,7 @@ from visuohaptic.report.provenance import (
     find_commit,
     find_versions,
 )
-from visuohaptic.report.readings import BEST_OF_PAPER, readings_figures
+from visuohaptic.report.readings import BEST_OF_PAPER, readings_answer, readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import (
     describe_checks,
@@ -66,7 +66,12 @@ from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.studies.cost.front import Row
 from visuohaptic.studies.cost.stored import stored_frontier
-from visuohaptic.studies.readings.stored import read_readings
+from visuohaptic.studies.readings.stored import (
+    OUTSIDE,
+    MeasuredReadings,
+    kept_readings,
+    read_readings,
+)
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, KINESTHETIC_FEATURES
 from visuohaptic.tables.schema import matrix
 
@@ -133,6 +138,7 @@ def answer_values(context: ReportContext) -> Values:
     preset = run.parameters.scene.preset
     return {
         "sentences": [*sentences[:2], *(cue_sentences(cost.rows) if cost else ())],
+        "readings": readings_answer(_measured_readings(run), kept_readings(OUTSIDE)),
         "touches": touches,
         "compared": {"fixation"} < set(run.pipelines[0].strategies),
         "cost": cost,
@@ -189,10 +195,14 @@ def gaze_values(context: ReportContext) -> Values:
     return {"gaze": gaze_figures(read_measured(extras.get("gaze")), extras.get("gaze_pictures"))}
 
 
+def _measured_readings(run: Run) -> MeasuredReadings | None:
+    return read_readings(run.files.extras.get("readings"))
+
+
 def readings_values(context: ReportContext) -> Values | None:
     """Give what the readings of the paper say together, of this run or as kept with the package."""
-    measured = read_readings(context.run.files.extras.get("readings"))
-    found = readings_figures(measured, (BEST_OF_PAPER,))
+    measured = _measured_readings(context.run)
+    found = readings_figures(measured, kept_readings(OUTSIDE), (BEST_OF_PAPER,))
     return {"readings": found} if found else None
 
 

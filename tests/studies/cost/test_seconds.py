@@ -75,5 +75,16 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     assert {row["recognitions"] for row in rows} == {4}
 
 
+def test_quick_recognitions_are_timed_more_often(surfaces, fitted, monkeypatch):
+    def once(surface, key, viewpoints, setting):
+        share = {1: 0.001, 2: 0.01, 4: 0.02}[len(viewpoints)]
+        return {**dict.fromkeys(PHASES, share), **dict.fromkeys(PARTS, 0.0)}
+
+    monkeypatch.setattr(seconds, "recognise_once", once)
+    few = dict(list(surfaces.items())[:2])
+    rows = measure_seconds(few, fitted, rounds=1).to_pylist()
+    assert [row["recognitions"] for row in rows] == [6, 4, 2]
+
+
 def test_what_was_refused_is_not_fitted():
     assert fit_setting(*family("imprint")[0], "too small.", RUN.seed) == "too small."

@@ -13,11 +13,18 @@ from visuohaptic.studies.readings.design import (
     CROSSED,
     FACTORIAL,
     all_readings,
+    is_default,
     make_readings_study,
 )
 from visuohaptic.tables.studies import READING_CHOICES
 
 RUN = ExperimentParameters()
+
+
+def with_set(name):
+    return RUN.model_copy(update={"meshes": RUN.meshes.model_copy(update={"set": name})})
+
+
 READINGS = all_readings()
 
 
@@ -29,12 +36,38 @@ def test_no_reading_stands_twice():
         "upstream": 372,
         "training": 12,
         "protocol": 12,
+        "single": 48,
     }
 
 
-def test_the_first_reading_is_our_default():
-    assert READINGS[0].changes == {}
-    assert READINGS[0].options == {choice.name: choice.default for choice in CHOICES}
+def test_one_reading_is_that_of_the_packages_own_parameters():
+    (default,) = [reading for reading in READINGS if is_default(reading.options)]
+    assert default.part == "recognition"
+    assert with_changes(RUN, default.values) == RUN
+
+
+def test_a_run_on_other_objects_has_each_other_choice_by_itself_and_folds_of_whole_objects():
+    run = with_set("outside")
+    plan = plan_study(make_readings_study(run), run)
+    names = {one.condition.name for one in plan.conditions}
+    assert names == {one.name for one in READINGS if one.part in {"recognition", "single"}}
+    assert len(plan.remakes) == 11
+    protocols = {one.parameters.recognition.protocol.protocol for one in plan.conditions}
+    assert protocols == {"grouped_folds"}
+
+
+def test_readings_of_part_single_vary_one_choice_beside_the_map_output():
+    single = [reading for reading in READINGS if reading.part == "single"]
+    for reading in single:
+        varied = {name for name, option in reading.options.items() if option != BY_NAME[name].base}
+        assert len(varied - {"map_output"}) == 1
+    varied = Counter(
+        (choice.name, reading.options[choice.name])
+        for reading in single
+        for choice in CHOICES
+        if choice.name != "map_output" and reading.options[choice.name] != choice.base
+    )
+    assert set(varied.values()) == {4}
 
 
 def test_the_table_has_a_column_for_each_choice():
@@ -46,7 +79,7 @@ def test_every_option_is_a_change_of_parameters_and_is_run(choice):
     used = {reading.options[choice.name] for reading in READINGS}
     assert used == set(choice.options)
     varied = [with_changes(RUN, changes) for changes in choice.options.values()]
-    assert varied[0] == RUN
+    assert varied[list(choice.options).index(choice.default)] == RUN
     assert len({parameters.model_dump_json() for parameters in varied}) == len(varied)
 
 
@@ -70,7 +103,7 @@ def test_main_effects_of_the_fraction_are_clear_of_each_other_and_of_interaction
         and (
             reading.part == "upstream"
             or all(
-                reading.options[choice.name] == choice.default
+                reading.options[choice.name] == choice.base
                 for choice in CHOICES
                 if choice.name not in CROSSED
             )
@@ -95,7 +128,11 @@ def test_touches_are_shared_by_all_readings_of_the_recognition():
     plan = plan_study(make_readings_study(RUN), RUN)
     assert len(plan.remakes) == 31
     keys = {one.condition.name: one.key for one in plan.conditions}
-    assert {keys[reading.name] for reading in READINGS if reading.part != "upstream"} == {None}
+    assert {
+        keys[reading.name]
+        for reading in READINGS
+        if reading.part in {"recognition", "training", "protocol"}
+    } == {None}
     assert AS_RUN not in keys
 
 

@@ -10,9 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from operator import attrgetter
 from typing import Literal
 
 from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import Changes
 
 Kind = Literal["equivalent", "uncertain", "not equivalent"]
@@ -34,8 +37,7 @@ class Choice:
     sentence : str
         The paper's words that leave it open; empty where it says nothing.
     options : mapping of str to mapping
-        Each option's changes of parameters, by its name; our default comes first, and changes
-        nothing.
+        Each option's parameters, by its name. The first is the base of the design.
     """
 
     name: str
@@ -46,9 +48,19 @@ class Choice:
     options: Mapping[str, Changes]
 
     @property
-    def default(self) -> str:
-        """The option of the run's own parameters, as the package ships them."""
+    def base(self) -> str:
+        """The first option: that of all readings that don't vary this choice."""
         return next(iter(self.options))
+
+    @cached_property
+    def default(self) -> str:
+        """The option that the package's own parameters have."""
+        own = ExperimentParameters()
+        return next(
+            name
+            for name, values in self.options.items()
+            if all(attrgetter(path)(own) == value for path, value in values.items())
+        )
 
 
 _MAP = "recognition.self_organising_map"
@@ -56,6 +68,12 @@ _SEQUENCE = "recognition.sequence"
 _CLASSIFIER = "recognition.classifier"
 _SOM = "a self-organizing map (SOM) is trained, resulting in five-dimensional feature vectors (section 3)"
 _WAVELET = "we take advantage of daubechies 2 wavelet to decompose each sequence into 3 levels (section 3.5)"
+_NAMED_CHANNELS = {"colour", "contrast", "curvature", "intensity", "orientation"}
+_SCIKIT_LEARN: Changes = {
+    f"{_CLASSIFIER}.neighbours": 5,
+    f"{_CLASSIFIER}.svm_kernel": "rbf",
+    f"{_CLASSIFIER}.discriminant_regularisation": "where_singular",
+}
 _MATLAB: Changes = {
     f"{_CLASSIFIER}.neighbours": 1,
     f"{_CLASSIFIER}.svm_kernel": "linear",
@@ -66,7 +84,7 @@ CHOICES: tuple[Choice, ...] = (
     Choice(
         "map_output", "What the map's five numbers are", "recognition", "uncertain", _SOM,
         {
-            "unit_distances": {},
+            "unit_distances": {f"{_MAP}.output": "unit_distances"},
             "one_hot": {f"{_MAP}.output": "one_hot"},
             "lattice": {f"{_MAP}.output": "lattice"},
             "feature_groups": {f"{_MAP}.output": "feature_groups"},
@@ -74,42 +92,41 @@ CHOICES: tuple[Choice, ...] = (
     ),
     Choice(
         "map_training", "How the map is trained", "recognition", "equivalent", _SOM,
-        {"batch": {}, "online": {f"{_MAP}.training": "online"}},
+        {name: {f"{_MAP}.training": name} for name in ("batch", "online")},
     ),
     Choice(
         "touch_scaling", "Scaling of a touch's 22 features", "recognition", "equivalent", "",
-        {"standardise": {}, "none": {"recognition.touch_scaling": "none"}},
+        {name: {"recognition.touch_scaling": name} for name in ("standardise", "none")},
     ),
     Choice(
         "sequence_scaling", "Scaling of a sequence's 60 features", "recognition", "equivalent",
         "concatenated to produce a final feature vector for classification (section 3.5)",
-        {"standardise": {}, "none": {"recognition.sequence_scaling": "none"}},
+        {name: {"recognition.sequence_scaling": name} for name in ("standardise", "none")},
     ),
     Choice(
         "sequence_extension", "How five values go on beyond their ends", "recognition", "equivalent",
         _WAVELET,
-        {
-            "symmetric": {},
-            "periodic": {f"{_SEQUENCE}.extension": "periodic"},
-            "zero": {f"{_SEQUENCE}.extension": "zero"},
-        },
+        {name: {f"{_SEQUENCE}.extension": name} for name in ("symmetric", "periodic", "zero")},
     ),
     Choice(
         "wavelet_bands", "Which coefficients of a level", "recognition", "uncertain",
         "wavelet coefficients for each level as well as those of the sequence itself (section 3.5)",
-        {"details": {}, "approximations": {f"{_SEQUENCE}.bands": "approximations"}},
+        {name: {f"{_SEQUENCE}.bands": name} for name in ("details", "approximations")},
     ),
     Choice(
         "deviation", "Divisor of the standard deviation", "recognition", "equivalent",
         "The standard deviation, rms value and skewness of the wavelet coefficients (section 3.5)",
-        {"N - 1": {}, "N": {f"{_SEQUENCE}.degrees_of_freedom": "population"}},
+        {
+            "N - 1": {f"{_SEQUENCE}.degrees_of_freedom": "sample"},
+            "N": {f"{_SEQUENCE}.degrees_of_freedom": "population"},
+        },
     ),
     Choice(
         "classifier_settings", "Settings of the classifiers", "recognition", "uncertain",
         "fed to five classifiers, namely k-nearest neighbors (kNN), support vector machine (SVM), "
         "decision trees, quadratic discrimination and Naïve Bayes (section 3)",
         {
-            "scikit_learn": {},
+            "scikit_learn": _SCIKIT_LEARN,
             "matlab": _MATLAB,
             "matlab_polynomial": {**_MATLAB, f"{_CLASSIFIER}.svm_kernel": "poly"},
         },
@@ -118,7 +135,7 @@ CHOICES: tuple[Choice, ...] = (
         "protocol", "What is tested", "recognition", "not equivalent",
         "two of which are used for training the classifiers and the third one for testing (section 3)",
         {
-            "new_object": {},
+            "new_object": {"recognition.protocol.protocol": "leave_one_object_a_class_out"},
             "new_viewpoint": {"recognition.protocol.protocol": "new_viewpoint"},
         },
     ),
@@ -127,10 +144,18 @@ CHOICES: tuple[Choice, ...] = (
         "the virtual camera of Matlab turns around each object to capture images from 16 viewpoints "
         "(section 3)",
         {
-            "ring_20_degrees": {},
-            "ring_0_degrees": {"viewpoints.elevations_degrees": (0.0,)},
-            "ring_45_degrees": {"viewpoints.elevations_degrees": (45.0,)},
-            "sphere": {"viewpoints.arrangement": "fibonacci"},
+            **{
+                f"ring_{elevation:.0f}_degrees": {
+                    "viewpoints.arrangement": "rings",
+                    "viewpoints.elevations_degrees": (elevation,),
+                }
+                for elevation in (20.0, 0.0, 45.0)
+            },
+            # A sphere has no elevations; they are named so that all runs share its views.
+            "sphere": {
+                "viewpoints.arrangement": "fibonacci",
+                "viewpoints.elevations_degrees": (20.0,),
+            },
         },
     ),
     Choice(
@@ -138,31 +163,29 @@ CHOICES: tuple[Choice, ...] = (
         "a series of features extracted in field of view such as color opponency, contrast, "
         "curvature, intensity, orientation etc. (section 3.1)",
         {
-            "eight_equal": {},
+            "eight_equal": {f"attention.weights.{name}": 1.0 for name in CHANNELS},
             "five_named": {
-                f"attention.weights.{name}": 0.0
-                for name in CHANNELS
-                if name not in {"colour", "contrast", "curvature", "intensity", "orientation"}
+                f"attention.weights.{name}": float(name in _NAMED_CHANNELS) for name in CHANNELS
             },
         },
     ),
     Choice(
         "saliency_operator", "How maps are promoted before they are added", "upstream", "equivalent",
         "we have adopted the enhanced model of visual attention presented in [10] (section 3.1)",
-        {"local_maxima": {}, "iterative": {"attention.normalisation": "iterative"}},
+        {name: {"attention.normalisation": name} for name in ("local_maxima", "iterative")},
     ),
     Choice(
         "inhibition", "Where return is inhibited", "upstream", "equivalent",
         "a sequences of eye fixations can be retrieved for each viewpoint of the object in order of "
         "importance (section 3.1)",
-        {"surface": {}, "image": {"attention.inhibition": "image"}},
+        {name: {"attention.inhibition": name} for name in ("surface", "image")},
     ),
     Choice(
         "sensor_size", "Largest and smallest sensor", "upstream", "uncertain",
         "probed by the palm (large tactile surface) and finer details can be captured by fingertips "
         "(small tactile surface) (section 3.2)",
         {
-            "0.3 to 0.02": {},
+            "0.3 to 0.02": {"sensor.largest_size": 0.3, "sensor.smallest_size": 0.02},
             "0.5 to 0.1": {"sensor.largest_size": 0.5, "sensor.smallest_size": 0.1},
         },
     ),
@@ -170,20 +193,23 @@ CHOICES: tuple[Choice, ...] = (
         "sensor_normal", "What the sensor is tangent to", "upstream", "equivalent",
         "distance between points on a tangential plane (representing the surface of the sensor) and "
         "the object (section 3.2)",
-        {"face": {}, "smoothed": {"sensor.normal": "smoothed"}},
+        {name: {"sensor.normal": name} for name in ("face", "smoothed")},
     ),
     Choice(
         "imprint_stretch", "Normalisation of an imprint", "upstream", "uncertain",
         "The obtained values are then normalized between zero and one to yield a tactile image "
         "(section 3.2)",
-        {"per_imprint": {}, "absolute": {"sensor.normalisation": "absolute"}},
+        {name: {"sensor.normalisation": name} for name in ("per_imprint", "absolute")},
     ),
     Choice(
         "contourlet_filters", "Filters of the contourlet transform", "upstream", "equivalent",
         "a 16 directional contourlet transform [12] is first applied to each tactile image "
         "(section 3.3)",
         {
-            "9-7 and pkva12": {},
+            "9-7 and pkva12": {
+                "features.pyramid_filter": "9-7",
+                "features.directional_filter": "pkva12",
+            },
             "5-3 and pkva6": {
                 "features.pyramid_filter": "5-3",
                 "features.directional_filter": "pkva6",
@@ -194,7 +220,7 @@ CHOICES: tuple[Choice, ...] = (
         "imprint_extension", "How an imprint goes on beyond its borders", "upstream", "equivalent",
         "a 16 directional contourlet transform [12] is first applied to each tactile image "
         "(section 3.3)",
-        {"periodic": {}, "symmetric": {"features.extension": "symmetric"}},
+        {name: {"features.extension": name} for name in ("periodic", "symmetric")},
     ),
 )  # fmt: skip
 """All open choices that are varied, those of recognition first."""

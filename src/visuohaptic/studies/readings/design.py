@@ -1,29 +1,33 @@
 """Which readings are run: all combinations of some choices, and a fraction of the others.
 
-Four parts:
+Parts on the paper's set:
 
-- ``recognition``: every combination of the recognition choices that matter, on the run's touches.
+- ``recognition``: every combination of the recognition choices that matter, on the same touches.
 - ``upstream``: the other choices in 32 runs of a two-level design of resolution IV (main effects are
   clear of all interactions of two), each with every kind of map output and classifier settings, so
   that the interactions of these two with any other choice are clear as well.
 - ``training``: the map trained touch by touch, with every kind of map output and classifier settings.
 - ``protocol``: known objects from new viewpoints, which is another question.
+
+Larger sets, where views and touches take long, have the part ``recognition`` and
+
+- ``single``: every other choice varied alone, each with every kind of map output.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Literal
+from typing import Any, Literal
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.conditions import Changes, Condition, Study
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES
 
-Part = Literal["recognition", "upstream", "training", "protocol"]
+Part = Literal["recognition", "upstream", "training", "protocol", "single"]
 Options = Mapping[str, str]
 """An option of every choice, by the choice's name."""
 
@@ -40,9 +44,15 @@ FACTORIAL = (
     "classifier_settings",
 )
 CROSSED = ("map_output", "classifier_settings")
-"""What is crossed with every run of the other parts."""
+"""What is crossed with every run of the other parts on the paper's set."""
+CROSSED_SINGLY = ("map_output",)
+"""What is crossed with the part ``single``."""
 
-_VIEWPOINT_COLUMNS = ("A", "B")
+PARTS_ON_PAPER_SET: tuple[Part, ...] = ("recognition", "upstream", "training", "protocol")
+PARTS_ON_OTHERS: tuple[Part, ...] = ("recognition", "single")
+# All combinations of a test object a class are too many on larger sets.
+_FOLDS: Changes = {"recognition.protocol.protocol": "grouped_folds"}
+
 _COLUMNS: Mapping[str, str] = {
     "channels": "C",
     "saliency_operator": "D",
@@ -82,16 +92,28 @@ class Reading:
     options: Options
 
     @property
-    def changes(self) -> Changes:
-        """What differs from our default reading."""
-        changes: dict[str, object] = {}
+    def values(self) -> Changes:
+        """The parameters of all its options."""
+        values: dict[str, object] = {}
         for choice, option in self.options.items():
-            changes |= BY_NAME[choice].options[option]
-        return changes
+            values |= BY_NAME[choice].options[option]
+        return values
+
+
+def is_default(options: Mapping[str, Any]) -> bool:
+    """Whether options, of all choices, are those of the package's own parameters."""
+    return all(options[choice.name] == choice.default for choice in CHOICES)
+
+
+def is_base_but_for(options: Mapping[str, Any], names: Sequence[str]) -> bool:
+    """Whether every choice, but for some, has the option that is the base of the design."""
+    return all(
+        options[choice.name] == choice.base for choice in CHOICES if choice.name not in names
+    )
 
 
 def all_readings() -> list[Reading]:
-    """Give the readings in order; the first is our default, and no two are the same."""
+    """Give the readings of all parts in order; no two are the same."""
     readings: list[Reading] = []
     seen: set[tuple[str, ...]] = set()
     for part, make in _PARTS.items():
@@ -104,29 +126,32 @@ def all_readings() -> list[Reading]:
 
 
 def make_readings_study(run: ExperimentParameters) -> Study:
-    """Give the study: a condition for each reading. The run's own reading of a choice changes none."""
-    same: Changes = {
+    """Give the study: a condition for each reading of the parts that the run's objects allow.
+
+    A condition changes what differs from the run, so that readings share what the run has made.
+    """
+    on_paper_set = run.meshes.set == "paper"
+    same: dict[str, object] = {
         "recognition.pipelines": ("paper",),
         "recognition.classifiers": tuple(TABLE_1),
         "probing.strategies": STRATEGIES,
-        **_defaults_changed_by(run),
     }
+    new_objects = {} if on_paper_set else _FOLDS
+    parts = PARTS_ON_PAPER_SET if on_paper_set else PARTS_ON_OTHERS
     conditions = (
-        Condition(reading.name, {**same, **reading.changes}) for reading in all_readings()
+        Condition(reading.name, same | _differing(run, {**reading.values, **new_objects}))
+        for reading in all_readings()
+        if reading.part in parts
     )
     return Study(NAME, TITLE, tuple(conditions))
 
 
-def _defaults_changed_by(run: ExperimentParameters) -> Changes:
-    """Give the package's own values of what is varied, where a run has others."""
-    shipped = ExperimentParameters()
-    varied = {path for choice in CHOICES for changes in choice.options.values() for path in changes}
-    values = {path: attrgetter(path)(shipped) for path in sorted(varied)}
+def _differing(run: ExperimentParameters, values: Changes) -> dict[str, object]:
     return {path: value for path, value in values.items() if attrgetter(path)(run) != value}
 
 
-def _defaults() -> dict[str, str]:
-    return {choice.name: choice.default for choice in CHOICES}
+def _base() -> dict[str, str]:
+    return {choice.name: choice.base for choice in CHOICES}
 
 
 def _combinations(names: tuple[str, ...], others: Options) -> Iterator[Options]:
@@ -135,27 +160,35 @@ def _combinations(names: tuple[str, ...], others: Options) -> Iterator[Options]:
 
 
 def _factorial() -> Iterator[Options]:
-    return _combinations(FACTORIAL, _defaults())
+    return _combinations(FACTORIAL, _base())
 
 
 def _fraction() -> Iterator[Options]:
     for levels in itertools.product((0, 1), repeat=5):
         basic = dict(zip("ABCDE", levels, strict=True))
-        run = _defaults()
+        run = _base()
         place = 2 * basic["A"] + basic["B"]
         run["viewpoints"] = list(BY_NAME["viewpoints"].options)[place]
         for name, column in _COLUMNS.items():
-            # With odd products, the run of all zeros has every default.
+            # With odd products, the run of all zeros has the base of every choice.
             run[name] = list(BY_NAME[name].options)[sum(basic[letter] for letter in column) % 2]
         yield from _combinations(CROSSED, run)
 
 
 def _training() -> Iterator[Options]:
-    return _combinations(CROSSED, _defaults() | {"map_training": "online"})
+    return _combinations(CROSSED, _base() | {"map_training": "online"})
 
 
 def _protocol() -> Iterator[Options]:
-    return _combinations(CROSSED, _defaults() | {"protocol": "new_viewpoint"})
+    return _combinations(CROSSED, _base() | {"protocol": "new_viewpoint"})
+
+
+def _single() -> Iterator[Options]:
+    for choice in CHOICES:
+        if choice.name in {*FACTORIAL, "map_training", "protocol"}:
+            continue
+        for option in choice.options:
+            yield from _combinations(CROSSED_SINGLY, _base() | {choice.name: option})
 
 
 _PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {
@@ -163,4 +196,5 @@ _PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {
     "upstream": _fraction,
     "training": _training,
     "protocol": _protocol,
+    "single": _single,
 }

@@ -31,6 +31,8 @@ from visuohaptic.studies.readings.design import (
     STRATEGIES,
     Reading,
     all_readings,
+    is_base_but_for,
+    is_default,
 )
 from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
 from visuohaptic.tables.studies import READINGS, STUDY
@@ -188,7 +190,7 @@ def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any
         "highest": fixation.max(),
         "highest_reading": rows[int(fixation.argmax())]["reading"],
         "random_median": float(np.median(random)),
-        "default": next((row["fixation"] for row in rows if row["place"] == 0), None),
+        "default": next((row["fixation"] for row in rows if is_default(row)), None),
         "readings_reaching": int((fixation >= published["fixation"] - _SAME).sum()),
         "readings_with_a_split_reaching": int((reaching > 0).sum()),
         "splits_reaching": float(reaching.mean()),
@@ -209,16 +211,17 @@ def weigh_choices(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """Say how much of the spread of one classifier's accuracy by fixation each choice explains.
 
     Sums of squares of a balanced design: of the recognition choices over the part ``recognition``,
-    of all others over the part ``upstream`` together with our default. Gives a row a choice or pair
-    of choices, with its share of its part's spread and the mean gain of each option over the default
+    of all others over the part ``upstream`` together with the base of the design. Gives a row a choice or pair
+    of choices, with its share of its part's spread and the mean gain of each option over the base
     one (null for pairs), the largest share first.
     """
     found = []
     complete = [row for row in rows if row["part"] == "recognition"]
     found += _shares(complete, FACTORIAL, "recognition")
-    # The runs of the fraction with every default belong to the full factorial.
-    shared = [row for row in complete if _only_differs(row, CROSSED)]
-    fraction = shared + [row for row in rows if row["part"] == "upstream"]
+    fraction = [row for row in rows if row["part"] == "upstream"]
+    if fraction:
+        # The runs of the fraction with the base of every other choice belong to the full factorial.
+        fraction += [row for row in complete if is_base_but_for(row, CROSSED)]
     others = tuple(
         choice.name
         for choice in CHOICES
@@ -226,10 +229,6 @@ def weigh_choices(rows: Sequence[Row]) -> list[dict[str, Any]]:
     )
     found += _shares(fraction, (*others, *CROSSED), "upstream")
     return sorted(found, key=lambda row: (row["part"], -row["share"]))
-
-
-def _only_differs(row: Row, names: Sequence[str]) -> bool:
-    return all(row[choice.name] == choice.default for choice in CHOICES if choice.name not in names)
 
 
 def _shares(rows: Sequence[Row], names: Sequence[str], part: str) -> list[dict[str, Any]]:
@@ -244,8 +243,8 @@ def _shares(rows: Sequence[Row], names: Sequence[str], part: str) -> list[dict[s
     for name in names:
         fitted, of_option = _group_means(accuracy, [row[name] for row in rows])
         squares[name] = float(np.square(fitted - accuracy.mean()).sum())
-        default = of_option[BY_NAME[name].default]
-        gains = {option: mean - default for option, mean in of_option.items()}
+        base = of_option[BY_NAME[name].base]
+        gains = {option: mean - base for option, mean in of_option.items()}
         found.append(
             {"part": part, "choices": [name], "share": squares[name] / total, "gains": gains}
         )

@@ -1,8 +1,9 @@
 """Readings that were measured once and are kept with the package, as they take half an hour.
 
-`readings.parquet` beside this file is `tables.READINGS`, with where it comes from in its metadata;
-`python -m visuohaptic.studies.readings.stored results/readings.parquet COMMAND PROCESSOR` writes it
-again.
+`paper_set.parquet` and `outside.parquet` beside this file are `tables.READINGS` on the paper's set
+and on the 130 objects outside it, with where they come from in their metadata;
+`python -m visuohaptic.studies.readings.stored results/readings.parquet SET COMMAND PROCESSOR`
+writes one again.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from visuohaptic.studies.figures import Row
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import READINGS
 
-FILE = "readings.parquet"
+PAPER_SET = "paper_set"
+OUTSIDE = "outside"
 _SOURCE = b"source"
 
 
@@ -52,7 +54,12 @@ def read_readings(path: str | Path | None) -> MeasuredReadings | None:
     """Read the readings of a run where they were measured, else those kept with the package."""
     if path is not None and Path(path).is_file():
         return MeasuredReadings(_rows(path))
-    kept = files("visuohaptic.studies.readings").joinpath(FILE)
+    return kept_readings(PAPER_SET)
+
+
+def kept_readings(name: str) -> MeasuredReadings | None:
+    """Read readings that are kept with the package, by the name of their objects."""
+    kept = files("visuohaptic.studies.readings").joinpath(f"{name}.parquet")
     if not kept.is_file():
         return None
     with as_file(kept) as file:
@@ -84,4 +91,5 @@ def _rows(path: str | Path) -> list[Row]:
 
 
 if __name__ == "__main__":
-    store_readings(sys.argv[1], Path(__file__).with_name(FILE), sys.argv[2], sys.argv[3])
+    table, name, command, machine = sys.argv[1:]
+    store_readings(table, Path(__file__).with_name(f"{name}.parquet"), command, machine)

@@ -1,0 +1,90 @@
+"""How far fixation is ahead of random probing under each option of each choice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from visuohaptic.studies.figures import Row
+from visuohaptic.studies.readings.choices import CHOICES, Choice
+from visuohaptic.studies.readings.design import (
+    CROSSED,
+    CROSSED_SINGLY,
+    FACTORIAL,
+    is_base_but_for,
+)
+
+SIGNIFICANT = 0.05
+_SAME = 1e-12
+
+
+@dataclass(frozen=True)
+class Lead:
+    """Readings with one option; a case is a reading with one classifier.
+
+    Attributes
+    ----------
+    cases, ahead, ahead_significantly, behind_significantly : int
+        Cases, and in how many of them fixation is ahead of or behind random probing.
+    middle : float
+        Median lead of fixation over the cases, as a share.
+    """
+
+    cases: int
+    ahead: int
+    ahead_significantly: int
+    behind_significantly: int
+    middle: float
+
+
+def leads_by_option(rows: Sequence[Row]) -> dict[tuple[str, str], Lead]:
+    """Sum up the leads by choice and option, for rows of `tables.READINGS`.
+
+    A recognition choice is judged on the part ``recognition``, which has all its combinations; any
+    other on the part that varies it, beside the base of the design. What asks another question, and
+    choices without two options in the table, are left out.
+    """
+    run = [row for row in rows if row["ahead"] is not None and row["part"] != "protocol"]
+    found: dict[tuple[str, str], Lead] = {}
+    for choice in CHOICES:
+        leads = {option: sum_up(list(part)) for option, part in _by_option(choice, run) if part}
+        if len(leads) > 1:
+            found |= {(choice.name, option): lead for option, lead in leads.items()}
+    return found
+
+
+def sum_up(rows: Sequence[Row]) -> Lead:
+    """Sum up the leads of some cases, at least one, all with a lead."""
+    leads = [row["ahead"] for row in rows]
+    surely = [row["ahead"] for row in rows if (row["p_value"] or 1.0) < SIGNIFICANT]
+    return Lead(
+        cases=len(leads),
+        ahead=sum(lead > _SAME for lead in leads),
+        ahead_significantly=sum(lead > _SAME for lead in surely),
+        behind_significantly=sum(lead < -_SAME for lead in surely),
+        middle=median(leads),
+    )
+
+
+def _by_option(choice: Choice, rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:
+    part = [row for row in rows if row["part"] == _part_of(choice, rows)]
+    if choice.name not in FACTORIAL:
+        # Options are compared over the same other choices.
+        singly = any(row["part"] == "single" for row in rows)
+        others = CROSSED_SINGLY if singly else CROSSED
+        part += [
+            row
+            for row in rows
+            if row["part"] != "upstream" and is_base_but_for(row, (choice.name, *others))
+        ]
+    for option in choice.options:
+        yield option, [row for row in part if row[choice.name] == option]
+
+
+def _part_of(choice: Choice, rows: Sequence[Row]) -> str | None:
+    """Name the part of the design that varies a choice together with others."""
+    if choice.name in FACTORIAL:
+        return "recognition"
+    varied = {row[choice.name] for row in rows if row["part"] == "upstream"}
+    return "upstream" if len(varied) > 1 else None

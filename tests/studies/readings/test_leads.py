@@ -1,0 +1,60 @@
+"""An option's lead is that of the readings that vary its choice, and of no others."""
+
+from visuohaptic.studies.readings.design import all_readings, is_base_but_for
+from visuohaptic.studies.readings.leads import Lead, leads_by_option, sum_up
+
+
+def row_of(reading, ahead, p_value=0.5):
+    return {"part": reading.part, **reading.options, "ahead": ahead, "p_value": p_value}
+
+
+def rows(parts, lead):
+    return [row_of(one, lead(one)) for one in all_readings() if one.part in parts]
+
+
+def test_cases_are_counted_by_sign_and_significance():
+    first = all_readings()[0]
+    found = sum_up(
+        [
+            row_of(first, 0.2, 0.01),
+            row_of(first, -0.1, 0.04),
+            row_of(first, 0.0),
+            row_of(first, 0.1),
+        ]
+    )
+    assert found == Lead(4, 2, 1, 1, 0.05)
+
+
+def test_a_recognition_choice_is_judged_on_all_combinations():
+    table = rows(
+        {"recognition", "upstream"},
+        lambda one: 0.1 if one.options["map_output"] == "lattice" else -0.1,
+    )
+    leads = leads_by_option(table)
+    assert leads["map_output", "lattice"] == Lead(72, 72, 0, 0, 0.1)
+    assert leads["map_output", "one_hot"] == Lead(72, 0, 0, 0, -0.1)
+
+
+def test_upstream_options_have_as_many_readings_each():
+    leads = leads_by_option(
+        rows({"recognition", "upstream", "training", "protocol"}, lambda _: 0.1)
+    )
+    assert {leads["channels", option].cases for option in ("eight_equal", "five_named")} == {192}
+    assert [leads["map_training", option].cases for option in ("batch", "online")] == [12, 12]
+    assert ("protocol", "new_object") not in leads
+
+
+def test_a_choice_varied_alone_is_compared_with_the_base_of_the_design():
+    table = rows(
+        {"recognition", "single"},
+        lambda one: 0.3 if one.options["channels"] == "five_named" else 0.1,
+    )
+    leads = leads_by_option(table)
+    assert leads["channels", "five_named"] == Lead(4, 4, 0, 0, 0.3)
+    base = [row for row in table if is_base_but_for(row, ("map_output",))]
+    assert leads["channels", "eight_equal"].cases == len(base) == 4
+
+
+def test_readings_that_failed_are_left_out():
+    table = rows({"recognition"}, lambda one: None if one.name == "r000" else 0.1)
+    assert leads_by_option(table)["map_output", "unit_distances"].cases == 71
