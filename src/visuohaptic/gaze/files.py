@@ -9,8 +9,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.errors import GazeError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
@@ -88,10 +86,3 @@ def write_weights(
         **human_weights(objects, gaze),
     }
     write_whole(path, json.dumps(found, indent=2) + "\n")
-
-
-def read_gaze(path: str | Path) -> pa.Table:
-    """Read the table of gaze, or raise `TableError` if the file is not one."""
-    from visuohaptic.tables.schema import read_table
-
-    return read_table(GAZE, [path])

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import pyarrow as pa
 from visuohaptic.attention.parameters import CHANNELS
 from visuohaptic.attention.surface_measures import MEASURES
 from visuohaptic.errors import GazeError
-from visuohaptic.gaze.looking import GazedObject, look_at
+from visuohaptic.gaze.looking import GazedObject
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import (
     PREDICTORS,
@@ -26,7 +25,6 @@ from visuohaptic.gaze.recordings import RecordingFile
 from visuohaptic.tables.gaze import GAZE
 from visuohaptic.tables.schema import build_table
 
-Weights = Mapping[str, Mapping[str, float]]
 Track = Callable[[list[Any]], Iterable[Any]]
 
 
@@ -43,13 +41,6 @@ def look_at_all(
 
     jobs = Parallel(n_jobs=processes)(delayed(looking)(file) for file in track(list(files)))
     return list(jobs)
-
-
-def looker(
-    parameters: Mapping[str, Any], gaze: GazeParameters, seed: int
-) -> Callable[[RecordingFile], GazedObject]:
-    """Bind `look_at` to sections viewpoints, rendering and attention of the parameters."""
-    return partial(look_at, **parameters, gaze=gaze, seed=seed)
 
 
 def weights_of(
