@@ -17,7 +17,13 @@ from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, Choice
 from visuohaptic.studies.readings.design import is_default
 from visuohaptic.studies.readings.figures import summarise_readings
-from visuohaptic.studies.readings.leads import Lead, leads_by_option, sum_up
+from visuohaptic.studies.readings.leads import (
+    Lead,
+    PairLead,
+    leads_by_option,
+    strongest_pair,
+    sum_up,
+)
 from visuohaptic.studies.readings.stored import MeasuredReadings, Source
 
 BEST_OF_PAPER = "support_vector_machine"
@@ -205,13 +211,11 @@ def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> OutsideFi
     )
     objects = max(row["objects"] or 0 for row in outside.rows)
     return OutsideFigures(
-        tuple(_outside_sentences(outside.rows, options, objects)), options, objects, outside.source
+        tuple(_outside_sentences(outside.rows, objects)), options, objects, outside.source
     )
 
 
-def _outside_sentences(
-    rows: Sequence[Row], options: Sequence[OptionLead], objects: int
-) -> Iterator[str]:
+def _outside_sentences(rows: Sequence[Row], objects: int) -> Iterator[str]:
     found = sum_up([row for row in rows if row["ahead"] is not None])
     yield (
         f"On {objects} objects outside the paper's set, fixation is ahead of random probing in "
@@ -219,14 +223,28 @@ def _outside_sentences(
         f"{found.ahead_significantly} significantly; it is significantly behind in "
         f"{found.behind_significantly}. The median lead is {points(found.middle)} points."
     )
-    for choice in dict.fromkeys(one.choice for one in options if one.turns):
-        own = [one for one in options if one.choice == choice]
-        ahead = [one.option for one in own if one.outside.middle > 0]
-        behind = [one.option for one in own if one.outside.middle <= 0]
-        yield (
-            f"“{choice}” decides who leads there: fixation with {listed(ahead)}, random probing "
-            f"with {listed(behind)} (median over the readings with each)."
-        )
+    pair = strongest_pair(rows)
+    if pair is None:
+        return
+    ahead, behind = (
+        [key for key, lead in pair.leads.items() if sign * lead.middle > 0] for sign in (1, -1)
+    )
+    first, second = (BY_NAME[name].label for name in pair.choices)
+    yield (
+        f"Who leads there depends on two choices, which explain {percent(pair.share, 0)} of how leads "
+        f"differ: “{first}” and “{second}”. Fixation leads with {_with_leads(pair, ahead)}; random "
+        f"probing leads with {_with_leads(pair, behind)} (medians)."
+    )
+
+
+def _with_leads(pair: PairLead, options: Sequence[tuple[str, str]]) -> str:
+    """Name combinations of two options with their median leads, the largest first."""
+    ordered = sorted(options, key=lambda key: -abs(pair.leads[key].middle))
+    named = [
+        f"{spaced(first)} and {spaced(second)} ({points(pair.leads[first, second].middle)})"
+        for first, second in ordered
+    ]
+    return listed(named) if named else "none"
 
 
 def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:

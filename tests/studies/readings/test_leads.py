@@ -1,7 +1,7 @@
 """An option's lead is that of the readings that vary its choice, and of no others."""
 
 from visuohaptic.studies.readings.design import all_readings, is_base_but_for
-from visuohaptic.studies.readings.leads import Lead, leads_by_option, sum_up
+from visuohaptic.studies.readings.leads import Lead, leads_by_option, strongest_pair, sum_up
 
 
 def row_of(reading, ahead, p_value=0.5):
@@ -58,3 +58,21 @@ def test_a_choice_varied_alone_is_compared_with_the_base_of_the_design():
 def test_readings_that_failed_are_left_out():
     table = rows({"recognition"}, lambda one: None if one.name == "r000" else 0.1)
     assert leads_by_option(table)["map_output", "unit_distances"].cases == 71
+
+
+def test_the_pair_that_decides_who_leads_is_found():
+    def lead(one):
+        grouped = one.options["map_output"] == "feature_groups"
+        scaled = one.options["touch_scaling"] == "standardise"
+        return 0.1 if grouped == scaled else -0.1
+
+    pair = strongest_pair(rows({"recognition", "upstream"}, lead))
+    assert pair.choices == ("map_output", "touch_scaling")
+    assert abs(pair.share - 1) < 1e-12
+    assert pair.leads["feature_groups", "standardise"] == Lead(36, 36, 0, 0, 0.1)
+    assert pair.leads["lattice", "standardise"].ahead == 0
+
+
+def test_readings_that_all_lead_alike_have_no_pair():
+    assert strongest_pair(rows({"recognition"}, lambda _: 0.1)) is None
+    assert strongest_pair([]) is None

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from statistics import median
+
+import numpy as np
 
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.choices import CHOICES, Choice
@@ -88,3 +91,47 @@ def _part_of(choice: Choice, rows: Sequence[Row]) -> str | None:
         return "recognition"
     varied = {row[choice.name] for row in rows if row["part"] == "upstream"}
     return "upstream" if len(varied) > 1 else None
+
+
+@dataclass(frozen=True)
+class PairLead:
+    """The two recognition choices that explain most of how leads differ.
+
+    Attributes
+    ----------
+    choices : tuple of str
+        Their names.
+    share : float
+        Share of the leads' spread between the means of their combinations.
+    leads : mapping of (str, str) to Lead
+        By their options.
+    """
+
+    choices: tuple[str, str]
+    share: float
+    leads: Mapping[tuple[str, str], Lead]
+
+
+def strongest_pair(rows: Sequence[Row]) -> PairLead | None:
+    """Find the pair of recognition choices on which the lead depends most; None without readings."""
+    run = [row for row in rows if row["ahead"] is not None and row["part"] == "recognition"]
+    leads = np.array([row["ahead"] for row in run])
+    if not run or np.ptp(leads) < _SAME:
+        return None
+    total = float(np.square(leads - leads.mean()).sum())
+
+    def share(pair: tuple[str, str]) -> float:
+        groups = _grouped(run, pair).values()
+        means = [(len(group), np.mean([row["ahead"] for row in group])) for group in groups]
+        return float(sum(count * (mean - leads.mean()) ** 2 for count, mean in means)) / total
+
+    pair = max(combinations(FACTORIAL, 2), key=share)
+    found = {options: sum_up(group) for options, group in _grouped(run, pair).items()}
+    return PairLead(pair, share(pair), found)
+
+
+def _grouped(rows: Sequence[Row], pair: tuple[str, str]) -> dict[tuple[str, str], list[Row]]:
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((row[pair[0]], row[pair[1]]), []).append(row)
+    return groups
