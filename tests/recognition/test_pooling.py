@@ -109,3 +109,15 @@ def test_the_least_log_loss_of_all_temperatures_is_found():
         loss, temperature = best_temperature(scores, labels)
         assert temperature == TEMPERATURES[losses.mean(axis=1).argmin()]
         assert loss == pytest.approx(losses.mean(axis=1).min())
+
+
+@pytest.mark.parametrize("objects", [4, 40])
+def test_no_answer_is_surer_than_as_many_objects_allow(objects):
+    labels = np.repeat(np.arange(2), objects // 2 * 4)
+    owners = np.repeat(np.arange(objects), 4)
+    clear = np.eye(2)[labels]
+    known = np.ones(2, bool)
+    combination = fit_combination(clear, clear, labels, owners, (1, 4), known, 1.0)
+    surest = Ballots(clear, clear, combination).alone().max()
+    expected = 1 - 1 / (objects + 2) / 2
+    assert surest == pytest.approx(expected, abs=0.3 * (1 - expected))

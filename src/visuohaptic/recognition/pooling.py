@@ -310,10 +310,13 @@ def fit_combination(
     logs = np.log(np.maximum(means, LEAST_PROBABILITY))
     scales = (_deviation(logs[:, known]), _deviation(mean_scores[:, known]) / weight)
     summed = np.where(known, add_standardised(means, mean_scores, scales), LEAST_SCORE)
+    # That all of n objects were right doesn't make the next one certain: the rule of succession.
+    doubt = 1 / (len(np.unique(owners)) + 2)
+    places = np.cumsum(known)[of_bag] - 1
     views = np.unique(bags.counts)
     temperatures = [
-        best_temperature(summed[bags.counts == count], of_bag[bags.counts == count])[1]
-        for count in views
+        best_temperature(summed[:, known][chosen], places[chosen], doubt)[1]
+        for chosen in (bags.counts == count for count in views)
     ]
     return Combination(scales, views.astype(np.float64), np.array(temperatures), known)
 
@@ -330,13 +333,16 @@ def softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
     return weights / weights.sum(axis=-1, keepdims=True)
 
 
-def best_temperature(scores: NDArray[np.float64], labels: NDArray[np.int64]) -> tuple[float, float]:
+def best_temperature(
+    scores: NDArray[np.float64], labels: NDArray[np.int64], doubt: float = 0.0
+) -> tuple[float, float]:
     """Find the temperature of `TEMPERATURES` with the least mean log loss, and that loss in nats.
 
-    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64.
+    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64. `doubt` is
+    the share of the truth that is spread over all classes.
     """
     relative = scores - scores.max(axis=1, keepdims=True)
-    true = relative[np.arange(len(labels)), labels]
+    true = (1 - doubt) * relative[np.arange(len(labels)), labels] + doubt * relative.mean(axis=1)
 
     @cache
     def loss(place: int) -> float:
