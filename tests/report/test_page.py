@@ -12,7 +12,7 @@ from report.synthetic import OBJECTS, PARAMETERS, STRATEGIES, write_run
 from visuohaptic.fixations.probing import STRATEGIES as STRATEGIES_OF_PACKAGE
 from visuohaptic.report.page import make_environment, render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.report.sections import comparison_title
+from visuohaptic.report.sections import CHAPTERS, comparison_title
 from visuohaptic.report.wording import percent, strategy_name
 
 NASTY_CLASS = '<i onclick="alert(2)">&amp;'
@@ -291,6 +291,10 @@ def test_strategies_are_told_apart_by_shape_too(source):
     assert chart.count('<g class="series-0"><circle') > 0
     assert chart.count('<g class="series-1"><rect') > 0
     assert len(STRATEGIES) == 2
+
+
+def test_the_contents_have_eight_chapters_at_most():
+    assert len(CHAPTERS) <= 8
 
 
 def test_each_of_eight_strategies_has_a_mark_and_a_colour_of_its_own():

@@ -35,7 +35,7 @@ FEATURES_MADE_OF = 1.0
 
 @dataclass(frozen=True)
 class Standardiser:
-    """Shift and scale of k columns; a column that was constant is only shifted.
+    """Shift and scale of k columns; a column that was constant becomes 0, as its scale is infinite.
 
     Attributes
     ----------
@@ -223,15 +223,15 @@ def fit_standardiser(
     """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
 
     A column counts as constant when its deviation is rounding noise beside its
-    largest value, or beside `made_of`, the size of what columns are computed from. Its
-    scale is 1 then; rounding, which differs between processors, would otherwise get the
+    largest value, or beside `made_of`, the size of what columns are computed from. It is
+    0 from then on; rounding, which differs between processors, would otherwise get the
     weight of a feature.
     """
     if scaling == "none":
         return _identity(rows.shape[1])
     deviation = rows.std(axis=0)
     noise = ROUNDING * np.maximum(np.abs(rows).max(axis=0), made_of)
-    return Standardiser(rows.mean(axis=0), np.where(deviation > noise, deviation, 1.0))
+    return Standardiser(rows.mean(axis=0), np.where(deviation > noise, deviation, np.inf))
 
 
 def _identity(columns: int) -> Standardiser:

@@ -398,11 +398,9 @@ CHAPTERS = {
     "Numerical stability": (
         Section("stability", "Numerical stability in hard cases", stability_values),
     ),
-    "Attention against people": (
-        Section("gaze", "Attention held against people's gaze", gaze_values),
-    ),
-    "The paper's readings, and studies": (
+    "The paper's readings, people's gaze, and studies": (
         Section("readings", "The paper under all its readings", readings_values),
+        Section("gaze", "Attention held against people's gaze", gaze_values),
         Section("ablations", "Ablations", ablations_values),
         Section("studies", "Own studies", studies_values),
     ),

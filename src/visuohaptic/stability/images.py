@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,8 +145,9 @@ def wavelets(generator: np.random.Generator) -> Iterator[Finding]:
     exponent = int(generator.choice([0, -140, 140]))
     signal = generator.uniform(-1e3, 1e3, generator.integers(1, 10)) * 10.0**exponent
     wavelet = pywt.Wavelet("db2")
-    wanted = oracles.exact_detail_levels(signal, wavelet.dec_lo, wavelet.dec_hi, 3)
-    found = wavelet_levels(signal[None], SequenceParameters())
+    extension: Literal["symmetric", "zero"] = "zero" if generator.random() < 0.5 else "symmetric"
+    wanted = oracles.exact_detail_levels(signal, wavelet.dec_lo, wavelet.dec_hi, 3, extension)
+    found = wavelet_levels(signal[None], SequenceParameters(extension=extension))
     largest = Fraction(float(np.abs(signal).max() or 1.0))
     for level, (exact, computed) in enumerate(zip(wanted, found, strict=True)):
         yield Finding(
@@ -154,7 +156,7 @@ def wavelets(generator: np.random.Generator) -> Iterator[Finding]:
                 abs(float((Fraction(float(value)) - right) / largest))
                 for value, right in zip(computed[0], exact, strict=True)
             ],
-            f"{len(signal)} values, db2, level {level + 1}, scale 1e{exponent}",
+            f"{len(signal)} values, db2, {extension}, level {level + 1}, scale 1e{exponent}",
             lambda _: drawings.sequence(signal, "the sequence"),
             cases=1,
         )

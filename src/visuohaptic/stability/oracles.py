@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -149,9 +150,13 @@ def skewness(values: Iterable[float]) -> float:
 
 
 def exact_detail_levels(
-    values: Iterable[float], low: Iterable[float], high: Iterable[float], levels: int
+    values: Iterable[float],
+    low: Iterable[float],
+    high: Iterable[float],
+    levels: int,
+    extension: Literal["symmetric", "zero"],
 ) -> list[Exact]:
-    """Decompose a sequence with half-sample symmetric extension, in Fractions.
+    """Decompose a sequence with half-sample symmetric extension or with zeros, in Fractions.
 
     The taps are taken as the float64 numbers that they are.
     """
@@ -163,6 +168,8 @@ def exact_detail_levels(
         count = len(signal)
 
         def at(index: int, signal: Exact = signal, count: int = count) -> Fraction:
+            if extension == "zero" and not 0 <= index < count:
+                return Fraction(0)
             index %= 2 * count
             return signal[index] if index < count else signal[2 * count - 1 - index]
 
