@@ -19,7 +19,7 @@ NASTY_CLASS = '<i onclick="alert(2)">&amp;'
 NASTY = (
     "<script>alert(1)</script>",
     "a & b \"c\" 'd'",
-    "{{ 7 * 7 }}",
+    "{{ 7907 * 7919 }}",
     "x" * 300,
     "Kännchen 茶",
     "../../x",
@@ -209,7 +209,7 @@ def test_names_are_shown_as_they_are_and_do_nothing(tmp_path):
     models = [key for key in keys if key.count("/") == 1 and len(key) < 300]
     assert len(page.named("script")) == 3 + 3 * len(models)
     assert not page.named("i")
-    assert "49" not in [text.strip() for text in page.texts]
+    assert str(7907 * 7919) not in page.text
     assert all(re.fullmatch(r"[a-z0-9-]+", name) for name in page.values("id"))
 
 
