@@ -3,10 +3,11 @@
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.studies.certainty import make_certainty
 from visuohaptic_workflow.jobs import job
+from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_certainty(
-        features=snakemake.input.features,
+        features=files_of(snakemake.input.features),
         table=snakemake.output.table,
         metrics=snakemake.output.metrics,
         strategies=snakemake.params.strategies,

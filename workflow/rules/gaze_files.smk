@@ -1,0 +1,25 @@
+"""What the rules of gaze share: recordings, meshes beside them, and tables."""
+
+from visuohaptic.gaze.parameters import GAZE_SUFFIXES
+from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
+
+
+def files_of_gaze(suffixes):
+    """List the files in the folder of recordings that end in one of some suffixes."""
+    if not PARAMETERS.gaze.folder:
+        return []
+    files = Path(PARAMETERS.gaze.folder).rglob("*")
+    return sorted(str(file) for file in files if file.suffix.lower() in suffixes)
+
+
+RECORDED_GAZE = files_of_gaze(GAZE_SUFFIXES)
+GAZE_TABLES = ["results/gaze/measured.parquet", "results/gaze/pictures.parquet"]
+
+
+def gaze_files(wildcards):
+    """List the files of the phase, or stop where no recordings are given."""
+    if not RECORDED_GAZE:
+        raise WorkflowError(
+            "gaze.folder names no folder with recordings; docs/gaze.md says how to get some."
+        )
+    return [*GAZE_TABLES, "results/gaze/weights.json", "results/records/gaze.json"]
