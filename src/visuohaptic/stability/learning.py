@@ -26,8 +26,12 @@ from visuohaptic.stability.shapes import pick
 Floats = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
-MAY_BE_REFUSED = ("one sample a class", "all samples identical")
-"""Samples of which no covariance can be taken."""
+MAY_BE_REFUSED = (
+    "one sample a class",
+    "all samples identical",
+    "features that vary by one ulp",
+)
+"""Samples of which no covariance can be taken; where features vary by rounding alone, they are identical."""
 
 
 def hard_samples(generator: np.random.Generator) -> dict[str, tuple[Floats, Labels]]:
