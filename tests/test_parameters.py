@@ -30,11 +30,11 @@ def test_what_is_dumped_reads_back():
         ({"seed": -1}, "seed is -1: input should be greater than or equal to 0"),
         (
             {"meshes": {"set": "all"}},
-            "meshes.set is 'all': input should be 'paper', 'benchmark' or 'hard'",
+            "meshes.set is 'all': input should be 'paper', 'benchmark', 'outside' or 'hard'",
         ),
         (
             {"probing": {"strategies": ["fixation", "guessing"]}},
-            r"probing.strategies.1 is 'guessing': input should be 'fixation', .* or 'contour'",
+            r"probing.strategies.1 is 'guessing': input should be 'fixation', .* or 'human'",
         ),
         (
             {"recognition": {"best": {"classifiers": ["oracle"]}}},

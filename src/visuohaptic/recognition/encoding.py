@@ -213,12 +213,15 @@ def fit_sequence_encoder(
         parameters.sequence,
         _identity(outputs * (1 + parameters.sequence.levels) * 3),
     )
-    feature_scaling = fit_standardiser(unscaled.encode(sequences), parameters.sequence_scaling)
+    encoded = unscaled.encode(sequences)
+    # A skewness has no unit, so a column of skewnesses near 0 is rounding; deviation and rms have one.
+    made_of = np.tile([0.0, 0.0, 1.0], encoded.shape[1] // 3)
+    feature_scaling = fit_standardiser(encoded, parameters.sequence_scaling, made_of)
     return replace(unscaled, feature_scaling=feature_scaling)
 
 
 def fit_standardiser(
-    rows: NDArray[np.float64], scaling: Scaling, made_of: float = 0.0
+    rows: NDArray[np.float64], scaling: Scaling, made_of: float | NDArray[np.float64] = 0.0
 ) -> Standardiser:
     """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
 

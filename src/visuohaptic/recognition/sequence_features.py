@@ -44,10 +44,6 @@ def sequence_features(
     signals = [along_time, *(without_rounding(level, along_time) for level in levels)]
     correction = 1 if parameters.degrees_of_freedom == "sample" else 0
     statistics = [summarise_signals(signal, correction) for signal in signals]
-    for values in statistics:
-        # Signals that are symmetric but for rounding have a skewness of rounding alone.
-        skewness = values[..., 2]
-        skewness[np.abs(skewness) <= CONSTANT_TOLERANCE] = 0.0
     return np.stack(statistics, axis=2).reshape(len(sequences), -1)
 
 
