@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,10 +12,10 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.figures import write_json
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import CERTAINTY
-from visuohaptic.whole_files import whole_file
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
@@ -148,8 +147,7 @@ def make_certainty(
     )
     write_table(CERTAINTY, measured, table)
     found = summarise_certainty(measured, parameters.best.coverage, parameters.intervals, seed)
-    with whole_file(metrics) as unfinished:
-        unfinished.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    write_json(found, metrics)
 
 
 def _without_class(
@@ -219,9 +217,7 @@ def _by_object(
 
 def _area(rows: Sequence[dict[str, Any]], left_out: str) -> float:
     """Give the area under the curve of one class left out against the known objects beside it."""
-    known, strange = (
-        np.array([r["evidence"] for r in rows if r["left_out"] == left_out and r["known"] == kind])
-        for kind in (True, False)
-    )
-    steps = np.sign(strange[:, None] - known)
-    return float(0.5 + steps.mean() / 2)
+    from sklearn.metrics import roc_auc_score
+
+    own = [row for row in rows if row["left_out"] == left_out]
+    return float(roc_auc_score([not row["known"] for row in own], [row["evidence"] for row in own]))

@@ -32,8 +32,7 @@ from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
 from visuohaptic.studies.readings.choices import CHOICES
 from visuohaptic.studies.readings.design import STRATEGIES, Options, all_readings
-
-LEVEL = 0.05
+from visuohaptic.studies.readings.leads import SIGNIFICANT
 
 FORMER_DEFAULT: Options = {choice.name: choice.base for choice in CHOICES}
 """The default before the rule was applied."""
@@ -123,7 +122,9 @@ def choose_default(
                 name: option for name, option in reading.options.items() if option != former[name]
             },
         )
-    candidates = [one for one in listed.values() if one.reading == best or one.p_value >= LEVEL]
+    candidates = [
+        one for one in listed.values() if one.reading == best or one.p_value >= SIGNIFICANT
+    ]
     return Chosen(
         objects=len(weights),
         readings=len(listed),

@@ -34,11 +34,9 @@ from visuohaptic.studies.readings.design import (
     is_base_but_for,
     is_default,
 )
+from visuohaptic.studies.readings.leads import SAME, SIGNIFICANT
 from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
 from visuohaptic.tables.studies import READINGS, STUDY
-
-SIGNIFICANT = 0.05
-_SAME = 1e-12
 
 
 def make_readings(
@@ -129,7 +127,7 @@ def _figures(
             f"{strategy}_low": interval.low,
             f"{strategy}_high": interval.high,
             f"{strategy}_best_split": float(splits[key].max()),
-            f"{strategy}_splits_reaching": float((splits[key] >= published - _SAME).mean()),
+            f"{strategy}_splits_reaching": float((splits[key] >= published - SAME).mean()),
         }
     fixation, random = (cells[key] for key in found.values())
     row |= {
@@ -191,15 +189,15 @@ def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any
         "highest_reading": rows[int(fixation.argmax())]["reading"],
         "random_median": float(np.median(random)),
         "default": next((row["fixation"] for row in rows if is_default(row)), None),
-        "readings_reaching": int((fixation >= published["fixation"] - _SAME).sum()),
+        "readings_reaching": int((fixation >= published["fixation"] - SAME).sum()),
         "readings_with_a_split_reaching": int((reaching > 0).sum()),
         "splits_reaching": float(reaching.mean()),
         "highest_split": best["fixation_best_split"],
         "highest_split_reading": best["reading"],
-        "ahead": int((ahead > _SAME).sum()),
-        "ahead_significantly": int(((ahead > _SAME) & significant).sum()),
-        "behind": int((ahead < -_SAME).sum()),
-        "behind_significantly": int(((ahead < -_SAME) & significant).sum()),
+        "ahead": int((ahead > SAME).sum()),
+        "ahead_significantly": int(((ahead > SAME) & significant).sum()),
+        "behind": int((ahead < -SAME).sum()),
+        "behind_significantly": int(((ahead < -SAME) & significant).sum()),
         "ahead_median": float(np.nanmedian(ahead)),
         "ahead_lowest": float(np.nanmin(ahead)),
         "ahead_highest": float(np.nanmax(ahead)),

@@ -19,7 +19,8 @@ from visuohaptic.studies.readings.design import (
 )
 
 SIGNIFICANT = 0.05
-_SAME = 1e-12
+SAME = 1e-12
+"""Leads below it are rounding."""
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,9 @@ def sum_up(rows: Sequence[Row]) -> Lead:
     surely = [row["ahead"] for row in rows if (row["p_value"] or 1.0) < SIGNIFICANT]
     return Lead(
         cases=len(leads),
-        ahead=sum(lead > _SAME for lead in leads),
-        ahead_significantly=sum(lead > _SAME for lead in surely),
-        behind_significantly=sum(lead < -_SAME for lead in surely),
+        ahead=sum(lead > SAME for lead in leads),
+        ahead_significantly=sum(lead > SAME for lead in surely),
+        behind_significantly=sum(lead < -SAME for lead in surely),
         middle=median(leads),
     )
 
@@ -116,7 +117,7 @@ def strongest_pair(rows: Sequence[Row]) -> PairLead | None:
     """Find the pair of recognition choices on which the lead depends most; None without readings."""
     run = [row for row in rows if row["ahead"] is not None and row["part"] == "recognition"]
     leads = np.array([row["ahead"] for row in run])
-    if not run or np.ptp(leads) < _SAME:
+    if not run or np.ptp(leads) < SAME:
         return None
     total = float(np.square(leads - leads.mean()).sum())
 
