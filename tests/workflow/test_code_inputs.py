@@ -120,3 +120,25 @@ def test_a_phase_runs_nothing_of_another_phase(phase, folders):
     )
     below = [file.relative_to(package).parts for file in files if package in file.parents]
     assert {parts[0] for parts in below if len(parts) > 1} - shared == folders
+
+
+def test_figures_beside_a_module_that_reads_them_count_as_code(tmp_path):
+    package = tmp_path / "visuohaptic"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "learnt.py").write_text("from importlib.resources import files\n")
+    (package / "plain.py").write_text("import json\n")
+    (package / "weights.json").write_text("{}")
+    (package / "notes.txt").touch()
+    script = tmp_path / "script.py"
+    script.write_text("import visuohaptic.learnt\n")
+    assert package / "weights.json" in code_inputs(script, [tmp_path])
+    assert package / "notes.txt" not in code_inputs(script, [tmp_path])
+    script.write_text("import visuohaptic.plain  # reads nothing\n")
+    assert package / "weights.json" not in code_inputs(script, [tmp_path])
+
+
+def test_the_weights_fitted_to_people_are_code_of_the_fixations():
+    root = Path(__file__).parents[2]
+    found = code_inputs(root / "workflow/scripts/fixations.py", [root / "src"])
+    assert root / "src/visuohaptic/attention/human_weights.json" in found

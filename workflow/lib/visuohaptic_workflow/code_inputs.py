@@ -17,13 +17,16 @@ from pathlib import Path
 from typing import Any
 
 PACKAGES = ("visuohaptic", "visuohaptic_workflow")
+DATA_SUFFIXES = (".json", ".parquet")
+"""Ends of files that hold figures which are kept with the package."""
 
 
 def code_inputs(script: str | Path, sources: Iterable[str | Path]) -> list[Path]:
     """List the files of this project's packages that a script imports, directly or through others.
 
     Imports anywhere in a file count, those inside functions too; imports that
-    only a type checker sees don't.
+    only a type checker sees don't. Figures that lie beside a file that imports `importlib.resources`
+    count, too: it reads them.
 
     Parameters
     ----------
@@ -44,7 +47,8 @@ def code_inputs(script: str | Path, sources: Iterable[str | Path]) -> list[Path]
         file = waiting.pop()
         if file not in found:
             found.add(file)
-            waiting |= _imported_files(file, folders)
+            if file.suffix not in DATA_SUFFIXES:
+                waiting |= _imported_files(file, folders)
     return sorted(found)
 
 
@@ -62,6 +66,8 @@ def _imported_files_of_version(
     names, loads_lazily = _imports_of(file, version)
     for level, name in names:
         files |= _files_of(_absolute(level, name, package), sources)
+    if (0, "importlib.resources") in names:
+        files |= {beside for beside in file.parent.iterdir() if beside.suffix in DATA_SUFFIXES}
     stub = file.with_suffix(".pyi")
     if loads_lazily and file.name == "__init__.py" and stub.exists():
         files.add(stub)
