@@ -72,7 +72,8 @@ def sum_up(rows: Sequence[Row]) -> Lead:
 
 
 def _by_option(choice: Choice, rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:
-    part = [row for row in rows if row["part"] == _part_of(choice, rows)]
+    name = _part_of(choice, rows)
+    part = [row for row in rows if row["part"] == name]
     if choice.name not in FACTORIAL:
         # Options are compared over the same other choices.
         singly = any(row["part"] == "single" for row in rows)
