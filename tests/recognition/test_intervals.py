@@ -11,6 +11,7 @@ from visuohaptic.recognition.intervals import (
     expanded_tail,
     holm,
     object_interval,
+    object_intervals,
     rate_interval,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -41,6 +42,15 @@ def test_expanded_tail_tends_to_the_plain_one():
 def test_equal_objects_have_an_interval_of_no_width():
     interval = object_interval(np.full(5, 0.5), np.ones(5), PARAMETERS, np.random.default_rng(0))
     assert (interval.mean, interval.low, interval.high) == pytest.approx((0.5, 0.5, 0.5))
+
+
+def test_figures_of_the_same_objects_have_the_intervals_that_each_has_alone():
+    values = np.random.default_rng(3).normal(size=(12, 3))
+    weights = np.linspace(1, 2, 12)
+    together = object_intervals(values, weights, PARAMETERS, np.random.default_rng(0))
+    for column, found in zip(values.T, together, strict=True):
+        alone = object_interval(column, weights, PARAMETERS, np.random.default_rng(0))
+        assert vars(found) == pytest.approx(vars(alone), rel=1e-12)
 
 
 def test_single_object_has_no_interval():

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from visuohaptic.cli.printing import say, say_json, show_progress
+
+if TYPE_CHECKING:
+    from visuohaptic.recognition.intervals import Interval
 
 TestsOption = Annotated[bool, typer.Option("--tests", help="Measure the objects for tests, too.")]
 
@@ -64,18 +68,23 @@ def gaze(
             held = "held out in turn" if part == "training" else "for tests"
             say(f"{rows[0].objects} objects {held}: CC, AUC of the top fifth")
         for row in rows:
-            cc, auc = row.measures["correlation"], row.measures["auc_top"]
-            say(
-                f"  {row.predictor.label:36} {cc.mean:6.3f} ({cc.low:.3f} to {cc.high:.3f})  "
-                f"{auc.mean:.3f} ({auc.low:.3f} to {auc.high:.3f})"
-            )
+            cc, auc = (_words(row.measures[name]) for name in ("correlation", "auc_top"))
+            say(f"  {row.predictor.label:36} {cc:>24}  {auc}")
+
+
+def _words(value: Interval) -> str:
+    # A single object has no interval.
+    ends = "" if math.isnan(value.low) else f" ({value.low:.3f} to {value.high:.3f})"
+    return f"{value.mean:.3f}{ends}"
 
 
 def _plain(row: Any) -> dict[str, Any]:
+    from visuohaptic.recognition.intervals import plain_interval
+
     return {
         "predictor": row.predictor.name,
         "objects": row.objects,
         "positive": row.positive,
-        "gain": vars(row.gain),
-        **{name: vars(found) for name, found in row.measures.items()},
+        "gain": plain_interval(row.gain),
+        **{name: plain_interval(found) for name, found in row.measures.items()},
     }

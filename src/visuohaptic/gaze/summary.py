@@ -11,19 +11,10 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.gaze.predicting import PREDICTORS, Predictor
+from visuohaptic.recognition.intervals import Interval, object_intervals
+from visuohaptic.recognition.parameters import IntervalParameters
 
-RESAMPLES = 10_000
-LEVEL = 0.95
 SHOWN = ("correlation", "auc_top", "auc_gaze", "normalised_saliency", "divergence", "similarity")
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A mean over objects, and its interval by resampling objects."""
-
-    mean: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -34,9 +25,9 @@ class PredictorRow:
     ----------
     predictor : Predictor
         Which.
-    measures : mapping of str to Estimate
+    measures : mapping of str to Interval
         By the names of `SHOWN`.
-    gain : Estimate
+    gain : Interval
         Correlation less that of `equal`, over the same objects.
     positive : int
         Objects on which the correlation is above 0.
@@ -45,18 +36,10 @@ class PredictorRow:
     """
 
     predictor: Predictor
-    measures: Mapping[str, Estimate]
-    gain: Estimate
+    measures: Mapping[str, Interval]
+    gain: Interval
     positive: int
     objects: int
-
-
-def estimate(values: NDArray[np.float64], seed: int = 0) -> Estimate:
-    """Give the mean and its percentile bootstrap interval, shape (n,) of objects, n at least 1."""
-    generator = np.random.default_rng(seed)
-    drawn = generator.integers(0, len(values), (RESAMPLES, len(values)))
-    low, high = np.quantile(values[drawn].mean(axis=1), [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
-    return Estimate(float(values.mean()), float(low), float(high))
 
 
 def summarise(table: pa.Table, part: str) -> list[PredictorRow]:
@@ -67,19 +50,33 @@ def summarise(table: pa.Table, part: str) -> list[PredictorRow]:
         by_name.setdefault(row["predictor"], []).append(row)
     if not by_name:
         return []
-    base = _column(by_name["equal"], "correlation")
+    base = _figures(by_name["equal"])[:, 0]
     return [
-        PredictorRow(
-            predictor,
-            {name: estimate(_column(by_name[predictor.name], name)) for name in SHOWN},
-            estimate(_column(by_name[predictor.name], "correlation") - base),
-            int((_column(by_name[predictor.name], "correlation") > 0).sum()),
-            len(base),
-        )
+        _row(predictor, _figures(by_name[predictor.name]), base)
         for predictor in PREDICTORS
         if predictor.name in by_name
     ]
 
 
-def _column(rows: Sequence[Mapping[str, Any]], name: str) -> NDArray[np.float64]:
-    return np.array([row[name] for row in rows], dtype=np.float64)
+def _row(
+    predictor: Predictor, figures: NDArray[np.float64], base: NDArray[np.float64]
+) -> PredictorRow:
+    gain = figures[:, 0] - base
+    *measures, gained = object_intervals(
+        np.column_stack([figures, gain]),
+        np.ones(len(base)),
+        IntervalParameters(),
+        np.random.default_rng(0),
+    )
+    return PredictorRow(
+        predictor,
+        dict(zip(SHOWN, measures, strict=True)),
+        gained,
+        int((figures[:, 0] > 0).sum()),
+        len(base),
+    )
+
+
+def _figures(rows: Sequence[Mapping[str, Any]]) -> NDArray[np.float64]:
+    """Give the measures of `SHOWN`, shape (objects, measures)."""
+    return np.array([[row[name] for name in SHOWN] for row in rows], dtype=np.float64)

@@ -47,6 +47,11 @@ class PairedComparison:
     exact: bool
 
 
+def plain_interval(interval: Interval) -> dict[str, float | None]:
+    """Give mean, low and high by name, for JSON; what is NaN is None."""
+    return {name: None if np.isnan(value) else value for name, value in vars(interval).items()}
+
+
 def resample_objects(
     objects: int, samples: int, generator: np.random.Generator
 ) -> NDArray[np.int64]:
@@ -85,12 +90,38 @@ def object_interval(
     Interval
         The interval; of a single object it is NaN on both ends.
     """
-    mean = float(values @ weights / weights.sum())
+    return object_intervals(values[:, None], weights, parameters, generator)[0]
+
+
+def object_intervals(
+    values: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    parameters: IntervalParameters,
+    generator: np.random.Generator,
+) -> list[Interval]:
+    """Give several figures of the same objects with their intervals, over the same samples.
+
+    Parameters
+    ----------
+    values : numpy.ndarray
+        Shape (o, k), float64: each object's value of each figure.
+    weights, parameters, generator
+        As in `object_interval`.
+
+    Returns
+    -------
+    list of Interval
+        Of each figure, as `object_interval` gives it alone.
+    """
+    means = weights @ values / weights.sum()
     if len(values) < 2:
-        return Interval(mean, float("nan"), float("nan"))
+        return [Interval(float(mean), float("nan"), float("nan")) for mean in means]
     drawn = resample_objects(len(values), parameters.bootstrap_samples, generator)
-    means = drawn @ (values * weights) / (drawn @ weights)
-    return _around(mean, means, len(values), parameters.confidence)
+    resampled = drawn @ (values * weights[:, None]) / (drawn @ weights)[:, None]
+    return [
+        _around(float(mean), column, len(values), parameters.confidence)
+        for mean, column in zip(means, resampled.T, strict=True)
+    ]
 
 
 def rate_interval(

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.intervals import (
-    Interval,
     balanced_interval,
     compare_paired,
+    plain_interval,
     rate_interval,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -228,11 +228,13 @@ def _summarise_cell(
     generator = spawn_generator(seed, "intervals", *key)
     rows = select(scores, pipeline=pipeline, strategy=strategy, classifier=classifier)
     return {
-        "accuracy": _plain(rate_interval(figures.accuracy, figures.weights, parameters, generator)),
-        "object_accuracy": _plain(
+        "accuracy": plain_interval(
+            rate_interval(figures.accuracy, figures.weights, parameters, generator)
+        ),
+        "object_accuracy": plain_interval(
             rate_interval(figures.vote, figures.vote_weights, parameters, generator)
         ),
-        "balanced_accuracy": _plain(
+        "balanced_accuracy": plain_interval(
             balanced_interval(figures.accuracy, figures.classes, parameters, generator)
         ),
         "class_accuracy": _class_accuracy(figures, parameters, generator),
@@ -250,7 +252,9 @@ def _class_accuracy(
     for name in sorted({name for name, _ in figures.objects}):
         of_class = np.array([owner == name for owner, _ in figures.objects])
         values = figures.accuracy[of_class]
-        accuracy[name] = _plain(rate_interval(values, np.ones(len(values)), parameters, generator))
+        accuracy[name] = plain_interval(
+            rate_interval(values, np.ones(len(values)), parameters, generator)
+        )
     return accuracy
 
 
@@ -274,10 +278,6 @@ def _compare_strategies(
         )
         comparisons.setdefault(pipeline, {}).setdefault(classifier, {})[strategy] = {
             **asdict(comparison),
-            "difference": _plain(comparison.difference),
+            "difference": plain_interval(comparison.difference),
         }
     return comparisons
-
-
-def _plain(interval: Interval) -> dict[str, float | None]:
-    return {name: None if np.isnan(value) else value for name, value in asdict(interval).items()}

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from visuohaptic.gaze.stored import MeasuredGaze
-from visuohaptic.gaze.summary import Estimate, PredictorRow, summarise
+from visuohaptic.gaze.summary import PredictorRow, summarise
+from visuohaptic.recognition.intervals import Interval
 from visuohaptic.report.wording import counted
 from visuohaptic.tables.gaze import GAZE_PICTURES
 from visuohaptic.tables.schema import read_table
@@ -81,8 +83,10 @@ def decimal(value: float) -> str:
     return f"{value:.2f}".replace("-0.00", "0.00").replace("-", "\u2212")
 
 
-def between(value: Estimate) -> str:
-    """Give a mean and its interval, such as ``0.16 (0.12 to 0.20)``."""
+def between(value: Interval) -> str:
+    """Give a mean and its interval, such as ``0.16 (0.12 to 0.20)``; of one object the mean alone."""
+    if math.isnan(value.low):
+        return decimal(value.mean)
     return f"{decimal(value.mean)} ({decimal(value.low)} to {decimal(value.high)})"
 
 

@@ -12,7 +12,13 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.recognition.intervals import Interval, compare_paired, holm, rate_interval
+from visuohaptic.recognition.intervals import (
+    Interval,
+    compare_paired,
+    holm,
+    plain_interval,
+    rate_interval,
+)
 from visuohaptic.recognition.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
@@ -185,8 +191,8 @@ def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters, seed
 
 
 def _ends(name: str, prefix: str, interval: Interval) -> Row:
-    held = {name: interval.mean, f"{prefix}low": interval.low, f"{prefix}high": interval.high}
-    return {key: None if np.isnan(value) else value for key, value in held.items()}
+    plain = plain_interval(interval)
+    return {name: plain["mean"], f"{prefix}low": plain["low"], f"{prefix}high": plain["high"]}
 
 
 def _adjust(rows: Sequence[Row]) -> None:
