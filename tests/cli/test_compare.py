@@ -164,6 +164,7 @@ def test_reports_beside_metrics_tell_parameters_seconds_and_views(visuohaptic, t
     assert len(set(page.values("id"))) == len(page.values("id"))
 
 
+@pytest.mark.slow
 def test_reports_alone_can_be_compared(visuohaptic, reported):
     files = [reported / name / "report.html" for name in "ab"]
     beside = visuohaptic("compare", *(file.with_name("metrics.json") for file in files), "--json")

@@ -39,6 +39,7 @@ def run(arguments, folder, **options):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [("--version",), ("--help",), None], ids=str)
 def test_a_full_disk_behind_the_output_is_one_sentence(ring, tmp_path, arguments):
     with Path("/dev/full").open("w") as full:
@@ -47,6 +48,7 @@ def test_a_full_disk_behind_the_output_is_one_sentence(ring, tmp_path, arguments
     assert ended.stderr.decode() == "error: Writing or reading failed: No space left on device.\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("locale", "encoding"),
     [("C", "ascii"), ("POSIX", "cp1252"), ("tr_TR.UTF-8", "utf-8"), ("nonsense", "latin-1")],

@@ -52,6 +52,7 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("after", [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.2, 1.5, 1.9, 2.4])
 def test_ctrl_c_stops_a_touch_at_any_moment(folder, after):
     out = folder / f"felt{after}"
@@ -61,6 +62,7 @@ def test_ctrl_c_stops_a_touch_at_any_moment(folder, after):
     assert not out.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("after", [0.05, 0.5, 1.5])
 @pytest.mark.parametrize(
     "arguments",

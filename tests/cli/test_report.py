@@ -36,6 +36,7 @@ def test_the_page_of_a_run_is_one_file_that_leaves_nothing_outside_its_folder(
     assert {element.attributes["data-name"] for element in page.named("article")} == set(KEYS)
 
 
+@pytest.mark.slow
 def test_json_names_the_page(visuohaptic, tmp_path, run):
     values = json.loads(visuohaptic("report", run, "--json").out)
     assert values["bytes"] == (tmp_path / values["page"]).stat().st_size

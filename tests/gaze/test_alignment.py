@@ -50,6 +50,7 @@ def test_points_at_one_place_are_refused():
         align(np.ones((5, 3)), RayCaster(SURFACE), "box", 0.03)
 
 
+@pytest.mark.slow
 def test_a_surface_is_made_from_points_and_normals():
     mesh = trimesh.creation.icosphere(4)
     surface = grey_surface(np.array(mesh.vertices), np.array(mesh.faces))

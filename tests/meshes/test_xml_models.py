@@ -159,6 +159,7 @@ def put(folder, name, content):
     return folder / name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", HOSTILE)
 def test_a_file_that_claims_too_much_or_refers_elsewhere_is_refused_at_once(tmp_path, extra, name):
     content, says = HOSTILE[name]

@@ -51,6 +51,7 @@ def test_a_limit_is_finite_from_the_least_number_of_objects_on(coverage, least):
     assert conformal_limit(np.arange(least - 1), coverage) == math.inf
 
 
+@pytest.mark.slow
 def test_sets_hold_the_class_of_new_objects_as_often_as_stated():
     descriptors, labels, owners = clusters(objects=(60, 60, 60), separation=0.12, sequences=4)
     trained = owners % 2 == 0
@@ -78,6 +79,7 @@ def test_known_objects_are_seldom_called_unknown_and_far_ones_are():
     assert strange.strangeness == pytest.approx(1 - 1 / 46)
 
 
+@pytest.mark.slow
 def test_a_higher_coverage_gives_larger_sets():
     descriptors, labels, owners = clusters(objects=(20, 20, 20), separation=0.1)
     model = fitted(descriptors, labels, owners)

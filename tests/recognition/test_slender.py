@@ -57,6 +57,7 @@ def of_needle(table):
     return table.filter(pa.compute.and_(mine, fixated))
 
 
+@pytest.mark.slow
 def test_they_show_too_little_in_some_views(table):
     _, sentences = whole_sequences(table, 5)
     assert {sentence.split()[0] for sentence in sentences} == {"slender/wire", "slender/needle"}

@@ -19,6 +19,7 @@ def test_scikit_learns_own_checks_pass():
     assert not failed
 
 
+@pytest.mark.slow
 def test_objects_that_training_lacked_are_named_from_all_their_rows():
     rows, classes, objects = touch_descriptors(features_table(objects=(5, 5, 5), separation=2.0))
     tested = np.char.endswith(objects, ("object4"))

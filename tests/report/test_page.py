@@ -240,6 +240,7 @@ def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
     assert "Effects of the view" not in page.values("aria-label")
 
 
+@pytest.mark.slow
 def test_what_was_left_out_stands_on_top(tmp_path):
     files = write_run(tmp_path, distinct=3)
     failed = tmp_path / "logs" / "touches" / "cup" / "mug.log"

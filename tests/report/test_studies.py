@@ -60,6 +60,7 @@ def test_every_ablation_has_a_name_of_its_own_and_every_phase_has_words():
     assert all(remade_name(phase) for phase in (*_ORDER, "recognition"))
 
 
+@pytest.mark.slow
 def test_the_page_shows_ablations_with_what_failed(tmp_path):
     page = page_of(tmp_path, write_study(tmp_path, "ablations", ROWS))
     assert page.mismatches == []
@@ -70,6 +71,7 @@ def test_the_page_shows_ablations_with_what_failed(tmp_path):
     assert "studies" not in page.values("id")
 
 
+@pytest.mark.slow
 def test_own_studies_have_their_own_section_and_their_names_are_text(tmp_path):
     rows = [("as run", 0.8, None, None), (EVIL, 0.7, "as run", -0.1)]
     folder = write_study(tmp_path, "mine", rows, title=EVIL)

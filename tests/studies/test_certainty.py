@@ -22,6 +22,7 @@ def measured():
     return measure_certainty(table, "fixation", "naive_bayes", PARAMETERS, 1)
 
 
+@pytest.mark.slow
 def test_every_object_is_unknown_once_and_no_model_knows_its_class(measured):
     strange = select(measured, known=False, views=1)
     assert strange.num_rows == 24

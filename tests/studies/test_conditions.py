@@ -111,6 +111,7 @@ def test_thousands_of_conditions_become_blocks_of_25():
     assert len(make_blocks(found, None)) == 40
 
 
+@pytest.mark.slow
 def test_the_packages_studies_can_be_planned_for_every_run():
     for values in ({}, {"recognition": {"pipelines": ["best"]}}, {"scene": {"preset": "worn_fsr"}}):
         run = ExperimentParameters.from_mapping(values)

@@ -112,6 +112,7 @@ def test_accuracies_are_those_of_earlier_studies(ablations, name, pipeline):
     assert np.round(found[key].accuracy, 4).tolist() == EARLIER[name, pipeline]
 
 
+@pytest.mark.slow
 def test_without_a_map_only_the_papers_pipeline_is_run(ablations):
     plan, made = ablations
     planned = next(one for one in plan.conditions if one.condition.name == "without_map")
@@ -166,6 +167,7 @@ def test_a_condition_is_the_run_of_its_parameters():
     assert 0 < mean < 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
     changes = {**ALONE, "recognition.pipelines": [pipeline]}
@@ -318,6 +320,7 @@ def test_a_view_is_left_out_for_all_strategies_where_one_lacks_touches():
     assert kept[0].num_rows == kept[1].num_rows == SYNTHETIC.num_rows - 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phase", ["views", "touches", "features"])
 def test_an_object_that_no_view_shows_a_place_of_stops_no_study(tmp_path, phase):
     hair = surface_of(trimesh.creation.cylinder(1e-5, 2))

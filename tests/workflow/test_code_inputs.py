@@ -72,6 +72,7 @@ def test_other_packages_do_not_count(source):
     assert found(source, "import numpy\nfrom os import path\n") == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_every_module_that_a_script_loads_is_among_its_code_inputs(script):
     """Run the imports of a script for real, and compare with what is told from its text."""

@@ -27,6 +27,7 @@ def made(tmp_path, monkeypatch):
     return read_costs(tmp_path / "cost.parquet")
 
 
+@pytest.mark.slow
 def test_every_setting_has_a_row_in_the_order_of_its_line(made):
     assert [(row["family"], row["setting"]) for row in made] == [
         ("viewpoints", "1 viewpoint"), ("viewpoints", "2 viewpoints"), ("viewpoints", "4 viewpoints"),

@@ -43,6 +43,7 @@ def test_a_recognition_goes_through_every_phase(surfaces, fitted):
     assert taken["cast"] <= taken["touch"]
 
 
+@pytest.mark.slow
 def test_the_timed_way_feels_what_the_run_felt(surfaces, fitted, monkeypatch):
     seen = []
     model = fitted[2].model

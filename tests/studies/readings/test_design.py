@@ -136,6 +136,7 @@ def test_touches_are_shared_by_all_readings_of_the_recognition():
     assert AS_RUN not in keys
 
 
+@pytest.mark.slow
 def test_a_run_with_another_reading_has_the_same_readings():
     other = with_changes(RUN, {"viewpoints.elevations_degrees": (45.0,), "seed": 7})
     plan = plan_study(make_readings_study(other), other)

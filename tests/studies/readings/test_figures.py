@@ -174,6 +174,7 @@ def means_of_groups(training, touches):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", ["fixation", "random"])
 @pytest.mark.parametrize(
     ("reading", "classifier", "how"),
