@@ -16,7 +16,7 @@ from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings
 
 READINGS = [reading for reading in all_readings() if reading.part == "recognition"]
 OBJECTS = tuple(("cup", f"{place:02d}") for place in range(40))
-INTERVALS = IntervalParameters(bootstrap_samples=200)
+INTERVALS = IntervalParameters(bootstrap_samples=200, permutations=2000)
 
 
 def cells(accuracy, failed=()):
