@@ -27,6 +27,7 @@ def edit(path, name, column, value):
         writer.writerows(rows)
 
 
+@pytest.mark.long
 def test_each_column_of_an_objects_shape_reruns_its_mesh_and_what_follows(experiment):
     catalogue = experiment.folder / "meshes/catalogue.csv"
     for column, name in zip(OF_THE_SHAPE, OBJECTS, strict=True):

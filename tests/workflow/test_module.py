@@ -30,6 +30,7 @@ rule mine:
 TABLE = "results/features/chair/bsby_chair3/00-01.parquet"
 
 
+@pytest.mark.long
 def test_another_workflow_uses_this_one_as_a_module(finished, tmp_path):
     outer = type(finished)(tmp_path)
     (tmp_path / "Snakefile").write_text(OUTER.format(folder=finished.folder, table=TABLE))

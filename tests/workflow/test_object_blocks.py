@@ -74,6 +74,7 @@ def in_blocks(fresh, tmp_path_factory):
     return experiment
 
 
+@pytest.mark.long
 @pytest.mark.workflow
 def test_blocks_change_no_file_and_leave_nothing_to_do(in_blocks, finished):
     assert untimed(in_blocks) == untimed(finished)

@@ -57,6 +57,7 @@ def test_jobs_start_as_forks_of_the_server(experiment):
     assert "visuohaptic_workflow.fork_server" in (experiment.folder / "started-as").read_text()
 
 
+@pytest.mark.long
 def test_how_jobs_start_changes_no_table(experiment, finished):
     experiment.set(workflow={"warm_starts": False})
     experiment.snakemake("--forcerun", "meshes")
@@ -116,6 +117,7 @@ def test_the_books_of_the_effects_read_as_one_table(finished):
     }
 
 
+@pytest.mark.long
 def test_accuracy_by_effect_is_measured_on_request_and_then_kept(experiment):
     experiment.snakemake("effects_all")
     assert experiment.planned() == {}
@@ -173,6 +175,7 @@ def test_one_process_and_two_give_the_same_tables(fresh, finished, tmp_path):
     assert_same_results(finished, other)
 
 
+@pytest.mark.long
 def test_other_blocks_of_viewpoints_change_no_table_and_leave_no_stale_part(finished, experiment):
     experiment.set(workflow={"views_per_job": 1})
     planned = experiment.planned()
@@ -222,6 +225,7 @@ def test_a_wrong_parameter_is_one_sentence(experiment):
     assert "Traceback" not in result.stdout
 
 
+@pytest.mark.long
 def test_a_job_that_was_killed_leaves_no_part_that_counts(experiment):
     part = experiment.folder / "results/touches/chair/bsby_chair3/00-01.parquet"
     part.unlink()

@@ -53,6 +53,7 @@ def test_a_ray_caster_that_errs_is_named_at_the_end_and_on_the_page_and_fails_no
     assert experiment.planned() == {}
 
 
+@pytest.mark.long
 def test_another_seed_draws_other_cases(experiment):
     before = pq.read_table(experiment.folder / "results/stability.parquet")
     experiment.set(seed=7)

@@ -107,6 +107,7 @@ def rules_of(stage):
     return set(command.split())
 
 
+@pytest.mark.long
 @pytest.mark.workflow
 def test_a_stage_names_the_sections_whose_change_moves_its_rules(fresh, tmp_path):
     experiment = fresh.copy(tmp_path / "experiment")
