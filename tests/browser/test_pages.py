@@ -288,6 +288,22 @@ def test_a_figure_is_copied_as_a_drawing_with_its_caption(visit, folder, part):
     assert opened.outside == opened.complaints == []
 
 
+def test_a_dark_page_gives_the_drawing_that_a_light_one_gives(visit, folder):
+    drawings = []
+    for scheme in ("light", "dark"):
+        page = visit(folder / "report.html", scheme).page
+        page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+        figure = page.locator("#comparison figure").first
+        figure.locator(".copies button").first.press("Enter")
+        figure.get_by_text("Copied.").wait_for()
+        drawings.append(page.evaluate("navigator.clipboard.readText()"))
+        dark = (
+            page.evaluate("getComputedStyle(document.body).backgroundColor") != "rgb(253, 253, 251)"
+        )
+        assert dark == (scheme == "dark")
+    assert drawings[0] == drawings[1]
+
+
 def test_a_picture_of_a_figure_is_its_drawing_at_twice_the_size(visit, keep, folder):
     page = visit(folder / "report.html").page
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])

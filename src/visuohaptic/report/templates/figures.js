@@ -71,6 +71,7 @@
     }
   }
 
+  // Models keep the page's own ground, for their numbers are drawn in its ink.
   function* drawParts(node, at, shared, stages) {
     if (node.nodeType === Node.TEXT_NODE) yield* drawText(node, at);
     if (node.nodeType !== Node.ELEMENT_NODE || node.matches("script, button, .copies, .controls")) return;
@@ -78,8 +79,9 @@
     const box = node.getBoundingClientRect();
     if (style.display === "none" || style.visibility === "hidden") return;
     const place = { ...at(box), width: box.width, height: box.height };
-    if (stages.has(node)) {
-      yield make("image", { ...place, href: stages.get(node) });
+    if (stages.pictures.has(node)) {
+      yield make("rect", { ...place, fill: stages.ground });
+      yield make("image", { ...place, href: stages.pictures.get(node) });
     } else if (node.localName === "svg") {
       const copy = copyDrawing(node, shared);
       for (const [name, value] of Object.entries(place)) copy.setAttribute(name, value);
@@ -98,19 +100,28 @@
     return (caption?.textContent ?? "").replace(/\s+/g, " ").trim();
   }
 
-  // Gives pictures of the figure's models as they are turned.
+  // Gives pictures of the figure's models as they are turned, and the ground that they stand on.
   async function photograph(figure) {
-    const stages = new Map();
+    const pictures = new Map();
     for (const stage of figure.querySelectorAll(".stage.open")) {
       const { width, height } = stage.getBoundingClientRect();
-      stages.set(stage, await window.Plotly.toImage(stage, { format: "png", width, height, scale: DENSITY }));
+      pictures.set(stage, await window.Plotly.toImage(stage, { format: "png", width, height, scale: DENSITY }));
     }
-    return stages;
+    return { pictures, ground: getComputedStyle(document.body).backgroundColor };
   }
 
-  // Draws a figure as it is shown, caption included: the text of an SVG file.
+  // Draws a figure as it is shown, caption included, in the colours of a light page: the text of an SVG file.
   async function drawFigure(figure) {
     const stages = await photograph(figure);
+    document.documentElement.classList.add("copied");
+    try {
+      return drawPlaces(figure, stages);
+    } finally {
+      document.documentElement.classList.remove("copied");
+    }
+  }
+
+  function drawPlaces(figure, stages) {
     const frame = figure.getBoundingClientRect();
     const at = ({ left, top }) => ({ x: left - frame.left, y: top - frame.top });
     const shared = new Map();
