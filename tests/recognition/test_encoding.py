@@ -1,9 +1,11 @@
 """A remembered map is the map that would have been fitted, and leaves chance as fitting it does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from visuohaptic.recognition.encoding import ReductionMemory, fit_sequence_encoder
+from visuohaptic.recognition.encoding import FeatureGroups, ReductionMemory, fit_sequence_encoder
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 SEQUENCES = np.random.default_rng(0).normal(size=(24, 5, 6))
@@ -49,3 +51,35 @@ def test_other_touches_have_another_map():
         fitted = fit_sequence_encoder(sequences, parameters(), np.random.default_rng(7))
         np.testing.assert_array_equal(remembered.encode(SEQUENCES), fitted.encode(SEQUENCES))
     assert len(memory._held) == 1
+
+
+def test_touches_that_are_all_alike_are_so_after_reduction_even_where_a_groups_mean_is_small():
+    """The group's features cancel each other, so their rounding is large beside their mean."""
+    touch = np.random.default_rng(0).normal(size=(6, 22))
+    alike = np.repeat(touch[:, None], 5, axis=1)
+    alike *= 1 + 1e-15 * np.random.default_rng(1).uniform(-1, 1, alike.shape)
+    fitted = fit_sequence_encoder(alike, RecognitionParameters(), np.random.default_rng(0))
+    scaled = fitted.touch_scaling.apply(touch)
+    # Between two features of one group there is a share at which they cancel all but a ten thousandth.
+    group = np.full((22, 1), 1 / 22)
+    group[0] -= scaled[0] @ group[:, 0] * (1 - 1e-5) / scaled[0, 0]
+    cancelling = replace(fitted, reduction=FeatureGroups(group))
+    assert 0 < abs(scaled[0] @ group[:, 0]) < 1e-4
+    assert np.ptp(cancelling.reduce(alike), axis=1).max() == 0
+
+
+def test_a_groups_mean_that_is_rounding_alone_is_0():
+    values = np.random.default_rng(0).normal(size=(6, 5, 22))
+    values[..., 1] = -values[..., 0] * (1 + 1e-15)
+    parameters = RecognitionParameters(touch_scaling="none")
+    fitted = fit_sequence_encoder(values, parameters, np.random.default_rng(0))
+    pair = np.zeros((22, 1))
+    pair[:2] = 0.5
+    assert not replace(fitted, reduction=FeatureGroups(pair)).reduce(values).any()
+
+
+def test_touches_that_differ_keep_every_digit():
+    values = np.random.default_rng(0).normal(size=(6, 5, 22))
+    fitted = fit_sequence_encoder(values, RecognitionParameters(), np.random.default_rng(0))
+    plain = fitted.touch_scaling.apply(values) @ fitted.reduction.weights
+    assert np.array_equal(fitted.reduce(values), plain)

@@ -50,6 +50,10 @@ class Standardiser:
         """Standardise rows, shape (..., k)."""
         return (rows - self.mean) / self.scale
 
+    def sizes(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give the size of what `apply` computes its numbers from, which their rounding goes by."""
+        return (np.abs(rows) + np.abs(self.mean)) / self.scale
+
 
 @dataclass(frozen=True)
 class FeatureGroups:
@@ -91,10 +95,19 @@ class SequenceEncoder:
         return self.feature_scaling.apply(self._unscaled(sequences))
 
     def reduce(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Reduce each touch to m numbers: (s, t, k) to (s, t, m)."""
-        touches = self.touch_scaling.apply(sequences.reshape(-1, sequences.shape[-1]))
-        reduced = _reduce_touches(touches, self.reduction, self.map_parameters)
-        return reduced.reshape(*sequences.shape[:2], -1)
+        """Reduce each touch to m numbers: (s, t, k) to (s, t, m).
+
+        Features of a group may cancel each other, so what rounding alone tells apart within a
+        sequence of group means is made equal.
+        """
+        touches = sequences.reshape(-1, sequences.shape[-1])
+        scaled = self.touch_scaling.apply(touches)
+        reduced = _reduce_touches(scaled, self.reduction, self.map_parameters)
+        reduced = reduced.reshape(*sequences.shape[:2], -1)
+        if not isinstance(self.reduction, FeatureGroups):
+            return reduced
+        sizes = self.touch_scaling.sizes(touches) @ np.abs(self.reduction.weights)
+        return _without_rounding(reduced, sizes.reshape(reduced.shape))
 
     def _unscaled(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
         return sequence_features(self.reduce(sequences), self.sequence_parameters)
@@ -273,6 +286,20 @@ def _fit_map(
 def _group_features(fitted: SelfOrganisingMap, features: NDArray[np.float64]) -> FeatureGroups:
     member = np.eye(len(fitted.weights))[fitted.nearest(features)]
     return FeatureGroups(member / np.maximum(member.sum(axis=0), 1))
+
+
+def _without_rounding(
+    sequences: NDArray[np.float64], sizes: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Give sequences, shape (s, t, m), that are constant but for rounding one value, 0 if it is rounding.
+
+    `sizes`, of the same shape, are those of what each number was computed from.
+    """
+    noise = ROUNDING * sizes.max(axis=1, keepdims=True)
+    middle = sequences.mean(axis=1, keepdims=True)
+    middle = np.where(np.abs(middle) > noise, middle, 0.0)
+    constant = np.ptp(sequences, axis=1, keepdims=True) <= noise
+    return np.where(constant, middle, sequences)
 
 
 def _reduce_touches(
