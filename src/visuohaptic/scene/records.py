@@ -21,7 +21,7 @@ class EffectRecord:
     touches, called_for, runs : int
         Touches of the batch, those that needed it, those it was simulated for.
     seconds : float
-        Run time of the effect, including the decision; it differs from run to run.
+        Processor time of the effect, including the decision; it differs from run to run.
     """
 
     effect: str

@@ -77,7 +77,7 @@ def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: M
     lifts = np.where(obstructed, under_obstacle, caster.reach)
     sizes = np.full(len(poses), parameters.largest_size)
 
-    started = time.perf_counter()
+    started = time.process_time()
     # Half the tolerance is far above rounding, so touches that don't need it change by no bit.
     called_for = box_heights(caster, poses) > 0.5 * tolerance
     adapting = called_for if mode == "auto" else np.full(len(poses), mode == "always")
@@ -87,12 +87,12 @@ def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: M
         parameters.smallest_size,
         parameters.largest_size,
     )
-    sizing = time.perf_counter() - started
+    sizing = time.process_time() - started
 
     heights = cast_heights(caster, poses, sizes, lifts, resolution)
-    started = time.perf_counter()
+    started = time.process_time()
     _shrink_further(caster, poses, parameters, lifts, rows, sizes, heights)
-    sizing += time.perf_counter() - started
+    sizing += time.process_time() - started
 
     tall = (heights > parameters.clearance).any(axis=(1, 2))
     record = EffectRecord(

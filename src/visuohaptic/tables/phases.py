@@ -159,7 +159,7 @@ EFFECTS = Schema(
         Column("touches", COUNT, "touches of the job; views, for effects of the view", minimum=0),
         Column("called_for", COUNT, "touches or views that needed it", minimum=0),
         Column("runs", COUNT, "touches or views that it was simulated for", minimum=0),
-        Column("seconds", REAL, "time spent on it; differs from run to run", "s", 0),
+        Column("seconds", REAL, "time spent on it; differs from run to run", "s of processor", 0),
     ),
     names_of(EFFECT_KEYS),
 )

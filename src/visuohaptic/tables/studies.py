@@ -20,8 +20,8 @@ EFFECT_INFLUENCE = Schema(
         *EFFECT_INFLUENCE_KEYS,
         Column("touches", COUNT, "touches measured; views, for effects of the view", minimum=1),
         Column("called_for", COUNT, "of them, those that needed the effect", minimum=0),
-        Column("seconds", REAL, "time spent on it under the scene's own mode", "s", 0),
-        Column("seconds_always", REAL, "time spent on it under always", "s", 0),
+        Column("seconds", REAL, "time spent on it under the scene's own mode", "s of processor", 0),
+        Column("seconds_always", REAL, "time spent on it under always", "s of processor", 0),
         Column("image_shift", REAL, "mean change of a pixel of the image without it", "1", 0, 1),
         Column(
             "equal_to_always",
