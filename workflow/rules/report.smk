@@ -11,8 +11,6 @@ CHECKS_AND_BENCHMARKS = [
     "reports/precision.json",
 ]
 
-CREDITS = in_clone(map(shipped, ["meshes/catalogue.csv", "meshes/paper/credits.csv"]))
-
 
 rule report_all:
     input:
