@@ -59,6 +59,10 @@ class Certainty:
     candidates : numpy.ndarray
         Shape (c,), bool: the prediction set. It holds the class of an object of a known class in the
         stated share of cases; it may be empty.
+    fits : numpy.ndarray
+        Shape (c,), float64: how well each class fits, the conformal p value: the share of known objects,
+        this one counted among them, that their class fits no better. 0 for a class that training lacked.
+        It is in a set of any coverage above 1 - its fit.
     strangeness : float
         Between 0 and 1: the share of known objects, this one counted among them, that are no stranger
         than it.
@@ -69,6 +73,7 @@ class Certainty:
     """
 
     candidates: NDArray[np.bool_]
+    fits: NDArray[np.float64]
     strangeness: float
     unknown: bool
     evidence: float
@@ -127,11 +132,10 @@ class Calibration:
         strange = self.strangeness(size, self.landmarks.evidence(tuned, projected))
         rank = np.sum(self.strangeness(size, self.evidence[size]) >= strange)
         share = float((1 + rank) / (1 + len(self.labels)))
-        limits = self.limits(size, len(probabilities), coverage)
         known = np.isin(np.arange(len(probabilities)), tuned.estimator.classes_)
-        unknown = share <= 1 - coverage + 1e-12
-        candidates = known & (1 - probabilities <= limits)
-        return Certainty(candidates, 1 - share, unknown, float(strange))
+        fits = np.where(known, self.fits(size, 1 - probabilities, coverage), 0.0)
+        least = 1 - coverage + 1e-12
+        return Certainty(fits > least, fits, 1 - share, share <= least, float(strange))
 
     def strangeness(self, size: int, evidence: NDArray[np.float64]) -> NDArray[np.float64]:
         """Add both signs, (..., 2), each divided by its deviation over the training objects."""
@@ -139,33 +143,22 @@ class Calibration:
         added: NDArray[np.float64] = (evidence / np.where(spread > 0, spread, 1)).sum(axis=-1)
         return added
 
-    def limits(self, size: int, classes: int, coverage: float) -> NDArray[np.float64]:
-        """Give the largest misfit that a candidate may have, by class, shape (classes,).
+    def fits(self, size: int, misfits: NDArray[np.float64], coverage: float) -> NDArray[np.float64]:
+        """Give how well each class fits by its misfit, shape (c,), as in `Certainty.fits`.
 
-        A class with enough objects of its own for the coverage has its own limit, so that the
-        coverage holds within it; the others share the limit of all objects.
+        A class with enough objects of its own for the coverage is compared with these, so that the
+        coverage holds within it; the others are compared with all objects.
         """
-        shared = conformal_limit(self.misfits[size], coverage)
-        limits = np.full(classes, shared)
-        for place in np.unique(self.labels):
-            own = self.misfits[size][self.labels == place]
-            if len(own) >= least_objects(coverage):
-                limits[place] = conformal_limit(own, coverage)
-        return limits
+        same = self.labels[:, None] == np.arange(len(misfits))
+        compared = same | (same.sum(axis=0) < least_objects(coverage))
+        no_better = compared & (self.misfits[size][:, None] >= misfits)
+        shares: NDArray[np.float64] = (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
+        return shares
 
 
 def least_objects(coverage: float) -> int:
-    """Give how many objects a limit of this coverage needs; with fewer it is infinite."""
+    """Give with how many objects a set of this coverage can leave out a class at all."""
     return math.ceil(round(coverage / (1 - coverage), 9))
-
-
-def conformal_limit(misfits: NDArray[np.float64], coverage: float) -> float:
-    """Give the ⌈(n + 1) coverage⌉-th smallest of n misfits, infinite where there are not so many.
-
-    One more misfit, exchangeable with these, is at most this with a probability of `coverage` or more.
-    """
-    rank = math.ceil(round((len(misfits) + 1) * coverage, 9))
-    return float(np.sort(misfits)[rank - 1]) if rank <= len(misfits) else math.inf
 
 
 def fit_calibration(

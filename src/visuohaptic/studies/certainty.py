@@ -197,6 +197,7 @@ def _without_class(
                 "views": views,
                 "correct": bool(answer.argmax() == label),
                 "covered": bool(sure.candidates[label]),
+                "fit": float(sure.fits[label]),
                 "candidates": int(sure.candidates.sum()),
                 "strangeness": sure.strangeness,
                 "evidence": sure.evidence,
