@@ -22,22 +22,29 @@ PARAMETERS = one_classifier(RecognitionParameters(), "support_vector_machine")
 
 
 def fitted(descriptors, labels, owners, classes=3, parameters=PARAMETERS):
-    training = (descriptors, labels, owners, classes, parameters)
-    projection, fits = fit_best_classifiers(*training, np.random.default_rng(0))
-    calibration = fit_calibration(*training, projection, np.random.default_rng(0))
+    training = (labels, owners, classes, parameters)
+    projection, fits = fit_best_classifiers(descriptors, *training, np.random.default_rng(0))
+    calibration = fit_calibration(
+        descriptors, *touched(descriptors), *training, projection, np.random.default_rng(0)
+    )
     return projection, fits[0][1], calibration
+
+
+def touched(descriptors):
+    """Take descriptors for sequences of one touch with these features, and name them."""
+    return descriptors[:, None], [f"imprint_{place}" for place in range(descriptors.shape[1])]
 
 
 def assessed(model, rows, coverage):
     projection, tuned, calibration = model
     projected = projection.apply(rows)
     found = tuned.ballots(projected).together(np.ones((1, len(rows)), dtype=bool))[0]
-    return calibration.assess(tuned, projected, found, coverage)
+    return calibration.assess(tuned, projected, rows, found, coverage)
 
 
 def calibrated(misfits, labels):
     """Give a calibration by bags of one size."""
-    nowhere = Landmarks(np.zeros((1, 1)))
+    nowhere = Landmarks(np.zeros((1, 1)), None)
     evidence = np.zeros((1, len(labels), 2))
     return Calibration(np.ones(1, int), np.array(labels), np.array([misfits]), evidence, nowhere)
 
