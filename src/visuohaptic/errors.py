@@ -41,5 +41,9 @@ class ReportError(VisuohapticError):
     """The report can't be made from the tables at hand."""
 
 
+class ExportError(VisuohapticError):
+    """The touches can't be exported, or the folder is not free for them."""
+
+
 class GazeError(VisuohapticError):
     """A recording of gaze can't be used, or does not belong to its mesh."""

@@ -1,7 +1,6 @@
 """Prediction sets and objects of no known class."""
 
 import itertools
-import math
 
 import numpy as np
 import pytest
@@ -10,7 +9,8 @@ from recognition.test_tuning import clusters
 
 from visuohaptic import recognition
 from visuohaptic.recognition.certainty import (
-    conformal_limit,
+    Calibration,
+    Landmarks,
     fit_calibration,
     least_objects,
     one_classifier,
@@ -22,33 +22,54 @@ PARAMETERS = one_classifier(RecognitionParameters(), "support_vector_machine")
 
 
 def fitted(descriptors, labels, owners, classes=3, parameters=PARAMETERS):
-    training = (descriptors, labels, owners, classes, parameters)
-    projection, fits = fit_best_classifiers(*training, np.random.default_rng(0))
-    calibration = fit_calibration(*training, projection, np.random.default_rng(0))
+    training = (labels, owners, classes, parameters)
+    projection, fits = fit_best_classifiers(descriptors, *training, np.random.default_rng(0))
+    calibration = fit_calibration(
+        descriptors, *touched(descriptors), *training, projection, np.random.default_rng(0)
+    )
     return projection, fits[0][1], calibration
+
+
+def touched(descriptors):
+    """Take descriptors for sequences of one touch with these features, and name them."""
+    return descriptors[:, None], [f"imprint_{place}" for place in range(descriptors.shape[1])]
 
 
 def assessed(model, rows, coverage):
     projection, tuned, calibration = model
     projected = projection.apply(rows)
     found = tuned.ballots(projected).together(np.ones((1, len(rows)), dtype=bool))[0]
-    return calibration.assess(tuned, projected, found, coverage)
+    return calibration.assess(tuned, projected, rows, found, coverage)
+
+
+def calibrated(misfits, labels):
+    """Give a calibration by bags of one size."""
+    nowhere = Landmarks(np.zeros((1, 1)), None)
+    evidence = np.zeros((1, len(labels), 2))
+    return Calibration(np.ones(1, int), np.array(labels), np.array([misfits]), evidence, nowhere)
 
 
 @pytest.mark.parametrize("coverage", [0.5, 0.8, 0.9, 0.95])
-def test_one_more_misfit_is_within_the_limit_as_often_as_stated(coverage):
+def test_one_more_object_is_within_the_set_as_often_as_stated(coverage):
     generator = np.random.default_rng(0)
     within = [
-        draw[-1] <= conformal_limit(draw[:-1], coverage) for draw in generator.random((4000, 40))
+        calibrated(draw[:-1], [0] * 40).fits(0, draw[-1:], coverage)[0] > 1 - coverage + 1e-12
+        for draw in generator.random((4000, 41))
     ]
     assert coverage - 0.02 < np.mean(within) < coverage + 1 / 40 + 0.02
 
 
 @pytest.mark.parametrize(("coverage", "least"), [(0.9, 9), (0.5, 1), (0.8, 4), (0.95, 19)])
-def test_a_limit_is_finite_from_the_least_number_of_objects_on(coverage, least):
+def test_a_class_is_left_out_of_a_set_from_the_least_number_of_objects_on(coverage, least):
     assert least_objects(coverage) == least
-    assert math.isfinite(conformal_limit(np.arange(least), coverage))
-    assert conformal_limit(np.arange(least - 1), coverage) == math.inf
+    for objects, held in ((least, False), (least - 1, True)):
+        worst = calibrated(np.zeros(objects), [0] * objects).fits(0, np.ones(1), coverage)
+        assert (worst[0] > 1 - coverage + 1e-12) == held
+
+
+def test_a_class_with_enough_objects_is_compared_with_them_and_another_with_all():
+    own = calibrated([0.1] * 9 + [0.9] * 3, [0] * 9 + [1] * 3)
+    np.testing.assert_allclose(own.fits(0, np.array([0.5, 0.5, 0.5]), 0.9), [0.1, 4 / 13, 4 / 13])
 
 
 @pytest.mark.slow
@@ -88,12 +109,16 @@ def test_a_higher_coverage_gives_larger_sets():
     assert sets[-1].all()
 
 
-def test_a_class_with_one_object_shares_the_limit_of_all():
+def test_a_class_with_one_object_has_no_part_in_what_the_others_are_compared_with():
     descriptors, labels, owners = clusters(objects=(1, 12, 12))
     calibration = fitted(descriptors, labels, owners)[2]
     assert set(calibration.labels) == {1, 2}
-    limits = calibration.limits(0, 3, 0.9)
-    assert limits[0] == conformal_limit(calibration.misfits[0], 0.9)
+
+
+def test_the_set_holds_the_classes_that_fit_better_than_the_coverage_leaves_out():
+    descriptors, labels, owners = clusters(objects=(20, 20, 20), separation=0.1)
+    found = assessed(fitted(descriptors, labels, owners), descriptors[:8], 0.9)
+    assert found.candidates.tolist() == (found.fits > 0.1 + 1e-12).tolist()
 
 
 def test_a_class_that_training_lacked_is_no_candidate():

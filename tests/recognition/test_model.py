@@ -153,6 +153,21 @@ def test_no_touch_is_refused_in_a_sentence():
         model.recognise(TABLE.slice(0, 0))
 
 
+def test_a_model_of_the_second_format_is_read_and_compares_objects_without_their_touches(tmp_path):
+    model = recognition.fit_model(TABLE, "best", "support_vector_machine", PARAMETERS, 1)
+    recognition.save_model(model, tmp_path / "a.skops")
+    state = skops.io.loads((tmp_path / "a.skops").read_bytes())
+    state["format"] = "visuohaptic recognition model 2"
+    del state["calibration"]["touches"]
+    state["calibration"]["evidence"] = state["calibration"]["evidence"][..., :2]
+    (tmp_path / "b.skops").write_bytes(skops.io.dumps(state))
+    rows = rows_of(TABLE, "class1", "object2")
+    answer = recognition.load_model(tmp_path / "b.skops").answer(rows)
+    assert answer.probabilities == model.answer(rows).probabilities
+    assert answer.candidates == model.answer(rows).candidates
+    assert 0 <= answer.strangeness <= 1
+
+
 def test_a_model_of_the_first_format_is_read_and_answers_by_mean_probability(tmp_path):
     without = PARAMETERS.model_copy(
         update={"best": PARAMETERS.best.model_copy(update={"bags": ()})}

@@ -8,6 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 from report.pages import read_page
 from report.synthetic import lay_out, write_study
+from report.test_certainty import write_certainty
 from report.test_gaze import TABLE as GAZED
 from report.test_readings import ROWS
 from report.test_stability import GRAZING, written
@@ -47,6 +48,7 @@ def folder(tmp_path_factory):
     )
     columns = {name: [row[name] for row in ROWS] for name in ROWS[0]}
     write_table(READINGS, build_table(READINGS, columns), results / "readings.parquet")
+    write_certainty(folder)
     write_table(GAZE, GAZED, results / "gaze/measured.parquet")
     picture = {"object": ["new"], "rank": [0], "correlation": [0.5], "picture": [b"\x89PNG"]}
     pictures = build_table(GAZE_PICTURES, picture)

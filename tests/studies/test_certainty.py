@@ -30,7 +30,8 @@ def test_every_object_is_unknown_once_and_no_model_knows_its_class(measured):
     known = select(measured, known=True)
     assert known.num_rows
     assert all(row["class"] != row["left_out"] for row in known.to_pylist())
-    assert not any(row["covered"] for row in strange.to_pylist())
+    assert not any(row["covered"] or row["fit"] for row in strange.to_pylist())
+    assert all(row["covered"] == (row["fit"] > 0.1 + 1e-12) for row in known.to_pylist())
 
 
 def test_unknown_objects_are_stranger_than_known_ones(measured):

@@ -6,6 +6,8 @@ gives results/meshes/<class>/<object>.ply.
 
 from dataclasses import asdict
 
+CREDITS = in_clone(map(shipped, ["meshes/catalogue.csv", "meshes/paper/credits.csv"]))
+
 
 rule meshes_all:
     input:

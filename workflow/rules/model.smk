@@ -13,11 +13,17 @@ rule model_all:
         "results/records/model.json",
 
 
-rule certainty_all:
+rule study_certainty:
     input:
         "results/certainty.parquet",
         "reports/certainty.json",
         "results/records/certainty.json",
+        report_of_study,
+
+
+rule certainty_all:
+    input:
+        rules.study_certainty.input,
 
 
 rule certainty:

@@ -11,8 +11,6 @@ CHECKS_AND_BENCHMARKS = [
     "reports/precision.json",
 ]
 
-CREDITS = in_clone(map(shipped, ["meshes/catalogue.csv", "meshes/paper/credits.csv"]))
-
 
 rule report_all:
     input:
@@ -107,6 +105,8 @@ rule report:
                 "effect_influence": "results/effect_influence.parquet",
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",
+                "certainty": "results/certainty.parquet",
+                "certainty_figures": "reports/certainty.json",
                 "readings": "results/readings.parquet",
                 "gaze": "results/gaze/measured.parquet",
                 "gaze_pictures": "results/gaze/pictures.parquet",

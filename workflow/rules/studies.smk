@@ -21,6 +21,8 @@ SPECIAL_FIGURES = {
     "reports/readings.json": "readings",
     "results/cost.parquet": "cost",
     "results/touches_needed.parquet": "curves",
+    "results/certainty.parquet": "certainty",
+    "reports/certainty.json": "certainty",
 }
 TEMPLATES = in_clone(
     sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))

@@ -33,16 +33,18 @@ BLOCKS = {
 
 def figures_of(study):
     """Name the table that sums up a study."""
-    if study == "readings":
-        return "results/readings.parquet"
+    if study in {"readings", "certainty"}:
+        return f"results/{study}.parquet"
     return f"results/studies/{study}.parquet"
 
 
-ASKED_STUDIES = studies_asked_for(sys.argv[1:], STUDIES)
+# What the report shows beside the run itself; certainty has no conditions.
+SHOWN_STUDIES = [*STUDIES, "certainty"]
+ASKED_STUDIES = studies_asked_for(sys.argv[1:], SHOWN_STUDIES)
 # Measured once, and left as they are: no rule makes them in this run.
 KEPT_STUDIES = {
     name
-    for name in STUDIES
+    for name in SHOWN_STUDIES
     if IS_MAIN and workflow.is_main_process and name != "frontier"
     # The readings take half an hour, so only their own target brings them up to date.
     and (name == "readings" or not PARAMETERS.workflow.keep_studies_current)
@@ -196,7 +198,7 @@ def is_shown(file, study):
     """Whether the report shows a file of a study: one that exists, or that this run makes."""
     is_made = study in ASKED_STUDIES and (
         file.startswith("results/studies/")
-        or study == "readings"
+        or study in {"readings", "certainty"}
         or f"{study}_all" in sys.argv
     )
     return is_made or Path(file).exists()
@@ -209,7 +211,7 @@ def shown_studies(wildcards):
             "figures": figures_of(name),
             "records": expected_records(planned_jobs(), name),
         }
-        for name in {**STUDY_FIGURES, "results/readings.parquet": "readings"}.values()
+        for name in [*STUDY_FIGURES.values(), "readings", "certainty"]
         if is_shown(figures_of(name), name)
     }
 

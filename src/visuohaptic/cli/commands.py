@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from visuohaptic import __version__
-from visuohaptic.cli import compare, explore, gaze, images, meshes, report
+from visuohaptic.cli import compare, explore, export, gaze, images, meshes, report
 from visuohaptic.cli.main import DEBUG
 from visuohaptic.cli.printing import say
 
@@ -21,6 +21,7 @@ app.command()(explore.touch)
 app.command()(explore.recognise)
 app.command()(report.report)
 app.command()(compare.compare)
+app.command()(export.export)
 app.command()(images.images)
 app.command()(gaze.gaze)
 app.add_typer(meshes.app, name="meshes")

@@ -104,6 +104,24 @@ def models_of_set(path: str | Path, object_set: ObjectSet) -> list[Model]:
     return sorted(chosen, key=lambda model: model.key)
 
 
+def read_credits(paths: Iterable[str | Path]) -> dict[str, Credit]:
+    """Read the credits of objects, by `class/name`, from CSV files; later ones add to earlier ones.
+
+    The columns are class, object, author, licence and source_url. A file that is not there is passed over.
+    """
+    found: dict[str, Credit] = {}
+    for path in map(Path, paths):
+        if path.is_file():
+            with path.open(newline="", encoding="utf-8") as stream:
+                found |= {
+                    Model(row["class"], row["object"]).key: Credit(
+                        row["author"], row["licence"], row["source_url"]
+                    )
+                    for row in csv.DictReader(stream)
+                }
+    return found
+
+
 @dataclass(frozen=True)
 class OwnModels:
     """The user's own models, and what lies among them but can't take part.

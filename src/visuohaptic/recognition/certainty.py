@@ -8,6 +8,7 @@ objects.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import spread_bags
+from visuohaptic.recognition.set_distance import KnownTouches, keep_touches
 from visuohaptic.recognition.splits import grouped_folds
 from visuohaptic.recognition.tuning import (
     Projection,
@@ -26,28 +28,39 @@ from visuohaptic.recognition.tuning import (
 
 @dataclass(frozen=True)
 class Landmarks:
-    """Where the training objects lie among the projected descriptors.
+    """Where the training objects lie.
 
     Attributes
     ----------
     objects : numpy.ndarray
-        Shape (r, q), float64: the mean over each training object's sequences.
+        Shape (r, q), float64: the mean over each training object's sequences, among the projected
+        descriptors.
+    touches : KnownTouches or None
+        Their touches; None in models of the second format.
     """
 
     objects: NDArray[np.float64]
+    touches: KnownTouches | None
 
     def evidence(
-        self, tuned: TunedClassifier, projected: NDArray[np.float64]
+        self,
+        tuned: TunedClassifier,
+        projected: NDArray[np.float64],
+        touches: NDArray[np.float64],
     ) -> NDArray[np.float64]:
-        """Give two signs that a bag is of no known class, shape (2,), larger the stranger.
+        """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
 
-        `projected` are its sequences, shape (n, p), float64. The first is the distance from the
-        nearest training object, the second the negative of the highest mean score of a class.
+        `projected` are its sequences, shape (n, p), and `touches` its touches, shape (m, k), float64. The
+        signs are the distance from the nearest training object, the negative of the highest mean score
+        of a class, and, where touches were kept, their distance from the nearest object's as sets.
         """
         seen = projected[:, : self.objects.shape[1]]
         distance = np.linalg.norm(self.objects - seen.mean(axis=0), axis=1).min()
         scores = class_scores(tuned.estimator, seen, tuned.classes)
-        return np.array([distance, -scores.mean(axis=0).max()])
+        signs = [distance, -scores.mean(axis=0).max()]
+        if self.touches is not None:
+            signs.append(self.touches.nearest(touches))
+        return np.array(signs)
 
 
 @dataclass(frozen=True)
@@ -59,6 +72,10 @@ class Certainty:
     candidates : numpy.ndarray
         Shape (c,), bool: the prediction set. It holds the class of an object of a known class in the
         stated share of cases; it may be empty.
+    fits : numpy.ndarray
+        Shape (c,), float64: how well each class fits, the conformal p value: the share of known objects,
+        this one counted among them, that their class fits no better. 0 for a class that training lacked.
+        It is in a set of any coverage above 1 - its fit.
     strangeness : float
         Between 0 and 1: the share of known objects, this one counted among them, that are no stranger
         than it.
@@ -69,6 +86,7 @@ class Certainty:
     """
 
     candidates: NDArray[np.bool_]
+    fits: NDArray[np.float64]
     strangeness: float
     unknown: bool
     evidence: float
@@ -87,7 +105,7 @@ class Calibration:
     misfits : numpy.ndarray
         Shape (k, n), float64: 1 - probability of the true class.
     evidence : numpy.ndarray
-        Shape (k, n, 2), float64: as `Landmarks.evidence` gives it.
+        Shape (k, n, e), float64: as `Landmarks.evidence` gives it.
     landmarks : Landmarks
         Of all training objects, in the projection of the final fit.
     """
@@ -102,6 +120,7 @@ class Calibration:
         self,
         tuned: TunedClassifier,
         projected: NDArray[np.float64],
+        touches: NDArray[np.float64],
         probabilities: NDArray[np.float64],
         coverage: float,
     ) -> Certainty:
@@ -113,6 +132,8 @@ class Calibration:
             The final fit.
         projected : numpy.ndarray
             Shape (n, p), float64: the bag's sequences.
+        touches : numpy.ndarray
+            Shape (m, k), float64: all its touches.
         probabilities : numpy.ndarray
             Shape (c,), float64: the answer for the bag.
         coverage : float
@@ -124,52 +145,42 @@ class Calibration:
             By bags of as many sequences, or of the next smaller number.
         """
         size = max(int(np.searchsorted(self.views, len(projected), side="right")) - 1, 0)
-        strange = self.strangeness(size, self.landmarks.evidence(tuned, projected))
+        strange = self.strangeness(size, self.landmarks.evidence(tuned, projected, touches))
         rank = np.sum(self.strangeness(size, self.evidence[size]) >= strange)
         share = float((1 + rank) / (1 + len(self.labels)))
-        limits = self.limits(size, len(probabilities), coverage)
         known = np.isin(np.arange(len(probabilities)), tuned.estimator.classes_)
-        unknown = share <= 1 - coverage + 1e-12
-        candidates = known & (1 - probabilities <= limits)
-        return Certainty(candidates, 1 - share, unknown, float(strange))
+        fits = np.where(known, self.fits(size, 1 - probabilities, coverage), 0.0)
+        least = 1 - coverage + 1e-12
+        return Certainty(fits > least, fits, 1 - share, share <= least, float(strange))
 
     def strangeness(self, size: int, evidence: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Add both signs, (..., 2), each divided by its deviation over the training objects."""
+        """Add all signs, (..., e), each divided by its deviation over the training objects."""
         spread = self.evidence[size].std(axis=0)
         added: NDArray[np.float64] = (evidence / np.where(spread > 0, spread, 1)).sum(axis=-1)
         return added
 
-    def limits(self, size: int, classes: int, coverage: float) -> NDArray[np.float64]:
-        """Give the largest misfit that a candidate may have, by class, shape (classes,).
+    def fits(self, size: int, misfits: NDArray[np.float64], coverage: float) -> NDArray[np.float64]:
+        """Give how well each class fits by its misfit, shape (c,), as in `Certainty.fits`.
 
-        A class with enough objects of its own for the coverage has its own limit, so that the
-        coverage holds within it; the others share the limit of all objects.
+        A class with enough objects of its own for the coverage is compared with these, so that the
+        coverage holds within it; the others are compared with all objects.
         """
-        shared = conformal_limit(self.misfits[size], coverage)
-        limits = np.full(classes, shared)
-        for place in np.unique(self.labels):
-            own = self.misfits[size][self.labels == place]
-            if len(own) >= least_objects(coverage):
-                limits[place] = conformal_limit(own, coverage)
-        return limits
+        same = self.labels[:, None] == np.arange(len(misfits))
+        compared = same | (same.sum(axis=0) < least_objects(coverage))
+        no_better = compared & (self.misfits[size][:, None] >= misfits)
+        shares: NDArray[np.float64] = (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
+        return shares
 
 
 def least_objects(coverage: float) -> int:
-    """Give how many objects a limit of this coverage needs; with fewer it is infinite."""
+    """Give with how many objects a set of this coverage can leave out a class at all."""
     return math.ceil(round(coverage / (1 - coverage), 9))
-
-
-def conformal_limit(misfits: NDArray[np.float64], coverage: float) -> float:
-    """Give the ⌈(n + 1) coverage⌉-th smallest of n misfits, infinite where there are not so many.
-
-    One more misfit, exchangeable with these, is at most this with a probability of `coverage` or more.
-    """
-    rank = math.ceil(round((len(misfits) + 1) * coverage, 9))
-    return float(np.sort(misfits)[rank - 1]) if rank <= len(misfits) else math.inf
 
 
 def fit_calibration(
     descriptors: NDArray[np.float64],
+    touches: NDArray[np.float64],
+    names: Sequence[str],
     labels: NDArray[np.int64],
     owners: NDArray[np.int64],
     classes: int,
@@ -183,6 +194,10 @@ def fit_calibration(
     ----------
     descriptors : numpy.ndarray
         Shape (n, d), float64: the training sequences.
+    touches : numpy.ndarray
+        Shape (n, t, k), float64: their touches.
+    names : sequence of str
+        The k features of a touch.
     labels, owners : numpy.ndarray
         Shape (n,), int64: their classes and objects.
     classes : int
@@ -217,12 +232,17 @@ def fit_calibration(
             generator,
         )
         tuned = fits[0][1]
-        marks = find_landmarks(own.apply(descriptors[~held_out]), owners[~held_out], best)
+        learnt = touches[~held_out]
+        marks = find_landmarks(
+            own.apply(descriptors[~held_out]), learnt, names, owners[~held_out], best
+        )
         for place in objects:
             one = owners == place
             label = int(labels[one][0])
             if label in labels[~held_out]:
-                named = _name_bags(tuned, marks, own.apply(descriptors[one]), place, best)
+                named = _name_bags(
+                    tuned, marks, own.apply(descriptors[one]), touches[one], place, best
+                )
                 rows[place] = (
                     label,
                     [1 - found[label] for found, _ in named],
@@ -236,16 +256,23 @@ def fit_calibration(
         np.array([label for label, _, _ in found], dtype=np.int64),
         np.array([misfits for _, misfits, _ in found]).T,
         np.array([evidence for _, _, evidence in found]).transpose(1, 0, 2),
-        find_landmarks(projection.apply(descriptors), owners, best),
+        find_landmarks(projection.apply(descriptors), touches, names, owners, best),
     )
 
 
 def find_landmarks(
-    projected: NDArray[np.float64], owners: NDArray[np.int64], best: BestParameters
+    projected: NDArray[np.float64],
+    touches: NDArray[np.float64],
+    names: Sequence[str],
+    owners: NDArray[np.int64],
+    best: BestParameters,
 ) -> Landmarks:
-    """Take the mean over each object's sequences (n, p), of the components that classifiers see."""
+    """Keep touches (n, t, k), and means over each object's sequences (n, p), of the components that classifiers see."""
     whole = spread_bags(owners, (len(owners),))
-    return Landmarks(whole.means(projected[:, : best.components]))
+    return Landmarks(
+        whole.means(projected[:, : best.components]),
+        keep_touches(touches, names, owners, best.cues),
+    )
 
 
 def one_classifier(parameters: RecognitionParameters, classifier: str) -> RecognitionParameters:
@@ -262,6 +289,7 @@ def _name_bags(
     tuned: TunedClassifier,
     marks: Landmarks,
     projected: NDArray[np.float64],
+    touches: NDArray[np.float64],
     turn: int,
     best: BestParameters,
 ) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
@@ -276,5 +304,6 @@ def _name_bags(
         bag = np.split(bags.places, np.cumsum(bags.counts)[:-1])[turn % len(bags.counts)]
         member = np.isin(np.arange(len(projected)), bag)
         found = ballots.together(member[None])[0]
-        named.append((found, marks.evidence(tuned, projected[bag])))
+        felt = touches[bag].reshape(-1, touches.shape[2])
+        named.append((found, marks.evidence(tuned, projected[bag], felt)))
     return named

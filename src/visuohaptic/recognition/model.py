@@ -41,13 +41,14 @@ from visuohaptic.recognition.sequences import (
     gather_any,
     spread_contact_states,
 )
+from visuohaptic.recognition.set_distance import KnownTouches
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.whole_files import whole_file
 
-FORMAT = "visuohaptic recognition model 2"
-OLDER_FORMAT = "visuohaptic recognition model 1"
-"""Models without a classifier of bags."""
+FORMAT = "visuohaptic recognition model 3"
+OLDER_FORMATS = ("visuohaptic recognition model 1", "visuohaptic recognition model 2")
+"""Models without a classifier of bags; models without touches to compare an object's with."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +169,9 @@ class RecognitionModel:
 
         Takes and raises what `recognise` does.
         """
-        encoded = self._encode(features)
+        parts = self._sequences(features)
+        encoded = np.concatenate([self.encoder.encode(part) for part in parts])
+        touches = np.concatenate([part.reshape(-1, part.shape[2]) for part in parts])
         everything = np.ones((1, len(encoded)), dtype=bool)
         found = self.tuned.ballots(encoded).together(everything)[0]
         order = np.argsort(-found, kind="stable")
@@ -176,7 +179,7 @@ class RecognitionModel:
         if self.calibration is None:
             return ModelAnswer(probabilities)
         coverage = self.parameters.best.coverage
-        certainty = self.calibration.assess(self.tuned, encoded, found, coverage)
+        certainty = self.calibration.assess(self.tuned, encoded, touches, found, coverage)
         return ModelAnswer(
             probabilities,
             tuple(self.classes[place] for place in order if certainty.candidates[place]),
@@ -185,8 +188,8 @@ class RecognitionModel:
             coverage,
         )
 
-    def _encode(self, features: pa.Table) -> NDArray[np.float64]:
-        """Give what the classifier sees of all sequences of one object, shape (s, q)."""
+    def _sequences(self, features: pa.Table) -> list[NDArray[np.float64]]:
+        """Give all sequences of one object, shape (s, t, k) for each length t."""
         if not features.num_rows:
             raise RecognitionError("There is no touch; an object is named from one touch on.")
         parts = gather_any(spread_contact_states(features), self.feature_names, self.touches)
@@ -197,7 +200,7 @@ class RecognitionModel:
                 f"No viewpoint has {self.touches} touches, which the model needs: the object is too "
                 "slender in all views."
             )
-        return np.concatenate([self.encoder.encode(part) for part in parts])
+        return parts
 
 
 def fit_model(
@@ -345,7 +348,7 @@ def load_model(path: str | Path) -> RecognitionModel:
         raise RecognitionError(
             f"{path} can't be read as a recognition model ({error}); train it again."
         ) from error
-    if not isinstance(state, dict) or state.get("format") not in (FORMAT, OLDER_FORMAT):
+    if not isinstance(state, dict) or state.get("format") not in (FORMAT, *OLDER_FORMATS):
         raise RecognitionError(f"{path} is no {FORMAT!r}; train it again with this version.")
     return _model_of(state)
 
@@ -409,9 +412,10 @@ def _fit_best(
     names = sequences.feature_names
     described = describe_sequences(sequences.features, names, waves, parameters.best)
     one = one_classifier(parameters, classifier)
-    training = (described, sequences.labels, sequences.object_index, len(sequences.classes), one)
-    projection, [(_, tuned, _)] = fit_best_classifiers(*training, generator)
-    calibration = fit_calibration(*training, projection, generator)
+    training = (sequences.labels, sequences.object_index, len(sequences.classes), one)
+    projection, [(_, tuned, _)] = fit_best_classifiers(described, *training, generator)
+    touches = sequences.features
+    calibration = fit_calibration(described, touches, names, *training, projection, generator)
     return SequenceDescriber(waves, names, parameters.best, projection), tuned, calibration
 
 
@@ -492,13 +496,23 @@ def _calibration_state(calibration: Calibration | None) -> dict[str, Any] | None
         "misfits": calibration.misfits,
         "evidence": calibration.evidence,
         "landmarks": calibration.landmarks.objects,
+        "touches": _touches_state(calibration.landmarks.touches),
     }
 
 
 def _calibration_of(state: dict[str, Any] | None) -> Calibration | None:
     if state is None:
         return None
-    return Calibration(**{**state, "landmarks": Landmarks(state["landmarks"])})
+    touches = state.get("touches")
+    landmarks = Landmarks(state["landmarks"], None if touches is None else KnownTouches(**touches))
+    arrays = ("views", "labels", "misfits", "evidence")
+    return Calibration(**{name: state[name] for name in arrays}, landmarks=landmarks)
+
+
+def _touches_state(touches: KnownTouches | None) -> dict[str, Any] | None:
+    if touches is None:
+        return None
+    return {"weights": touches.weights, "touches": touches.touches, "starts": touches.starts}
 
 
 def _versions() -> dict[str, str]:

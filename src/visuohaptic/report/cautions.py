@@ -12,6 +12,7 @@ from visuohaptic.tables.phases import key_of
 
 _SECTION_OF_STUDY = {
     "ablations": "ablations",
+    "certainty": "certainty",
     "cost": "cost",
     "curves": "touches_needed",
     "effects": "influence",

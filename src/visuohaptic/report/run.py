@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ import pyarrow as pa
 
 from visuohaptic.errors import ReportError
 from visuohaptic.geometry.surface import set_aside_reason
+from visuohaptic.meshes.catalogue import Credit, read_credits
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
 from visuohaptic.report.stability import StabilityFigures, read_stability
@@ -27,15 +27,6 @@ from visuohaptic.tables.phases import (
     key_of,
 )
 from visuohaptic.tables.schema import read_table
-
-
-@dataclass(frozen=True)
-class ObjectCredit:
-    """Who made an object's model, and under which licence."""
-
-    author: str
-    licence: str
-    source_url: str
 
 
 @dataclass(frozen=True)
@@ -136,13 +127,9 @@ class Run:
         return read_stability([extras[name] for name in names if name in extras])
 
     @cached_property
-    def credits(self) -> dict[str, ObjectCredit]:
+    def credits(self) -> dict[str, Credit]:
         """Credit of each object that has one."""
-        found: dict[str, ObjectCredit] = {}
-        for path in self.files.credits:
-            if Path(path).is_file():
-                found |= _read_credits(Path(path))
-        return found
+        return read_credits(self.files.credits)
 
 
 def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequence[str]) -> Run:
@@ -178,11 +165,3 @@ def _read_metrics(path: Path) -> Mapping[str, Any]:
 def _owners(table: pa.Table) -> list[dict[str, str]]:
     keys = ["class", "object"]
     return table.select(keys).group_by(keys).aggregate([]).to_pylist()
-
-
-def _read_credits(path: Path) -> dict[str, ObjectCredit]:
-    with path.open(newline="", encoding="utf-8") as stream:
-        return {
-            key_of(row): ObjectCredit(row["author"], row["licence"], row["source_url"])
-            for row in csv.DictReader(stream)
-        }

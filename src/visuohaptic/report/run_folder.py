@@ -21,6 +21,8 @@ EXTRAS = {
     "effect_influence": "results/effect_influence.parquet",
     "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",
+    "certainty": "results/certainty.parquet",
+    "certainty_figures": "reports/certainty.json",
     "readings": "results/readings.parquet",
     "gaze": "results/gaze/measured.parquet",
     "gaze_pictures": "results/gaze/pictures.parquet",

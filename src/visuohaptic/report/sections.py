@@ -14,6 +14,7 @@ from typing import Any
 from visuohaptic.gaze.stored import read_measured
 from visuohaptic.recognition.published import PAPER
 from visuohaptic.recognition.summary import Confusion, confusion, select
+from visuohaptic.report.certainty import certainty_figures
 from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
@@ -187,6 +188,13 @@ def touches_needed_values(context: ReportContext) -> Values | None:
     extras = context.run.files.extras
     found = curve_figures(extras.get("studies"), extras.get("touches_needed"))
     return {"pipelines": found} if found else None
+
+
+def certainty_values(context: ReportContext) -> Values:
+    """Give how sure answers are, or None where it was not measured."""
+    extras = context.run.files.extras
+    found = certainty_figures(extras.get("certainty"), extras.get("certainty_figures"))
+    return {"certainty": found}
 
 
 def _measured_readings(run: Run) -> MeasuredReadings | None:
@@ -389,6 +397,7 @@ CHAPTERS = {
         Section("comparison", comparison_title, comparison_values),
         Section("touches_needed", "Accuracy against touches", touches_needed_values),
         Section("confusion", "Confusion matrix", confusion_values),
+        Section("certainty", "How sure answers are", certainty_values),
     ),
     "Accuracy against time": (Section("cost", "What accuracy costs in time", cost_values),),
     "Effects": (

@@ -69,6 +69,7 @@ def find_sources(run: Run, shown: tuple[str, int]) -> dict[str, list[Source]]:
         "comparison": [*_accuracy(run), *_votes(run)],
         "touches_needed": list(_touches_needed(run)),
         "confusion": [_confusion(run)],
+        "certainty": list(_certainty(run)),
         "cost": list(_cost(run)),
         "gaze": list(_gaze(run)),
         "readings": list(_readings(run)),
@@ -145,6 +146,12 @@ def _touches_needed(run: Run) -> Iterator[Source]:
         ("pipeline", "strategy"),
     )
     yield from _study(run, "curves")
+
+
+def _certainty(run: Run) -> Iterator[Source]:
+    columns = ("correct", "covered", "fit", "candidates", "strangeness", "unknown")
+    by = ("strategy", "views", "known", "left_out")
+    yield from _extra(run, "certainty", "Known and unknown objects", "certainty", columns, by)
 
 
 def _cost(run: Run) -> Iterator[Source]:

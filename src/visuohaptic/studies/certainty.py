@@ -169,9 +169,16 @@ def _without_class(
     owners, labels = sequences.object_index, sequences.labels
     trained = ~np.isin(owners, (*tested, *members[left_out]))
     count = len(sequences.classes)
-    training = (described[trained], labels[trained], owners[trained], count, parameters)
-    projection, fits = fit_best_classifiers(*training, generator)
-    calibration = fit_calibration(*training, projection, generator)
+    training = (labels[trained], owners[trained], count, parameters)
+    projection, fits = fit_best_classifiers(described[trained], *training, generator)
+    calibration = fit_calibration(
+        described[trained],
+        sequences.features[trained],
+        sequences.feature_names,
+        *training,
+        projection,
+        generator,
+    )
     if calibration is None:
         raise RecognitionError(
             f"Without class {sequences.classes[left_out]} and the tested objects no class has two "
@@ -182,13 +189,17 @@ def _without_class(
         category, name = sequences.objects[place]
         label = sequences.classes.index(category)
         projected = projection.apply(described[owners == place])
+        touches = sequences.features[owners == place]
         ballots = tuned.ballots(projected)
         for views in sorted({min(views, len(projected)) for views in VIEWS}):
             step = len(projected) // views
             bag = np.arange(place % step, len(projected), step)[:views]
             member = np.isin(np.arange(len(projected)), bag)
             answer = ballots.together(member[None])[0]
-            sure = calibration.assess(tuned, projected[bag], answer, parameters.best.coverage)
+            of_bag = touches[bag].reshape(-1, touches.shape[2])
+            sure = calibration.assess(
+                tuned, projected[bag], of_bag, answer, parameters.best.coverage
+            )
             yield {
                 "class": category,
                 "object": name,
@@ -197,6 +208,7 @@ def _without_class(
                 "views": views,
                 "correct": bool(answer.argmax() == label),
                 "covered": bool(sure.candidates[label]),
+                "fit": float(sure.fits[label]),
                 "candidates": int(sure.candidates.sum()),
                 "strangeness": sure.strangeness,
                 "evidence": sure.evidence,

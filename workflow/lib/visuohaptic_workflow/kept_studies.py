@@ -11,6 +11,7 @@ from visuohaptic_workflow.plan import PlannedJob
 from visuohaptic_workflow.records import expected_record, fits_record
 
 RULES_OF_STUDY: Mapping[str, Sequence[str]] = {
+    "certainty": ("certainty",),
     "curves": ("candidates_of_study", "adaptive_of_study", "touches_needed"),
     "readings": ("readings", "readings_page"),
 }

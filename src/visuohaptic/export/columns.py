@@ -1,0 +1,106 @@
+"""The columns of the data set, and how rows of touches become its rows."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.meshes.catalogue import Credit
+from visuohaptic.tables.phases import TOUCHES, key_of
+from visuohaptic.tables.schema import TEXT, Column, images
+
+IMAGE = pa.struct([("bytes", pa.binary()), ("path", TEXT)])
+"""What `datasets` takes for a picture in Parquet."""
+
+IMPRINT = pa.list_(pa.list_(pa.float32()))
+
+_COPIED = [column for column in TOUCHES.columns if column.name != "image"]
+LITE_COLUMNS = (
+    Column("image", IMAGE, "tactile imprint, 8-bit grey PNG: 255 contact, 0 out of reach"),
+    Column("label", pa.int64(), "number of the class"),
+    *_COPIED,
+    Column("licence", TEXT, "licence of the object's model; empty where none is known"),
+    Column("author", TEXT, "author of the object's model; empty where none is known"),
+)
+COLUMNS = (
+    *LITE_COLUMNS,
+    Column("imprint", IMPRINT, "the same imprint without rounding", "1 contact, 0 out of reach"),
+)
+
+
+def data_rows(
+    touches: pa.Table, classes: Sequence[str], credited: Mapping[str, Credit]
+) -> pa.Table:
+    """Turn touches into rows of the data set.
+
+    Parameters
+    ----------
+    touches : pyarrow.Table
+        Rows of `tables.TOUCHES`, one or more.
+    classes : sequence of str
+        All classes; a label is a place in it.
+    credited : mapping of str to Credit
+        By `class/name`; an object without one gets empty texts.
+
+    Returns
+    -------
+    pyarrow.Table
+        `COLUMNS`, in the order of the touches.
+
+    Raises
+    ------
+    TableError
+        If the imprints differ in size, or are no squares.
+    """
+    imprints = images(touches)
+    labels = {name: number for number, name in enumerate(classes)}
+    owners = touches.select(["class", "object"]).to_pylist()
+    found = [credited.get(key_of(owner)) for owner in owners]
+    values = {
+        "image": [{"bytes": png, "path": None} for png in grey_pngs(imprints)],
+        "label": [labels[owner["class"]] for owner in owners],
+        **{column.name: touches.column(column.name) for column in _COPIED},
+        "licence": [credit.licence if credit else "" for credit in found],
+        "author": [credit.author if credit else "" for credit in found],
+        "imprint": _nested(imprints),
+    }
+    return pa.table(values, schema=arrow_schema(COLUMNS))
+
+
+def grey_pngs(imprints: NDArray[np.float32]) -> list[bytes]:
+    """Give imprints, shape (n, r, r) and 0 to 1, as 8-bit grey PNG files."""
+    from PIL import Image
+
+    grey = np.rint(255 * imprints.astype(np.float64)).astype(np.uint8)
+    pngs = []
+    for picture in grey:
+        stored = io.BytesIO()
+        Image.fromarray(picture).save(stored, "png")
+        pngs.append(stored.getvalue())
+    return pngs
+
+
+def arrow_schema(columns: Sequence[Column]) -> pa.Schema:
+    """Give the Parquet schema of columns, descriptions and units as metadata."""
+    return pa.schema(
+        [
+            pa.field(
+                column.name,
+                column.dtype,
+                metadata={"description": column.description, "unit": column.unit},
+            )
+            for column in columns
+        ]
+    )
+
+
+def _nested(imprints: NDArray[np.float32]) -> pa.Array:
+    count, rows, columns = imprints.shape
+    lines = pa.ListArray.from_arrays(
+        np.arange(count * rows + 1, dtype=np.int32) * columns, imprints.reshape(-1)
+    )
+    return pa.ListArray.from_arrays(np.arange(count + 1, dtype=np.int32) * rows, lines)

@@ -1,0 +1,127 @@
+"""What a data set holds, known before its rows are written: objects, splits, numbers of touches."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+
+from visuohaptic.errors import ExportError
+from visuohaptic.meshes.catalogue import Credit
+from visuohaptic.seeds import spawn_generator
+
+SPLITS = ("train", "test")
+TEST_SHARE = 0.2
+"""Share of each class's objects that tests, one object at least."""
+
+LITE_BYTES = 25_000_000
+"""Largest size of the lite version."""
+
+
+@dataclass(frozen=True)
+class Contents:
+    """A data set in numbers.
+
+    Attributes
+    ----------
+    touches : mapping of str to int
+        Touches of each object, `class/name`, sorted.
+    tested : frozenset of str
+        The objects of split `test`.
+    taxels : int
+        Edge of an imprint.
+    credits : mapping of str to Credit
+        Of the objects that have one.
+    seed : int
+        By which the objects were divided.
+    """
+
+    touches: Mapping[str, int]
+    tested: frozenset[str]
+    taxels: int
+    credits: Mapping[str, Credit]
+    seed: int
+
+    @cached_property
+    def classes(self) -> tuple[str, ...]:
+        """All classes, sorted."""
+        return tuple(sorted({class_of(key) for key in self.touches}))
+
+    @cached_property
+    def licences(self) -> dict[str, int]:
+        """Objects of each licence; those without a known one as an empty text."""
+        return dict(sorted(Counter(self.licence_of(key) for key in self.touches).items()))
+
+    @property
+    def every(self) -> int:
+        """Of how many sequences the lite version keeps one: the first of each so many."""
+        # A PNG of noise is no smaller than its pixels; names and numbers are a few hundred bytes.
+        most = sum(self.touches.values()) * (self.taxels**2 + 768)
+        return math.ceil(most / LITE_BYTES)
+
+    def licence_of(self, key: str) -> str:
+        """Give the licence of an object's model; an empty text where none is known."""
+        credit = self.credits.get(key)
+        return credit.licence if credit else ""
+
+    def split_of(self, key: str) -> str:
+        """Tell in which split all touches of an object are."""
+        return "test" if key in self.tested else "train"
+
+    def objects_of(self, category: str, split: str) -> list[str]:
+        """List the objects of a class in a split, `class/name`."""
+        return [
+            key for key in self.touches if class_of(key) == category and self.split_of(key) == split
+        ]
+
+
+def find_contents(files: Sequence[Path], credited: Mapping[str, Credit], seed: int) -> Contents:
+    """Count the touches in files of `tables.TOUCHES`, and divide their objects.
+
+    Raises `ExportError` if there is no touch, or no class has two objects.
+    """
+    touches: Counter[tuple[str, str]] = Counter()
+    taxels = 0
+    for file in files:
+        parquet = pq.ParquetFile(file)
+        owners = parquet.read(columns=["class", "object"]).to_pylist()
+        touches.update((owner["class"], owner["object"]) for owner in owners)
+        if not taxels and owners:
+            first = next(parquet.iter_batches(1, columns=["image"]))
+            taxels = math.isqrt(len(first.column("image")[0]))
+    if not touches:
+        raise ExportError("There is no touch to export; run `snakemake -j2` first.")
+    by_object = {"/".join(owner): touches[owner] for owner in sorted(touches)}
+    return Contents(by_object, frozenset(choose_tested(by_object, seed)), taxels, credited, seed)
+
+
+def choose_tested(keys: Iterable[str], seed: int) -> list[str]:
+    """Draw the test objects of each class, `class/name`; a class's draw depends on nothing else.
+
+    A class with one object has none. Raises `ExportError` if all have one.
+    """
+    by_class: dict[str, list[str]] = {}
+    for key in sorted(keys):
+        by_class.setdefault(class_of(key), []).append(key)
+    tested: list[str] = []
+    for name, own in by_class.items():
+        if len(own) > 1:
+            generator = spawn_generator(seed, "export", name)
+            count = max(1, round(TEST_SHARE * len(own)))
+            tested += np.array(own)[generator.permutation(len(own))[:count]].tolist()
+    if not tested:
+        raise ExportError(
+            "Every class has one object; at least one class needs two, one to train and one to test."
+        )
+    return tested
+
+
+def class_of(key: str) -> str:
+    """Give the class of an object's `class/name`."""
+    return key.split("/", 1)[0]

@@ -1,0 +1,106 @@
+"""The data set's description for machines: croissant.json (MLCommons Croissant 1.0)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from visuohaptic import __version__
+from visuohaptic.export.card import CONFIGURATIONS
+from visuohaptic.export.columns import IMAGE, IMPRINT
+from visuohaptic.export.contents import SPLITS, Contents
+from visuohaptic.tables.schema import Column
+
+_FORMAT = "http://mlcommons.org/croissant/1.0"
+# The context that the specification gives.
+_TERMS = (
+    "citeAs column equivalentProperty extract field fileProperty fileObject fileSet format includes "
+    "isLiveDataset jsonPath key md5 parentField path recordSet references regex repeated replace "
+    "samplingRate separator source subField transform"
+)
+_CONTEXT: dict[str, Any] = {
+    "@language": "en",
+    "@vocab": "https://schema.org/",
+    "sc": "https://schema.org/",
+    "cr": "http://mlcommons.org/croissant/",
+    "rai": "http://mlcommons.org/croissant/RAI/",
+    "dct": "http://purl.org/dc/terms/",
+    "conformsTo": "dct:conformsTo",
+    "data": {"@id": "cr:data", "@type": "@json"},
+    "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
+    "examples": {"@id": "cr:examples", "@type": "@json"},
+    **{term: f"cr:{term}" for term in _TERMS.split()},
+}
+_TYPES = {"string": "sc:Text", "int32": "sc:Integer", "int64": "sc:Integer", "double": "sc:Float"}
+
+
+def describe_files(contents: Contents, files: Mapping[str, Path]) -> str:
+    """Describe the written Parquet files, by name within the data set, as Croissant JSON."""
+    described = {
+        "@context": _CONTEXT,
+        "@type": "sc:Dataset",
+        "conformsTo": _FORMAT,
+        "name": "touches-of-3d-objects",
+        "description": f"Simulated tactile imprints of {len(contents.touches)} objects in "
+        f"{len(contents.classes)} classes, split by object; licences and authors are in each row.",
+        "license": [
+            f"https://spdx.org/licenses/{name}.html" if name else "not known"
+            for name in contents.licences
+        ],
+        "version": __version__,
+        "creator": {"@type": "sc:Organization", "name": "visuohaptic"},
+        "distribution": [_file_object(name, path) for name, path in files.items()],
+        "recordSet": [
+            _record_set(configuration, split)
+            for configuration in CONFIGURATIONS
+            for split in SPLITS
+        ],
+    }
+    return json.dumps(described, indent=2) + "\n"
+
+
+def _file_object(name: str, path: Path) -> dict[str, str]:
+    with path.open("rb") as stream:
+        digest = hashlib.file_digest(stream, "sha256").hexdigest()
+    return {
+        "@type": "cr:FileObject",
+        "@id": name,
+        "name": name,
+        "contentUrl": name,
+        "contentSize": f"{path.stat().st_size} B",
+        "encodingFormat": "application/x-parquet",
+        "sha256": digest,
+    }
+
+
+def _record_set(configuration: str, split: str) -> dict[str, Any]:
+    folder, columns = CONFIGURATIONS[configuration]
+    name = f"{configuration}_{split}"
+    # The format has no arrays of numbers in a cell; the picture stands for the imprint.
+    described = [column for column in columns if column.dtype != IMPRINT]
+    return {
+        "@type": "cr:RecordSet",
+        "@id": name,
+        "name": name,
+        "field": [_field(column, name, f"{folder}/{split}.parquet") for column in described],
+    }
+
+
+def _field(column: Column, record_set: str, file: str) -> dict[str, Any]:
+    source: dict[str, Any] = {
+        "fileObject": {"@id": file},
+        "extract": {"column": column.name},
+    }
+    if column.dtype == IMAGE:
+        source["transform"] = {"jsonPath": "bytes"}
+    return {
+        "@type": "cr:Field",
+        "@id": f"{record_set}/{column.name}",
+        "name": column.name,
+        "description": column.description,
+        "dataType": "sc:ImageObject" if column.dtype == IMAGE else _TYPES[str(column.dtype)],
+        "source": source,
+    }

@@ -1,0 +1,187 @@
+"""Write a data set into a folder of its own."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from visuohaptic.errors import ExportError
+from visuohaptic.export.card import CONFIGURATIONS, MARK, write_card
+from visuohaptic.export.columns import arrow_schema, data_rows
+from visuohaptic.export.contents import SPLITS, Contents, find_contents
+from visuohaptic.export.croissant import describe_files
+from visuohaptic.meshes.catalogue import Credit, read_credits
+from visuohaptic.parameters import read_parameters
+from visuohaptic.tables.phases import TOUCHES, key_of
+from visuohaptic.tables.schema import read_table
+from visuohaptic.whole_files import whole_file, write_whole
+
+CARD, CREDITS, CROISSANT = "README.md", "credits.csv", "croissant.json"
+PARQUET = tuple(
+    f"{folder}/{split}.parquet" for folder, _ in CONFIGURATIONS.values() for split in SPLITS
+)
+FILES = (CARD, CREDITS, CROISSANT, *PARQUET)
+"""All files of an export."""
+
+
+@dataclass(frozen=True)
+class Export:
+    """A written data set: where it lies, and what it holds."""
+
+    folder: Path
+    contents: Contents
+
+    def size_of(self, folder: str) -> int:
+        """Give the bytes of a folder's Parquet files."""
+        return sum(
+            (self.folder / name).stat().st_size for name in PARQUET if name.startswith(f"{folder}/")
+        )
+
+
+def export_run(run: str | Path, folder: str | Path) -> Export:
+    """Export the touches of a finished run, in its folder as the workflow lays it out.
+
+    Takes ``params.yaml``, ``results/touches`` and the credits below ``meshes``. Raises what
+    `make_export` does, and `ParameterError` if the parameters can't be read.
+    """
+    run = Path(run)
+    seed = read_parameters(run / "params.yaml").seed
+    touches = sorted((run / "results/touches").rglob("*.parquet"))
+    if not touches:
+        raise ExportError(
+            f"{run / 'results/touches'} holds no touches; name the folder of a finished run, or run "
+            "`snakemake -j2` there first."
+        )
+    credit_files = [run / "meshes/catalogue.csv", run / "meshes/paper/credits.csv"]
+    return make_export(touches, credit_files, folder, seed)
+
+
+def make_export(
+    touches: Sequence[str | Path], credit_files: Sequence[str | Path], folder: str | Path, seed: int
+) -> Export:
+    """Write touches as a data set that `datasets.load_dataset(folder)` reads as it is.
+
+    The same touches, credits and seed give the same files bit for bit.
+
+    Parameters
+    ----------
+    touches : sequence of path
+        Parts of table `touches`, in any order.
+    credit_files : sequence of path
+        CSV files with the columns class, object, author, licence and source_url; one that is
+        missing is passed over.
+    folder : path
+        New, empty, or an earlier export, which is replaced.
+    seed : int
+        By which objects are divided into training and test objects.
+
+    Returns
+    -------
+    Export
+        What was written.
+
+    Raises
+    ------
+    ExportError
+        If the folder holds anything else, or the touches can't be divided.
+    TableError
+        If a part of the touches breaks its schema.
+    """
+    files, folder = sorted(map(Path, touches)), Path(folder)
+    contents = find_contents(files, read_credits(credit_files), seed)
+    _take_over(folder)
+    # First of all, so that a folder whose export was interrupted is known as one.
+    write_whole(folder / CARD, write_card(contents))
+    write_whole(folder / CREDITS, _credits_of(contents))
+    _write_rows(files, contents, folder)
+    written = {name: folder / name for name in PARQUET}
+    write_whole(folder / CROISSANT, describe_files(contents, written))
+    return Export(folder, contents)
+
+
+def _take_over(folder: Path) -> None:
+    """Make the folder, or remove the earlier export in it; anything else is refused."""
+    if folder.exists() and not folder.is_dir():
+        raise ExportError(f"{folder} is a file; name a folder.")
+    present = list(_entries(folder))
+    if any(file.is_file() for file in present) and not _is_marked(folder / CARD):
+        raise ExportError(
+            f"{folder} is not empty and holds no export; name a new or an empty folder."
+        )
+    for name in FILES:
+        (folder / name).unlink(missing_ok=True)
+
+
+def _entries(folder: Path) -> Iterator[Path]:
+    """List what lies in an export's folder; raise `ExportError` at anything that is no part of one."""
+    folders = {str(Path(name).parent) for name in PARQUET}
+    for place in (folder, *(folder / name for name in folders)):
+        for entry in sorted(place.iterdir()) if place.is_dir() else []:
+            name = entry.relative_to(folder).as_posix()
+            allowed = entry.is_file() if name in FILES else entry.is_dir() and name in folders
+            if entry.is_symlink() or not allowed:
+                raise ExportError(
+                    f"{folder} holds {name}, which is no part of an export; name a new or an empty "
+                    "folder."
+                )
+            yield entry
+
+
+def _is_marked(card: Path) -> bool:
+    return card.is_file() and MARK in card.read_text(encoding="utf-8", errors="replace")
+
+
+def _write_rows(files: Sequence[Path], contents: Contents, folder: Path) -> None:
+    """Write the rows of all files, one after the other, into every configuration and split."""
+    schemas = {name: arrow_schema(columns) for name, columns in CONFIGURATIONS.values()}
+    with ExitStack() as stack:
+        writers = {}
+        for name in PARQUET:
+            unfinished = stack.enter_context(whole_file(folder / name))
+            writer = pq.ParquetWriter(
+                unfinished, schemas[Path(name).parent.name], compression="zstd"
+            )
+            writers[name] = stack.enter_context(writer)
+        before = 0
+        for file in files:
+            touches = read_table(TOUCHES, file)
+            numbers = before + _sequence_numbers(touches)
+            before = numbers[-1] + 1
+            rows = data_rows(touches, contents.classes, contents.credits)
+            kept = {"data": numbers >= 0, "lite": numbers % contents.every == 0}
+            splits = np.array([contents.split_of(key_of(row)) for row in _owners(touches)])
+            for name, writer in writers.items():
+                chosen = kept[Path(name).parent.name] & (splits == Path(name).stem)
+                if chosen.any():  # `datasets` can't read a file whose first row group is empty
+                    writer.write_table(rows.filter(chosen).select(writer.schema.names))
+
+
+def _owners(touches: pa.Table) -> list[dict[str, str]]:
+    owners: list[dict[str, str]] = touches.select(["class", "object"]).to_pylist()
+    return owners
+
+
+def _sequence_numbers(table: pa.Table) -> np.ndarray:
+    """Give rows, sorted by sequences of touches, the number of their sequence, from 0."""
+    keys = table.select(["class", "object", "viewpoint", "strategy"]).to_pylist()
+    return np.cumsum([0, *(one != other for one, other in pairwise(keys))])
+
+
+def _credits_of(contents: Contents) -> str:
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(["class", "object", "split", "author", "licence", "source_url"])
+    for key in contents.touches:
+        credit = contents.credits.get(key, Credit("", "", ""))
+        owner = (*key.split("/", 1), contents.split_of(key))
+        writer.writerow((*owner, credit.author, credit.licence, credit.source_url))
+    return stream.getvalue()

@@ -1,0 +1,93 @@
+"""How far an object's touches lie from those of known objects, as sets of points."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.recognition.encoding import fit_standardiser
+from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES
+
+POSITION_WEIGHT = 2.0
+"""How much more a position, in object radii, counts than a unit normal."""
+
+POSE_CUES = frozenset({"pose", "embedding"})
+"""With one of these cues, touches are compared by where they are, not by what is felt alone."""
+
+
+@dataclass(frozen=True)
+class KnownTouches:
+    """The touches of known objects.
+
+    Attributes
+    ----------
+    weights : numpy.ndarray
+        Shape (k,), float64: what each feature of a touch is multiplied by.
+    touches : numpy.ndarray
+        Shape (m, k), float32: weighted touches, object by object.
+    starts : numpy.ndarray
+        Shape (r,), int64: the place of each object's first touch.
+    """
+
+    weights: NDArray[np.float64]
+    touches: NDArray[np.float32]
+    starts: NDArray[np.int64]
+
+    def nearest(self, touches: NDArray[np.float64]) -> float:
+        """Give the distance of an object from the nearest known one.
+
+        The distance of two sets is the mean distance of a touch from the nearest of the other set, both
+        ways (the symmetric Chamfer distance: H. G. Barrow et al., IJCAI 1977).
+
+        Parameters
+        ----------
+        touches : numpy.ndarray
+            Shape (n, k), float64: all touches of the object.
+        """
+        from sklearn.metrics.pairwise import euclidean_distances
+
+        found = euclidean_distances((touches * self.weights).astype(np.float32), self.touches)
+        there = np.minimum.reduceat(found, self.starts, axis=1).mean(axis=0, dtype=np.float64)
+        counts = np.diff(np.append(self.starts, len(self.touches)))
+        back = np.add.reduceat(found.min(axis=0).astype(np.float64), self.starts) / counts
+        return float((there + back).min() / 2)
+
+
+def keep_touches(
+    sequences: NDArray[np.float64],
+    names: Sequence[str],
+    owners: NDArray[np.int64],
+    cues: Collection[str],
+) -> KnownTouches:
+    """Keep the touches of training objects.
+
+    Parameters
+    ----------
+    sequences : numpy.ndarray
+        Shape (s, t, k), float64: sequences of t touches with k features.
+    names : sequence of str
+        The k features. All but pose are standardised, and count together as much as a unit normal.
+    owners : numpy.ndarray
+        Shape (s,), int64: the object of each sequence.
+    cues : collection of str
+        Cues of pipeline `best`; without one of `POSE_CUES` pose counts nothing.
+
+    Returns
+    -------
+    KnownTouches
+        All touches.
+    """
+    count = sequences.shape[2]
+    felt = np.array([name not in {*POINT_NAMES, *NORMAL_NAMES} for name in names])
+    every = sequences.reshape(-1, count)
+    scale = fit_standardiser(every, "standardise").scale
+    pose = np.where(np.isin(names, POINT_NAMES), POSITION_WEIGHT, 1.0)
+    pose *= not POSE_CUES.isdisjoint(cues)
+    weights = np.where(felt, 1 / scale / np.sqrt(max(felt.sum(), 1)), pose)
+    order = np.argsort(owners, kind="stable")
+    _, first = np.unique(owners[order], return_index=True)
+    kept = (sequences[order].reshape(-1, count) * weights).astype(np.float32)
+    return KnownTouches(weights, kept, first.astype(np.int64) * sequences.shape[1])

@@ -1,0 +1,204 @@
+"""How sure answers are: prediction sets against their stated coverage, and objects of no known class."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from visuohaptic.errors import ReportError
+from visuohaptic.recognition.certainty import least_objects
+from visuohaptic.recognition.summary import select
+from visuohaptic.report.charts import Point, PointChart, place_points
+from visuohaptic.report.comparison import Figure
+from visuohaptic.report.wording import counted, percent, strategy_name, titled
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import CERTAINTY
+
+HEIGHT = 260
+"""Of a chart, pixels."""
+
+MARGIN = 10.0
+"""Left free on either side, percent of the width."""
+
+STATED = tuple(share / 20 for share in range(10, 20))
+"""Coverages at which sets are drawn: 50 to 95 %."""
+
+BINS = 10
+
+Row = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class CertaintyFigures:
+    """What the section shows.
+
+    Attributes
+    ----------
+    sentences : tuple of str
+        The answer.
+    stated : float
+        Stated coverage.
+    least : int
+        Training objects that this coverage needs before it leaves anything out.
+    enough : bool
+        Whether there were so many: else the charts would show nothing but that.
+    rows : tuple of mapping
+        By strategy and views: ``strategy``, ``views``, ``set_size``, ``area``, and as `Figure`
+        ``accuracy``, ``coverage``, ``false_unknown``, ``found_unknown``.
+    classes, views : int
+        Classes, each left out once; largest number of views, which the charts show.
+    strategies : tuple of str
+        In the order of their colours.
+    coverage : PointChart
+        Measured against stated coverage.
+    diagonal : tuple of float
+        x1, y1, x2 and y2 of the line where both are equal.
+    strangeness : tuple of (str, PointChart)
+        By strategy: how many known and unknown objects are how strange.
+    limit : float
+        From where on an object is called unknown, percent of the width of these charts.
+    """
+
+    sentences: tuple[str, ...]
+    stated: float
+    least: int
+    enough: bool
+    rows: tuple[Row, ...]
+    classes: int
+    views: int
+    strategies: tuple[str, ...]
+    coverage: PointChart
+    diagonal: tuple[float, float, float, float]
+    strangeness: tuple[tuple[str, PointChart], ...]
+    limit: float
+
+
+def certainty_figures(
+    table: str | Path | None, figures: str | Path | None
+) -> CertaintyFigures | None:
+    """Read `tables.CERTAINTY` and the figures beside it; None where they were not measured.
+
+    Raises `ReportError` if the figures can't be read.
+    """
+    if table is None or figures is None or not (Path(table).is_file() and Path(figures).is_file()):
+        return None
+    measured = read_table(CERTAINTY, table)
+    rows = _read_figures(Path(figures))
+    views = max(row["views"] for row in rows)
+    most = select(measured, views=views)
+    strategies = tuple(dict.fromkeys(row["strategy"] for row in rows))
+    stated = rows[0]["stated"]
+    classes = len(measured.column("left_out").unique())
+    return CertaintyFigures(
+        tuple(_sentence(row) for row in rows if row["views"] == views),
+        stated,
+        least_objects(stated),
+        any(row["set_size"] < classes - 1 for row in rows),
+        rows,
+        classes,
+        views,
+        strategies,
+        coverage_chart(most, strategies),
+        (_stated_x(STATED[0]), _share_y(STATED[0]), _stated_x(1.0), _share_y(1.0)),
+        tuple(
+            (strategy, strangeness_chart(select(most, strategy=strategy)))
+            for strategy in strategies
+        ),
+        round(_across(stated), 2),
+    )
+
+
+def coverage_chart(rows: pa.Table, strategies: Sequence[str]) -> PointChart:
+    """Place the share of known objects whose class is in the set against the stated coverage."""
+    series = []
+    for strategy in strategies:
+        fits = select(rows, strategy=strategy, known=True).column("fit").to_numpy()
+        points = []
+        for stated in STATED:
+            held = float(np.mean(fits > 1 - stated + 1e-12))
+            label = f"{strategy_name(strategy)}, {percent(stated, 0)} stated: {percent(held)}"
+            points.append(Point(stated, held, label))
+        series.append(points)
+    marks, lines = place_points(enumerate(series), _stated_x, _share_y)
+    return PointChart(
+        height=HEIGHT + 44,
+        bottom=HEIGHT,
+        x_ticks=tuple(
+            (round(_stated_x(x), 2), percent(x, 0)) for x in (0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+        ),
+        y_ticks=tuple((_share_y(y), percent(y, 0)) for y in (0.0, 0.25, 0.5, 0.75, 1.0)),
+        lines=lines,
+        marks=marks,
+    )
+
+
+def strangeness_chart(rows: pa.Table) -> PointChart:
+    """Place how many objects are how strange, in tenths: known ones, then unknown ones."""
+    series = []
+    for known, name in ((True, "known"), (False, "unknown")):
+        values = select(rows, known=known).column("strangeness").to_numpy()
+        counts, edges = np.histogram(values, BINS, (0.0, 1.0))
+        shares = counts / max(len(values), 1)
+        series.append(
+            [
+                Point(
+                    (low + high) / 2,
+                    share,
+                    f"{percent(share)} of {name} objects, strangeness {low:.1f} to {high:.1f}",
+                )
+                for low, high, share in zip(edges[:-1], edges[1:], shares.tolist(), strict=True)
+            ]
+        )
+    marks, lines = place_points(enumerate(series), _across, _share_y)
+    return PointChart(
+        height=HEIGHT + 44,
+        bottom=HEIGHT,
+        x_ticks=tuple((round(_across(x), 2), f"{x:g}") for x in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)),
+        y_ticks=tuple((_share_y(y), percent(y, 0)) for y in (0.0, 0.25, 0.5, 0.75, 1.0)),
+        lines=lines,
+        marks=marks,
+    )
+
+
+def _sentence(row: Row) -> str:
+    return (
+        f"{titled(strategy_name(row['strategy']))}, {counted(row['views'], 'view')}: the prediction set "
+        f"holds the true class of {percent(row['coverage'].mean)} of the objects of known classes, "
+        f"{percent(row['stated'], 0)} stated, with {row['set_size']:.2f} classes on average; "
+        f"{percent(row['found_unknown'].mean)} of the objects of unknown classes are called unknown, and "
+        f"{percent(row['false_unknown'].mean)} of the known ones (area under the curve "
+        f"{row['area']:.2f})."
+    )
+
+
+def _read_figures(path: Path) -> tuple[Row, ...]:
+    try:
+        return tuple(
+            {
+                name: Figure(*value) if isinstance(value, list) else value
+                for name, value in row.items()
+            }
+            for row in json.loads(path.read_text(encoding="utf-8"))
+        )
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise ReportError(
+            f"{path} holds no figures of certainty ({error}); run `snakemake -j2 certainty_all` again."
+        ) from error
+
+
+def _across(share: float) -> float:
+    return MARGIN + (100 - 2 * MARGIN) * share
+
+
+def _stated_x(stated: float) -> float:
+    return _across((stated - STATED[0]) / (1 - STATED[0]))
+
+
+def _share_y(share: float) -> float:
+    return round(HEIGHT * (1 - share), 1)

@@ -1,0 +1,32 @@
+"""Read an export as its users do: `python tests/export/load_with_datasets.py FOLDER`.
+
+It needs `pip install datasets mlcroissant`, which this project does not, and is no test of the suite.
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+import mlcroissant
+import numpy as np
+from datasets import load_dataset
+
+folder = sys.argv[1]
+with tempfile.TemporaryDirectory() as cache:
+    for name in ("default", "lite"):
+        splits = load_dataset(folder, name, cache_dir=cache)
+        row = splits["test"][0]
+        assert row["image"].size == (32, 32)
+        assert splits["test"].features["label"].int2str(row["label"]) == row["class"]
+        train, test = (
+            set(zip(splits[split]["class"], splits[split]["object"], strict=True))
+            for split in ("train", "test")
+        )
+        assert train
+        assert test
+        assert not train & test
+        sys.stdout.write(f"{name}: {splits.num_rows}, {len(train)} and {len(test)} objects\n")
+    first = load_dataset(folder, cache_dir=cache)["train"].with_format("numpy")[:9]
+    assert np.abs(255 * first["imprint"] - np.stack(first["image"])).max() <= 0.5001
+croissant = mlcroissant.Dataset(jsonld=str(Path(folder) / "croissant.json"))
+assert next(iter(croissant.records("lite_test")))["lite_test/image"].size == (32, 32)

@@ -1,0 +1,261 @@
+"""A run's touches as a data set: schema, pictures, splits, credits, and whose folder may be replaced."""
+
+import csv
+import hashlib
+import io
+import json
+import shutil
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+import yaml
+from PIL import Image
+from report.synthetic import lay_out
+
+from visuohaptic.errors import ExportError
+from visuohaptic.export import contents as export_contents
+from visuohaptic.export.card import MARK
+from visuohaptic.export.files import FILES, PARQUET, export_run, make_export
+from visuohaptic.tables.phases import TOUCHES
+from visuohaptic.tables.schema import images, read_table, write_table
+
+KEYS = (
+    "cup/mug",
+    "cup/a|b",
+    "cup/c",
+    "ball/<b>x</b>",
+    "ball/Kännchen 茶",
+    'ball/\'y: "z"',
+    "one/one",
+)
+ODD = 'ball | "of" <b>: #'
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = lay_out(tmp_path_factory.mktemp("run"), KEYS)
+    credits_file = folder / "meshes/paper/credits.csv"
+    credits_file.parent.mkdir(parents=True)
+    credits_file.write_text(
+        "class,object,author,licence,source_url\n"
+        'cup,mug,"Ada, ""Countess""\nof Lovelace",CC-BY-3.0,https://example.org\n'
+        "cup,c,Bob,My own terms,\n"
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def exported(run, tmp_path_factory):
+    return export_run(run, tmp_path_factory.mktemp("out") / "export")
+
+
+def rows_of(folder, configuration="data"):
+    """Read both splits, with the split of each row."""
+    return {
+        split: pq.read_table(folder / configuration / f"{split}.parquet")
+        for split in ("train", "test")
+    }
+
+
+def owners(table):
+    return set(zip(*(table.column(name).to_pylist() for name in ("class", "object")), strict=True))
+
+
+def header(folder):
+    return yaml.safe_load((folder / "README.md").read_text().split("---\n")[1])
+
+
+def contents_of(folder):
+    return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def test_every_touch_is_there_once_with_its_imprint_as_picture_and_in_full(run, exported):
+    rows = pa.concat_tables(rows_of(exported.folder).values())
+    rows = rows.sort_by([(key, "ascending") for key in TOUCHES.keys])
+    touches = read_table(TOUCHES, run / "results/touches")
+    for name in (*TOUCHES.keys, "sensor_size", "x", "tangent_z"):
+        assert rows.column(name).to_pylist() == touches.column(name).to_pylist()
+    imprints = images(touches)
+    np.testing.assert_array_equal(np.array(rows.column("imprint").to_pylist(), "f4"), imprints)
+    for stored, imprint in zip(rows.column("image").to_pylist(), imprints, strict=True):
+        picture = Image.open(io.BytesIO(stored["bytes"]))
+        assert (picture.mode, picture.size, picture.format) == ("L", (32, 32), "PNG")
+        assert np.abs(np.asarray(picture) / 255 - imprint).max() <= 0.5 / 255 + 1e-7
+
+
+def test_no_object_is_in_two_splits_and_each_class_with_two_objects_is_in_both(exported):
+    for configuration in ("data", "lite"):
+        train, test = map(owners, rows_of(exported.folder, configuration).values())
+        assert not train & test
+        assert {"/".join(owner) for owner in train | test} == set(KEYS)
+        assert {owner[0] for owner in test} == {"ball", "cup"}
+        assert {owner[0] for owner in train} == {"ball", "cup", "one"}
+
+
+def test_labels_are_the_names_in_the_header_and_types_are_those_of_the_files(exported):
+    described = {
+        entry["config_name"]: entry["features"] for entry in header(exported.folder)["dataset_info"]
+    }
+    for configuration, features in (("data", described["default"]), ("lite", described["lite"])):
+        dtypes = {feature["name"]: feature["dtype"] for feature in features}
+        names = dtypes["label"]["class_label"]["names"]
+        for table in rows_of(exported.folder, configuration).values():
+            assert table.schema.names == list(dtypes)
+            assert [names[str(label)] for label in table.column("label").to_pylist()] == (
+                table.column("class").to_pylist()
+            )
+    assert dtypes["image"] == "image"
+    assert (dtypes["viewpoint"], dtypes["x"], dtypes["class"]) == ("int32", "float64", "string")
+    assert "imprint" not in dtypes
+    imprint = described["default"][-1]
+    assert imprint["dtype"] == {"array2_d": {"shape": [32, 32], "dtype": "float32"}}
+
+
+def test_the_header_names_the_files_of_each_split(exported):
+    found = [
+        file["path"] for entry in header(exported.folder)["configs"] for file in entry["data_files"]
+    ]
+    assert tuple(found) == PARQUET
+    assert all((exported.folder / name).is_file() for name in found)
+
+
+def test_licences_and_authors_stand_by_object_in_each_row_and_in_the_card(exported):
+    with (exported.folder / "credits.csv").open(newline="", encoding="utf-8") as stream:
+        credited = {f"{row['class']}/{row['object']}": row for row in csv.DictReader(stream)}
+    assert set(credited) == set(KEYS)
+    assert credited["cup/mug"]["author"] == 'Ada, "Countess"\nof Lovelace'
+    assert credited["one/one"]["licence"] == ""
+    for split, table in rows_of(exported.folder).items():
+        for row in table.select(["class", "object", "author", "licence"]).to_pylist():
+            entry = credited[f"{row['class']}/{row['object']}"]
+            assert (entry["author"], entry["licence"], entry["split"]) == (
+                row["author"], row["licence"], split,
+            )  # fmt: skip
+    assert header(exported.folder)["license"] == ["cc-by-3.0", "other"]
+    assert "| not known" in (exported.folder / "README.md").read_text()
+
+
+def test_croissant_describes_every_file_and_column_by_its_bytes(exported):
+    described = json.loads((exported.folder / "croissant.json").read_text())
+    files = {entry["@id"]: entry for entry in described["distribution"]}
+    assert tuple(files) == PARQUET
+    for name, entry in files.items():
+        assert entry["sha256"] == hashlib.sha256((exported.folder / name).read_bytes()).hexdigest()
+    for record_set in described["recordSet"]:
+        file = record_set["field"][0]["source"]["fileObject"]["@id"]
+        columns = [field["source"]["extract"]["column"] for field in record_set["field"]]
+        schema = pq.read_schema(exported.folder / file)
+        assert columns == [name for name in schema.names if name != "imprint"]
+
+
+def test_two_exports_are_the_same_bit_for_bit_in_any_order_of_the_parts(run, tmp_path):
+    touches = read_table(TOUCHES, run / "results/touches")
+    half = touches.num_rows // 2
+    parts = [tmp_path / "a.parquet", tmp_path / "b.parquet"]
+    write_table(TOUCHES, touches.slice(0, half), parts[0])
+    write_table(TOUCHES, touches.slice(half), parts[1])
+    first = make_export(parts, [], tmp_path / "first", 1).folder
+    second = make_export(parts[::-1], [], tmp_path / "second", 1).folder
+    assert [*contents_of(first).values()] == [*contents_of(second).values()]
+
+
+def test_another_seed_may_draw_other_test_objects_and_other_classes_change_none():
+    keys = [f"{name}/{number}" for name in "ab" for number in range(10)]
+    drawn = {tuple(sorted(export_contents.choose_tested(keys, seed))) for seed in range(9)}
+    assert len(drawn) > 1
+    assert all(len(tested) == 4 for tested in drawn)
+    alone = export_contents.choose_tested(keys[:10], 0)
+    assert alone == export_contents.choose_tested(keys, 0)[:2]
+
+
+def test_the_lite_version_takes_whole_sequences_until_it_fits(run, tmp_path, monkeypatch):
+    full = export_run(run, tmp_path / "full")
+    most = full.size_of("lite") // 2
+    monkeypatch.setattr(export_contents, "LITE_BYTES", most)
+    lite = export_run(run, tmp_path / "lite")
+    assert lite.size_of("lite") <= most
+    rows = pa.concat_tables(rows_of(lite.folder, "lite").values())
+    counts = rows.group_by(["class", "object", "viewpoint", "strategy"]).aggregate(
+        [([], "count_all")]
+    )
+    assert set(counts.column("count_all").to_pylist()) == {5}
+    assert rows_of(lite.folder)["train"].num_rows == rows_of(full.folder)["train"].num_rows
+
+
+def test_an_earlier_export_is_replaced_and_an_interrupted_one_too(run, exported, tmp_path):
+    copy = shutil.copytree(exported.folder, tmp_path / "export")
+    (copy / "croissant.json").unlink()
+    (copy / "data/test.parquet").unlink()
+    (copy / "lite/train.parquet").write_bytes(b"half")
+    export_run(run, copy)
+    assert [*contents_of(copy).values()] == [*contents_of(exported.folder).values()]
+
+
+@pytest.mark.parametrize(
+    "stranger", ["README.md", "notes.txt", "data/train.parquet", "data/x.csv", ".git/config"]
+)
+def test_a_folder_with_anything_else_is_refused_and_left_as_it_is(run, tmp_path, stranger):
+    file = tmp_path / "mine" / stranger
+    file.parent.mkdir(parents=True)
+    file.write_text("mine")
+    with pytest.raises(ExportError, match=r"mine (holds|is not empty)"):
+        export_run(run, tmp_path / "mine")
+    assert contents_of(tmp_path / "mine") == {file: b"mine"}
+
+
+def test_an_export_to_which_someone_added_a_file_is_refused(run, exported, tmp_path):
+    copy = shutil.copytree(exported.folder, tmp_path / "export")
+    (copy / "data/more.parquet").write_text("mine")
+    before = contents_of(copy)
+    with pytest.raises(ExportError, match=r"data/more\.parquet"):
+        export_run(run, copy)
+    assert contents_of(copy) == before
+
+
+@pytest.mark.parametrize("name", ["data", "README.md"])
+def test_a_link_inside_is_not_followed(run, exported, tmp_path, name):
+    copy = shutil.copytree(exported.folder, tmp_path / "export")
+    elsewhere = shutil.move(copy / name, tmp_path / "elsewhere")
+    (copy / name).symlink_to(elsewhere)
+    before = contents_of(tmp_path)
+    with pytest.raises(ExportError, match="no part of an export"):
+        export_run(run, copy)
+    assert contents_of(tmp_path) == before
+
+
+def test_nothing_but_the_files_of_an_export_is_written(exported):
+    found = {path.relative_to(exported.folder).as_posix() for path in contents_of(exported.folder)}
+    assert found == set(FILES)
+
+
+def test_names_can_not_write_the_card(run, tmp_path):
+    touches = read_table(TOUCHES, run / "results/touches")
+    names = [ODD if name == "ball" else name for name in touches.column("class").to_pylist()]
+    place = touches.schema.get_field_index("class")
+    renamed = touches.set_column(place, touches.schema.field(place), pa.array(names))
+    write_table(TOUCHES, renamed, tmp_path / "t.parquet")
+    folder = make_export([tmp_path / "t.parquet"], [], tmp_path / "out", 1).folder
+    assert (
+        ODD
+        in header(folder)["dataset_info"][0]["features"][1]["dtype"]["class_label"][
+            "names"
+        ].values()
+    )
+    card = (folder / "README.md").read_text().split(MARK)[1]
+    assert ODD not in card
+    assert r"| ball \| " in card
+
+
+def test_what_can_not_be_exported_is_said_before_anything_is_written(run, tmp_path):
+    touches = read_table(TOUCHES, run / "results/touches")
+    write_table(TOUCHES, touches.slice(0, 0), tmp_path / "none.parquet")
+    write_table(TOUCHES, touches.slice(0, 5), tmp_path / "one.parquet")
+    with pytest.raises(ExportError, match="no touch"):
+        make_export([tmp_path / "none.parquet"], [], tmp_path / "out", 1)
+    with pytest.raises(ExportError, match="one object"):
+        make_export([tmp_path / "one.parquet"], [], tmp_path / "out", 1)
+    with pytest.raises(ExportError, match="is a file"):
+        make_export([run / "results/touches/all.parquet"], [], tmp_path / "one.parquet", 1)
+    assert not (tmp_path / "out").exists()

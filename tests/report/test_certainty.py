@@ -1,0 +1,113 @@
+"""The section on certainty shows what was measured, and names the command where nothing was."""
+
+import numpy as np
+import pytest
+from report.pages import read_page
+from report.synthetic import lay_out
+
+from visuohaptic.errors import ReportError
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.report.certainty import (
+    HEIGHT,
+    certainty_figures,
+    coverage_chart,
+    strangeness_chart,
+)
+from visuohaptic.report.page import render_page
+from visuohaptic.report.run import read_run
+from visuohaptic.report.run_folder import find_run
+from visuohaptic.studies.certainty import summarise_certainty
+from visuohaptic.studies.figures import write_json
+from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.studies import CERTAINTY
+
+
+def certainty_table(fits=(0.05, 0.15, 0.45, 0.95), strange=(0.25, 0.65, 0.95, 1.0), candidates=1):
+    """Give two strategies that name each of `fits` known and of `strange` unknown objects by 4 views."""
+    rows = [
+        {
+            "strategy": strategy, "classifier": "naive_bayes", "left_out": left_out,
+            "class": left_out if not known else "cup", "object": f"{known}{place}", "views": 4,
+            "known": known, "correct": known, "covered": known and value > 0.1,
+            "fit": value if known else 0.0, "candidates": candidates,
+            "strangeness": 0.35 if known else value, "evidence": 0.35 if known else value,
+            "unknown": not known and value > 0.9,
+        }
+        for strategy in ("fixation", "random")
+        for left_out in ("ball", "box", "can")
+        for known, values in ((True, fits), (False, strange))
+        for place, value in enumerate(values)
+    ]  # fmt: skip
+    return build_table(CERTAINTY, {name: [row[name] for row in rows] for name in rows[0]})
+
+
+def write_certainty(folder, **columns):
+    """Write the table and its figures where the workflow does."""
+    table = certainty_table(**columns)
+    write_table(CERTAINTY, table, folder / "results/certainty.parquet")
+    found = summarise_certainty(table, 0.9, IntervalParameters(), 1)
+    (folder / "reports").mkdir(exist_ok=True)
+    write_json(found, folder / "reports/certainty.json")
+    return folder / "results/certainty.parquet", folder / "reports/certainty.json"
+
+
+def test_the_chart_of_coverage_counts_the_sets_that_would_hold_the_class():
+    chart = coverage_chart(certainty_table(), ["fixation", "random"])
+    shares = [1 - mark.y / HEIGHT for mark in chart.marks if mark.series == 0]
+    # At 50 % sets hold what fits better than 50 %, at 60 % what fits better than 40 %, ...
+    np.testing.assert_allclose(
+        shares, [0.25, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.75, 0.75], atol=1e-3
+    )
+    assert "90 % stated: 75.0" in [mark.label for mark in chart.marks][8].replace(
+        "\N{NO-BREAK SPACE}", " "
+    )
+
+
+def test_the_charts_of_strangeness_hold_every_object_once():
+    chart = strangeness_chart(certainty_table())
+    shares = {
+        series: [1 - mark.y / HEIGHT for mark in chart.marks if mark.series == series]
+        for series in (0, 1)
+    }
+    np.testing.assert_allclose(shares[0], np.eye(10)[3], atol=1e-3)
+    np.testing.assert_allclose(shares[1], [0, 0, 0.25, 0, 0, 0, 0.25, 0, 0, 0.5], atol=1e-3)
+
+
+def test_the_sentences_have_the_figures_of_the_file(tmp_path):
+    figures = certainty_figures(*write_certainty(tmp_path))
+    assert figures.views == 4
+    assert figures.least == 9
+    assert figures.enough
+    first = figures.sentences[0].replace("\N{NO-BREAK SPACE}", " ")
+    assert first.startswith(
+        "Eye fixations, 4 views: the prediction set holds the true class of 75.0 %"
+    )
+    assert "50.0 % of the objects of unknown classes are called unknown" in first
+    assert "area under the curve 0.75" in first
+
+
+def test_sets_of_all_known_classes_are_said_to_come_of_too_few_objects(tmp_path):
+    assert not certainty_figures(*write_certainty(tmp_path, candidates=2)).enough
+
+
+def test_figures_that_can_not_be_read_are_named(tmp_path):
+    table, figures = write_certainty(tmp_path)
+    figures.write_text("[1]")
+    with pytest.raises(ReportError, match=r"certainty\.json holds no figures"):
+        certainty_figures(table, figures)
+    figures.unlink()
+    assert certainty_figures(table, figures) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("candidates", [1, 2, None])
+def test_the_page_shows_what_was_measured_or_the_command(tmp_path, candidates):
+    folder = lay_out(tmp_path)
+    if candidates:
+        write_certainty(folder, candidates=candidates)
+    found = find_run(folder)
+    page = read_page(render_page(read_run(found.files, found.parameters, found.objects)))
+    assert page.mismatches == []
+    assert ("snakemake -j2 certainty_all" in page.text) == (candidates is None)
+    assert ("Objects of unknown classes, random probing" in page.text) == (candidates == 1)
+    assert ("too few objects for that" in page.text) == (candidates == 2)
