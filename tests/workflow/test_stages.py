@@ -41,6 +41,7 @@ def test_no_output_of_a_stage_persists(stage):
 ASIDE = {
     "workflow/scripts/objects.py",
     "workflow/scripts/certainty.py",
+    "workflow/scripts/crate.py",
     "workflow/scripts/gaze.py",
     "workflow/scripts/reading.py",
     "workflow/scripts/readings.py",
