@@ -19,7 +19,7 @@ TO_RUN = [
 ]
 TO_DEVELOP = [
     *TO_RUN,
-    *(wanted for name in ("crate", "kubernetes", "s3", "dev") for wanted in EXTRAS[name]),
+    *(wanted for name in ("crate", "s3", "dev") for wanted in EXTRAS[name]),
 ]
 
 
