@@ -70,12 +70,12 @@ format: $(DEVELOP)
 	snakefmt Snakefile workflow/Snakefile workflow/rules
 
 # Pins every package with its hashes; needs `uv` on PATH. requirements.lock is what runs, requirements-dev.lock
-# adds what tests.
+# adds what tests: it is made first, as what runs must have versions that fit the tests' packages, too.
 PIN := uv pip compile --quiet pyproject.toml --group build --universal --python-version 3.11 --generate-hashes \
   --no-annotate --custom-compile-command "make lock"
 lock:
-	$(PIN) --extra workflow --output-file requirements.lock
-	$(PIN) --extra dev --constraint requirements.lock --output-file requirements-dev.lock
+	$(PIN) --extra dev --output-file requirements-dev.lock
+	$(PIN) --extra workflow --constraint requirements-dev.lock --output-file requirements.lock
 
 clean:
 	rm -rf results reports/report.html reports/metrics.json reports/plots logs .snakemake

@@ -17,7 +17,10 @@ TO_RUN = [
     *EXTRAS["report"],
     *PROJECT["dependency-groups"]["build"],
 ]
-TO_DEVELOP = [*TO_RUN, *EXTRAS["dev"]]
+TO_DEVELOP = [
+    *TO_RUN,
+    *(wanted for name in ("crate", "s3", "dev") for wanted in EXTRAS[name]),
+]
 
 
 def pinned(lock):

@@ -9,6 +9,7 @@ this test does not know fails it.
 import re
 import runpy
 import shlex
+import tomllib
 from importlib.metadata import metadata
 from importlib.util import find_spec
 from pathlib import Path
@@ -23,6 +24,7 @@ from visuohaptic.cli.commands import app
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 # Pages whose Python has a test of its own.
 RUN_ELSEWHERE = {"tour.md"}
@@ -100,9 +102,11 @@ def read_visuohaptic(arguments):
 
 def read_pip(arguments):
     assert arguments[0] == "install"
-    for wanted in arguments[1:]:
+    for wanted in (word for word in arguments[1:] if word != "-e"):
         name, _, extra = wanted.rstrip("]").partition("[")
-        if extra:
+        if name == ".":
+            assert extra in PROJECT["optional-dependencies"]
+        elif extra:
             assert extra in metadata(name).get_all("Provides-Extra")
 
 

@@ -42,6 +42,7 @@ ASIDE = {
     "workflow/scripts/objects.py",
     "workflow/scripts/certainty.py",
     "workflow/scripts/export.py",
+    "workflow/scripts/crate.py",
     "workflow/scripts/gaze.py",
     "workflow/scripts/reading.py",
     "workflow/scripts/readings.py",

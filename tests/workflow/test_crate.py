@@ -1,0 +1,89 @@
+"""`snakemake crate` packs a finished run with what made it, as RO-Crate asks for."""
+
+import hashlib
+import json
+import zipfile
+
+import pytest
+
+pytestmark = pytest.mark.workflow
+METADATA = "ro-crate-metadata.json"
+
+
+@pytest.fixture(scope="module")
+def crate(finished, tmp_path_factory):
+    """The experiment with its crate."""
+    experiment = finished.copy(tmp_path_factory.mktemp("crate") / "experiment")
+    experiment.snakemake("crate")
+    return experiment
+
+
+@pytest.fixture(scope="module")
+def archive(crate):
+    return zipfile.ZipFile(crate.folder / "reports/crate.zip")
+
+
+@pytest.fixture(scope="module")
+def entities(archive):
+    """What the crate describes, by name."""
+    graph = json.loads(archive.read(METADATA))["@graph"]
+    assert len({entity["@id"] for entity in graph}) == len(graph)
+    return {entity["@id"]: entity for entity in graph}
+
+
+def references(value):
+    """Give every name that an entity refers to."""
+    if isinstance(value, list):
+        return [name for item in value for name in references(item)]
+    return [value["@id"]] if isinstance(value, dict) else []
+
+
+def kinds(entity):
+    return {entity["@type"]} if isinstance(entity["@type"], str) else set(entity["@type"])
+
+
+def test_every_file_of_the_archive_is_described_with_its_size_and_hash(archive, entities):
+    names = set(archive.namelist()) - {METADATA}
+    assert names == {name for name, entity in entities.items() if "File" in kinds(entity)} - {
+        METADATA
+    }
+    for name in names - {"workflow/Snakefile"}:
+        content = archive.read(name)
+        assert entities[name]["contentSize"] == str(len(content))
+        assert entities[name]["sha256"] == hashlib.sha256(content).hexdigest()
+
+
+def test_what_an_entity_refers_to_is_described_in_the_crate(entities):
+    for entity in entities.values():
+        for name in (found for value in entity.values() for found in references(value)):
+            assert name in entities or name.startswith("https://"), (entity["@id"], name)
+
+
+def test_the_root_says_what_it_is_and_which_profile_it_follows(entities):
+    root = entities["./"]
+    assert {"name", "description", "datePublished", "license", "hasPart"} <= set(root)
+    assert "https://w3id.org/ro/wfrun/workflow/0.5" in references(root["conformsTo"])
+    main = entities[root["mainEntity"]["@id"]]
+    assert {"File", "SoftwareSourceCode", "ComputationalWorkflow"} <= kinds(main)
+    assert entities[main["programmingLanguage"]["@id"]]["name"] == "Snakemake"
+
+
+def test_the_run_has_parameters_and_all_results_of_the_finished_run(crate, finished, entities):
+    (run,) = (entity for entity in entities.values() if "CreateAction" in kinds(entity))
+    assert references(run["instrument"]) == ["workflow/Snakefile"]
+    parameters = {
+        entities[name]["name"]: entities[name]["value"] for name in references(run["object"])
+    }
+    assert json.loads(parameters["viewpoints"])["count"] == 2
+    tables = {name for name in finished.digests() if not name.startswith("results/study_")}
+    assert tables <= set(references(run["result"]))
+    assert {"reports/report.html", "results/records/report.json"} <= set(references(run["result"]))
+    assert crate.planned() == {}
+
+
+def test_the_library_for_crates_reads_it_back(crate):
+    from rocrate.rocrate import ROCrate
+
+    read = ROCrate(crate.folder / "reports/crate.zip")
+    assert read.mainEntity.id == "workflow/Snakefile"
+    assert read.get("reports/metrics.json")["encodingFormat"] == "application/json"

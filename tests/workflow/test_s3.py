@@ -1,0 +1,150 @@
+"""Results travel through S3: Snakemake's jobs keep them there, and DVC brings them to a colleague.
+
+The S3 is moto's server, in this process, on the loopback.
+"""
+
+import signal
+import subprocess
+import time
+
+import pytest
+
+pytest.importorskip("moto", reason="moto is not installed: pip install -e '.[dev]'")
+pytest.importorskip(
+    "snakemake_storage_plugin_s3",
+    reason="snakemake-storage-plugin-s3 is not installed: pip install -e '.[dev]'",
+)
+pytestmark = [pytest.mark.workflow, pytest.mark.long]
+
+
+class Bucket:
+    """A bucket of a server on this machine."""
+
+    def __init__(self, address):
+        import boto3
+
+        self.address = address
+        self.client = boto3.client("s3", endpoint_url=address)
+        self.client.create_bucket(Bucket="bucket")
+
+    def keys(self, prefix):
+        """List what the bucket holds below a prefix."""
+        pages = self.client.get_paginator("list_objects_v2").paginate(
+            Bucket="bucket", Prefix=f"{prefix}/"
+        )
+        return [entry["Key"] for page in pages for entry in page.get("Contents", [])]
+
+    def download(self, prefix, folder):
+        """Write what the bucket holds below a prefix into a folder."""
+        for key in self.keys(prefix):
+            file = folder / key.removeprefix(f"{prefix}/")
+            file.parent.mkdir(parents=True, exist_ok=True)
+            self.client.download_file("bucket", key, str(file))
+
+    def refuse_all_keys(self):
+        """Let the server check access keys from now on; it knows of none."""
+        import requests
+
+        requests.post(
+            f"{self.address}/moto-api/reset-auth", data="0", timeout=10
+        ).raise_for_status()
+
+
+@pytest.fixture
+def bucket(monkeypatch, tmp_path):
+    from moto.server import ThreadedMotoServer
+
+    # What this machine's user has for a real S3 stays out.
+    nothing = tmp_path / "nothing"
+    nothing.touch()
+
+    monkeypatch.setenv("AWS_ACCESS_KEY_ID", "name")
+    monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "secret")
+    monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
+    monkeypatch.setenv("AWS_EC2_METADATA_DISABLED", "true")
+    monkeypatch.setenv("AWS_CONFIG_FILE", str(nothing))
+    monkeypatch.setenv("AWS_SHARED_CREDENTIALS_FILE", str(nothing))
+    server = ThreadedMotoServer("127.0.0.1", 0, verbose=False)
+    server.start()
+    host, port = server.get_host_and_port()
+    yield Bucket(f"http://{host}:{port}")
+    server.stop()
+
+
+def without_seconds(experiment):
+    """Give the SHA-256 of every result that holds no measured seconds."""
+    timed = ("frontier", "effect_influence")
+    return {
+        name: digest
+        for name, digest in experiment.digests().items()
+        if not any(word in name for word in timed)
+    }
+
+
+def test_results_that_snakemake_keeps_on_s3_are_those_of_a_local_run(
+    fresh, finished, bucket, tmp_path
+):
+    experiment = fresh.copy(tmp_path / "experiment")
+    on_s3 = (
+        "--default-storage-provider", "s3", "--default-storage-prefix", "s3://bucket/run",
+        "--storage-s3-endpoint-url", bucket.address,
+    )  # fmt: skip
+    experiment.snakemake(*on_s3)
+    assert not list((experiment.folder / "results").rglob("*.parquet"))
+    found = type(fresh)(tmp_path / "found")
+    bucket.download("run", found.folder)
+    assert without_seconds(found) == without_seconds(finished)
+    assert "Nothing to be done" in experiment.snakemake("-n", *on_s3).stdout
+
+
+@pytest.fixture
+def shared(repository, bucket, tmp_path):
+    """A repository with results and a DVC remote in the bucket."""
+    experiment = repository.copy(tmp_path / "shared")
+    experiment.run("dvc", "remote", "add", "--default", "team", "s3://bucket/visuohaptic")
+    experiment.run("dvc", "remote", "modify", "team", "endpointurl", bucket.address)
+    experiment.commit("name the remote")
+    return experiment
+
+
+def push_until(experiment, bucket, count):
+    """Push one file after the other, and kill that when the bucket has a number of them."""
+    push = subprocess.Popen(
+        ["dvc", "push", "--jobs", "1"], cwd=experiment.folder,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    while push.poll() is None and len(bucket.keys("visuohaptic")) < count:
+        time.sleep(0.05)
+    push.send_signal(signal.SIGKILL)
+    push.wait()
+
+
+def test_a_colleague_gets_results_by_dvc_from_s3_also_after_a_push_that_was_cut_off(
+    shared, bucket, tmp_path
+):
+    push_until(shared, bucket, 5)
+    sent = set(bucket.keys("visuohaptic"))
+    output = shared.run("dvc", "push").stdout
+    all_files = set(bucket.keys("visuohaptic"))
+    assert sent < all_files
+    assert f"{len(all_files - sent)} files pushed" in output
+    shared.run("git", "clone", "-q", str(shared.folder), str(tmp_path / "clone"))
+    clone = type(shared)(tmp_path / "clone")
+    clone.run("dvc", "pull")
+    assert clone.digests() == shared.digests()
+    assert clone.planned() == {}
+    assert "up to date" in clone.run("dvc", "status").stdout
+    assert "Everything is up to date" in clone.run("dvc", "push").stdout
+
+
+def test_dvc_says_in_a_sentence_that_keys_are_wrong_or_missing(shared, bucket, monkeypatch):
+    bucket.refuse_all_keys()
+    wrong = shared.run("dvc", "push", check=False)
+    assert wrong.returncode
+    assert "ERROR: unexpected error - Forbidden" in wrong.stdout
+    assert "Traceback" not in wrong.stdout
+    monkeypatch.delenv("AWS_ACCESS_KEY_ID")
+    missing = shared.run("dvc", "push", check=False)
+    assert missing.returncode
+    assert "Unable to locate credentials" in missing.stdout
+    assert "Traceback" not in missing.stdout

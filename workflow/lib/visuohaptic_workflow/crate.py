@@ -1,0 +1,130 @@
+"""A finished run as one RO-Crate: tables, report, parameters and workflow, described for archives and other programs."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import visuohaptic
+from visuohaptic.optional_packages import require
+from visuohaptic.report.provenance import find_commit
+
+PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+    "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
+}
+LICENCE = (
+    "Who publishes this crate states the licence of its results. Models keep theirs, which "
+    "meshes/catalogue.csv names."
+)
+FORMATS = {
+    ".csv": "text/csv",
+    ".html": "text/html",
+    ".json": "application/json",
+    ".parquet": "application/vnd.apache.parquet",
+    ".ply": "application/octet-stream",
+    ".py": "text/x-python",
+    ".yaml": "application/yaml",
+}
+
+
+def write_crate(
+    archive: str | Path,
+    root: str | Path,
+    results: Iterable[str],
+    parameters: Mapping[str, Any],
+) -> None:
+    """Write a ZIP file that follows the RO-Crate profile Workflow Run Crate 0.5.
+
+    Parameters
+    ----------
+    archive : path
+        The ZIP file.
+    root : path
+        The clone that holds the workflow.
+    results : iterable of str
+        Files that the run made, relative to the working folder.
+    parameters : mapping of str
+        The sections of the run's parameters.
+
+    Raises
+    ------
+    MissingPackageError
+        If `rocrate` is not installed.
+    """
+    require("crate", "rocrate")
+    from rocrate.rocrate import ROCrate
+
+    root, results = Path(root), sorted(set(results))
+    crate = ROCrate()
+    crate.name = "A run of visuohaptic"
+    crate.description = (
+        "Objects were looked at, touched where the eye would fixate, and recognised from touch alone: "
+        "tables of every phase, metrics and report, with the workflow that made them."
+    )
+    crate.license = _entity(
+        crate, "#licence", "CreativeWork", name="Not stated", description=LICENCE
+    )
+    crate.root_dataset.append_to(
+        "conformsTo",
+        [_entity(crate, key, "CreativeWork", name=name, version=key.rpartition("/")[2]) for key, name in PROFILES.items()],
+    )  # fmt: skip
+    workflow = crate.add_workflow(
+        root / "workflow/Snakefile", "workflow/Snakefile", main=True, lang="snakemake",
+        properties={
+            "name": "visuohaptic", "version": visuohaptic.__version__,
+            "softwareRequirements": f"snakemake {version('snakemake')}, Python {platform.python_version()}",
+            "identifier": f"git commit {find_commit(root)}",
+        },
+    )  # fmt: skip
+    workflow["license"] = "https://spdx.org/licenses/MIT"
+    workflow.append_to("hasPart", [_add(crate, file, root) for file in _code(root)])
+    given = [
+        _entity(crate, f"#{name}", "PropertyValue", name=name, value=json.dumps(value))
+        for name, value in parameters.items()
+    ]
+    made = [_add(crate, name, Path()) for name in results]
+    run = crate.add_action(workflow, object=given, result=made)
+    run["name"] = "Run of the workflow"
+    newest = max(Path(name).stat().st_mtime for name in results)
+    run["endTime"] = datetime.fromtimestamp(newest, UTC).isoformat(timespec="seconds")
+    run["actionStatus"] = "http://schema.org/CompletedActionStatus"
+    crate.root_dataset.append_to("mentions", run)
+    Path(archive).parent.mkdir(parents=True, exist_ok=True)
+    unfinished = Path(archive).with_suffix(".part.zip")
+    crate.write_zip(unfinished)
+    unfinished.replace(archive)
+
+
+def _code(root: Path) -> list[str]:
+    """List what else of the clone is needed to run the workflow again, but for the models."""
+    files = [
+        root / name
+        for name in ("Snakefile", "pyproject.toml", "requirements.lock", "meshes/catalogue.csv")
+    ]
+    for folder in ("workflow", "src"):
+        files += [
+            file for file in sorted((root / folder).rglob("*"))
+            if file.is_file() and "__pycache__" not in file.parts and file != root / "workflow/Snakefile"
+        ]  # fmt: skip
+    return [str(file.relative_to(root)) for file in files if file.exists()]
+
+
+def _add(crate: Any, name: str, folder: Path) -> Any:
+    content = (folder / name).read_bytes()
+    properties = {"contentSize": str(len(content)), "sha256": hashlib.sha256(content).hexdigest()}
+    if found := FORMATS.get(Path(name).suffix):
+        properties["encodingFormat"] = found
+    return crate.add_file(folder / name, name, properties=properties)
+
+
+def _entity(crate: Any, key: str, kind: str, **properties: str) -> Any:
+    from rocrate.model.contextentity import ContextEntity
+
+    return crate.add(ContextEntity(crate, key, properties={"@type": kind, **properties}))

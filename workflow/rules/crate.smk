@@ -1,0 +1,24 @@
+"""Crate: a finished run → one ZIP file for archives, with the workflow that made it.
+
+Takes all results; gives reports/crate.zip. Not part of `all`: `snakemake -j2 crate`.
+"""
+
+
+rule crate:
+    input:
+        results=[*rules.all.input, "results/frontier_seconds.parquet"],
+        code=code_of("crate.py"),
+    output:
+        "reports/crate.zip",
+        record="results/records/crate.json",
+    log:
+        "logs/crate.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        root=os.path.relpath(ROOT),
+        parameters=PARAMETERS.model_dump(),
+    message:
+        "packing the run as an RO-Crate"
+    script:
+        "../scripts/crate.py"
