@@ -61,7 +61,7 @@ case $1 in
   package)
     run_pip --quiet --no-build-isolation --editable .
     "$IN_VENV" -c 'import visuohaptic.geometry.compiled_open3d' ||
-      stop "Open3D can't be loaded: install the libraries that the line above names (Debian, Ubuntu: apt install libusb-1.0-0 libgomp1)."
+      stop "Open3D can't be loaded: install the libraries that the line above names (Debian, Ubuntu: apt install libegl1 libgl1 libgomp1)."
     ;;
   develop)
     echo "Adding what tests need to .venv from requirements-dev.lock."

@@ -71,9 +71,11 @@ def judge_brought_files(jobs: Sequence[PlannedJob]) -> Judgement:
     kept, outdated = [], []
     for job in jobs:
         outputs = [file for file in job.outputs if os.path.lexists(file)]
+        if not outputs:  # its inputs would take long to list
+            continue
         inputs = [file for file in job.inputs if file in made_elsewhere and Path(file).exists()]
         foreign = [file for file in outputs if not is_made_here(file)]
-        if not outputs or (not foreign and all(map(is_made_here, inputs))):
+        if not foreign and all(map(is_made_here, inputs)):
             continue
         if is_current(job):
             kept.append(job)
