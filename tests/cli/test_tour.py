@@ -21,6 +21,7 @@ COMMANDS = [line for kind, text in BLOCKS if kind == "sh" for line in text.split
 SNAKEFILE = """
 configfile: "params.yaml"
 include: "workflow/rules/common.smk"
+include: "workflow/rules/study_conditions.smk"
 include: "workflow/rules/model.smk"
 """
 CATALOGUE = ROOT / "meshes" / "catalogue.csv"

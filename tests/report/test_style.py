@@ -8,7 +8,7 @@ import pytest
 STYLE = files("visuohaptic.report").joinpath("templates", "style.css").read_text("utf-8")
 LIGHT, DARK = (
     dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6})", block))
-    for block in re.findall(r":root \{(.*?)\}", STYLE, re.DOTALL)[:2]
+    for block in re.findall(r":root[^{]*\{(.*?)\}", STYLE, re.DOTALL)[:2]
 )
 TEXTS = ("ink", "quiet", "link")
 SERIES = ("fixation", "random", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
