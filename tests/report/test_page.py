@@ -163,6 +163,19 @@ def test_every_object_has_its_place(page):
     assert articles == sorted(OBJECTS)
 
 
+def test_of_many_objects_some_of_each_class_are_shown_and_all_are_counted(
+    files, source, monkeypatch
+):
+    monkeypatch.setattr("visuohaptic.report.objects.OBJECTS_AT_MOST", 2)
+    page = read_page(render(files))
+    articles = [element.attributes["data-name"] for element in page.named("article")]
+    assert [name.split("/")[0] for name in articles] == ["ball", "cup"]
+    assert "2 of 4 objects are shown here" in page.text
+    assert "4 objects" in page.text
+    counted = re.compile(r"Number of touches in each contact state.*?</table>", re.DOTALL)
+    assert counted.search(render(files))[0] == counted.search(source)[0]
+
+
 def test_methods_text_holds_the_parameters(page):
     assert "4 objects of 2 classes" in page.text
     assert "48 × 48 pixels" in page.text

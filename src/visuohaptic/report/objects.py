@@ -36,6 +36,8 @@ PredictionCounts = Mapping[tuple[str, int], Mapping[str, int]]
 _FACES_OF_ALL = 120_000
 _FACES_AT_MOST = 4_000
 _FACES_AT_LEAST = 1_200
+OBJECTS_AT_MOST = 100
+"""So many objects take 20 MB of the page with 16 views each."""
 # A process of its own starts in the time that so many objects take.
 _OBJECTS_WORTH_A_PROCESS = 8
 
@@ -105,8 +107,8 @@ class ObjectPage:
         Channels that did not run, in any view, each with the reason and where.
     named : mapping of str to mapping of str to float
         By strategy: the share of its test sequences that were named each class.
-    states : mapping of str to mapping of str to int
-        By strategy: how often each contact state was met.
+    strategies : tuple of str
+        Strategies that touched it.
     median_size : mapping of str to float
         By strategy: median edge of the square, object radii.
     model : PackedModel or None
@@ -127,15 +129,30 @@ class ObjectPage:
     conspicuity: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     named: Mapping[str, Mapping[str, float]]
-    states: Mapping[str, Mapping[str, int]]
+    strategies: tuple[str, ...]
     median_size: Mapping[str, float]
     model: PackedModel | None
     touch_keys: tuple[tuple[str, int, int, str], ...]
     sheets: Mapping[str, str]
 
 
+def choose_objects(run: Run) -> list[str]:
+    """Choose the objects that the page shows, `class/name`, sorted.
+
+    All, up to `OBJECTS_AT_MOST`; of more than that those at which a tolerance was exceeded, and others
+    evenly spread over all, so that classes keep their shares.
+    """
+    if len(run.objects) <= OBJECTS_AT_MOST:
+        return run.objects
+    broken = {check.key for check in run.stability.broken} if run.stability is not None else set()
+    chosen = [key for key in run.objects if key in broken][:OBJECTS_AT_MOST]
+    others = [key for key in run.objects if key not in broken]
+    places = np.linspace(0, len(others) - 1, OBJECTS_AT_MOST - len(chosen)).round().astype(np.int64)
+    return sorted([*chosen, *(others[place] for place in places)])
+
+
 def describe_objects(run: Run, processes: int = 1, track: Track = iter) -> list[ObjectPage]:
-    """Describe every object that was looked at, sorted by class and name.
+    """Describe the objects of `choose_objects`, sorted by class and name.
 
     `track` takes the objects' names and gives them back one by one, as a progress bar does.
     """
@@ -143,8 +160,9 @@ def describe_objects(run: Run, processes: int = 1, track: Track = iter) -> list[
 
     cameras = place_cameras(run.parameters.viewpoints)
     answers = _answers(run)
-    tables = [_by_object(table, run) for table in (run.views, run.fixations, run.touches)]
-    faces = int(np.clip(_FACES_OF_ALL // len(run.objects), _FACES_AT_LEAST, _FACES_AT_MOST))
+    shown = choose_objects(run)
+    tables = [_by_object(table, shown) for table in (run.views, run.fixations, run.touches)]
+    faces = int(np.clip(_FACES_OF_ALL // len(shown), _FACES_AT_LEAST, _FACES_AT_MOST))
 
     def task(key: str) -> Any:
         parts = [table[key] for table in tables]
@@ -153,10 +171,10 @@ def describe_objects(run: Run, processes: int = 1, track: Track = iter) -> list[
 
     # Thinning a model holds Python's lock, so threads would wait for each other.
     described = Parallel(
-        n_jobs=min(processes, 1 + len(run.objects) // _OBJECTS_WORTH_A_PROCESS),
+        n_jobs=min(processes, 1 + len(shown) // _OBJECTS_WORTH_A_PROCESS),
         return_as="generator",
-    )(map(task, run.objects))
-    return [next(described) for _ in track(run.objects)]
+    )(map(task, shown))
+    return [next(described) for _ in track(shown)]
 
 
 def choose_shown(views: Sequence[ViewPage]) -> ViewPage:
@@ -205,7 +223,7 @@ def _describe(
         ),
         skipped=_skipped(rows),
         named=_named(answers),
-        states={strategy: _states(touches, strategy) for strategy in strategies},
+        strategies=tuple(strategies),
         median_size={strategy: _median_size(touches, strategy) for strategy in strategies},
         model=model,
         touch_keys=touch_keys,
@@ -319,9 +337,9 @@ def _sheet(touches: pa.Table, strategy: str) -> str:
     return imprint_sheet(images(own), viewpoints.astype(np.int64), numbers.astype(np.int64))
 
 
-def _by_object(table: pa.Table, run: Run) -> dict[str, pa.Table]:
+def _by_object(table: pa.Table, objects: Sequence[str]) -> dict[str, pa.Table]:
     owners = pc.binary_join_element_wise(table.column("class"), table.column("object"), "/")
-    return {key: table.filter(pc.equal(owners, key)) for key in run.objects}
+    return {key: table.filter(pc.equal(owners, key)) for key in objects}
 
 
 def _of_view(table: pa.Table, viewpoint: int) -> pa.Table:
@@ -379,11 +397,6 @@ def _skipped(rows: Sequence[Mapping[str, Any]]) -> tuple[tuple[str, str], ...]:
         (channel, reason if count == len(rows) else f"{reason} ({count} of {len(rows)} views)")
         for (channel, reason), count in sorted(reasons.items())
     )
-
-
-def _states(touches: pa.Table, strategy: str) -> dict[str, int]:
-    states = touches.filter(pc.equal(touches.column("strategy"), strategy)).column("contact_state")
-    return {row["values"]: row["counts"] for row in states.value_counts().to_pylist()}
 
 
 def _median_size(touches: pa.Table, strategy: str) -> float:

@@ -47,6 +47,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     return environment.get_template("page.html.jinja").render(
         chapters=chapters,
         pages=context.pages,
+        objects=len(run.objects),
         marks=_most_marks(context),
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),

@@ -7,9 +7,12 @@ section is one such function, one template, and one line in `CHAPTERS`.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
+
+import pyarrow as pa
 
 from visuohaptic.gaze.stored import read_measured
 from visuohaptic.recognition.published import PAPER
@@ -320,23 +323,26 @@ def confusion_values(context: ReportContext) -> Values:
     }
 
 
+def count_states(touches: pa.Table) -> dict[str, Counter[str]]:
+    """Count the touches in each contact state, by strategy."""
+    rows = touches.group_by(["strategy", "contact_state"]).aggregate([([], "count_all")])
+    found: dict[str, Counter[str]] = {}
+    for row in rows.to_pylist():
+        found.setdefault(row["strategy"], Counter())[row["contact_state"]] = row["count_all"]
+    return found
+
+
 def objects_values(context: ReportContext) -> Values:
     """Give every object, and how often each kind of contact was met."""
-    strategies = sorted({name for page in context.pages for name in page.states})
-    states = {
-        strategy: {
-            state: sum(page.states.get(strategy, {}).get(state, 0) for page in context.pages)
-            for state in CONTACT_STATES
-        }
-        for strategy in strategies
-    }
+    states = count_states(context.run.touches)
     return {
         "pages": context.pages,
         "credits": context.run.credits,
         "best": context.run.pipelines[0].best,
         "classes": context.run.classes,
-        "strategies": strategies,
+        "strategies": sorted(states),
         "states": states,
+        "objects": len(context.run.objects),
         "meanings": CONTACT_STATES,
         "checks": {} if context.run.stability is None else context.run.stability.objects,
         "describe_checks": describe_checks,
@@ -348,7 +354,7 @@ def methods_values(context: ReportContext) -> Values:
     weights = context.run.parameters.attention.weights.model_dump()
     return {
         "table": context.run.pipelines[0],
-        "objects": len(context.pages),
+        "objects": len(context.run.objects),
         "classes": context.run.classes,
         "elevations": [
             f"{value:g}" for value in context.run.parameters.viewpoints.elevations_degrees
