@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -125,17 +125,7 @@ def coverage_chart(rows: pa.Table, strategies: Sequence[str]) -> PointChart:
             label = f"{strategy_name(strategy)}, {percent(stated, 0)} stated: {percent(held)}"
             points.append(Point(stated, held, label))
         series.append(points)
-    marks, lines = place_points(enumerate(series), _stated_x, _share_y)
-    return PointChart(
-        height=HEIGHT + 44,
-        bottom=HEIGHT,
-        x_ticks=tuple(
-            (round(_stated_x(x), 2), percent(x, 0)) for x in (0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
-        ),
-        y_ticks=tuple((_share_y(y), percent(y, 0)) for y in (0.0, 0.25, 0.5, 0.75, 1.0)),
-        lines=lines,
-        marks=marks,
-    )
+    return _chart(series, _stated_x, {x / 10: percent(x / 10, 0) for x in range(5, 11)})
 
 
 def strangeness_chart(rows: pa.Table) -> PointChart:
@@ -155,11 +145,18 @@ def strangeness_chart(rows: pa.Table) -> PointChart:
                 for low, high, share in zip(edges[:-1], edges[1:], shares.tolist(), strict=True)
             ]
         )
-    marks, lines = place_points(enumerate(series), _across, _share_y)
+    return _chart(series, _across, {x / 5: f"{x / 5:g}" for x in range(6)})
+
+
+def _chart(
+    series: Sequence[Sequence[Point]], across: Callable[[float], float], ticks: Mapping[float, str]
+) -> PointChart:
+    """Place shares, 0 to 100 % upwards, over values that `across` places; `ticks` are named values."""
+    marks, lines = place_points(enumerate(series), across, _share_y)
     return PointChart(
         height=HEIGHT + 44,
         bottom=HEIGHT,
-        x_ticks=tuple((round(_across(x), 2), f"{x:g}") for x in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)),
+        x_ticks=tuple((round(across(x), 2), name) for x, name in ticks.items()),
         y_ticks=tuple((_share_y(y), percent(y, 0)) for y in (0.0, 0.25, 0.5, 0.75, 1.0)),
         lines=lines,
         marks=marks,
