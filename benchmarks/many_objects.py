@@ -194,6 +194,7 @@ def run_all(folder: Path, count: int, cores: int) -> Steps:
         "nothing to do": measure(folder, *options),
         "report": measure(folder, *options, "--forcerun", "report", "--", "reports/report.html"),
     }
+    del steps["whole run"]["processor_s"]  # its jobs are forks of the warm server
     steps["report"]["file_mb"] = round((folder / "reports/report.html").stat().st_size / 1e6, 1)
     tables = [file.stat().st_size for file in (folder / "results").rglob("*") if file.is_file()]
     steps["whole run"]["results_mb"] = round(sum(tables) / 1e6)
@@ -212,7 +213,8 @@ def _write(step: dict[str, float] | None) -> str:
     if step is None:
         return "–"
     files = [f"{value:g} MB of files" for name, value in step.items() if name not in _TAKEN]
-    taken = f"{step['seconds']:.0f} s ({step['processor_s']:.0f} s), {step['memory_mb']:,.0f} MB"
+    seconds = [f"{step[name]:.1f} s" for name in ("seconds", "processor_s") if name in step]
+    taken = f"{', '.join(seconds)}, {step['memory_mb']:,.0f} MB"
     return "; ".join([taken, *files])
 
 
@@ -237,8 +239,7 @@ def main() -> None:
         print(count, json.dumps(found[str(count)]), flush=True)
         kept = json.dumps({"viewpoints": asked.viewpoints, "cores": asked.cores, "counts": found})
         (asked.folder / "measured.json").write_text(f"{kept}\n", encoding="utf-8")
-    print("wall seconds (processor seconds), memory of all processes\n")
-    print(as_table(found))
+    print(f"seconds of the clock, processor seconds, memory of all processes\n\n{as_table(found)}")
 
 
 if __name__ == "__main__":
