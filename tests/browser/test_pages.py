@@ -20,6 +20,9 @@ READERS = {
     "dark": ("dark", DESK),
     "phone": ("light", PHONE),
 }
+EVERY_READER = pytest.mark.parametrize(
+    "reader", ["light", *(pytest.param(name, marks=pytest.mark.long) for name in ("dark", "phone"))]
+)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +53,7 @@ def sideways(page):
 
 
 @pytest.mark.parametrize("name", ["report", "comparison"])
-@pytest.mark.parametrize("reader", READERS)
+@EVERY_READER
 def test_every_reader_finds_a_quiet_page_without_barriers(visit, keep, folder, name, reader):
     scheme, viewport = READERS[reader]
     opened = visit(folder / f"{name}.html", scheme, viewport)
@@ -66,7 +69,7 @@ def test_every_reader_finds_a_quiet_page_without_barriers(visit, keep, folder, n
     assert (opened.complaints, opened.outside, opened.dialogs) == ([], [], [])
 
 
-@pytest.mark.parametrize("reader", ["light", "dark", "phone"])
+@EVERY_READER
 def test_each_section_is_kept_as_a_picture(visit, keep, folder, reader):
     page = visit(folder / "report.html", *READERS[reader]).page
     sections = page.locator("main > section").all()
@@ -75,6 +78,7 @@ def test_each_section_is_kept_as_a_picture(visit, keep, folder, reader):
         keep(section, f"section_{section.get_attribute('id')}_{reader}")
 
 
+@pytest.mark.long
 def test_a_model_turns_by_its_buttons_and_by_the_keyboard(visit, keep, folder):
     opened = visit(folder / "report.html")
     figure = opened.page.locator(".model").first

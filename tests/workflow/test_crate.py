@@ -6,7 +6,7 @@ import zipfile
 
 import pytest
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.long]
 METADATA = "ro-crate-metadata.json"
 
 
