@@ -13,12 +13,14 @@ from types import FrameType
 STOPPED = 130
 """Status of a command that the user stopped, as shells have it: 128 + SIGINT."""
 
+CLEAR_LINE = "\r\033[K"
+"""What a terminal needs before a line that may follow a progress bar."""
+
 _INTERRUPT = "SIGUSR2"
 _IMPORT = "<frozen importlib._bootstrap>"
 _SECONDS_TO_NOTICE = 0.02
 _SECONDS_TO_TIDY_UP = 1.0
 _SECONDS_TO_END = 5.0
-_CLEAR_LINE = "\r\033[K"
 
 
 class _Command:
@@ -58,20 +60,49 @@ def stop_at_ctrl_c(command: Callable[[], None]) -> None:
             raise SystemExit(STOPPED)
 
 
-def _take_interrupts() -> None:
+def act_at_interrupt(act: Callable[[int], None]) -> None:
+    """Let another thread take Ctrl-C, in place of the main thread, which sees nothing of it.
+
+    Processes that are started from now on take no interrupt until they unblock it.
+
+    Parameters
+    ----------
+    act : callable of int
+        What that thread does after the first interrupt; `wait_for_interrupt` of what it is given waits for the next.
+    """
     interrupts, notes = os.pipe()
     os.set_blocking(notes, False)
     signal.signal(signal.SIGINT, lambda *_: None)
     # Python notes each signal there at once, whichever thread received it.
     signal.set_wakeup_fd(notes, warn_on_full_buffer=False)
     signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+
+    def wait_and_act() -> None:
+        unblock_interrupts()
+        wait_for_interrupt(interrupts)
+        act(interrupts)
+
+    threading.Thread(target=wait_and_act, name="ctrl-c", daemon=True).start()
+
+
+def wait_for_interrupt(interrupts: int) -> None:
+    """Wait for the next Ctrl-C."""
+    while os.read(interrupts, 1) != bytes([signal.SIGINT]):
+        pass
+
+
+def unblock_interrupts() -> None:
+    """Take interrupts again, which a process does not that was started after `act_at_interrupt`."""
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+
+
+def _take_interrupts() -> None:
     signal.signal(getattr(signal, _INTERRUPT), _interrupt)
     # At the end nothing can be imported that the main thread is importing.
     from visuohaptic.whole_files import remove_unfinished
 
-    threading.Thread(
-        target=_stop_at_interrupt, args=(interrupts, remove_unfinished), daemon=True
-    ).start()
+    act_at_interrupt(lambda _: _stop(remove_unfinished))
 
 
 def _interrupt(_signal: int, frame: FrameType | None) -> None:
@@ -91,15 +122,12 @@ def _is_importing(frame: FrameType | None) -> bool:
     return False
 
 
-def _stop_at_interrupt(interrupts: int, remove_unfinished: Callable[[], None]) -> None:
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
-    while os.read(interrupts, 1) != bytes([signal.SIGINT]):
-        pass
+def _stop(remove_unfinished: Callable[[], None]) -> None:
     with _Command.decided:
         if _Command.is_over:
             return
         _Command.is_asked_to_stop = True
-        clear = _CLEAR_LINE if sys.stderr.isatty() else ""
+        clear = CLEAR_LINE if sys.stderr.isatty() else ""
         os.write(2, f"{clear}stopped.\n".encode())
         # What fails from now on fails because of the stop.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)

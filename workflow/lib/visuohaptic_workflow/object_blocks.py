@@ -19,9 +19,9 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from visuohaptic.cli.stopping import STOPPED
 from visuohaptic.errors import VisuohapticError
 from visuohaptic_workflow.records import digest, is_current
-from visuohaptic_workflow.stopping import STOPPED
 
 if TYPE_CHECKING:
     from visuohaptic_workflow.plan import PlannedJob
