@@ -40,7 +40,7 @@ test-hard: $(DEVELOP)
 # A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some five minutes.
 test-slurm: $(DEVELOP)
 	pip install --quiet --no-build-isolation --editable '.[slurm]'
-	timeout 7200 python tests/slurm/check.py --set $(SET)
+	timeout 7200 python tests/slurm/check.py --set $(SET) --accounting
 
 meshes: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- downloads_all

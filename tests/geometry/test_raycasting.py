@@ -122,6 +122,54 @@ def test_a_ray_between_faces_smaller_than_the_search_keeps_its_hit():
     np.testing.assert_allclose(hits.distance, 1.0, rtol=0, atol=1e-14)
 
 
+def wires_before_a_wall(generator, count=200):
+    """Triangles 1e-9 to 1e-5 high, in all directions, in front of a plane z = -2."""
+    middles = generator.uniform(-0.8, 0.8, (count, 3))
+    along = generator.normal(size=(count, 3))
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    across = np.cross(along, [0, 0, 1.0])
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    heights = 10 ** generator.uniform(-9, -5, (count, 1))
+    corners = [middles - 0.05 * along, middles + 0.05 * along, middles + heights * across]
+    wires = np.stack(corners, axis=1).reshape(-1, 3)
+    wall = 4 * np.array([[-1, -1, -0.5], [1, -1, -0.5], [1, 1, -0.5], [-1, 1, -0.5]])
+    faces = np.arange(3 * count).reshape(-1, 3)
+    first = 3 * count
+    return surface_of(
+        np.vstack([wires, wall]),
+        np.vstack([faces, [[first, first + 1, first + 2], [first, first + 2, first + 3]]]),
+    )
+
+
+def test_rays_at_the_middle_of_faces_too_narrow_for_float32_do_not_pass_them():
+    generator = np.random.default_rng(6)
+    surface = wires_before_a_wall(generator)
+    targets = np.tile(surface.triangles[:-2].mean(axis=1), (5, 1))
+    origins = targets + generator.normal(scale=0.2, size=targets.shape) + [0, 0, 2.0]
+    directions = targets - origins
+    caster = RayCaster(surface)
+    expected = first_hits_by_brute_force(surface, origins, directions)
+    assert (expected < 1.001).all()
+    assert (caster.first_hits(origins, directions).distance > 1.001).any()
+    for suspects in (None, lambda d: np.ones(len(d), dtype=bool)):
+        hits = caster.settled_hits(origins, directions, suspects)
+        np.testing.assert_allclose(hits.distance, expected, rtol=0, atol=1e-7)
+        chosen = surface.triangles[hits.face]
+        second, third = hits.barycentric.T[:, :, None]
+        points = (1 - second - third) * chosen[:, 0] + second * chosen[:, 1] + third * chosen[:, 2]
+        np.testing.assert_allclose(points, targets, rtol=0, atol=1e-3)
+    aside = origins + np.array([0, 3e-5, 0])
+    np.testing.assert_allclose(
+        caster.settled_hits(aside, directions).distance,
+        first_hits_by_brute_force(surface, aside, directions),
+        rtol=0,
+        atol=1e-7,
+    )
+    assert len(caster.settled_hits(origins[:0], directions[:0]).face) == 0
+    behind = caster.settled_hits(targets + 1e-3 * directions, directions)
+    assert (behind.face >= len(surface.faces) - 2).all()
+
+
 def test_a_face_without_area_is_harmless():
     surface = surface_of([[0, 0, 0], [1, 0, 0], [0.5, 0, 0], [0, 0, 1]], [[0, 1, 2], [0, 1, 3]])
     hits = RayCaster(surface).settled_hits(np.array([[0.2, 1.0, 0.2]]), np.array([[0, -1.0, 0]]))

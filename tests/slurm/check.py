@@ -2,6 +2,7 @@
 
 A cluster of one node is set up on the loopback, and taken down. The set `paper` runs locally, by profiles/slurm, and as
 one cluster job by profiles/slurm/one.sh. In the second run the controller and the node's daemon are killed half way.
+With `--accounting` a second cluster, which lets known accounts alone submit, does the same.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
+import accounting
 from one_node import Cluster, ClusterError, install
 
 ROOT = Path(__file__).parents[2]
@@ -45,18 +47,26 @@ def main() -> None:
     config = ["--config", f'meshes={{"set": "{arguments.set}"}}']
     profile = ["--profile", str(folder / "profile")]
     blocks = f"workflow={json.dumps({'objects_per_job': arguments.objects_per_job})}"
+    found = {}
     try:
         _write_profile(folder / "profile", arguments.cores)
         local, expected = _time("local", folder, ["--cores", str(arguments.cores), *config])
-        with Cluster(folder / "cluster", arguments.cores) as cluster:
-            found = {}
-            options = [*profile, *config, blocks]
-            seconds, found["blocks"] = _time("blocks", folder, options, cluster)
-            print(f"{seconds / local:.2f} times the local run", flush=True)
-            threading.Thread(target=_break, args=(cluster, folder / "broken"), daemon=True).start()
-            _, found["broken"] = _time("broken", folder, options, cluster)
-            seconds, found["one"] = _time_one(folder, config, cluster)
-            print(f"{seconds / local:.2f} times the local run", flush=True)
+        for accounts in (False, True) if arguments.accounting and _can_account() else (False,):
+            suffix = "-accounting" if accounts else ""
+            with Cluster(folder / f"cluster{suffix}", arguments.cores, accounts) as cluster:
+                options = [*profile, *config, blocks]
+                name = f"blocks{suffix}"
+                seconds, found[name] = _time(name, folder, options, cluster)
+                print(f"{seconds / local:.2f} times the local run", flush=True)
+                name = f"broken{suffix}"
+                place = (cluster, folder / name)
+                threading.Thread(target=_break, args=place, daemon=True).start()
+                _, found[name] = _time(name, folder, options, cluster)
+                name = f"one{suffix}"
+                seconds, found[name] = _time_one(name, folder, config, cluster)
+                print(f"{seconds / local:.2f} times the local run", flush=True)
+                if accounts:
+                    _show_accounts(cluster)
     except ClusterError as error:
         raise SystemExit(str(error)) from None
     differing = {name for name, digests in found.items() if digests != expected}
@@ -72,8 +82,31 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("--set", default="paper", choices=["paper", "benchmark"])
     parser.add_argument("--cores", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--objects-per-job", type=int, default=6)
+    parser.add_argument(
+        "--accounting", action="store_true", help="also with slurmdbd and a database"
+    )
     parser.add_argument("--keep", action="store_true", help="keep all results")
     return parser.parse_args()
+
+
+def _can_account() -> bool:
+    try:
+        install(accounting.PROGRAMS, accounting.PACKAGES)
+    except ClusterError as error:
+        print(f"without accounting alone: {error}", flush=True)
+        return False
+    return True
+
+
+def _show_accounts(cluster: Cluster) -> None:
+    """Print what the accounts used, and want every job in the one account."""
+    fields = ("JobName", "Account", "State", "Elapsed")
+    jobs = cluster.run(
+        "sacct", "--allocations", "--noheader", "--parsable2", f"--format={','.join(fields)}"
+    ).splitlines()
+    print("accounting:", *jobs, sep="\n  ", flush=True)
+    if not jobs or any(job.split("|")[1] != accounting.ACCOUNT for job in jobs):
+        raise SystemExit(f"jobs without the account {accounting.ACCOUNT}")
 
 
 def _write_profile(folder: Path, cores: int) -> None:
@@ -103,8 +136,10 @@ def _time(
     return seconds, _digests(here)
 
 
-def _time_one(folder: Path, config: list[str], cluster: Cluster) -> tuple[float, dict[str, str]]:
-    here = _prepare(folder / "one")
+def _time_one(
+    name: str, folder: Path, config: list[str], cluster: Cluster
+) -> tuple[float, dict[str, str]]:
+    here = _prepare(folder / name)
     script = str(ROOT / "profiles/slurm/one.sh")
     cores = f"--cpus-per-task={cluster.cores}"
     run = [
@@ -117,7 +152,7 @@ def _time_one(folder: Path, config: list[str], cluster: Cluster) -> tuple[float,
         str(ROOT / "Snakefile"),
         *config,
     ]
-    return _run("one", run, here, cluster.environment), _digests(here)
+    return _run(name, run, here, cluster.environment), _digests(here)
 
 
 def _prepare(folder: Path) -> Path:

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
 
+import accounting
+
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "srun")
 _PACKAGES = ("munge", "slurm-client", "slurmctld", "slurmd")
 _SECONDS_TO_START = 30.0
@@ -38,8 +40,6 @@ ProctrackType=proctrack/pgid
 TaskPlugin=task/none
 SwitchType=switch/none
 MpiDefault=none
-JobAcctGatherType=jobacct_gather/none
-AccountingStorageType=accounting_storage/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core_Memory
 SchedulerParameters=batch_sched_delay=0
@@ -54,22 +54,27 @@ class ClusterError(Exception):
     """The cluster can't be set up."""
 
 
-def install() -> None:
-    """Install the Debian packages where they are missing and this user may.
+def install(programs: tuple[str, ...] = PROGRAMS, packages: tuple[str, ...] = _PACKAGES) -> None:
+    """Install Debian packages where their programs are missing and this user may.
 
     Raises
     ------
     ClusterError
         If they are missing and can't be installed.
     """
-    if all(map(_find, PROGRAMS)):
+    missing = [program for program in programs if _find(program) is None]
+    if not missing:
         return
+    wanted = f"{' '.join(missing)} missing: apt-get install {' '.join(packages)}"
     if os.geteuid() != 0 or shutil.which("apt-get") is None:
-        raise ClusterError(f"Slurm is not installed: apt-get install {' '.join(_PACKAGES)}")
+        raise ClusterError(wanted)
     quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-    command = ["apt-get", "install", "--yes", "--no-install-recommends", *_PACKAGES]
-    for line in (["apt-get", "update"], command):
-        subprocess.run(line, check=True, env=quiet, stdout=subprocess.DEVNULL)
+    command = ["apt-get", "install", "--yes", "--no-install-recommends", *packages]
+    try:
+        for line in (["apt-get", "update"], command):
+            subprocess.run(line, check=True, env=quiet, stdout=subprocess.DEVNULL)
+    except subprocess.CalledProcessError as error:
+        raise ClusterError(f"{wanted} ({error})") from None
 
 
 @dataclass
@@ -82,17 +87,25 @@ class Cluster:
         Configuration, keys, state and logs.
     cores : int
         Cores of its node.
+    keeps_accounts : bool
+        Whether slurmdbd and a database keep what each account used.
     """
 
     folder: Path
     cores: int
+    keeps_accounts: bool = False
     _daemons: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
 
     @property
     def environment(self) -> dict[str, str]:
         """What a command needs to find this cluster and no other."""
-        others = {name: value for name, value in os.environ.items() if not name.startswith("SLURM")}
-        return {**others, "SLURM_CONF": str(self.folder / "slurm.conf")}
+        others = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("SLURM", "SBATCH"))
+        }
+        account = {"SBATCH_ACCOUNT": accounting.ACCOUNT} if self.keeps_accounts else {}
+        return {**others, **account, "SLURM_CONF": str(self.folder / "slurm.conf")}
 
     def __enter__(self) -> Self:
         """Start all daemons."""
@@ -103,9 +116,10 @@ class Cluster:
         key = self.folder / "munge.key"
         key.write_bytes(secrets.token_bytes(1024))
         key.chmod(0o400)
-        port, node_port = _free_ports(2)
+        host = socket.gethostname().partition(".")[0]
+        port, node_port, *further_ports = _free_ports(4)
         text = _CONFIGURATION.format(
-            host=socket.gethostname().partition(".")[0],
+            host=host,
             folder=self.folder,
             port=port,
             node_port=node_port,
@@ -113,9 +127,15 @@ class Cluster:
             memory=_megabytes(),
             user=_user(),
         )
+        if self.keeps_accounts:
+            text += accounting.CLUSTER_LINES.format(port=further_ports[0], folder=self.folder)
+        else:
+            text += accounting.NO_ACCOUNTING
         (self.folder / "slurm.conf").write_text(text, encoding="utf-8")
         try:
             self._start_munge()
+            if self.keeps_accounts:
+                self._start_accounting(host, *further_ports)
             self.start("slurmctld")
             self.start("slurmd")
             self._wait_for("idle")
@@ -126,7 +146,7 @@ class Cluster:
 
     def __exit__(self, *_: object) -> None:
         """End all that was started here, and nothing else."""
-        with contextlib.suppress(subprocess.SubprocessError, OSError):
+        with contextlib.suppress(ClusterError, subprocess.SubprocessError, OSError):
             self.run("scancel", "--state=RUNNING,PENDING", f"--user={_user()}")
         for daemon in reversed(self._daemons.values()):
             _end(daemon)
@@ -134,10 +154,13 @@ class Cluster:
     def run(self, *command: str) -> str:
         """Run a command of the cluster, and give what it prints."""
         path = _find(command[0]) or command[0]
-        return subprocess.run(
-            [path, *command[1:]], env=self.environment, check=True, timeout=60,
-            capture_output=True, text=True,
-        ).stdout  # fmt: skip
+        ended = subprocess.run(
+            [path, *command[1:]], env=self.environment, check=False, timeout=60,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        )  # fmt: skip
+        if ended.returncode:
+            raise ClusterError(f"{' '.join(command)}: {ended.stdout.strip()}")
+        return ended.stdout
 
     def start(self, daemon: str) -> None:
         """Start `slurmctld` or `slurmd`."""
@@ -157,6 +180,21 @@ class Cluster:
         self._launch("munged", "--foreground", "--force", *options)
         _wait((self.folder / "munge.socket").exists, "munged")
 
+    def _start_accounting(self, host: str, port: int, database_port: int) -> None:
+        """Start the database and slurmdbd, and enter this cluster with one account and this user."""
+        options = accounting.write_configuration(self.folder, host, _user(), port, database_port)
+        self.run(*accounting.installation(self.folder, _user()))
+        self._launch("mariadbd", *options["mariadbd"])
+        _wait(lambda: _answers(database_port), "mariadbd")
+        self._launch("slurmdbd", *options["slurmdbd"])
+        _wait(lambda: _answers(port), "slurmdbd")
+        for entry in (
+            ("cluster", "loopback"),
+            ("account", accounting.ACCOUNT, "cluster=loopback"),
+            ("user", _user(), f"account={accounting.ACCOUNT}", "cluster=loopback"),
+        ):
+            self.run("sacctmgr", "--immediate", "add", *entry)
+
     def _launch(self, daemon: str, *options: str) -> None:
         with (self.folder / f"{daemon}.out").open("ab") as out:
             self._daemons[daemon] = subprocess.Popen(
@@ -166,7 +204,7 @@ class Cluster:
 
     def _wait_for(self, state: str) -> None:
         def is_so() -> bool:
-            with contextlib.suppress(subprocess.SubprocessError):
+            with contextlib.suppress(ClusterError, subprocess.SubprocessError):
                 return self.run("sinfo", "--noheader", "--format=%T").strip() == state
             return False
 
@@ -193,6 +231,11 @@ def _free_ports(count: int) -> list[int]:
         for one in sockets:
             one.bind(("127.0.0.1", 0))
         return [one.getsockname()[1] for one in sockets]
+
+
+def _answers(port: int) -> bool:
+    with socket.socket() as one:
+        return one.connect_ex(("127.0.0.1", port)) == 0
 
 
 def _wait(is_so: object, what: str) -> None:

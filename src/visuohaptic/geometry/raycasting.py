@@ -2,7 +2,8 @@
 
 Embree finds the face in float32; the distance to that face's plane is computed
 again in float64. What is left of float32 is the choice of the face, which can be
-wrong within about 1e-7 of an edge: `RayCaster.settled_hits` looks at such rays again.
+wrong within about 1e-7 of an edge, and passes faces as narrow as that: `RayCaster.settled_hits`
+looks at both again.
 """
 
 from __future__ import annotations
@@ -30,6 +31,12 @@ _BUNDLE = np.array(
 )
 # Rounding of a triple product of float64 vectors, relative to their lengths.
 _ROUNDING = 2e-15
+# A face this high may lie between the rays of a bundle, and float32 may take the one at its middle past it.
+_NARROW = 2 * (LATERAL_ERROR + _BUNDLE_RADIUS)
+# A face lower than this is a line in float64, too.
+_LINE = 1e-12
+# Pairs of a ray and a narrow face that are compared at once.
+_PAIRS = 1 << 21
 
 
 @dataclass(frozen=True)
@@ -80,6 +87,9 @@ class RayCaster:
         self.bounds = np.stack([surface.vertices.min(axis=0), surface.vertices.max(axis=0)])
         self._corners = surface.triangles
         self._planes = _face_planes(surface)
+        heights = LATERAL_ERROR * np.linalg.norm(surface.face_crosses, axis=1)
+        longest = self._planes[:, 4]
+        self._narrow = np.flatnonzero((heights < _NARROW * longest) & (heights > _LINE * longest))
         self._tensor = open3d.core.Tensor
         self._miss = open3d.t.geometry.RaycastingScene.INVALID_ID
         self._scene = open3d.t.geometry.RaycastingScene(nthreads=1)
@@ -145,7 +155,8 @@ class RayCaster:
 
         Doubtful is a ray that meets its face so near an edge or vertex, or so
         grazing, that float32 may have taken the wrong face; and all that `suspects` names,
-        such as a miss between hits.
+        such as a miss between hits. Every ray is compared in float64 with the faces that are too
+        narrow for float32, if the surface has such.
 
         Parameters
         ----------
@@ -163,14 +174,16 @@ class RayCaster:
         hits, doubtful = self._cast(origins, directions)
         if suspects is not None:
             doubtful |= suspects(hits.distance)
+        narrow_rays, narrow = self._narrow_hits(origins, directions)
+        # A doubtful face is not kept where the ray meets another one for sure.
+        unsure = narrow_rays[doubtful[narrow_rays]]
+        hits.distance[unsure], hits.face[unsure] = np.inf, MISS
         again = np.flatnonzero(doubtful)
-        if not len(again):
-            return hits
-        first = Hits(hits.distance[again], hits.face[again], hits.barycentric[again])
-        settled = self._settle(origins[again], directions[again], first)
-        hits.distance[again] = settled.distance
-        hits.face[again] = settled.face
-        hits.barycentric[again] = settled.barycentric
+        if len(again):
+            first = _take(hits, again)
+            _put(hits, again, self._settle(origins[again], directions[again], first))
+        nearer = narrow.distance < hits.distance[narrow_rays]
+        _put(hits, narrow_rays[nearer], _take(narrow, nearer))
         return hits
 
     def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -232,6 +245,57 @@ class RayCaster:
     ) -> Hits:
         """Choose each ray's face in float64, among those that rays close by meet."""
         candidates = self._faces_around(origins, directions)
+        exact = self._nearest_of(candidates, origins, directions)
+        # Among faces smaller than the bundle none may be found, though no ray gets through.
+        kept = ~exact.hit & first.hit & (candidates != MISS).all(axis=1)
+        return Hits(
+            np.where(kept, first.distance, exact.distance),
+            np.where(kept, first.face, exact.face),
+            np.where(kept[:, None], first.barycentric, exact.barycentric),
+        )
+
+    def _narrow_hits(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> tuple[NDArray[np.intp], Hits]:
+        """Give the rays that meet narrow faces, ascending, and where each meets the first of them."""
+        if not len(self._narrow) or not len(origins):
+            return np.zeros(0, np.intp), Hits(np.zeros(0), np.zeros(0, np.int64), np.zeros((0, 2)))
+        rays, faces = self._pairs_near_narrow_faces(origins, directions)
+        met = self._nearest_of(faces[:, None], origins[rays], directions[rays])
+        order = np.lexsort((met.face, met.distance, rays))
+        order = order[met.hit[order]]
+        rays, first = np.unique(rays[order], return_index=True)
+        return rays, _take(met, order[first])
+
+    def _pairs_near_narrow_faces(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
+        """Pair rays with the narrow faces whose longest edge their line passes closely."""
+        corners = self._corners[self._narrow]
+        edges = np.roll(corners, -1, axis=1) - corners
+        longest = np.linalg.norm(edges, axis=2).argmax(axis=1)[:, None, None]
+        edge = np.take_along_axis(edges, longest, axis=1)[:, 0]
+        start = np.take_along_axis(corners, longest, axis=1)[:, 0]
+        # By Plücker coordinates: the moment of two lines is their distance × the sine between them.
+        edge /= np.linalg.norm(edge, axis=1)[:, None]
+        step = max(1, _PAIRS // len(edge))
+        pairs = []
+        for first in range(0, len(origins), step):
+            origin, direction = origins[first : first + step], directions[first : first + step]
+            reach = 2 * _NARROW * np.sqrt(_dot(direction, direction))
+            moments = np.cross(start, edge) @ direction.T + edge @ _cross(origin, direction)
+            line, near = np.nonzero(np.abs(moments) <= reach)
+            pairs.append((near + first, self._narrow[line]))
+        rays, faces = zip(*pairs, strict=True)
+        return np.concatenate(rays), np.concatenate(faces)
+
+    def _nearest_of(
+        self,
+        candidates: NDArray[np.int64],
+        origins: NDArray[np.float64],
+        directions: NDArray[np.float64],
+    ) -> Hits:
+        """Meet each of m rays with its own candidates, shape (m, c), in float64."""
         corners = self._corners[candidates] - origins[:, None, None, :]
         # Two faces at an edge have exactly opposite numbers for it, so no ray slips between;
         # at a vertex rounding alone decides, and every face that it may have cut off counts.
@@ -256,14 +320,10 @@ class RayCaster:
         weights = np.divide(
             weights, weights.sum(axis=1, keepdims=True), out=weights, where=found[:, None]
         )
-        # Among faces smaller than the bundle none may be found, though no ray gets through.
-        kept = ~found & first.hit & (candidates != MISS).all(axis=1)
         return Hits(
-            np.where(kept, first.distance, distance),
-            np.where(kept, first.face, np.where(found, face, MISS)),
-            np.where(
-                kept[:, None], first.barycentric, np.where(found[:, None], weights[:, [2, 0]], 0.0)
-            ),
+            distance,
+            np.where(found, face, MISS),
+            np.where(found[:, None], weights[:, [2, 0]], 0.0),
         )
 
     def _faces_around(
@@ -293,10 +353,26 @@ def _face_planes(surface: Surface) -> NDArray[np.float64]:
     return np.column_stack([crosses, offsets, LATERAL_ERROR * edges.max(axis=1)])
 
 
+def _put(hits: Hits, rays: NDArray[np.intp], others: Hits) -> None:
+    hits.distance[rays] = others.distance
+    hits.face[rays] = others.face
+    hits.barycentric[rays] = others.barycentric
+
+
+def _take(hits: Hits, rays: NDArray[np.intp] | NDArray[np.bool_]) -> Hits:
+    return Hits(hits.distance[rays], hits.face[rays], hits.barycentric[rays])
+
+
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     # A ray without direction goes nowhere; dividing by zero would make it NaN.
     return vectors / np.where(lengths > 0, lengths, 1.0)
+
+
+def _cross(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cross products of rows of three as columns, shape (3, n)."""
+    (a, b, c), (x, y, z) = first.T, second.T
+    return np.stack([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
