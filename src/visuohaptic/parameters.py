@@ -104,6 +104,11 @@ class CostParameters(BaseModel):
     look_seconds: float = Field(
         0.5, ge=0, description="Time that a robot takes for a look, without computing (seconds)"
     )
+    maximum_objects: int = Field(
+        142,
+        ge=2,
+        description="Objects, evenly spread over the classes, on which the frontier and study cost are measured where there are more",
+    )
     objects: int = Field(4, ge=1, description="Objects, spread over all, on which time is measured")
     rounds: int = Field(3, ge=1, le=1000, description="How often each setting names each of them")
 

@@ -228,3 +228,9 @@ def test_the_page_tells_what_accuracy_costs(tmp_path, monkeypatch):
     assert page.mismatches == []
     assert "The same settings on 142 objects" in page.text
     assert "not in this run" in page.text
+    assert "of the run's" not in page.text
+    few = PARAMETERS.cost.model_copy(update={"maximum_objects": 2})
+    sampled = PARAMETERS.model_copy(update={"cost": few})
+    text = read_page(render_page(read_run(with_costs, sampled, OBJECTS))).text
+    tested = max(row["objects"] or 0 for row in table.to_pylist())
+    assert f"Measured with {tested} of the run's {len(OBJECTS)}" in text

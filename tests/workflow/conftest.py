@@ -52,14 +52,16 @@ class Experiment:
     def snakemake(self, *arguments, check=True):
         return self.run("snakemake", "-j2", *arguments, check=check)
 
-    def planned(self):
+    def planned(self, *targets):
         """Count the jobs of each rule that would run now."""
-        output = self.snakemake("-n").stdout
+        output = self.snakemake("-n", *targets).stdout
         if "Nothing to be done" in output:
             return {}
         table = output.split("Job stats:")[1].split("\n\n")[0]
         counts = {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
-        return {name: count for name, count in counts.items() if name not in {"total", "all"}}
+        return {
+            name: count for name, count in counts.items() if name not in {"total", "all", *targets}
+        }
 
     def set(self, **sections):
         """Change parameters, section by section."""

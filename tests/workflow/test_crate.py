@@ -3,8 +3,11 @@
 import hashlib
 import json
 import zipfile
+from pathlib import Path
 
 import pytest
+
+from visuohaptic_workflow.crate import write_crate
 
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
 METADATA = "ro-crate-metadata.json"
@@ -87,3 +90,22 @@ def test_the_library_for_crates_reads_it_back(crate):
     read = ROCrate(crate.folder / "reports/crate.zip")
     assert read.mainEntity.id == "workflow/Snakefile"
     assert read.get("reports/metrics.json")["encodingFormat"] == "application/json"
+
+
+def test_a_pack_that_is_stopped_leaves_the_old_archive_and_no_other_file(tmp_path, monkeypatch):
+    from rocrate.rocrate import ROCrate
+
+    def stop(_, path):
+        Path(path).write_bytes(b"half")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ROCrate, "write_zip", stop)
+    monkeypatch.chdir(tmp_path)
+    Path("a.json").write_text("{}")
+    archive = tmp_path / "reports/crate.zip"
+    archive.parent.mkdir()
+    archive.write_bytes(b"old")
+    with pytest.raises(KeyboardInterrupt):
+        write_crate(archive, Path(__file__).parents[2], ["a.json"], {})
+    assert [file.name for file in archive.parent.iterdir()] == ["crate.zip"]
+    assert archive.read_bytes() == b"old"

@@ -49,6 +49,20 @@ def test_a_file_that_is_missing_or_changed_since_is_noticed(tmp_path):
     assert not is_untouched(str(record), [str(file)])
 
 
+@pytest.mark.workflow
+def test_of_many_objects_the_frontier_takes_a_sample(fresh, tmp_path):
+    experiment = fresh.copy(tmp_path / "experiment")
+    for name in ("d", "e"):
+        own = experiment.folder / f"meshes/own/bottle/{name}.ply"
+        own.parent.mkdir(exist_ok=True)
+        own.write_bytes(b"")
+    for maximum, taken in ((3, 4), (6, 6)):
+        experiment.set(cost={"maximum_objects": maximum})
+        planned = experiment.planned("frontier_all")
+        assert planned["features"] == planned["meshes"] == taken
+        assert planned["features_of_study"] == 1
+
+
 def untimed(experiment):
     """Give the digests of results, but for tables that hold seconds."""
     timed = ("frontier", "effect_influence")

@@ -161,22 +161,27 @@ def lists_of(table):
     return [f"{LISTS}/{block}/{table}.json" for block in OBJECT_BLOCKS]
 
 
-def files_by_object(table, suffix="parquet"):
-    """List the files of a table with one file an object, or the lists that name them."""
+def files_by_object(table, suffix="parquet", objects=OBJECTS):
+    """List the files of a table with one file an object, or the lists that name them and others."""
     if OBJECT_BLOCKS:
         return lists_of(table.removeprefix("records/"))
-    return expand(f"results/{table}/{{object}}.{suffix}", object=OBJECTS)
+    return expand(f"results/{table}/{{object}}.{suffix}", object=objects)
 
 
-def parts_of(table, suffix="parquet"):
-    """List the files of a table with one file an object and block of viewpoints, or the lists that name them."""
+def parts_of(table, suffix="parquet", objects=OBJECTS):
+    """List the files of a table with one file an object and block of viewpoints, or the lists that name them and others."""
     if OBJECT_BLOCKS:
         return lists_of(table.removeprefix("records/"))
+    return part_files(table, suffix, objects)
+
+
+def part_files(table, suffix="parquet", objects=OBJECTS):
+    """List the files of a table with one file an object and block of viewpoints."""
     return expand(
         "results/{table}/{object}/{views}.{suffix}",
         table=table,
         suffix=suffix,
-        object=OBJECTS,
+        object=objects,
         views=view_blocks(),
     )
 

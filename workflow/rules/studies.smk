@@ -29,7 +29,7 @@ TEMPLATES = in_clone(
 )
 MESHES = files_by_object("meshes", "ply")
 # A few objects, spread over all, are enough to measure run times.
-COST_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // PARAMETERS.cost.objects))]
+COST_SAMPLE = SAMPLE[:: max(1, -(-len(SAMPLE) // PARAMETERS.cost.objects))]
 EFFECT_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // 2))]
 COST_MESHES = expand("results/meshes/{object}.ply", object=COST_SAMPLE)
 EFFECT_MESHES = expand("results/meshes/{object}.ply", object=EFFECT_SAMPLE)
@@ -140,6 +140,7 @@ rule features_of_study:
         "../envs/visuohaptic.yaml"
     params:
         phase=remade_phase,
+        sample=sample_of_study,
         parameters=remake_parameters,
     message:
         "making features again for study {wildcards.study}, from its {params.phase} on"
@@ -161,6 +162,7 @@ rule block_of_study:
         "../envs/visuohaptic.yaml"
     params:
         conditions=block_conditions,
+        sample=sample_of_study,
         remade=block_keys,
         parameters=RUN,
     message:
@@ -316,7 +318,7 @@ rule touches_needed:
 rule cost_seconds:
     input:
         meshes=lists_of("meshes") or COST_MESHES,
-        features=parts_of("features"),
+        features=parts_of("features", objects=SAMPLE),
         made=all_made_features,
         code=code_of("cost_seconds.py"),
     output:
@@ -331,7 +333,8 @@ rule cost_seconds:
     threads: cores_for_timing
     params:
         study=weighed_study,
-        sample=COST_MESHES,
+        timed=COST_MESHES,
+        sample=SAMPLE_FILES,
         remade=all_keys,
         parameters={
             **RUN,

@@ -6,6 +6,7 @@ from visuohaptic.studies.conditions import (
     plan_study,
 )
 from visuohaptic.studies.declared import declared_studies, make_blocks
+from visuohaptic.studies.sampling import sample_objects
 from visuohaptic_workflow.kept_studies import (
     RULES_OF_STUDY,
     belongs_to,
@@ -29,6 +30,19 @@ BLOCKS = {
     name: make_blocks(plan, PARAMETERS.workflow.conditions_per_job)
     for name, plan in PLANS.items()
 }
+# With thousands of objects these would take longer than all the rest.
+SAMPLED_STUDIES = {"frontier", "cost"}
+SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
+SAMPLE_FILES = (
+    None
+    if SAMPLE == OBJECTS
+    else [
+        *expand("results/meshes/{object}.ply", object=SAMPLE),
+        *part_files("fixations", objects=SAMPLE),
+        *part_files("touches", objects=SAMPLE),
+        *part_files("features", objects=SAMPLE),
+    ]
+)
 
 
 def figures_of(study):
@@ -89,9 +103,22 @@ def remade_from(table, phases):
     def files(wildcards):
         if remade_phase(wildcards) not in phases:
             return []
-        return MESHES if table == "meshes" else parts_of(table)
+        objects = objects_of_study(wildcards.study)
+        if table == "meshes":
+            return files_by_object("meshes", "ply", objects)
+        return parts_of(table, objects=objects)
 
     return files
+
+
+def objects_of_study(study):
+    """List the objects that a study measures."""
+    return SAMPLE if study in SAMPLED_STUDIES else OBJECTS
+
+
+def sample_of_study(wildcards):
+    """List the files that a study takes of lists that name more; nothing where it takes all."""
+    return SAMPLE_FILES if wildcards.study in SAMPLED_STUDIES else None
 
 
 def remake_of(wildcards):
@@ -145,7 +172,8 @@ def study_parts(wildcards):
 def own_features(wildcards):
     """List the run's own features for a block that needs them."""
     needed = any(one.key is None for one in BLOCKS[wildcards.study][wildcards.block])
-    return parts_of("features") if needed else []
+    objects = objects_of_study(wildcards.study)
+    return parts_of("features", objects=objects) if needed else []
 
 
 def keys_of_reading(wildcards):

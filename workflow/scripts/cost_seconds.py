@@ -8,8 +8,8 @@ from visuohaptic_workflow.object_blocks import files_of
 with job(snakemake):
     make_cost_seconds(
         study=snakemake.params.study,
-        meshes=files_of(snakemake.input.meshes, snakemake.params.sample),
-        features=files_of(snakemake.input.features),
+        meshes=files_of(snakemake.input.meshes, snakemake.params.timed),
+        features=files_of(snakemake.input.features, snakemake.params.sample),
         made=dict(zip(snakemake.params.remade, snakemake.input.made, strict=True)),
         output=snakemake.output[0],
         run=ExperimentParameters.from_mapping(snakemake.params.parameters),

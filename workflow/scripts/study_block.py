@@ -9,7 +9,7 @@ with job(snakemake):
     make_study_block(
         study=snakemake.wildcards.study,
         conditions=snakemake.params.conditions,
-        features=files_of(snakemake.input.features),
+        features=files_of(snakemake.input.features, snakemake.params.sample),
         made=dict(zip(snakemake.params.remade, snakemake.input.made, strict=True)),
         output=snakemake.output[0],
         run=ExperimentParameters.from_mapping(snakemake.params.parameters),

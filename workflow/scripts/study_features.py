@@ -14,9 +14,9 @@ with job(snakemake):
             ExperimentParameters.from_mapping(snakemake.params.parameters),
         ),
         sources=Sources(
-            meshes=files_of(snakemake.input.meshes),
-            fixations=files_of(snakemake.input.fixations),
-            touches=files_of(snakemake.input.touches),
+            meshes=files_of(snakemake.input.meshes, snakemake.params.sample),
+            fixations=files_of(snakemake.input.fixations, snakemake.params.sample),
+            touches=files_of(snakemake.input.touches, snakemake.params.sample),
         ),
         output=snakemake.output[0],
     )

@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.meshes.catalogue import Credit
-from visuohaptic.tables.phases import TOUCHES, key_of
+from visuohaptic.tables.phases import TOUCHES, keys_of
 from visuohaptic.tables.schema import TEXT, Column, images
 
 IMAGE = pa.struct([("bytes", pa.binary()), ("path", TEXT)])
@@ -57,12 +58,10 @@ def data_rows(
         If the imprints differ in size, or are no squares.
     """
     imprints = images(touches)
-    labels = {name: number for number, name in enumerate(classes)}
-    owners = touches.select(["class", "object"]).to_pylist()
-    found = [credited.get(key_of(owner)) for owner in owners]
+    found = [credited.get(key) for key in keys_of(touches).to_pylist()]
     values = {
         "image": [{"bytes": png, "path": None} for png in grey_pngs(imprints)],
-        "label": [labels[owner["class"]] for owner in owners],
+        "label": pc.index_in(touches.column("class"), pa.array(classes)).cast(pa.int64()),
         **{column.name: touches.column(column.name) for column in _COPIED},
         "licence": [credit.licence if credit else "" for credit in found],
         "author": [credit.author if credit else "" for credit in found],

@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 from visuohaptic.errors import ExportError
 from visuohaptic.meshes.catalogue import Credit
 from visuohaptic.seeds import spawn_generator
+from visuohaptic.tables.phases import keys_of
 
 SPLITS = ("train", "test")
 TEST_SHARE = 0.2
@@ -86,18 +87,18 @@ def find_contents(files: Sequence[Path], credited: Mapping[str, Credit], seed: i
 
     Raises `ExportError` if there is no touch, or no class has two objects.
     """
-    touches: Counter[tuple[str, str]] = Counter()
+    touches: Counter[str] = Counter()
     taxels = 0
     for file in files:
         parquet = pq.ParquetFile(file)
-        owners = parquet.read(columns=["class", "object"]).to_pylist()
-        touches.update((owner["class"], owner["object"]) for owner in owners)
-        if not taxels and owners:
+        counted = keys_of(parquet.read(columns=["class", "object"])).value_counts()
+        touches.update({one["values"]: one["counts"] for one in counted.to_pylist()})
+        if not taxels and len(counted):
             first = next(parquet.iter_batches(1, columns=["image"]))
             taxels = math.isqrt(len(first.column("image")[0]))
     if not touches:
         raise ExportError("There is no touch to export; run `snakemake -j2` first.")
-    by_object = {"/".join(owner): touches[owner] for owner in sorted(touches)}
+    by_object = {key: touches[key] for key in sorted(touches, key=lambda key: key.split("/", 1))}
     return Contents(by_object, frozenset(choose_tested(by_object, seed)), taxels, credited, seed)
 
 

@@ -7,11 +7,11 @@ import io
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from visuohaptic.errors import ExportError
@@ -21,7 +21,7 @@ from visuohaptic.export.contents import SPLITS, Contents, find_contents
 from visuohaptic.export.croissant import describe_files
 from visuohaptic.meshes.catalogue import Credit, read_credits
 from visuohaptic.parameters import read_parameters
-from visuohaptic.tables.phases import TOUCHES, key_of
+from visuohaptic.tables.phases import TOUCHES, keys_of
 from visuohaptic.tables.schema import read_table
 from visuohaptic.whole_files import whole_file, write_whole
 
@@ -154,26 +154,26 @@ def _write_rows(files: Sequence[Path], contents: Contents, folder: Path) -> None
         before = 0
         for file in files:
             touches = read_table(TOUCHES, file)
+            if not touches.num_rows:  # of an object that was set aside
+                continue
             numbers = before + _sequence_numbers(touches)
             before = numbers[-1] + 1
             rows = data_rows(touches, contents.classes, contents.credits)
             kept = {"data": numbers >= 0, "lite": numbers % contents.every == 0}
-            splits = np.array([contents.split_of(key_of(row)) for row in _owners(touches)])
+            tested = pc.is_in(keys_of(touches), pa.array(sorted(contents.tested))).to_numpy()
             for name, writer in writers.items():
-                chosen = kept[Path(name).parent.name] & (splits == Path(name).stem)
+                chosen = kept[Path(name).parent.name] & (tested == (Path(name).stem == "test"))
                 if chosen.any():  # `datasets` can't read a file whose first row group is empty
                     writer.write_table(rows.filter(chosen).select(writer.schema.names))
 
 
-def _owners(touches: pa.Table) -> list[dict[str, str]]:
-    owners: list[dict[str, str]] = touches.select(["class", "object"]).to_pylist()
-    return owners
-
-
 def _sequence_numbers(table: pa.Table) -> np.ndarray:
     """Give rows, sorted by sequences of touches, the number of their sequence, from 0."""
-    keys = table.select(["class", "object", "viewpoint", "strategy"]).to_pylist()
-    return np.cumsum([0, *(one != other for one, other in pairwise(keys))])
+    begins = np.zeros(table.num_rows, dtype=bool)
+    for name in ("class", "object", "viewpoint", "strategy"):
+        values = table.column(name).to_numpy()
+        begins[1:] |= values[1:] != values[:-1]
+    return np.cumsum(begins)
 
 
 def _credits_of(contents: Contents) -> str:

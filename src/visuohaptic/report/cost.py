@@ -126,6 +126,8 @@ class CostFigures:
         What follows from them, in sentences.
     recognitions : int
         Recognitions that each setting was timed on, at most.
+    objects : int
+        Objects that were tested, at most.
     reference : mapping or None
         The row of the run's own setting from one viewpoint.
     chart, robot : CostChart or None
@@ -139,6 +141,7 @@ class CostFigures:
     groups: tuple[SettingGroup, ...]
     advice: list[str]
     recognitions: int
+    objects: int
     reference: Row | None
     chart: CostChart | None
     robot: CostChart | None
@@ -175,6 +178,7 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
         tuple(SettingGroup(tuple(group)) for group in merge_alike(rows)),
         [*advise(rows, run), *advise_robot(rows, robot, run.cost)],
         max((row["recognitions"] or 0 for row in rows), default=0),
+        max((row["objects"] or 0 for row in rows), default=0),
         reference_row(rows),
         cost_chart(rows, families),
         cost_chart(robot, families),

@@ -238,6 +238,7 @@ def cost_values(context: ReportContext) -> Values | None:
     stored = stored_frontier()
     return {
         "frontier": frontier,
+        "objects": len(context.run.objects),
         "stored": stored,
         "large": None if stored is None else cost_figures(stored.rows, parameters),
         "study": study,

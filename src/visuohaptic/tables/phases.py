@@ -19,6 +19,13 @@ def key_of(row: Mapping[str, str]) -> str:
     return f"{row['class']}/{row['object']}"
 
 
+def keys_of(table: pa.Table) -> pa.ChunkedArray:
+    """Give the `class/name` of each row's object."""
+    import pyarrow.compute as pc
+
+    return pc.binary_join_element_wise(table.column("class"), table.column("object"), "/")
+
+
 def owner_columns(key: str) -> dict[str, object]:
     """Give the columns that hold an object's `class/name`."""
     category, name = key.split("/")

@@ -14,6 +14,7 @@ from typing import Any
 import visuohaptic
 from visuohaptic.optional_packages import require
 from visuohaptic.report.provenance import find_commit
+from visuohaptic.whole_files import whole_file
 
 PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
@@ -96,10 +97,8 @@ def write_crate(
     run["endTime"] = datetime.fromtimestamp(newest, UTC).isoformat(timespec="seconds")
     run["actionStatus"] = "http://schema.org/CompletedActionStatus"
     crate.root_dataset.append_to("mentions", run)
-    Path(archive).parent.mkdir(parents=True, exist_ok=True)
-    unfinished = Path(archive).with_suffix(".part.zip")
-    crate.write_zip(unfinished)
-    unfinished.replace(archive)
+    with whole_file(archive) as unfinished:
+        crate.write_zip(unfinished)
 
 
 def _code(root: Path) -> list[str]:
@@ -117,11 +116,13 @@ def _code(root: Path) -> list[str]:
 
 
 def _add(crate: Any, name: str, folder: Path) -> Any:
-    content = (folder / name).read_bytes()
-    properties = {"contentSize": str(len(content)), "sha256": hashlib.sha256(content).hexdigest()}
+    file = folder / name
+    with file.open("rb") as stream:
+        digest = hashlib.file_digest(stream, "sha256").hexdigest()
+    properties = {"contentSize": str(file.stat().st_size), "sha256": digest}
     if found := FORMATS.get(Path(name).suffix):
         properties["encodingFormat"] = found
-    return crate.add_file(folder / name, name, properties=properties)
+    return crate.add_file(file, name, properties=properties)
 
 
 def _entity(crate: Any, key: str, kind: str, **properties: str) -> Any:

@@ -313,10 +313,11 @@ def files_of(inputs: Iterable[str], sample: Collection[str] | None = None) -> li
         Files alone.
     """
     found: list[str] = []
+    chosen = None if sample is None else frozenset(sample)
     for file in inputs:
         if Path(file).parts[: len(Path(LISTS).parts)] == Path(LISTS).parts:
             listed = json.loads(Path(file).read_text(encoding="utf-8"))
-            found += [name for name in listed if sample is None or name in sample]
+            found += [name for name in listed if chosen is None or name in chosen]
         else:
             found.append(file)
     return found
