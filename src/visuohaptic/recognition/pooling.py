@@ -327,6 +327,20 @@ def _deviation(scores: NDArray[np.float64]) -> float:
     return found if found > 0 else 1.0
 
 
+def pool_answers(
+    answers: Sequence[NDArray[np.float64]], weights: Sequence[float]
+) -> NDArray[np.float64]:
+    """Give the weighted geometric mean of answers, shape (c,) each: a logarithmic opinion pool.
+
+    It is no surer than the surest of them: that they agree counts for nothing, as views of an object err
+    alike. A single answer stays as it is.
+    """
+    if len(answers) == 1:
+        return answers[0]
+    shares = np.asarray(weights) / np.sum(weights)
+    return softmax(shares @ np.log(np.maximum(answers, np.exp(LEAST_SCORE))))
+
+
 def softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
     """Turn scores into probabilities along the last axis."""
     weights = np.exp(scores - scores.max(axis=-1, keepdims=True))

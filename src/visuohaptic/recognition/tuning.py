@@ -86,13 +86,20 @@ class TunedClassifier:
     bags: BagClassifier | None = None
     combination: Combination | None = None
 
-    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
-        """Give what is known of n sequences, for one answer for any of them together.
+    @property
+    def trained(self) -> NDArray[np.int64]:
+        """The classes that training had."""
+        known: NDArray[np.int64] = self.estimator.classes_
+        return known
 
-        `projected` has the shape (n, p), float64; the classifier takes the first of its columns.
-        """
+    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give the classifier's scores, (n, p) to (n, c); it takes the first columns."""
         seen = projected[:, : self.estimator.n_features_in_]
-        found = softmax(class_scores(self.estimator, seen, self.classes) / self.temperature)
+        return class_scores(self.estimator, seen, self.classes)
+
+    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+        """Give what is known of n sequences, (n, p), for one answer for any of them together."""
+        found = softmax(self.scores(projected) / self.temperature)
         if self.bags is None:
             return Ballots(found)
         return Ballots(found, self.bags.scores(projected, self.classes), self.combination)
