@@ -35,7 +35,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import NoReturn
 
-from visuohaptic.cli.stopping import STOPPED, unblock_interrupts
+from visuohaptic.interrupts import STOPPED, unblock_interrupts
 from visuohaptic_workflow.stopping import interrupts_tidy_up, is_interrupted
 from visuohaptic_workflow.warm_start import STARTED, THREADS, is_of_this_user, mount_namespace
 

@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.cli.stopping import CLEAR_LINE, STOPPED
 from visuohaptic.errors import VisuohapticError
+from visuohaptic.interrupts import CLEAR_LINE, STOPPED
 from visuohaptic.job_logs import SECONDS
 from visuohaptic_workflow.one_run import hold_job_lock
 from visuohaptic_workflow.records import write_record

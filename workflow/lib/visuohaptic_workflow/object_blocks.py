@@ -19,8 +19,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from visuohaptic.cli.stopping import STOPPED
 from visuohaptic.errors import VisuohapticError
+from visuohaptic.interrupts import STOPPED
 from visuohaptic_workflow.records import digest, is_current
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
-from visuohaptic.cli.stopping import CLEAR_LINE, STOPPED
+from visuohaptic.interrupts import CLEAR_LINE, STOPPED
 from visuohaptic_workflow.stopping import end_at_ctrl_c
 
 NEXT = """\

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import NoReturn
 
-from visuohaptic.cli.stopping import (
+from visuohaptic.interrupts import (
     CLEAR_LINE,
     STOPPED,
     act_at_interrupt,
