@@ -1,17 +1,22 @@
-"""How the workflow grows with objects: seconds of processor time and memory to plan a run of 12, 1,000 and 3,000.
+"""How the workflow grows with objects: seconds and memory of each step, for 12, 142, 1,000 and 3,000 objects.
 
-`python -m benchmarks.many_objects FOLDER [COUNT …]` makes the objects, too: the paper's twelve, each deformed by a seed.
-They stay in FOLDER, where `snakemake -s Snakefile -d FOLDER` then runs them.
+`python -m benchmarks.many_objects FOLDER [COUNT …]` makes the objects, the paper's twelve, each deformed by a seed, and
+plans a run; with `--run` it makes the whole run from nothing, too, and what follows it. Figures are printed as a table,
+and kept as FOLDER/measured.json. The objects stay in FOLDER, where `snakemake -s Snakefile -d FOLDER/COUNT` runs them.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
-import shutil
+import re
 import subprocess
 import sys
 import tempfile
+import threading
+import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,6 +27,8 @@ COUNTS = (12, 142, 1000, 3000)
 BLOCKS = {12: 6, 142: 24}
 """Objects a job; 50 where there are more objects."""
 LARGEST_BEND = 0.15
+SECONDS_BETWEEN_SAMPLES = 1.0
+Steps = dict[str, dict[str, float]]
 
 
 def make_objects(folder: Path, count: int) -> None:
@@ -70,7 +77,7 @@ def bend(vertices: np.ndarray, generator: np.random.Generator) -> np.ndarray:
 
 
 def measure(folder: Path, *options: str) -> dict[str, float]:
-    """Plan a run, and give seconds of processor time and the largest memory.
+    """Run Snakemake, and give what it took.
 
     Parameters
     ----------
@@ -82,62 +89,157 @@ def measure(folder: Path, *options: str) -> dict[str, float]:
     Returns
     -------
     dict of float
-        ``processor_s`` and ``memory_mb``.
+        ``seconds``, ``processor_s`` of Snakemake and of all jobs it waited for, and ``memory_mb``: the most that all
+        processes had together, each shared page counted once.
     """
-    process = subprocess.Popen(
-        [sys.executable, "-m", "snakemake", "-s", str(ROOT / "Snakefile"), "-d", str(folder), *options],
-        env={**os.environ, "PYTHONPATH": f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"},
-        stdout=subprocess.DEVNULL,
-    )  # fmt: skip
-    _, status, used = os.wait4(process.pid, 0)
+    started = time.monotonic()
+    with (folder / "snakemake.out").open("ab") as out:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "snakemake", "-s", str(ROOT / "Snakefile"), "-d", str(folder), *options],
+            env={**os.environ, "PYTHONPATH": f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"},
+            stdout=out, stderr=out,
+        )  # fmt: skip
+        most = [0.0]
+        ended = threading.Event()
+        watch = threading.Thread(target=_watch_memory, args=(process.pid, most, ended))
+        watch.start()
+        _, status, used = os.wait4(process.pid, 0)
+        ended.set()
+        watch.join()
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
-        raise SystemExit(f"snakemake ended with status {process.returncode}.")
-    seconds = used.ru_utime + used.ru_stime
-    return {"processor_s": round(seconds, 1), "memory_mb": round(used.ru_maxrss / 1024)}
+        raise SystemExit(
+            f"snakemake ended with status {process.returncode}: {folder / 'snakemake.out'}"
+        )
+    return {
+        "seconds": round(time.monotonic() - started, 1),
+        "processor_s": round(used.ru_utime + used.ru_stime, 1),
+        "memory_mb": round(max(most[0], used.ru_maxrss / 1024)),
+    }
+
+
+def _watch_memory(process: int, most: list[float], ended: threading.Event) -> None:
+    """Keep the largest sum of the memory of a process and all its descendants, in MB."""
+    import psutil
+
+    while not ended.wait(SECONDS_BETWEEN_SAMPLES):
+        total = 0
+        with suppress(psutil.Error):
+            first = psutil.Process(process)
+            for one in (first, *first.children(recursive=True)):
+                with suppress(psutil.Error):
+                    total += one.memory_full_info().pss
+        most[0] = max(most[0], total / 2**20)
 
 
 def run() -> dict[str, object]:
-    """Measure all counts in a folder that does not stay."""
+    """Measure the plans of all counts in a folder that does not stay."""
     with tempfile.TemporaryDirectory() as folder:
-        return plan_all(Path(folder), COUNTS)
+        return {
+            str(count): plan(prepare(Path(folder), count, viewpoints=16), count) for count in COUNTS
+        }
 
 
-def plan_all(folder: Path, counts: tuple[int, ...]) -> dict[str, object]:
-    """Measure dry runs with a job a phase and object, and with blocks.
+def prepare(folder: Path, count: int, viewpoints: int) -> Path:
+    """Make a folder with objects and parameters, and give its path.
 
     Parameters
     ----------
     folder : path
-        Gets a folder for each count.
-    counts : tuple of int
-        Numbers of objects.
-
-    Returns
-    -------
-    dict
-        By count.
+        Gets a folder by the count.
+    count : int
+        Number of objects.
+    viewpoints : int
+        Of each object.
     """
-    found: dict[str, object] = {}
-    for count in counts:
-        here = folder / str(count)
-        (here / "meshes").mkdir(parents=True, exist_ok=True)
-        # No catalogued objects beside the made ones.
-        head = (ROOT / "meshes/catalogue.csv").read_text(encoding="utf-8").splitlines()[0]
-        (here / "meshes/catalogue.csv").write_text(f"{head}\n", encoding="utf-8")
-        shutil.copy(ROOT / "params.yaml", here)
-        make_objects(here, count)
-        per_job = BLOCKS.get(count, 50)
-        blocks = json.dumps({"objects_per_job": per_job})
-        found[str(count)] = {
-            "dry_run": measure(here, "-n", "--quiet"),
-            "objects_per_job": per_job,
-            "dry_run_in_blocks": measure(here, "-n", "--quiet", "--config", f"workflow={blocks}"),
-        }
+    here = folder / str(count)
+    (here / "meshes").mkdir(parents=True, exist_ok=True)
+    # No catalogued objects beside the made ones.
+    head = (ROOT / "meshes/catalogue.csv").read_text(encoding="utf-8").splitlines()[0]
+    (here / "meshes/catalogue.csv").write_text(f"{head}\n", encoding="utf-8")
+    text = (ROOT / "params.yaml").read_text(encoding="utf-8")
+    text = re.sub(r"(?m)^(viewpoints:(?:\n .*)*?\n  count: )\d+", rf"\g<1>{viewpoints}", text)
+    (here / "params.yaml").write_text(text, encoding="utf-8")
+    make_objects(here, count)
+    return here
+
+
+def in_blocks(count: int) -> list[str]:
+    """Give the options by which a job takes several objects."""
+    blocks = {"objects_per_job": BLOCKS.get(count, 50)}
+    return ["--config", f"workflow={json.dumps(blocks)}"]
+
+
+def plan(folder: Path, count: int) -> Steps:
+    """Measure how long it takes to read the workflow, and to plan a run with a job a phase and object, and with blocks."""
+    return {
+        "parse": measure(folder, "--list-target-rules", *in_blocks(count)),
+        "dry run, a job a phase and object": measure(folder, "-n", "--quiet"),
+        "dry run, in blocks": measure(folder, "-n", "--quiet", *in_blocks(count)),
+    }
+
+
+def run_all(folder: Path, count: int, cores: int) -> Steps:
+    """Measure a whole run in blocks from nothing, then one with nothing to do, and the report by itself.
+
+    Raises `SystemExit` if there are results already.
+    """
+    if (folder / "results").exists():
+        raise SystemExit(
+            f"{folder / 'results'} is there; a run from nothing needs a new folder or none in its place."
+        )
+    options = ["--cores", str(cores), *in_blocks(count)]
+    steps = {
+        "whole run": measure(folder, *options),
+        "nothing to do": measure(folder, *options),
+        "report": measure(folder, *options, "--forcerun", "report", "--", "reports/report.html"),
+    }
+    steps["report"]["file_mb"] = round((folder / "reports/report.html").stat().st_size / 1e6, 1)
+    tables = [file.stat().st_size for file in (folder / "results").rglob("*") if file.is_file()]
+    steps["whole run"]["results_mb"] = round(sum(tables) / 1e6)
+    return steps
+
+
+def as_table(found: dict[str, Steps]) -> str:
+    """Write seconds, processor seconds and memory of every step as a Markdown table, a column a count."""
+    steps = dict.fromkeys(step for one in found.values() for step in one)
+    rows = [["", *(f"{int(count):,} objects" for count in found)], ["---"] * (len(found) + 1)]
+    rows += [[step, *(_write(one.get(step)) for one in found.values())] for step in steps]
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def _write(step: dict[str, float] | None) -> str:
+    if step is None:
+        return "–"
+    files = [f"{value:g} MB of files" for name, value in step.items() if name not in _TAKEN]
+    taken = f"{step['seconds']:.0f} s ({step['processor_s']:.0f} s), {step['memory_mb']:,.0f} MB"
+    return "; ".join([taken, *files])
+
+
+_TAKEN = {"seconds", "processor_s", "memory_mb"}
+
+
+def main() -> None:
+    """Measure what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("counts", type=int, nargs="*", default=COUNTS, metavar="count")
+    parser.add_argument("--run", action="store_true", help="a whole run from nothing, too")
+    parser.add_argument("--viewpoints", type=int, default=4, help="of each object")
+    parser.add_argument("--cores", type=int, default=len(os.sched_getaffinity(0)))
+    asked = parser.parse_args()
+    found: dict[str, Steps] = {}
+    for count in asked.counts:
+        here = prepare(asked.folder, count, asked.viewpoints)
+        found[str(count)] = plan(here, count)
+        if asked.run:
+            found[str(count)] |= run_all(here, count, asked.cores)
         print(count, json.dumps(found[str(count)]), flush=True)
-    return found
+        kept = json.dumps({"viewpoints": asked.viewpoints, "cores": asked.cores, "counts": found})
+        (asked.folder / "measured.json").write_text(f"{kept}\n", encoding="utf-8")
+    print("wall seconds (processor seconds), memory of all processes\n")
+    print(as_table(found))
 
 
 if __name__ == "__main__":
-    chosen = tuple(map(int, sys.argv[2:])) or COUNTS
-    plan_all(Path(sys.argv[1]), chosen)
+    main()

@@ -30,3 +30,7 @@ with tempfile.TemporaryDirectory() as cache:
     assert np.abs(255 * first["imprint"] - np.stack(first["image"])).max() <= 0.5001
 croissant = mlcroissant.Dataset(jsonld=str(Path(folder) / "croissant.json"))
 assert next(iter(croissant.records("lite_test")))["lite_test/image"].size == (32, 32)
+row = next(iter(croissant.records("default_test")))
+assert (
+    np.abs(255 * np.array(row["default_test/imprint"]) - row["default_test/image"]).max() <= 0.5001
+)

@@ -147,7 +147,15 @@ def test_croissant_describes_every_file_and_column_by_its_bytes(exported):
         file = record_set["field"][0]["source"]["fileObject"]["@id"]
         columns = [field["source"]["extract"]["column"] for field in record_set["field"]]
         schema = pq.read_schema(exported.folder / file)
-        assert columns == [name for name in schema.names if name != "imprint"]
+        assert columns == schema.names
+        arrays = {
+            field["name"]: field["arrayShape"]
+            for field in record_set["field"]
+            if "isArray" in field
+        }
+        first = pq.read_table(exported.folder / file).slice(0, 1).to_pylist()[0]
+        taxels = len(first["imprint"]) if "imprint" in first else 0
+        assert arrays == ({"imprint": f"{taxels},{taxels}"} if taxels else {})
 
 
 def test_two_exports_are_the_same_bit_for_bit_in_any_order_of_the_parts(run, tmp_path):

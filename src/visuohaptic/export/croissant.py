@@ -1,4 +1,4 @@
-"""The data set's description for machines: croissant.json (MLCommons Croissant 1.0)."""
+"""The data set's description for machines: croissant.json (MLCommons Croissant 1.1)."""
 
 from __future__ import annotations
 
@@ -8,17 +8,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
+
 from visuohaptic import __version__
 from visuohaptic.export.card import CONFIGURATIONS
 from visuohaptic.export.columns import IMAGE, IMPRINT
 from visuohaptic.export.contents import SPLITS, Contents
-from visuohaptic.tables.schema import Column
+from visuohaptic.tables.schema import TEXT, Column
 
-_FORMAT = "http://mlcommons.org/croissant/1.0"
+_FORMAT = "http://mlcommons.org/croissant/1.1"
 # The context that the specification gives.
 _TERMS = (
-    "citeAs column equivalentProperty extract field fileProperty fileObject fileSet format includes "
-    "isLiveDataset jsonPath key md5 parentField path recordSet references regex repeated replace "
+    "arrayShape citeAs column equivalentProperty extract field fileProperty fileObject fileSet format includes "
+    "isArray isLiveDataset jsonPath key md5 parentField path recordSet references regex repeated replace "
     "samplingRate separator source subField transform"
 )
 _CONTEXT: dict[str, Any] = {
@@ -34,7 +36,14 @@ _CONTEXT: dict[str, Any] = {
     "examples": {"@id": "cr:examples", "@type": "@json"},
     **{term: f"cr:{term}" for term in _TERMS.split()},
 }
-_TYPES = {"string": "sc:Text", "int32": "sc:Integer", "int64": "sc:Integer", "double": "sc:Float"}
+_TYPES = {
+    TEXT: "sc:Text",
+    pa.int32(): "sc:Integer",
+    pa.int64(): "sc:Integer",
+    pa.float64(): "sc:Float",
+    IMPRINT: "sc:Float",
+    IMAGE: "sc:ImageObject",
+}
 
 
 def describe_files(contents: Contents, files: Mapping[str, Path]) -> str:
@@ -54,7 +63,7 @@ def describe_files(contents: Contents, files: Mapping[str, Path]) -> str:
         "creator": {"@type": "sc:Organization", "name": "visuohaptic"},
         "distribution": [_file_object(name, path) for name, path in files.items()],
         "recordSet": [
-            _record_set(configuration, split)
+            _record_set(configuration, split, contents.taxels)
             for configuration in CONFIGURATIONS
             for split in SPLITS
         ],
@@ -76,31 +85,33 @@ def _file_object(name: str, path: Path) -> dict[str, str]:
     }
 
 
-def _record_set(configuration: str, split: str) -> dict[str, Any]:
+def _record_set(configuration: str, split: str, taxels: int) -> dict[str, Any]:
     folder, columns = CONFIGURATIONS[configuration]
     name = f"{configuration}_{split}"
-    # The format has no arrays of numbers in a cell; the picture stands for the imprint.
-    described = [column for column in columns if column.dtype != IMPRINT]
+    file = f"{folder}/{split}.parquet"
     return {
         "@type": "cr:RecordSet",
         "@id": name,
         "name": name,
-        "field": [_field(column, name, f"{folder}/{split}.parquet") for column in described],
+        "field": [_field(column, name, file, taxels) for column in columns],
     }
 
 
-def _field(column: Column, record_set: str, file: str) -> dict[str, Any]:
+def _field(column: Column, record_set: str, file: str, taxels: int) -> dict[str, Any]:
     source: dict[str, Any] = {
         "fileObject": {"@id": file},
         "extract": {"column": column.name},
     }
     if column.dtype == IMAGE:
         source["transform"] = {"jsonPath": "bytes"}
-    return {
+    field: dict[str, Any] = {
         "@type": "cr:Field",
         "@id": f"{record_set}/{column.name}",
         "name": column.name,
         "description": column.description,
-        "dataType": "sc:ImageObject" if column.dtype == IMAGE else _TYPES[str(column.dtype)],
+        "dataType": _TYPES[column.dtype],
         "source": source,
     }
+    if column.dtype == IMPRINT:
+        field |= {"isArray": True, "arrayShape": f"{taxels},{taxels}"}
+    return field

@@ -1,10 +1,12 @@
 """From the study's tables to the cost table."""
 
+from unittest.mock import patch
+
 import pytest
 from studies.surfaces import RUN, small_surfaces, write_sources
 
 from visuohaptic.studies.conditions import Plan, describe_conditions, plan_study
-from visuohaptic.studies.cost import settings
+from visuohaptic.studies.cost import seconds, settings
 from visuohaptic.studies.cost.files import make_cost, make_cost_seconds
 from visuohaptic.studies.cost.front import read_costs
 from visuohaptic.studies.files import make_study_block, make_study_features
@@ -22,7 +24,10 @@ def made(tmp_path, monkeypatch):
         make_study_features(remake, sources, files[key])
     conditions = describe_conditions(plan.conditions)
     make_study_block("cost", conditions, [features], files, tmp_path / "block", RUN)
-    make_cost_seconds("cost", sources.meshes[:2], [features], files, tmp_path / "seconds", RUN)
+    with patch.object(seconds, "fit_model", wraps=seconds.fit_model) as fitting:
+        make_cost_seconds("cost", sources.meshes[:2], [features], files, tmp_path / "seconds", RUN)
+    # One model serves all numbers of viewpoints, and the sizes that are the run's own.
+    assert fitting.call_count == 3
     make_cost("cost", [tmp_path / "block"], tmp_path / "seconds", tmp_path / "cost.parquet", RUN)
     return read_costs(tmp_path / "cost.parquet")
 

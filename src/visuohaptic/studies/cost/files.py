@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pyarrow as pa
@@ -52,12 +53,19 @@ def make_cost_seconds(
     """
     held: dict[str | None, pa.Table | str] = {None: read_table(FEATURES, features)}
     settings: list[FittedSetting] = []
+    # What differs in the number of viewpoints alone is named by one model.
+    trained: dict[Hashable, FittedSetting | str] = {}
     planned = plan_study(make_study(study, run), run).conditions
     for setting, one in zip(make_settings(run, study), planned, strict=True):
         if one.key is not None and one.key not in held:
             held[one.key] = read_study_features(made[one.key])
-        fitted = fit_setting(setting, one, held[one.key], run.seed)
-        settings += [fitted] if isinstance(fitted, FittedSetting) else []
+        named = (setting.strategy, setting.pipeline, setting.classifier)
+        asked = (one.key, one.parameters.model_dump_json(), *named)
+        if asked not in trained:
+            trained[asked] = fit_setting(setting, one, held[one.key], run.seed)
+        fitted = trained[asked]
+        if isinstance(fitted, FittedSetting):
+            settings.append(replace(fitted, setting=setting))
     surfaces = {
         f"{mesh.parent.name}/{mesh.stem}": read_surface(mesh) for mesh in usable_meshes(meshes)
     }
