@@ -89,8 +89,8 @@ def measure(folder: Path, *options: str) -> dict[str, float]:
     Returns
     -------
     dict of float
-        ``seconds``, ``processor_s`` of Snakemake and of all jobs it waited for, and ``memory_mb``: the most that all
-        processes had together, each shared page counted once.
+        ``seconds``; ``processor_s`` of Snakemake and of the processes that it started, without jobs that run as forks
+        of the warm server; and ``memory_mb``: the most that all processes had together, each shared page counted once.
     """
     started = time.monotonic()
     with (folder / "snakemake.out").open("ab") as out:
