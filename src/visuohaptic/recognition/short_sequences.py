@@ -32,7 +32,7 @@ from visuohaptic.recognition.pooling import (
     Ballots,
     Combination,
     fit_bag_classifier,
-    fit_combination,
+    hold_out_bags,
 )
 from visuohaptic.recognition.set_distance import keep_touches
 from visuohaptic.recognition.splits import grouped_folds
@@ -246,7 +246,8 @@ def _combine(
 ) -> Combination:
     known = classifier.combination.known
     alike = np.full(scores.shape, 1 / len(known))
-    return fit_combination(alike, scores, labels, owners, best.bags, known, best.bag_weight)
+    held_out = hold_out_bags(scores, labels, owners, best.bags, known, best.bag_weight)
+    return held_out.combine(alike)
 
 
 def _ballots(scores: NDArray[np.float64], combination: Combination) -> Ballots:
