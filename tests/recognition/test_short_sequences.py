@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
 import skops.io
@@ -12,6 +13,7 @@ from recognition.synthetic import features_table
 from visuohaptic import recognition
 from visuohaptic.recognition import short_sequences
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.sequences import gather_any
 from visuohaptic.recognition.short_sequences import fit_short_classifiers
 
 PARAMETERS = RecognitionParameters()
@@ -93,13 +95,20 @@ def test_whole_sequences_are_named_as_without_short_ones(model):
         assert model.answer(rows) == plain.answer(rows)
 
 
-def test_a_view_with_more_touches_than_a_sequence_is_not_surer_than_its_parts(model):
-    _, rows = one_view(features_table(objects=(1, 1, 1), touches=7, separation=0.8), 7)[0]
-    parts = [
-        model.answer(rows.filter(chosen)).probabilities
-        for chosen in (pc.less(rows["touch"], 5), pc.greater_equal(rows["touch"], 5))
-    ]
-    found = model.answer(rows).probabilities
+def test_a_view_with_more_touches_than_a_sequence_gives_whole_ones_alone():
+    table = features_table(objects=(1,), touches=7, viewpoints=3)
+    (found,) = gather_any(table.drop_columns(["contact_state"]), ("x", "y"), 5)
+    (touched,) = gather_any(table.drop_columns(["contact_state"]), ("x", "y"), 7)
+    np.testing.assert_array_equal(found[::2], touched[:, :5])
+    np.testing.assert_array_equal(found[1::2], touched[:, 2:])
+
+
+def test_views_of_several_lengths_have_one_answer_no_surer_than_those_of_each(model):
+    _, rows = one_view(NEW, 5)[0]
+    other = recognition.select(NEW, viewpoint=0, object="object3", **{"class": "class0"})
+    short = other.filter(pc.less(other["touch"], 2))
+    parts = [model.answer(part).probabilities for part in (rows, short)]
+    found = model.answer(pa.concat_tables([rows, short])).probabilities
     assert max(found.values()) <= max(max(part.values()) for part in parts)
     logs = sum(
         share * np.log([part[name] for name in found])
