@@ -2,7 +2,8 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report check test test-all test-hard test-slurm meshes bench readme params lint format lock clean
+.PHONY: report check test test-all test-hard test-slurm meshes bench readme params format lock clean
+.PHONY: lint lint-types lint-code lint-workflow
 
 PYTHON ?= python3
 JOBS ?= all
@@ -27,7 +28,7 @@ check: lint
 test: lint
 	pytest -n 2 --dist loadfile --no-loadscope-reorder -m "not long"
 
-# Also what kills, pulls and reruns whole workflows; continuous integration runs it.
+# Also what takes long: kills, pulls and reruns of whole workflows; continuous integration runs it.
 test-all: lint
 	pytest -n 2 --dist loadfile --no-loadscope-reorder
 
@@ -56,11 +57,17 @@ readme: $(DEVELOP)
 params: $(READY)
 	python docs/make_params.py
 
+# The type checker takes as long as all others, so two run at a time.
 lint: $(DEVELOP)
+	@$(MAKE) --no-print-directory --jobs 2 lint-types lint-code lint-workflow
+
+lint-types:
+	mypy
+lint-code:
 	ruff format --check .
 	ruff check .
-	mypy
 	lint-imports
+lint-workflow:
 	snakefmt --check Snakefile workflow/Snakefile workflow/rules
 	snakemake --lint
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import textwrap
 from pathlib import Path
 from typing import Any
 
@@ -101,9 +102,11 @@ def speed_table(results: dict[str, Any]) -> str:
         [
             *lines,
             "",
-            (
+            textwrap.fill(
                 f"On {machine['processor']}, {machine['cores']} cores; {share} of the cold run's core seconds "
-                f"go into neither a job's own imports nor its work ({workflow['jobs']} jobs). `make bench` measures again."
+                f"go into neither a job's own imports nor its work ({workflow['jobs']} jobs). `make bench` measures again.",
+                100,
+                break_on_hyphens=False,
             ),
         ]
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import fill
 
 import pyarrow as pa
 
@@ -13,10 +14,11 @@ PAGE = Path(__file__).with_name("tables.md")
 INTRODUCTION = """\
 # Tables
 
-Every table is Parquet: one file, or a folder of files that reads as one. It is checked against its schema before
-it is written, and written whole or not at all; a column's description and unit lie in the file as metadata of its
-field. A pair of numbers after a unit is the closed range of every value. Lengths are in object radii: the bounding
-sphere's centre is the origin, its radius 1, and y points up.
+Every table is Parquet: one file, or a folder of files that reads as one. It is checked against its
+schema before it is written, and written whole or not at all; a column's description and unit lie in
+the file as metadata of its field. A pair of numbers after a unit is the closed range of every
+value. Lengths are in object radii: the bounding sphere's centre is the origin, its radius 1, and y
+points up.
 
 ```python
 import pyarrow.parquet
@@ -25,7 +27,8 @@ table = pyarrow.parquet.read_table("results/touches")
 print(table.schema.field("sensor_size").metadata)
 ```
 
-This page is made from `src/visuohaptic/tables/` by `python docs/make_tables.py`; a test compares the two.
+This page is made from `src/visuohaptic/tables/` by `python docs/make_tables.py`; a test compares
+the two.
 """
 
 
@@ -46,7 +49,7 @@ def _section(schema: Schema) -> str:
         [
             f"## {schema.name}",
             "",
-            f"One row for each {keys}.",
+            fill(f"One row for each {keys}.", 100),
             "",
             "| column | type | unit, range | meaning |",
             "|---|---|---|---|",

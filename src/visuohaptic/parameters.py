@@ -169,9 +169,9 @@ def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
         "cost.frontier_viewpoints": cost.frontier_viewpoints,
     }
     for name, values in lists.items():
-        twice = [value for value, count in Counter(values).items() if count > 1]
-        if twice:
-            yield f"{name} names {twice[0]} {values.count(twice[0])} times; once is allowed"
+        if len(set(values)) < len(values):
+            [(twice, count)] = Counter(values).most_common(1)
+            yield f"{name} names {twice} {count} times; once is allowed"
 
 
 def _odd_viewpoints(parameters: ExperimentParameters) -> Iterator[str]:

@@ -52,8 +52,15 @@ def folder(tmp_path_factory):
     return folder
 
 
+def moments(*seconds, long):
+    """Give seconds after a start, the last ones for tests that take long."""
+    return [*seconds, *(pytest.param(each, marks=pytest.mark.long) for each in long)]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("after", [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.2, 1.5, 1.9, 2.4])
+@pytest.mark.parametrize(
+    "after", moments(0.02, 0.2, 0.7, 1.5, long=(0.05, 0.1, 0.35, 0.5, 0.9, 1.2, 1.9, 2.4))
+)
 def test_ctrl_c_stops_a_touch_at_any_moment(folder, after):
     out = folder / f"felt{after}"
     process = start(("touch", "ring.obj", "--viewpoints", 1024, "--out", out.name), folder, after)
@@ -63,7 +70,7 @@ def test_ctrl_c_stops_a_touch_at_any_moment(folder, after):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("after", [0.05, 0.5, 1.5])
+@pytest.mark.parametrize("after", moments(0.5, long=(0.05, 1.5)))
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -62,6 +62,7 @@ def folder(tmp_path_factory):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_tour_runs_from_end_to_end(folder, visuohaptic, monkeypatch):
     monkeypatch.chdir(folder)
     for command in COMMANDS:

@@ -45,6 +45,7 @@ print(json.dumps({"kernels": sorted(kernels), "found": found}))
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_kernels_of_another_processor_give_the_same_descriptions_and_names():
     import json
 

@@ -10,7 +10,7 @@ from visuohaptic.recognition.pooling import (
     Ballots,
     best_temperature,
     fit_bag_classifier,
-    fit_combination,
+    hold_out_bags,
     softmax,
     spread_bags,
 )
@@ -64,11 +64,11 @@ def test_both_answers_count_by_their_deviations_and_weight():
     scores = 100 * generator.normal(size=(120, 3)) + 100 * np.eye(3)[labels]
     owners = np.arange(120) // 4
     known = np.ones(3, bool)
-    plain = fit_combination(probabilities, scores, labels, owners, (1, 4), known, 1.0)
-    larger = fit_combination(probabilities, 7 * scores, labels, owners, (1, 4), known, 1.0)
+    plain = hold_out_bags(scores, labels, owners, (1, 4), known, 1.0).combine(probabilities)
+    larger = hold_out_bags(7 * scores, labels, owners, (1, 4), known, 1.0).combine(probabilities)
     alone = Ballots(probabilities, scores, plain).alone()
     np.testing.assert_allclose(alone, Ballots(probabilities, 7 * scores, larger).alone())
-    heavy = fit_combination(probabilities, scores, labels, owners, (1, 4), known, 1e6)
+    heavy = hold_out_bags(scores, labels, owners, (1, 4), known, 1e6).combine(probabilities)
     np.testing.assert_array_equal(
         Ballots(probabilities, scores, heavy).alone().argmax(axis=1), scores.argmax(axis=1)
     )
@@ -117,7 +117,7 @@ def test_no_answer_is_surer_than_as_many_objects_allow(objects):
     owners = np.repeat(np.arange(objects), 4)
     clear = np.eye(2)[labels]
     known = np.ones(2, bool)
-    combination = fit_combination(clear, clear, labels, owners, (1, 4), known, 1.0)
+    combination = hold_out_bags(clear, labels, owners, (1, 4), known, 1.0).combine(clear)
     surest = Ballots(clear, clear, combination).alone().max()
     expected = 1 - 1 / (objects + 2) / 2
     assert surest == pytest.approx(expected, abs=0.3 * (1 - expected))

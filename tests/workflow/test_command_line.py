@@ -34,7 +34,14 @@ def fresh(tmp_path):
     return Experiment(tmp_path / "experiment")
 
 
-@pytest.mark.parametrize("option", [["-j8"], ["-c8"], ["--cores", "8"]])
+@pytest.mark.parametrize(
+    "option",
+    [
+        ["-j8"],
+        pytest.param(["-c8"], marks=pytest.mark.long),
+        pytest.param(["--cores", "8"], marks=pytest.mark.long),
+    ],
+)
 def test_eight_jobs_run_at_a_time(fresh, option):
     fresh.set(workflow={"views_per_job": 1})
     fresh.snakemake("meshes_all")
@@ -57,6 +64,7 @@ def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh,
     assert "Nothing to be done" in elsewhere.snakemake("-s", str(fresh.folder / "Snakefile")).stdout
 
 
+@pytest.mark.long
 def test_the_workflow_runs_in_a_folder_named_by_an_option(fresh, tmp_path):
     fresh.snakemake("-d", str(tmp_path / "elsewhere"))
     assert (tmp_path / "elsewhere/reports/report.html").exists()

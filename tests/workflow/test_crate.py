@@ -9,7 +9,7 @@ import pytest
 
 from visuohaptic_workflow.crate import write_crate
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.long]
 METADATA = "ro-crate-metadata.json"
 
 

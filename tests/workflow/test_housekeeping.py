@@ -28,11 +28,16 @@ def experiment(whole, tmp_path):
 @pytest.mark.parametrize(
     ("file", "rule"),
     [
-        ("results/meshes/chair/bsby_chair3.ply", "meshes"),
         ("results/views/chair/bsby_chair3/00-01.parquet", "fixations"),
-        ("results/effects/touches/chair/bsby_chair3/00-01.parquet", "touches"),
-        ("reports/plots/accuracy.csv", "metrics"),
         ("reports/report.html", "report"),
+        *(
+            pytest.param(*deleted, marks=pytest.mark.long)
+            for deleted in (
+                ("results/meshes/chair/bsby_chair3.ply", "meshes"),
+                ("results/effects/touches/chair/bsby_chair3/00-01.parquet", "touches"),
+                ("reports/plots/accuracy.csv", "metrics"),
+            )
+        ),
     ],
 )
 def test_a_deleted_output_is_made_again(experiment, file, rule):
@@ -63,6 +68,7 @@ def test_an_edited_script_reruns_its_phase_and_what_follows(experiment):
     assert "touches" not in planned
 
 
+@pytest.mark.long
 def test_results_and_logs_of_a_deleted_object_go(experiment):
     own = experiment.folder / "meshes/own/chair/stool.stl"
     own.parent.mkdir()

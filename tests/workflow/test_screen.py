@@ -79,6 +79,7 @@ def run_screen(experiment, *arguments):
 
 
 @pytest.mark.workflow
+@pytest.mark.long
 def test_the_end_names_figures_report_log_and_what_else_can_be_asked(experiment):
     experiment.set(recognition={"classifier": {"neighbours": 3}})
     for _ in range(2):  # with something to do, and with nothing
@@ -117,6 +118,7 @@ def test_a_wrong_parameter_is_shown_and_ends_with_one(experiment):
 
 
 @pytest.mark.workflow
+@pytest.mark.long
 def test_snakemake_itself_ends_with_the_figures_where_the_report_was_written(experiment):
     experiment.set(recognition={"intervals": {"confidence": 0.9}})
     output = experiment.snakemake().stdout

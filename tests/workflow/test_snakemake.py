@@ -65,6 +65,7 @@ def test_how_jobs_start_changes_no_table(experiment, finished):
         assert experiment.table(name).equals(finished.table(name))
 
 
+@pytest.mark.long
 def test_recognition_in_a_fork_that_has_its_libraries_gives_the_same(experiment, finished):
     script = experiment.folder / "workflow/scripts/recognition.py"
     tells = "import sys\nwith open('had', 'a') as had:\n    had.write(f\"{'sklearn' in sys.modules} \")\n"
@@ -169,6 +170,7 @@ def assert_same_results(experiment, other):
     assert (other.folder / metrics).read_bytes() == (experiment.folder / metrics).read_bytes()
 
 
+@pytest.mark.long
 def test_one_process_and_two_give_the_same_tables(fresh, finished, tmp_path):
     other = fresh.copy(tmp_path / "experiment")
     other.run("snakemake", "-j1")
@@ -185,6 +187,7 @@ def test_other_blocks_of_viewpoints_change_no_table_and_leave_no_stale_part(fini
     assert experiment.planned() == {}
 
 
+@pytest.mark.long
 def test_an_own_object_takes_part_and_leaves_without_trace(experiment):
     own = experiment.folder / "meshes" / "own" / "chair"
     own.mkdir()
@@ -199,6 +202,7 @@ def test_an_own_object_takes_part_and_leaves_without_trace(experiment):
     assert "stool" not in objects
 
 
+@pytest.mark.long
 def test_a_corrupt_mesh_is_named_and_spares_the_others(fresh, tmp_path):
     experiment = fresh.copy(tmp_path / "experiment")
     broken = experiment.folder / "meshes" / "own" / "x" / "broken.obj"

@@ -27,6 +27,7 @@ def test_every_run_tries_hard_cases_and_checks_every_object(finished):
     assert "In this run, at the reduced count" in page
 
 
+@pytest.mark.long
 def test_blocks_of_viewpoints_change_no_check(finished, experiment):
     experiment.set(workflow={"views_per_job": 1})
     experiment.snakemake("--", "stability_all")
@@ -37,6 +38,7 @@ def test_blocks_of_viewpoints_change_no_check(finished, experiment):
         assert after.equals(before)
 
 
+@pytest.mark.long
 def test_a_ray_caster_that_errs_is_named_at_the_end_and_on_the_page_and_fails_nothing(experiment):
     own = experiment.folder / "meshes/own/chair/stool.stl"
     own.parent.mkdir(parents=True, exist_ok=True)

@@ -10,15 +10,13 @@ import time
 from collections.abc import Callable
 from types import FrameType
 
-STOPPED = 130
-"""Status of a command that the user stopped, as shells have it: 128 + SIGINT."""
+from visuohaptic.interrupts import CLEAR_LINE, STOPPED, act_at_interrupt
 
 _INTERRUPT = "SIGUSR2"
 _IMPORT = "<frozen importlib._bootstrap>"
 _SECONDS_TO_NOTICE = 0.02
 _SECONDS_TO_TIDY_UP = 1.0
 _SECONDS_TO_END = 5.0
-_CLEAR_LINE = "\r\033[K"
 
 
 class _Command:
@@ -59,19 +57,11 @@ def stop_at_ctrl_c(command: Callable[[], None]) -> None:
 
 
 def _take_interrupts() -> None:
-    interrupts, notes = os.pipe()
-    os.set_blocking(notes, False)
-    signal.signal(signal.SIGINT, lambda *_: None)
-    # Python notes each signal there at once, whichever thread received it.
-    signal.set_wakeup_fd(notes, warn_on_full_buffer=False)
-    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     signal.signal(getattr(signal, _INTERRUPT), _interrupt)
     # At the end nothing can be imported that the main thread is importing.
     from visuohaptic.whole_files import remove_unfinished
 
-    threading.Thread(
-        target=_stop_at_interrupt, args=(interrupts, remove_unfinished), daemon=True
-    ).start()
+    act_at_interrupt(lambda _: _stop(remove_unfinished))
 
 
 def _interrupt(_signal: int, frame: FrameType | None) -> None:
@@ -91,15 +81,12 @@ def _is_importing(frame: FrameType | None) -> bool:
     return False
 
 
-def _stop_at_interrupt(interrupts: int, remove_unfinished: Callable[[], None]) -> None:
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
-    while os.read(interrupts, 1) != bytes([signal.SIGINT]):
-        pass
+def _stop(remove_unfinished: Callable[[], None]) -> None:
     with _Command.decided:
         if _Command.is_over:
             return
         _Command.is_asked_to_stop = True
-        clear = _CLEAR_LINE if sys.stderr.isatty() else ""
+        clear = CLEAR_LINE if sys.stderr.isatty() else ""
         os.write(2, f"{clear}stopped.\n".encode())
         # What fails from now on fails because of the stop.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)

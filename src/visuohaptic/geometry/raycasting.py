@@ -35,8 +35,10 @@ _ROUNDING = 2e-15
 _NARROW = 2 * (LATERAL_ERROR + _BUNDLE_RADIUS)
 # A face lower than this is a line in float64, too.
 _LINE = 1e-12
+# Only rays that come so near to a narrow face are compared with it.
+_ROOM = 1e-4
 # Pairs of a ray and a narrow face that are compared at once.
-_PAIRS = 1 << 21
+_PAIRS = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -92,11 +94,10 @@ class RayCaster:
         self._narrow = np.flatnonzero((heights < _NARROW * longest) & (heights > _LINE * longest))
         self._tensor = open3d.core.Tensor
         self._miss = open3d.t.geometry.RaycastingScene.INVALID_ID
-        self._scene = open3d.t.geometry.RaycastingScene(nthreads=1)
-        self._scene.add_triangles(
-            self._tensor(np.ascontiguousarray(surface.vertices, dtype=np.float32)),
-            self._tensor(np.ascontiguousarray(surface.faces, dtype=np.uint32)),
-        )
+        self._scene = self._make_scene(surface.vertices, surface.faces)
+        if len(self._narrow):
+            boxes = _boxes_around(self._corners[self._narrow])
+            self._around_narrow = self._make_scene(*boxes)
 
     @property
     def reach(self) -> float:
@@ -139,7 +140,7 @@ class RayCaster:
         barycentric : numpy.ndarray
             Shape (k, 2), float64, as in `Hits`.
         """
-        answer = self._embree(origins, directions)
+        answer = self._embree(self._scene, origins, directions)
         faces = answer["primitive_ids"].numpy()
         rays = np.flatnonzero(faces != self._miss)
         barycentric = answer["primitive_uvs"].numpy().take(rays, axis=0)
@@ -210,7 +211,7 @@ class RayCaster:
     def _cast(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[Hits, NDArray[np.bool_]]:
-        answer = self._embree(origins, directions)
+        answer = self._embree(self._scene, origins, directions)
         faces = answer["primitive_ids"].numpy()
         hit = faces != self._miss
         faces = faces.astype(np.int64)
@@ -229,15 +230,25 @@ class RayCaster:
         hits = Hits(distance, faces, weights.astype(np.float64))
         return hits, doubtful
 
+    def _make_scene(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Any:
+        from visuohaptic.geometry.compiled_open3d import open3d
+
+        scene = open3d.t.geometry.RaycastingScene(nthreads=1)
+        scene.add_triangles(
+            self._tensor(np.ascontiguousarray(vertices, dtype=np.float32)),
+            self._tensor(np.ascontiguousarray(faces, dtype=np.uint32)),
+        )
+        return scene
+
     def _embree(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+        self, scene: Any, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> dict[str, Any]:
         rays = np.empty((len(origins), 6), dtype=np.float32)
         # Column by column, for inner loops of three are slow.
         for axis in range(3):
             rays[:, axis] = origins[:, axis]
             rays[:, 3 + axis] = directions[:, axis]
-        answer: dict[str, Any] = self._scene.cast_rays(self._tensor(rays))
+        answer: dict[str, Any] = scene.cast_rays(self._tensor(rays))
         return answer
 
     def _settle(
@@ -258,36 +269,25 @@ class RayCaster:
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[NDArray[np.intp], Hits]:
         """Give the rays that meet narrow faces, ascending, and where each meets the first of them."""
-        if not len(self._narrow) or not len(origins):
+        if not len(self._narrow):
             return np.zeros(0, np.intp), Hits(np.zeros(0), np.zeros(0, np.int64), np.zeros((0, 2)))
-        rays, faces = self._pairs_near_narrow_faces(origins, directions)
-        met = self._nearest_of(faces[:, None], origins[rays], directions[rays])
-        order = np.lexsort((met.face, met.distance, rays))
-        order = order[met.hit[order]]
-        rays, first = np.unique(rays[order], return_index=True)
-        return rays, _take(met, order[first])
+        answer = self._embree(self._around_narrow, origins, directions)
+        near = np.flatnonzero(np.isfinite(answer["t_hit"].numpy()))
+        step = max(1, _PAIRS // len(self._narrow))
+        parts = [near[first : first + step] for first in range(0, len(near), step)] or [near]
+        met = [self._nearest_narrow(origins[part], directions[part]) for part in parts]
+        hits = Hits(
+            np.concatenate([one.distance for one in met]),
+            np.concatenate([one.face for one in met]),
+            np.concatenate([one.barycentric for one in met]),
+        )
+        return near[hits.hit], _take(hits, hits.hit)
 
-    def _pairs_near_narrow_faces(
+    def _nearest_narrow(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
-        """Pair rays with the narrow faces whose longest edge their line passes closely."""
-        corners = self._corners[self._narrow]
-        edges = np.roll(corners, -1, axis=1) - corners
-        longest = np.linalg.norm(edges, axis=2).argmax(axis=1)[:, None, None]
-        edge = np.take_along_axis(edges, longest, axis=1)[:, 0]
-        start = np.take_along_axis(corners, longest, axis=1)[:, 0]
-        # By Plücker coordinates: the moment of two lines is their distance × the sine between them.
-        edge /= np.linalg.norm(edge, axis=1)[:, None]
-        step = max(1, _PAIRS // len(edge))
-        pairs = []
-        for first in range(0, len(origins), step):
-            origin, direction = origins[first : first + step], directions[first : first + step]
-            reach = 2 * _NARROW * np.sqrt(_dot(direction, direction))
-            moments = np.cross(start, edge) @ direction.T + edge @ _cross(origin, direction)
-            line, near = np.nonzero(np.abs(moments) <= reach)
-            pairs.append((near + first, self._narrow[line]))
-        rays, faces = zip(*pairs, strict=True)
-        return np.concatenate(rays), np.concatenate(faces)
+    ) -> Hits:
+        narrow = np.broadcast_to(self._narrow, (len(origins), len(self._narrow)))
+        return self._nearest_of(narrow, origins, directions)
 
     def _nearest_of(
         self,
@@ -353,6 +353,28 @@ def _face_planes(surface: Surface) -> NDArray[np.float64]:
     return np.column_stack([crosses, offsets, LATERAL_ERROR * edges.max(axis=1)])
 
 
+def _boxes_around(
+    triangles: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Give vertices and faces of a closed box along the longest edge of each narrow triangle."""
+    import trimesh
+
+    edges = np.roll(triangles, -1, axis=1) - triangles
+    rows = np.arange(len(triangles))
+    longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
+    edge = edges[rows, longest]
+    along = _unit(edge)
+    aside = _unit(np.cross(along, np.eye(3)[np.argmin(np.abs(along), axis=1)]))
+    axes = np.stack(
+        [edge + 2 * _ROOM * along, 2 * _ROOM * aside, 2 * _ROOM * np.cross(along, aside)], axis=1
+    )
+    box = trimesh.creation.box()
+    centres = triangles[rows, longest] + 0.5 * edge
+    vertices = centres[:, None] + box.vertices @ axes
+    faces = box.faces + len(box.vertices) * rows[:, None, None]
+    return vertices.reshape(-1, 3), faces.reshape(-1, 3)
+
+
 def _put(hits: Hits, rays: NDArray[np.intp], others: Hits) -> None:
     hits.distance[rays] = others.distance
     hits.face[rays] = others.face
@@ -367,12 +389,6 @@ def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     # A ray without direction goes nowhere; dividing by zero would make it NaN.
     return vectors / np.where(lengths > 0, lengths, 1.0)
-
-
-def _cross(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Cross products of rows of three as columns, shape (3, n)."""
-    (a, b, c), (x, y, z) = first.T, second.T
-    return np.stack([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,20 +10,30 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import spread_bags
-from visuohaptic.recognition.set_distance import KnownTouches, keep_touches
+from visuohaptic.recognition.pooling import Ballots, spread_bags
+from visuohaptic.recognition.set_distance import KnownTouches, TouchDistances, keep_touches
 from visuohaptic.recognition.splits import grouped_folds
-from visuohaptic.recognition.tuning import (
-    Projection,
-    TunedClassifier,
-    class_scores,
-    fit_best_classifiers,
-)
+from visuohaptic.recognition.tuning import Projection, fit_best_classifiers
+
+
+class SequenceClassifier(Protocol):
+    """What names sequences: projected descriptors (n, p) become scores and ballots of c classes."""
+
+    @property
+    def trained(self) -> NDArray[np.int64]:
+        """The classes that training had."""
+
+    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give scores, shape (n, c)."""
+
+    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+        """Give what is known of them, for one answer for any of them together."""
 
 
 @dataclass(frozen=True)
@@ -43,24 +53,18 @@ class Landmarks:
     touches: KnownTouches | None
 
     def evidence(
-        self,
-        tuned: TunedClassifier,
-        projected: NDArray[np.float64],
-        touches: NDArray[np.float64],
+        self, projected: NDArray[np.float64], scores: NDArray[np.float64], nearest: float | None
     ) -> NDArray[np.float64]:
         """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
 
-        `projected` are its sequences, shape (n, p), and `touches` its touches, shape (m, k), float64. The
-        signs are the distance from the nearest training object, the negative of the highest mean score
-        of a class, and, where touches were kept, their distance from the nearest object's as sets.
+        `projected` are its sequences, shape (n, p), and `scores` what they score, shape (n, c). The signs
+        are the distance from the nearest training object, the negative of the highest mean score of a
+        class, and, where touches were kept, their distance from the nearest object's as sets, `nearest`.
         """
         seen = projected[:, : self.objects.shape[1]]
         distance = np.linalg.norm(self.objects - seen.mean(axis=0), axis=1).min()
-        scores = class_scores(tuned.estimator, seen, tuned.classes)
         signs = [distance, -scores.mean(axis=0).max()]
-        if self.touches is not None:
-            signs.append(self.touches.nearest(touches))
-        return np.array(signs)
+        return np.array(signs if nearest is None else [*signs, nearest])
 
 
 @dataclass(frozen=True)
@@ -118,7 +122,7 @@ class Calibration:
 
     def assess(
         self,
-        tuned: TunedClassifier,
+        classifier: SequenceClassifier,
         projected: NDArray[np.float64],
         touches: NDArray[np.float64],
         probabilities: NDArray[np.float64],
@@ -128,7 +132,7 @@ class Calibration:
 
         Parameters
         ----------
-        tuned : TunedClassifier
+        classifier : SequenceClassifier
             The final fit.
         projected : numpy.ndarray
             Shape (n, p), float64: the bag's sequences.
@@ -145,10 +149,13 @@ class Calibration:
             By bags of as many sequences, or of the next smaller number.
         """
         size = max(int(np.searchsorted(self.views, len(projected), side="right")) - 1, 0)
-        strange = self.strangeness(size, self.landmarks.evidence(tuned, projected, touches))
+        known_touches = self.landmarks.touches
+        nearest = None if known_touches is None else known_touches.nearest(touches)
+        evidence = self.landmarks.evidence(projected, classifier.scores(projected), nearest)
+        strange = self.strangeness(size, evidence)
         rank = np.sum(self.strangeness(size, self.evidence[size]) >= strange)
         share = float((1 + rank) / (1 + len(self.labels)))
-        known = np.isin(np.arange(len(probabilities)), tuned.estimator.classes_)
+        known = np.isin(np.arange(len(probabilities)), classifier.trained)
         fits = np.where(known, self.fits(size, 1 - probabilities, coverage), 0.0)
         least = 1 - coverage + 1e-12
         return Certainty(fits > least, fits, 1 - share, share <= least, float(strange))
@@ -218,7 +225,7 @@ def fit_calibration(
     members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
     if max(len(objects) for objects in members) < 2:
         return None
-    rows: dict[int, tuple[int, list[float], list[NDArray[np.float64]]]] = {}
+    rows: dict[int, tuple[int, NDArray[np.float64], NDArray[np.float64]]] = {}
     for objects in grouped_folds(members, best.calibration_folds, generator):
         held_out = np.isin(owners, objects)
         if len(np.unique(labels[~held_out])) < 2:
@@ -232,47 +239,60 @@ def fit_calibration(
             generator,
         )
         tuned = fits[0][1]
-        learnt = touches[~held_out]
-        marks = find_landmarks(
-            own.apply(descriptors[~held_out]), learnt, names, owners[~held_out], best
+        marks = Landmarks(
+            object_means(own.apply(descriptors[~held_out]), owners[~held_out], best),
+            keep_touches(touches[~held_out], names, owners[~held_out], best.cues),
         )
         for place in objects:
             one = owners == place
             label = int(labels[one][0])
             if label in labels[~held_out]:
-                named = _name_bags(
-                    tuned, marks, own.apply(descriptors[one]), touches[one], place, best
-                )
-                rows[place] = (
-                    label,
-                    [1 - found[label] for found, _ in named],
-                    [e for _, e in named],
-                )
+                projected = own.apply(descriptors[one])
+                bags = turn_bags(len(projected), place, best)
+                named = name_bags(tuned.ballots(projected), bags)
+                scores = tuned.scores(projected)
+                distances, places = object_distances(marks.touches, touches[one])
+                found = bag_evidence(marks, projected, scores, bags, distances, places)
+                rows[place] = (label, 1 - named[:, label], found)
     if not rows:
         return None
-    found = [rows[place] for place in sorted(rows)]
-    return Calibration(
-        np.array(_sizes(best), dtype=np.int64),
-        np.array([label for label, _, _ in found], dtype=np.int64),
-        np.array([misfits for _, misfits, _ in found]).T,
-        np.array([evidence for _, _, evidence in found]).transpose(1, 0, 2),
-        find_landmarks(projection.apply(descriptors), touches, names, owners, best),
-    )
-
-
-def find_landmarks(
-    projected: NDArray[np.float64],
-    touches: NDArray[np.float64],
-    names: Sequence[str],
-    owners: NDArray[np.int64],
-    best: BestParameters,
-) -> Landmarks:
-    """Keep touches (n, t, k), and means over each object's sequences (n, p), of the components that classifiers see."""
-    whole = spread_bags(owners, (len(owners),))
-    return Landmarks(
-        whole.means(projected[:, : best.components]),
+    landmarks = Landmarks(
+        object_means(projection.apply(descriptors), owners, best),
         keep_touches(touches, names, owners, best.cues),
     )
+    return gather_calibration([rows[place] for place in sorted(rows)], landmarks, best)
+
+
+def gather_calibration(
+    rows: Sequence[tuple[int, NDArray[np.float64], NDArray[np.float64]]],
+    landmarks: Landmarks,
+    best: BestParameters,
+) -> Calibration:
+    """Gather class, misfits (k,) and evidence (k, e) of each training object."""
+    labels, misfits, evidence = zip(*rows, strict=True)
+    return Calibration(
+        np.array(bag_sizes(best), dtype=np.int64),
+        np.array(labels, dtype=np.int64),
+        np.array(misfits).T,
+        np.array(evidence).transpose(1, 0, 2),
+        landmarks,
+    )
+
+
+def object_means(
+    projected: NDArray[np.float64], owners: NDArray[np.int64], best: BestParameters
+) -> NDArray[np.float64]:
+    """Give the mean over each object's sequences (n, p) of the components that classifiers see."""
+    return spread_bags(owners, (len(owners),)).means(projected[:, : best.components])
+
+
+def object_distances(
+    known: KnownTouches | None, touches: NDArray[np.float64]
+) -> tuple[TouchDistances | None, NDArray[np.int64]]:
+    """Give the distances of one object's touches (n, t, k), and the places (n, t) among them."""
+    places = np.arange(touches.shape[0] * touches.shape[1]).reshape(touches.shape[:2])
+    every = touches.reshape(-1, touches.shape[2])
+    return (None if known is None else known.distances(every)), places
 
 
 def one_classifier(parameters: RecognitionParameters, classifier: str) -> RecognitionParameters:
@@ -281,29 +301,59 @@ def one_classifier(parameters: RecognitionParameters, classifier: str) -> Recogn
     return parameters.model_copy(update={"best": best})
 
 
-def _sizes(best: BestParameters) -> tuple[int, ...]:
+def bag_sizes(best: BestParameters) -> tuple[int, ...]:
+    """Give the sizes of bags, ascending; 1 where none are wanted."""
     return tuple(sorted(best.bags)) or (1,)
 
 
-def _name_bags(
-    tuned: TunedClassifier,
-    marks: Landmarks,
-    projected: NDArray[np.float64],
-    touches: NDArray[np.float64],
-    turn: int,
-    best: BestParameters,
-) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Give the answer for one bag of each size of an object, and its evidence.
+def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[NDArray[np.int64]]:
+    """Give places of one bag of each size among an object's sequences.
 
     Which of its bags of a size it is takes turns with the object's number.
     """
-    ballots = tuned.ballots(projected)
-    named = []
-    for size in _sizes(best):
-        bags = spread_bags(np.zeros(len(projected), dtype=np.int64), (size,))
-        bag = np.split(bags.places, np.cumsum(bags.counts)[:-1])[turn % len(bags.counts)]
-        member = np.isin(np.arange(len(projected)), bag)
-        found = ballots.together(member[None])[0]
-        felt = touches[bag].reshape(-1, touches.shape[2])
-        named.append((found, marks.evidence(tuned, projected[bag], felt)))
-    return named
+    chosen = []
+    for size in bag_sizes(best):
+        bags = spread_bags(np.zeros(sequences, dtype=np.int64), (size,))
+        chosen.append(np.split(bags.places, np.cumsum(bags.counts)[:-1])[turn % len(bags.counts)])
+    return chosen
+
+
+def name_bags(ballots: Ballots, bags: Sequence[NDArray[np.int64]]) -> NDArray[np.float64]:
+    """Give the answers for bags of an object's n sequences, shape (k, c)."""
+    places = np.arange(len(ballots.probabilities))
+    return np.array([ballots.together(np.isin(places, bag)[None])[0] for bag in bags])
+
+
+def bag_evidence(
+    marks: Landmarks,
+    projected: NDArray[np.float64],
+    scores: NDArray[np.float64],
+    bags: Sequence[NDArray[np.int64]],
+    distances: TouchDistances | None,
+    touches: NDArray[np.int64],
+) -> NDArray[np.float64]:
+    """Give the evidence of bags of an object's sequences.
+
+    Parameters
+    ----------
+    marks : Landmarks
+        Of other objects.
+    projected, scores : numpy.ndarray
+        Shape (n, p) and (n, c), float64: the sequences and what they score.
+    bags : sequence of numpy.ndarray
+        Places of the k bags' sequences.
+    distances : TouchDistances or None
+        Of the object's touches; None where the landmarks hold none.
+    touches : numpy.ndarray
+        Shape (n, t), int64: the places among them of each sequence's touches.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (k, e), float64.
+    """
+    found = []
+    for bag in bags:
+        nearest = None if distances is None else distances.nearest(touches[bag].ravel())
+        found.append(marks.evidence(projected[bag], scores[bag], nearest))
+    return np.array(found)

@@ -44,21 +44,23 @@ class ShrunkCovariance(BaseEstimator):  # type: ignore[misc]
     def fit(self, X: NDArray[np.float64]) -> Self:
         """Estimate the covariance of rows, shape (n, d)."""
         deviations = X - X.mean(axis=0)
-        spread = deviations.std(axis=0)
-        scale = np.where(spread > 0, spread, 1)
         if self.target == "mean_variance":
-            scale = np.ones_like(scale)
-        scaled = deviations / scale
-        if self.shrinkage == "ledoit_wolf":
-            covariance, _ = ledoit_wolf(scaled, assume_centered=True)
+            self.covariance_ = self._shrunk(deviations)
         else:
-            covariance = _shrink(scaled.T @ scaled / len(X), self.shrinkage)
-        self.covariance_ = covariance * np.outer(scale, scale)
-        if self.target == "own_variances":
+            spread = deviations.std(axis=0)
+            scale = np.where(spread > 0, spread, 1)
+            self.covariance_ = self._shrunk(deviations / scale) * np.outer(scale, scale)
             self.covariance_[:, spread == 0] = 0
             self.covariance_[spread == 0] = 0
-        self.covariance_ += self.floor * np.eye(len(scale))
+        self.covariance_ += self.floor * np.eye(X.shape[1])
         return self
+
+    def _shrunk(self, deviations: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Estimate the covariance of deviations from the mean, shrunk towards one variance."""
+        if self.shrinkage == "ledoit_wolf":
+            found: NDArray[np.float64] = ledoit_wolf(deviations, assume_centered=True)[0]
+            return found
+        return _shrink(deviations.T @ deviations / len(deviations), self.shrinkage)
 
 
 class PseudoQuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[misc]

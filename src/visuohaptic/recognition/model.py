@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.certainty import (
     Calibration,
     Landmarks,
+    SequenceClassifier,
     fit_calibration,
     one_classifier,
 )
@@ -34,7 +35,7 @@ from visuohaptic.recognition.encoding import (
 )
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import BagClassifier, Combination
+from visuohaptic.recognition.pooling import BagClassifier, Combination, pool_answers
 from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
 from visuohaptic.recognition.sequences import (
     TouchSequences,
@@ -42,13 +43,15 @@ from visuohaptic.recognition.sequences import (
     spread_contact_states,
 )
 from visuohaptic.recognition.set_distance import KnownTouches
+from visuohaptic.recognition.short_sequences import ShortClassifier, fit_short_classifiers
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.whole_files import whole_file
 
-FORMAT = "visuohaptic recognition model 3"
-OLDER_FORMATS = ("visuohaptic recognition model 1", "visuohaptic recognition model 2")
-"""Models without a classifier of bags; models without touches to compare an object's with."""
+FORMAT = "visuohaptic recognition model 4"
+OLDER_FORMATS = tuple(f"visuohaptic recognition model {number}" for number in (1, 2, 3))
+"""Models without a classifier of bags; without touches to compare an object's with; without classifiers
+of short sequences."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +65,26 @@ class SequenceDescriber:
 
     def encode(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
         """Give what the classifier sees: (s, t, k) to (s, q)."""
-        described = describe_sequences(sequences, self.names, self.waves, self.parameters)
-        return self.projection.apply(described)
+        return self.projection.apply(self.describe(sequences))
+
+    def describe(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Describe them alone: (s, t, k) to (s, d)."""
+        return describe_sequences(sequences, self.names, self.waves, self.parameters)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Sequences (n, p) of an object that one classifier names, and their touches (m, k)."""
+
+    classifier: SequenceClassifier
+    calibration: Calibration | None
+    encoded: NDArray[np.float64]
+    touches: NDArray[np.float64]
+
+    def answer(self) -> NDArray[np.float64]:
+        everything = np.ones((1, len(self.encoded)), dtype=bool)
+        found: NDArray[np.float64] = self.classifier.ballots(self.encoded).together(everything)[0]
+        return found
 
 
 @dataclass(frozen=True)
@@ -118,6 +139,8 @@ class RecognitionModel:
     calibration : Calibration or None
         Training objects, each named without itself; None in pipeline `paper`, in models of the first
         format, and where no class has a second object.
+    short : mapping of int to ShortClassifier
+        What names sequences of fewer touches, by their number; empty where none was wanted.
     """
 
     pipeline: str
@@ -132,13 +155,15 @@ class RecognitionModel:
     encoder: SequenceEncoder | SequenceDescriber
     tuned: TunedClassifier
     calibration: Calibration | None = None
+    short: Mapping[int, ShortClassifier] = field(default_factory=dict)
 
     def probabilities(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
         """Give class probabilities (s, c) of sequences (s, t, k), features as in `feature_names`.
 
         Those of pipeline `paper` are not calibrated.
         """
-        return self.tuned.probabilities(self.encoder.encode(features))
+        part = self._part(self._named_as(features.shape[1]), [features])
+        return part.classifier.ballots(part.encoded).alone()
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
         """Name one object from all its touches together, however many there are.
@@ -169,17 +194,22 @@ class RecognitionModel:
 
         Takes and raises what `recognise` does.
         """
-        parts = self._sequences(features)
-        encoded = np.concatenate([self.encoder.encode(part) for part in parts])
-        touches = np.concatenate([part.reshape(-1, part.shape[2]) for part in parts])
-        everything = np.ones((1, len(encoded)), dtype=bool)
-        found = self.tuned.ballots(encoded).together(everything)[0]
+        by_length: dict[int, list[NDArray[np.float64]]] = {}
+        for sequences in self._sequences(features):
+            length = self._named_as(sequences.shape[1])
+            by_length.setdefault(length, []).append(sequences)
+        parts = [self._part(length, found) for length, found in by_length.items()]
+        counts = [len(part.touches) for part in parts]
+        found = pool_answers([part.answer() for part in parts], counts)
         order = np.argsort(-found, kind="stable")
         probabilities = {self.classes[place]: float(found[place]) for place in order}
-        if self.calibration is None:
+        most = parts[int(np.argmax(counts))]
+        if most.calibration is None:
             return ModelAnswer(probabilities)
         coverage = self.parameters.best.coverage
-        certainty = self.calibration.assess(self.tuned, encoded, touches, found, coverage)
+        certainty = most.calibration.assess(
+            most.classifier, most.encoded, most.touches, found, coverage
+        )
         return ModelAnswer(
             probabilities,
             tuple(self.classes[place] for place in order if certainty.candidates[place]),
@@ -187,6 +217,21 @@ class RecognitionModel:
             certainty.unknown,
             coverage,
         )
+
+    def _named_as(self, touches: int) -> int:
+        """Give the length, of those that the model learnt, that is most like so many touches."""
+        ratios = {length: max(length, touches) / min(length, touches) for length in self.short}
+        ratios[self.touches] = max(self.touches, touches) / min(self.touches, touches)
+        return min(ratios, key=lambda length: ratios[length])
+
+    def _part(self, length: int, sequences: list[NDArray[np.float64]]) -> _Part:
+        touches = np.concatenate([part.reshape(-1, part.shape[2]) for part in sequences])
+        if length in self.short and isinstance(self.encoder, SequenceDescriber):
+            short = self.short[length]
+            rows = np.concatenate([self.encoder.describe(part) for part in sequences])
+            return _Part(short, short.calibration, short.encode(rows), touches)
+        encoded = np.concatenate([self.encoder.encode(part) for part in sequences])
+        return _Part(self.tuned, self.calibration, encoded, touches)
 
     def _sequences(self, features: pa.Table) -> list[NDArray[np.float64]]:
         """Give all sequences of one object, shape (s, t, k) for each length t."""
@@ -243,12 +288,12 @@ def fit_model(
             f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
             f"distinguish them."
         )
-    fitters: dict[str, Callable[..., tuple[Any, TunedClassifier, Calibration | None]]] = {
+    fitters: dict[str, Callable[..., _Fit]] = {
         "paper": _fit_paper,
         "best": _fit_best,
     }
     with threadpool_limits(limits=1):
-        encoder, tuned, calibration = fitters[pipeline](sequences, classifier, parameters, seed)
+        fit = fitters[pipeline](sequences, classifier, parameters, seed)
     return RecognitionModel(
         pipeline=pipeline,
         strategy=features.column("strategy")[0].as_py(),
@@ -259,9 +304,10 @@ def fit_model(
         objects=sequences.objects,
         parameters=parameters,
         versions=_versions(),
-        encoder=encoder,
-        tuned=tuned,
-        calibration=calibration,
+        encoder=fit.encoder,
+        tuned=fit.tuned,
+        calibration=fit.calibration,
+        short=fit.short,
     )
 
 
@@ -304,6 +350,7 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
         "setting": model.tuned.setting,
         "bags": _bags_state(model.tuned),
         "calibration": _calibration_state(model.calibration),
+        "short": _short_state(model.short),
     }
     content = skops.io.dumps(state)
     unsafe = skops.io.get_untrusted_types(data=content)
@@ -378,7 +425,18 @@ def _model_of(state: dict[str, Any]) -> RecognitionModel:
             combination,
         ),
         calibration=_calibration_of(state.get("calibration")),
+        short=_short_of(state.get("short"), len(classes)),
     )
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """What a pipeline fits, as in `RecognitionModel`."""
+
+    encoder: SequenceEncoder | SequenceDescriber
+    tuned: TunedClassifier
+    calibration: Calibration | None = None
+    short: Mapping[int, ShortClassifier] = field(default_factory=dict)
 
 
 def _fit_paper(
@@ -386,7 +444,7 @@ def _fit_paper(
     classifier: ClassifierName,
     parameters: RecognitionParameters,
     seed: int,
-) -> tuple[SequenceEncoder, TunedClassifier, None]:
+) -> _Fit:
     from visuohaptic.recognition.classifiers import fit_classifier
 
     generator = spawn_generator(seed, "recognition", "model", "paper")
@@ -398,7 +456,7 @@ def _fit_paper(
         sequences.labels,
         generator,
     )
-    return encoder, TunedClassifier(fitted, 1.0, len(sequences.classes), ""), None
+    return _Fit(encoder, TunedClassifier(fitted, 1.0, len(sequences.classes), ""))
 
 
 def _fit_best(
@@ -406,7 +464,7 @@ def _fit_best(
     classifier: ClassifierName,
     parameters: RecognitionParameters,
     seed: int,
-) -> tuple[SequenceDescriber, TunedClassifier, Calibration | None]:
+) -> _Fit:
     generator = spawn_generator(seed, "recognition", "model", "best")
     waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
     names = sequences.feature_names
@@ -416,7 +474,20 @@ def _fit_best(
     projection, [(_, tuned, _)] = fit_best_classifiers(described, *training, generator)
     touches = sequences.features
     calibration = fit_calibration(described, touches, names, *training, projection, generator)
-    return SequenceDescriber(waves, names, parameters.best, projection), tuned, calibration
+    first = [length for length in parameters.best.short_touches if length < touches.shape[1]]
+    short = fit_short_classifiers(
+        {
+            length: describe_sequences(touches[:, :length], names, waves, parameters.best)
+            for length in sorted(set(first))
+        },
+        touches,
+        names,
+        *training[:3],
+        parameters.best,
+        spawn_generator(seed, "recognition", "model", "short"),
+    )
+    describer = SequenceDescriber(waves, names, parameters.best, projection)
+    return _Fit(describer, tuned, calibration, short)
 
 
 def _encoder_state(encoder: SequenceEncoder | SequenceDescriber) -> dict[str, Any]:
@@ -462,29 +533,73 @@ def _encoder_of(
 
 
 def _bags_state(tuned: TunedClassifier) -> dict[str, Any] | None:
-    bags, combination = tuned.bags, tuned.combination
-    if bags is None or combination is None:
+    if tuned.bags is None or tuned.combination is None:
         return None
-    return {
-        "coefficients": bags.coefficients,
-        "intercepts": bags.intercepts,
-        "trained": bags.trained,
-        "scales": list(combination.scales),
-        "views": combination.views,
-        "temperatures": combination.temperatures,
-        "known": combination.known,
-    }
+    return {**_discriminant_state(tuned.bags), **_combination_state(tuned.combination)}
 
 
 def _bags_of(state: dict[str, Any] | None) -> tuple[BagClassifier | None, Combination | None]:
     if state is None:
         return None, None
-    bags = BagClassifier(state["coefficients"], state["intercepts"], state["trained"])
+    return _discriminant_of(state), _combination_of(state)
+
+
+def _discriminant_state(bags: BagClassifier) -> dict[str, Any]:
+    names = ("coefficients", "intercepts", "trained")
+    return {name: getattr(bags, name) for name in names}
+
+
+def _discriminant_of(state: dict[str, Any]) -> BagClassifier:
+    return BagClassifier(state["coefficients"], state["intercepts"], state["trained"])
+
+
+def _combination_state(combination: Combination) -> dict[str, Any]:
+    names = ("views", "temperatures", "known")
+    arrays = {name: getattr(combination, name) for name in names}
+    return {"scales": list(combination.scales), **arrays}
+
+
+def _combination_of(state: dict[str, Any]) -> Combination:
     first, second = state["scales"]
-    combination = Combination(
-        (first, second), state["views"], state["temperatures"], state["known"]
-    )
-    return bags, combination
+    return Combination((first, second), state["views"], state["temperatures"], state["known"])
+
+
+def _short_state(short: Mapping[int, ShortClassifier]) -> dict[str, Any] | None:
+    if not short:
+        return None
+    one = next(iter(short.values()))
+    return {
+        "scaling": [one.projection.scaling.mean, one.projection.scaling.scale],
+        "components": one.projection.components,
+        "bags": _discriminant_state(one.bags),
+        "lengths": [
+            {
+                "touches": touches,
+                "scaling": [classifier.scaling.mean, classifier.scaling.scale],
+                "combination": _combination_state(classifier.combination),
+                "calibration": _calibration_state(classifier.calibration),
+            }
+            for touches, classifier in short.items()
+        ],
+    }
+
+
+def _short_of(state: dict[str, Any] | None, classes: int) -> dict[int, ShortClassifier]:
+    if state is None:
+        return {}
+    projection = Projection(Standardiser(*state["scaling"]), state["components"])
+    bags = _discriminant_of(state["bags"])
+    return {
+        part["touches"]: ShortClassifier(
+            Standardiser(*part["scaling"]),
+            projection,
+            bags,
+            classes,
+            _combination_of(part["combination"]),
+            _calibration_of(part["calibration"]),
+        )
+        for part in state["lengths"]
+    }
 
 
 def _calibration_state(calibration: Calibration | None) -> dict[str, Any] | None:

@@ -179,6 +179,11 @@ class BestParameters(_Section):
     bag_weight: float = Field(
         2.0, gt=0, description="How much more the discriminant of bags counts than the classifier"
     )
+    short_touches: tuple[Annotated[int, Field(ge=1)], ...] = Field(
+        (1, 2, 3, 4),
+        description="Touches of shortened sequences from which a model that is saved also learns, with "
+        "`bags`, for views that are touched less often; with none it names these as if they were whole",
+    )
     coverage: float = Field(
         0.9,
         gt=0,

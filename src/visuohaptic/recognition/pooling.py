@@ -10,7 +10,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -272,22 +272,91 @@ def fit_bag_classifier(
     )
 
 
-def fit_combination(
-    probabilities: NDArray[np.float64],
+@dataclass(frozen=True)
+class HeldOutBags:
+    """Bags of held-out sequences as the bag classifier scores them, for combinations with any classifier.
+
+    Attributes
+    ----------
+    bags : Bags or None
+        The m bags; None where nothing was held out.
+    scores : numpy.ndarray
+        Shape (m, c), float64: means over each bag's sequences.
+    labels : numpy.ndarray
+        Shape (m,), int64: their classes.
+    doubt : float
+        The share of the truth that is spread over all classes.
+    known : numpy.ndarray
+        Shape (c,), bool: the classes that all training objects have.
+    weight : float
+        How much more the bag classifier counts than the other.
+    """
+
+    bags: Bags | None
+    scores: NDArray[np.float64]
+    labels: NDArray[np.int64]
+    doubt: float
+    known: NDArray[np.bool_]
+    weight: float
+
+    def combine(self, probabilities: NDArray[np.float64]) -> Combination:
+        """Fit the scales and temperatures of a combination.
+
+        Parameters
+        ----------
+        probabilities : numpy.ndarray
+            Shape (n, c), float64: what a classifier says of the held-out sequences.
+
+        Returns
+        -------
+        Combination
+            Without held-out sequences, scales and temperature are 1.
+        """
+        known = self.known
+        if self.bags is None:
+            return Combination((1.0, 1.0 / self.weight), np.ones(1), np.ones(1), known)
+        means = self.bags.means(probabilities)
+        logs = np.log(np.maximum(means, LEAST_PROBABILITY))
+        scales = (_deviation(logs[:, known]), self._deviation / self.weight)
+        summed = logs / scales[0] + self.scores / scales[1]
+        summed = np.where(known, summed, LEAST_SCORE)[:, known]
+        temperatures = [
+            best_temperature(summed[chosen], self._places[chosen], self.doubt)[1]
+            for _, chosen in self._by_count
+        ]
+        views = np.array([count for count, _ in self._by_count], dtype=np.float64)
+        return Combination(scales, views, np.array(temperatures), known)
+
+    @cached_property
+    def _deviation(self) -> float:
+        return _deviation(self.scores[:, self.known])
+
+    @cached_property
+    def _places(self) -> NDArray[np.int64]:
+        """The place of each bag's class among those that are known."""
+        return (np.cumsum(self.known) - 1)[self.labels]
+
+    @cached_property
+    def _by_count(self) -> list[tuple[int, NDArray[np.bool_]]]:
+        counts = np.zeros(0, dtype=np.int64) if self.bags is None else self.bags.counts
+        return [(int(count), counts == count) for count in np.unique(counts)]
+
+
+def hold_out_bags(
     scores: NDArray[np.float64],
     labels: NDArray[np.int64],
     owners: NDArray[np.int64],
     sizes: Sequence[int],
     known: NDArray[np.bool_],
     weight: float,
-) -> Combination:
-    """Fit the scales and temperatures of a combination on held-out sequences.
+) -> HeldOutBags:
+    """Divide held-out sequences into bags.
 
     Parameters
     ----------
-    probabilities, scores : numpy.ndarray
-        Shape (n, c) each, float64: what classifier and bag classifier say of sequences of objects
-        that they did not learn; n may be 0.
+    scores : numpy.ndarray
+        Shape (n, c), float64: what the bag classifier says of sequences of objects that it did not
+        learn; n may be 0.
     labels, owners : numpy.ndarray
         Shape (n,), int64: their classes and objects.
     sizes : sequence of int
@@ -299,32 +368,35 @@ def fit_combination(
 
     Returns
     -------
-    Combination
-        Without held-out sequences, scales and temperature are 1.
+    HeldOutBags
+        The bags.
     """
     if not len(labels):
-        return Combination((1.0, 1.0 / weight), np.ones(1), np.ones(1), known)
+        return HeldOutBags(None, scores, labels, 0.0, known, weight)
     bags = spread_bags(owners, sizes)
-    means, mean_scores = bags.means(probabilities), bags.means(scores)
-    of_bag = labels[bags.first]
-    logs = np.log(np.maximum(means, LEAST_PROBABILITY))
-    scales = (_deviation(logs[:, known]), _deviation(mean_scores[:, known]) / weight)
-    summed = np.where(known, add_standardised(means, mean_scores, scales), LEAST_SCORE)
     # That all of n objects were right doesn't make the next one certain: the rule of succession.
     doubt = 1 / (len(np.unique(owners)) + 2)
-    places = np.cumsum(known)[of_bag] - 1
-    views = np.unique(bags.counts)
-    temperatures = [
-        best_temperature(summed[:, known][chosen], places[chosen], doubt)[1]
-        for chosen in (bags.counts == count for count in views)
-    ]
-    return Combination(scales, views.astype(np.float64), np.array(temperatures), known)
+    return HeldOutBags(bags, bags.means(scores), labels[bags.first], doubt, known, weight)
 
 
 def _deviation(scores: NDArray[np.float64]) -> float:
     """Give the deviation of scores (m, k) from the mean of their row; 1 where all are alike."""
     found = float((scores - scores.mean(axis=1, keepdims=True)).std())
     return found if found > 0 else 1.0
+
+
+def pool_answers(
+    answers: Sequence[NDArray[np.float64]], weights: Sequence[float]
+) -> NDArray[np.float64]:
+    """Give the weighted geometric mean of answers, shape (c,) each: a logarithmic opinion pool.
+
+    It is no surer than the surest of them: that they agree counts for nothing, as views of an object err
+    alike. A single answer stays as it is.
+    """
+    if len(answers) == 1:
+        return answers[0]
+    shares = np.asarray(weights) / np.sum(weights)
+    return softmax(shares @ np.log(np.maximum(answers, np.exp(LEAST_SCORE))))
 
 
 def softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -344,10 +416,15 @@ def best_temperature(
     relative = scores - scores.max(axis=1, keepdims=True)
     true = (1 - doubt) * relative[np.arange(len(labels)), labels] + doubt * relative.mean(axis=1)
 
+    count = len(labels)
+    weights = np.empty_like(relative)
+
     @cache
     def loss(place: int) -> float:
         coldness = 1 / TEMPERATURES[place]
-        return float((np.log(np.exp(relative * coldness).sum(axis=1)) - true * coldness).mean())
+        np.exp(np.multiply(relative, coldness, out=weights), out=weights)
+        losses = np.log(np.add.reduce(weights, axis=1)) - true * coldness
+        return float(np.add.reduce(losses) / count)
 
     # The loss is convex in 1 / temperature, so it falls before its least value and nowhere after.
     places = range(len(TEMPERATURES) - 1)

@@ -118,7 +118,8 @@ def gather_any(
     feature_names : sequence of str
         The k columns to take.
     touches : int
-        Touches of a whole sequence. A viewpoint with more gives several; what remains is a shorter one.
+        Touches of a whole sequence. A viewpoint with more gives several, the last of which begins among the
+        touches of the one before it where fewer than that remain; a viewpoint with fewer gives a short one.
 
     Returns
     -------
@@ -137,7 +138,8 @@ def gather_any(
     _, starts = np.unique(features.column("viewpoint").to_numpy(), return_index=True)
     by_length: dict[int, list[NDArray[np.float64]]] = {}
     for part in np.split(values, starts[1:]):
-        for first in range(0, len(part), touches):
+        for place in range(0, len(part), touches):
+            first = max(min(place, len(part) - touches), 0)
             sequence = part[first : first + touches]
             by_length.setdefault(len(sequence), []).append(sequence)
     return [np.stack(by_length[length]) for length in sorted(by_length, reverse=True)]

@@ -47,13 +47,41 @@ class KnownTouches:
         touches : numpy.ndarray
             Shape (n, k), float64: all touches of the object.
         """
+        return self.distances(touches).nearest(slice(None))
+
+    def distances(self, touches: NDArray[np.float64]) -> TouchDistances:
+        """Give the distances of touches, (n, k), from all known ones, for any choice among them."""
         from sklearn.metrics.pairwise import euclidean_distances
 
         found = euclidean_distances((touches * self.weights).astype(np.float32), self.touches)
-        there = np.minimum.reduceat(found, self.starts, axis=1).mean(axis=0, dtype=np.float64)
-        counts = np.diff(np.append(self.starts, len(self.touches)))
-        back = np.add.reduceat(found.min(axis=0).astype(np.float64), self.starts) / counts
-        return float((there + back).min() / 2)
+        there = np.minimum.reduceat(found, self.starts, axis=1)
+        return TouchDistances(found, there, self.starts)
+
+
+@dataclass(frozen=True)
+class TouchDistances:
+    """Distances of the n touches of an object from m known ones, of r objects.
+
+    Attributes
+    ----------
+    found : numpy.ndarray
+        Shape (n, m), float32.
+    there : numpy.ndarray
+        Shape (n, r), float32: from the nearest touch of each known object.
+    starts : numpy.ndarray
+        Shape (r,), int64: as in `KnownTouches`.
+    """
+
+    found: NDArray[np.float32]
+    there: NDArray[np.float32]
+    starts: NDArray[np.int64]
+
+    def nearest(self, chosen: slice | NDArray[np.int64]) -> float:
+        """Give what `KnownTouches.nearest` does, from the chosen touches alone."""
+        there = self.there[chosen].mean(axis=0, dtype=np.float64)
+        counts = np.diff(np.append(self.starts, self.found.shape[1]))
+        closest = self.found[chosen].min(axis=0).astype(np.float64)
+        return float((there + np.add.reduceat(closest, self.starts) / counts).min() / 2)
 
 
 def keep_touches(

@@ -26,9 +26,10 @@ from visuohaptic.recognition.pooling import (
     BagClassifier,
     Ballots,
     Combination,
+    HeldOutBags,
     best_temperature,
     fit_bag_classifier,
-    fit_combination,
+    hold_out_bags,
     softmax,
 )
 from visuohaptic.recognition.splits import grouped_folds
@@ -86,13 +87,20 @@ class TunedClassifier:
     bags: BagClassifier | None = None
     combination: Combination | None = None
 
-    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
-        """Give what is known of n sequences, for one answer for any of them together.
+    @property
+    def trained(self) -> NDArray[np.int64]:
+        """The classes that training had."""
+        known: NDArray[np.int64] = self.estimator.classes_
+        return known
 
-        `projected` has the shape (n, p), float64; the classifier takes the first of its columns.
-        """
+    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give the classifier's scores, (n, p) to (n, c); it takes the first columns."""
         seen = projected[:, : self.estimator.n_features_in_]
-        found = softmax(class_scores(self.estimator, seen, self.classes) / self.temperature)
+        return class_scores(self.estimator, seen, self.classes)
+
+    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+        """Give what is known of n sequences, (n, p), for one answer for any of them together."""
+        found = softmax(self.scores(projected) / self.temperature)
         if self.bags is None:
             return Ballots(found)
         return Ballots(found, self.bags.scores(projected, self.classes), self.combination)
@@ -310,7 +318,7 @@ def fit_tuned_classifier(
     classes: int,
     generator: np.random.Generator,
     bags: BagClassifier | None = None,
-    best: BestParameters | None = None,
+    held_out: HeldOutBags | None = None,
 ) -> tuple[TunedClassifier, str | None]:
     """Choose a classifier's setting and temperature by the inner folds, then fit it.
 
@@ -336,8 +344,8 @@ def fit_tuned_classifier(
         Breaks ties between splits of the decision tree.
     bags : BagClassifier, optional
         Fitted on all training sequences; it answers beside the classifier.
-    best : BestParameters, optional
-        Sizes and weight of the bags, where there is a classifier of them.
+    held_out : HeldOutBags, optional
+        Of the inner folds, where there is a classifier of bags.
 
     Returns
     -------
@@ -362,9 +370,8 @@ def fit_tuned_classifier(
     fitted, note = fit_classifier(name, chosen, projected, labels, generator)
     words = ", ".join(f"{key} {value}" for key, value in setting.items())
     combination = None
-    if bags is not None and best is not None:
-        known = np.isin(np.arange(classes), labels)
-        combination = _fit_combination(softmax(scores / temperature), folds, best, known)
+    if bags is not None and held_out is not None:
+        combination = held_out.combine(softmax(scores / temperature))
     return TunedClassifier(fitted, temperature, classes, words, bags, combination), note
 
 
@@ -414,13 +421,15 @@ def fit_best_classifiers(
     folds = make_inner_folds(descriptors, labels, owners, parameters.best, generator, memory)
     projection, projected, bags = fit_shared(descriptors, labels, owners, parameters.best)
     seen = np.ascontiguousarray(projected[:, : parameters.best.components])
+    known = np.isin(np.arange(classes), labels)
+    held_out = None if bags is None else _hold_out_bags(folds, parameters.best, known)
     fits = []
     failed = None
     for name in parameters.best.classifiers:
         try:
             fitted, note = fit_tuned_classifier(
                 name, parameters.classifier, seen, labels, folds, classes, generator,
-                bags, parameters.best,
+                bags, held_out,
             )  # fmt: skip
         except RecognitionError as error:
             logger.warning("%s is left out: %s", name, error)
@@ -482,23 +491,19 @@ def _held_out_scores(
     return np.concatenate(scores), np.concatenate(labels)
 
 
-def _fit_combination(
-    probabilities: NDArray[np.float64],
-    folds: Sequence[InnerFold],
-    best: BestParameters,
-    known: NDArray[np.bool_],
-) -> Combination:
-    """Fit it on the held-out sequences of all folds, or on none where one lacks a classifier of bags."""
+def _hold_out_bags(
+    folds: Sequence[InnerFold], best: BestParameters, known: NDArray[np.bool_]
+) -> HeldOutBags:
+    """Score the held-out sequences of all folds, or none where a fold lacks a classifier of bags."""
+    scored = [(fold, fold.fits.bags) for fold in folds if fold.fits.bags is not None]
     scores = [np.zeros((0, len(known)))]
     labels, owners = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
-    for fold in folds:
-        if fold.fits.bags is None:
-            return _fit_combination(probabilities[:0], (), best, known)
-        scores.append(fold.fits.bags.scores(fold.projected, len(known)))
-        labels.append(fold.held_out_labels)
-        owners.append(fold.held_out_owners)
-    return fit_combination(
-        probabilities,
+    if len(scored) == len(folds):
+        for fold, bags in scored:
+            scores.append(bags.scores(fold.projected, len(known)))
+            labels.append(fold.held_out_labels)
+            owners.append(fold.held_out_owners)
+    return hold_out_bags(
         np.concatenate(scores),
         np.concatenate(labels),
         np.concatenate(owners),

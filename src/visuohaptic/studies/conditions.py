@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from pydantic import BaseModel
+
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters, check_parameters
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
@@ -125,7 +127,11 @@ def with_changes(
     Raises `ParameterError` if there is no such parameter, it must not vary, or a value is not
     allowed.
     """
-    values = run.model_dump()
+    # Sections that no change concerns are not checked again; there may be hundreds of conditions.
+    values: dict[str, Any] = {name: getattr(run, name) for name in type(run).model_fields}
+    for name in {path.partition(".")[0] for path in changes} | {"recognition", "attention"}:
+        if isinstance(values.get(name), BaseModel):
+            values[name] = values[name].model_dump()
     if "scene.preset" in changes:
         preset = {"scene": {"preset": changes["scene.preset"]}}
         values["scene"] = check_parameters(preset, source).scene.model_dump()

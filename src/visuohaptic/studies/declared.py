@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from itertools import accumulate, groupby
+from itertools import accumulate
+from operator import itemgetter
 from pathlib import Path
 
 from visuohaptic.parameters import ExperimentParameters
@@ -55,12 +56,12 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
     count = len(plan.conditions)
     step = conditions_per_job or min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK)
 
-    def training(one: Planned) -> tuple[str, str]:
-        return one.key or "", one.parameters.model_dump_json()
-
-    blocks: list[list[Planned]] = [[]]
     # Conditions that differ in the vote alone are trained once, by one job.
-    for _, alike in groupby(sorted(plan.conditions, key=training), key=training):
+    trained: dict[tuple[str, str], list[Planned]] = {}
+    for one in plan.conditions:
+        trained.setdefault((one.key or "", one.parameters.model_dump_json()), []).append(one)
+    blocks: list[list[Planned]] = [[]]
+    for _, alike in sorted(trained.items(), key=itemgetter(0)):
         if len(blocks[-1]) >= step:
             blocks.append([])
         blocks[-1] += alike

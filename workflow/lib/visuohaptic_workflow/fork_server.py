@@ -35,12 +35,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import NoReturn
 
-from visuohaptic_workflow.stopping import (
-    STOPPED,
-    interrupts_tidy_up,
-    is_interrupted,
-    unblock_interrupts,
-)
+from visuohaptic.interrupts import STOPPED, unblock_interrupts
+from visuohaptic_workflow.stopping import interrupts_tidy_up, is_interrupted
 from visuohaptic_workflow.warm_start import STARTED, THREADS, is_of_this_user, mount_namespace
 
 PACKAGES = ("visuohaptic", "visuohaptic_workflow")

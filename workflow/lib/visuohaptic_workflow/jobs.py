@@ -12,15 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.errors import VisuohapticError
+from visuohaptic.interrupts import CLEAR_LINE, STOPPED
 from visuohaptic.job_logs import SECONDS
 from visuohaptic_workflow.one_run import hold_job_lock
 from visuohaptic_workflow.records import write_record
-from visuohaptic_workflow.stopping import (
-    CLEAR_LINE,
-    STOPPED,
-    interrupts_tidy_up,
-    is_interrupted,
-)
+from visuohaptic_workflow.stopping import interrupts_tidy_up, is_interrupted
 
 
 def set_job_environment(*folders: str | Path) -> None:

@@ -20,8 +20,8 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from visuohaptic.errors import VisuohapticError
+from visuohaptic.interrupts import STOPPED
 from visuohaptic_workflow.records import digest, is_current
-from visuohaptic_workflow.stopping import STOPPED
 
 if TYPE_CHECKING:
     from visuohaptic_workflow.plan import PlannedJob

@@ -14,7 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
-from visuohaptic_workflow.stopping import CLEAR_LINE, STOPPED, end_at_ctrl_c
+from visuohaptic.interrupts import CLEAR_LINE, STOPPED
+from visuohaptic_workflow.stopping import end_at_ctrl_c
 
 NEXT = """\
 What else can be asked, after `source .venv/bin/activate`:

@@ -11,11 +11,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import NoReturn
 
-STOPPED = 130
-"""Status of a run that the user stopped, as shells have it: 128 + SIGINT."""
-
-CLEAR_LINE = "\r\033[K"
-"""What a terminal needs before a line that may follow a progress bar."""
+from visuohaptic.interrupts import (
+    CLEAR_LINE,
+    STOPPED,
+    act_at_interrupt,
+    unblock_interrupts,
+    wait_for_interrupt,
+)
 
 _SECONDS_TO_CLEAN_UP = 5.0
 _SECONDS_TO_PRINT = 0.05
@@ -48,16 +50,8 @@ def end_at_ctrl_c() -> None:
     import psutil  # noqa: F401 - at the end nothing can be imported that the main thread is importing
 
     _Run.waits = True
-    interrupts, notes = os.pipe()
-    os.set_blocking(notes, False)
-    signal.signal(signal.SIGINT, lambda *_: None)
-    # Python notes each signal there at once, which of its threads may ever have received it.
-    signal.set_wakeup_fd(notes, warn_on_full_buffer=False)
-    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     signal.signal(getattr(signal, _HALT), _halt_main_thread)
-    threading.Thread(
-        target=_end_at_interrupt, args=(interrupts,), name="ctrl-c", daemon=True
-    ).start()
+    act_at_interrupt(_end)
 
 
 def before_end(function: Callable[[], None]) -> None:
@@ -89,12 +83,6 @@ def interrupts_tidy_up() -> None:
     unblock_interrupts()
 
 
-def unblock_interrupts() -> None:
-    """Take interrupts again, which a process of a run does not when it starts."""
-    if sys.platform != "win32":
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
-
-
 def is_interrupted() -> bool:
     """Whether this process was interrupted since `interrupts_tidy_up` was called."""
     return _Run.is_interrupted
@@ -106,14 +94,7 @@ def _interrupt_once(*_: object) -> NoReturn:
     raise KeyboardInterrupt
 
 
-def _wait_for_interrupt(interrupts: int) -> None:
-    while os.read(interrupts, 1) != bytes([signal.SIGINT]):
-        pass
-
-
-def _end_at_interrupt(interrupts: int) -> None:
-    unblock_interrupts()
-    _wait_for_interrupt(interrupts)
+def _end(interrupts: int) -> None:
     _Run.is_asked_to_stop = True
     clear = CLEAR_LINE if sys.stderr.isatty() else ""
     # What fails from now on fails because of the stop.
@@ -123,7 +104,7 @@ def _end_at_interrupt(interrupts: int) -> None:
     os.write(shown, f"{clear}stopped; the same command continues.\n".encode())
     signal.pthread_kill(threading.main_thread().ident or 0, getattr(signal, _HALT))
     if _Run.has_remote_jobs:
-        _wait_for_interrupt(interrupts)
+        wait_for_interrupt(interrupts)
     else:
         _end_jobs()
     os._exit(STOPPED)

@@ -2,7 +2,7 @@
 // The page is complete without scripts. This one adds 3D models, a filter of objects, and a button that copies the methods text.
 (() => {
   const MOST_OPEN = 6; // browsers limit the number of WebGL contexts
-  const [SQUARES, NUMBERS] = [1, 5]; // places of their traces
+  const [SQUARES, LEADERS, NUMBERS] = [1, 4, 5]; // places of their traces
   const LABEL = 0.09; // radius of a number, in object radii
   const MOST_ASIDE = 1.05; // of a number from the middle, where the stage still shows it
   const opened = [];
@@ -205,7 +205,8 @@
     const ink = () => getComputedStyle(document.body).color;
     const [strategies, viewpoints] = ["strategies", "viewpoints"].map((name) => figure.querySelector(`.${name}`));
     const chosen = () => model.keys.filter((key) => key.strategy === strategies.value && key.viewpoint === Number(viewpoints.value));
-    const shown = () => [surfaceTrace(model), ...touchTraces(chosen(), standing().eye, ink())];
+    const touches = () => touchTraces(chosen(), (stage.layout?.scene.camera ?? standing()).eye, ink());
+    const shown = () => [surfaceTrace(model), ...touches()];
     const show = (key) => showImprint(figure, sheets, key);
     const offer = () => offerTouches(figure, chosen(), show);
     const standing = () => {
@@ -229,6 +230,13 @@
       if (curveNumber === SQUARES) show(chosen()[Math.floor(pointNumber / 4)]);
       if (curveNumber === NUMBERS) show(chosen()[pointNumber]);
     };
+    // Numbers have room as seen from where the eye is now.
+    const renumber = () => {
+      const moved = touches().slice(LEADERS - NUMBERS - 1);
+      const places = ["x", "y", "z"].map((axis) => [axis, moved.map((trace) => trace[axis])]);
+      Plotly.restyle(stage, Object.fromEntries(places), [LEADERS, NUMBERS]);
+    };
+    stage.on("plotly_relayout", renumber);
     stage.on("plotly_hover", point);
     stage.on("plotly_click", point);
     offer();

@@ -1,0 +1,255 @@
+"""Sequences that are shorter than those a model learns, from views that were touched less often.
+
+One linear discriminant learns from bags of the training sequences' first touches, of several lengths at
+once. Each length is standardised by itself, as what varies in a long sequence is constant in a short one,
+and has its own temperatures and its own comparison with training objects.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.certainty import (
+    Calibration,
+    Landmarks,
+    bag_evidence,
+    gather_calibration,
+    name_bags,
+    object_distances,
+    object_means,
+    turn_bags,
+)
+from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
+from visuohaptic.recognition.parameters import BestParameters
+from visuohaptic.recognition.pooling import (
+    BagClassifier,
+    Ballots,
+    Combination,
+    fit_bag_classifier,
+    hold_out_bags,
+)
+from visuohaptic.recognition.set_distance import keep_touches
+from visuohaptic.recognition.splits import grouped_folds
+from visuohaptic.recognition.tuning import Projection, fit_projection
+
+logger = logging.getLogger(__name__)
+
+Described = Mapping[int, NDArray[np.float64]]
+"""Descriptors (n, d) of the same sequences by their first touches: so many, float64."""
+
+
+@dataclass(frozen=True)
+class ShortClassifier:
+    """What names sequences of one length.
+
+    Attributes
+    ----------
+    scaling : Standardiser
+        Of the d descriptors of this length.
+    projection : Projection
+        Of all lengths.
+    bags : BagClassifier
+        Of all lengths.
+    classes : int
+        Number c of classes.
+    combination : Combination
+        Temperatures of this length.
+    calibration : Calibration or None
+        Training objects, each named without itself; None where no class has a second object.
+    """
+
+    scaling: Standardiser
+    projection: Projection
+    bags: BagClassifier
+    classes: int
+    combination: Combination
+    calibration: Calibration | None = None
+
+    @property
+    def trained(self) -> NDArray[np.int64]:
+        """The classes that training had."""
+        return self.bags.trained
+
+    def encode(self, descriptors: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Project descriptors, (n, d) to (n, p)."""
+        return self.projection.apply(self.scaling.apply(descriptors))
+
+    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give a score a class, (n, p) to (n, c)."""
+        return self.bags.scores(projected, self.classes)
+
+    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+        """Give what is known of n sequences, (n, p), for one answer for any of them together."""
+        return _ballots(self.scores(projected), self.combination)
+
+
+def fit_short_classifiers(
+    described: Described,
+    touches: NDArray[np.float64],
+    names: Sequence[str],
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    classes: int,
+    best: BestParameters,
+    generator: np.random.Generator,
+) -> dict[int, ShortClassifier]:
+    """Fit a classifier for each length.
+
+    Parameters
+    ----------
+    described : mapping of int to numpy.ndarray
+        Shape (n, d) each, float64: the training sequences by their first touches.
+    touches : numpy.ndarray
+        Shape (n, t, k), float64: all their touches.
+    names : sequence of str
+        The k features of a touch.
+    labels, owners : numpy.ndarray
+        Shape (n,), int64: their classes and objects.
+    classes : int
+        Number of classes.
+    best : BestParameters
+        Bags, components, folds.
+    generator : numpy.random.Generator
+        Deals the objects over folds.
+
+    Returns
+    -------
+    dict of int to ShortClassifier
+        By number of touches; empty without bags, or where no covariance can be taken of them.
+    """
+    if not described or not best.bags:
+        return {}
+    try:
+        found = _fit(described, labels, owners, classes, best)
+        held_out = _name_held_out(
+            described, touches, names, labels, owners, classes, best, generator
+        )
+    except RecognitionError as error:
+        logger.warning("short sequences are named as if they were whole: %s", error)
+        return {}
+    if not held_out.owners:
+        return found
+    kept = np.isin(owners, held_out.owners)
+    known_touches = keep_touches(touches, names, owners, best.cues)
+    for length, classifier in found.items():
+        scores = held_out.scores[length]
+        combination = _combine(scores[kept], labels[kept], owners[kept], classifier, best)
+        rows = []
+        for place in held_out.owners:
+            one = owners == place
+            label = int(labels[one][0])
+            bags = turn_bags(int(one.sum()), place, best)
+            named = name_bags(_ballots(scores[one], combination), bags)
+            rows.append((label, 1 - named[:, label], held_out.evidence[length][place]))
+        means = object_means(classifier.encode(described[length]), owners, best)
+        marks = Landmarks(means, known_touches)
+        calibration = gather_calibration(rows, marks, best)
+        found[length] = replace(classifier, combination=combination, calibration=calibration)
+    return found
+
+
+@dataclass(frozen=True)
+class _HeldOut:
+    """What training objects score without themselves: (n, c) and, by object, (k, e) of each length."""
+
+    owners: list[int]
+    scores: dict[int, NDArray[np.float64]]
+    evidence: dict[int, dict[int, NDArray[np.float64]]]
+
+
+def _name_held_out(
+    described: Described,
+    touches: NDArray[np.float64],
+    names: Sequence[str],
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    classes: int,
+    best: BestParameters,
+    generator: np.random.Generator,
+) -> _HeldOut:
+    """Score every training object without itself; one whose class has no other is left out."""
+    found = _HeldOut(
+        [],
+        {length: np.zeros((len(labels), classes)) for length in described},
+        {length: {} for length in described},
+    )
+    members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
+    if max(len(objects) for objects in members) < 2:
+        return found
+    for objects in grouped_folds(members, best.calibration_folds, generator):
+        train = ~np.isin(owners, objects)
+        known = [place for place in objects if labels[owners == place][0] in labels[train]]
+        if len(np.unique(labels[train])) < 2 or not known:
+            continue
+        found.owners.extend(known)
+        parts = {length: rows[train] for length, rows in described.items()}
+        fits = _fit(parts, labels[train], owners[train], classes, best)
+        marks = {
+            length: Landmarks(
+                object_means(classifier.encode(parts[length]), owners[train], best), None
+            )
+            for length, classifier in fits.items()
+        }
+        known_touches = keep_touches(touches[train], names, owners[train], best.cues)
+        for place in known:
+            one = owners == place
+            bags = turn_bags(int(one.sum()), place, best)
+            distances, places = object_distances(known_touches, touches[one])
+            for length, classifier in fits.items():
+                projected = classifier.encode(described[length][one])
+                scores = found.scores[length][one] = classifier.scores(projected)
+                found.evidence[length][place] = bag_evidence(
+                    marks[length], projected, scores, bags, distances, places[:, :length]
+                )
+    found.owners.sort()
+    return found
+
+
+def _fit(
+    described: Described,
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    classes: int,
+    best: BestParameters,
+) -> dict[int, ShortClassifier]:
+    """Fit classifiers whose answers are not calibrated yet."""
+    scalings = {length: fit_standardiser(rows, "standardise") for length, rows in described.items()}
+    rows = np.concatenate([scalings[length].apply(rows) for length, rows in described.items()])
+    projection = fit_projection(rows, best.bag_components)
+    apart = np.arange(len(described))[:, None] * (owners.max() + 1)  # no bag holds two lengths
+    bags = fit_bag_classifier(
+        projection.apply(rows),
+        np.tile(labels, len(described)),
+        (owners + apart).ravel(),
+        best.bags,
+    )
+    known = np.isin(np.arange(classes), labels)
+    alike = Combination((1.0, 1.0), np.ones(1), np.ones(1), known)
+    return {
+        length: ShortClassifier(scaling, projection, bags, classes, alike)
+        for length, scaling in scalings.items()
+    }
+
+
+def _combine(
+    scores: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    classifier: ShortClassifier,
+    best: BestParameters,
+) -> Combination:
+    known = classifier.combination.known
+    alike = np.full(scores.shape, 1 / len(known))
+    held_out = hold_out_bags(scores, labels, owners, best.bags, known, best.bag_weight)
+    return held_out.combine(alike)
+
+
+def _ballots(scores: NDArray[np.float64], combination: Combination) -> Ballots:
+    """Let the discriminant answer alone: beside it all classes are as likely."""
+    return Ballots(np.full(scores.shape, 1 / scores.shape[1]), scores, combination)

@@ -1,0 +1,189 @@
+"""Views that were touched less often than those a model learnt."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pytest
+import skops.io
+from recognition.synthetic import features_table
+
+from visuohaptic import recognition
+from visuohaptic.recognition import short_sequences
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.sequences import gather_any
+from visuohaptic.recognition.short_sequences import fit_short_classifiers
+
+PARAMETERS = RecognitionParameters()
+TABLE = features_table(objects=(24, 24, 24), separation=0.8)
+LEARNT = TABLE.filter(
+    pc.less(TABLE["object"], "object3")
+)  # object0 to object2, object10 to object23
+NEW = TABLE.filter(pc.greater_equal(TABLE["object"], "object3"))
+
+
+@pytest.fixture(scope="module")
+def model():
+    return recognition.fit_model(LEARNT, "best", "support_vector_machine", PARAMETERS, 1)
+
+
+def one_view(table, touches, viewpoint=2):
+    """Give each object's first touches from one view."""
+    shown = recognition.select(table, viewpoint=viewpoint)
+    shown = shown.filter(pc.less(shown["touch"], touches))
+    names = sorted(set(zip(shown["class"].to_pylist(), shown["object"].to_pylist(), strict=True)))
+    return [
+        (category, recognition.select(shown, **{"class": category, "object": name}))
+        for category, name in names
+    ]
+
+
+def answers(model, touches):
+    """Name each new object from each of its views: answers with the true class, by view."""
+    return [
+        [(category, model.answer(rows)) for category, rows in one_view(NEW, touches, viewpoint)]
+        for viewpoint in range(4)
+    ]
+
+
+def excess(model, touches):
+    """Give how much surer answers are than right, in the mean, and the standard error over objects."""
+    found = [
+        [
+            max(one.probabilities.values()) - (next(iter(one.probabilities)) == category)
+            for category, one in view
+        ]
+        for view in answers(model, touches)
+    ]
+    by_object = np.mean(found, axis=0)
+    assert len(by_object) == 21
+    return by_object.mean(), by_object.std() / np.sqrt(len(by_object))
+
+
+@pytest.mark.parametrize("touches", [1, 2])
+def test_answers_from_few_touches_are_not_surer_than_they_are_right(model, touches):
+    surer, error = excess(model, touches)
+    assert surer < 2 * error
+
+
+def test_a_model_of_whole_sequences_alone_is_too_sure_of_one_touch(model):
+    """What the test above guards against, on the same objects."""
+    surer, error = excess(dataclasses.replace(model, short={}), 1)
+    assert surer > 2 * error
+
+
+@pytest.mark.parametrize("touches", [1, 3])
+def test_sets_from_few_touches_hold_the_class_and_few_objects_are_unknown(model, touches):
+    found = list(itertools.chain(*answers(model, touches)))
+    assert np.mean([category in one.candidates for category, one in found]) >= 0.8
+    assert np.mean([one.unknown for _, one in found]) <= 0.25
+    whole = dataclasses.replace(model, short={})
+    alike = itertools.chain(*answers(whole, 1))
+    assert np.mean([one.unknown for _, one in alike]) > 0.9
+
+
+def test_whole_sequences_are_named_as_without_short_ones(model):
+    without = PARAMETERS.model_copy(
+        update={"best": PARAMETERS.best.model_copy(update={"short_touches": ()})}
+    )
+    plain = recognition.fit_model(LEARNT, "best", "support_vector_machine", without, 1)
+    assert set(model.short) == {1, 2, 3, 4}
+    assert not plain.short
+    for _, rows in one_view(NEW, 5)[::7]:
+        assert model.answer(rows) == plain.answer(rows)
+
+
+def test_a_view_with_more_touches_than_a_sequence_gives_whole_ones_alone():
+    table = features_table(objects=(1,), touches=7, viewpoints=3)
+    (found,) = gather_any(table.drop_columns(["contact_state"]), ("x", "y"), 5)
+    (touched,) = gather_any(table.drop_columns(["contact_state"]), ("x", "y"), 7)
+    np.testing.assert_array_equal(found[::2], touched[:, :5])
+    np.testing.assert_array_equal(found[1::2], touched[:, 2:])
+
+
+def test_views_of_several_lengths_have_one_answer_no_surer_than_those_of_each(model):
+    _, rows = one_view(NEW, 5)[0]
+    other = recognition.select(NEW, viewpoint=0, object="object3", **{"class": "class0"})
+    short = other.filter(pc.less(other["touch"], 2))
+    parts = [model.answer(part).probabilities for part in (rows, short)]
+    found = model.answer(pa.concat_tables([rows, short])).probabilities
+    assert max(found.values()) <= max(max(part.values()) for part in parts)
+    logs = sum(
+        share * np.log([part[name] for name in found])
+        for share, part in zip((5 / 7, 2 / 7), parts, strict=True)
+    )
+    np.testing.assert_allclose(list(found.values()), np.exp(logs) / np.exp(logs).sum(), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("touches", "named_as"), [(1, 1), (4, 4), (5, 5), (9, 10), (7, 5)])
+def test_a_length_that_was_not_learnt_is_named_as_the_one_that_is_most_like_it(touches, named_as):
+    parameters = PARAMETERS.model_copy(
+        update={
+            "touches": 10,
+            "best": PARAMETERS.best.model_copy(update={"short_touches": (1, 4, 5, 12)}),
+        }
+    )
+    table = features_table(objects=(2, 2), touches=10, separation=3.0)
+    model = recognition.fit_model(table, "best", "naive_bayes", parameters, 1)
+    assert set(model.short) == {1, 4, 5}
+    rows = one_view(table, touches)[0][1]
+    alone = {length: only for length, only in model.short.items() if length == named_as}
+    expected = dataclasses.replace(model, short=alone).answer(rows)
+    assert model.answer(rows) == expected
+
+
+def test_no_training_object_is_compared_by_what_has_learnt_it(monkeypatch):
+    learnt = []
+    original = short_sequences._fit
+
+    def catching(described, labels, owners, *rest):
+        fits = original(described, labels, owners, *rest)
+        learnt.append((set(owners), fits[1]))
+        return fits
+
+    monkeypatch.setattr(short_sequences, "_fit", catching)
+    objects, touches = np.repeat(np.arange(8), 4), np.random.default_rng(0).normal(size=(32, 3, 6))
+    labels = objects // 4
+    arguments = (touches, list("abcdef"), labels, objects, 2, PARAMETERS.best)
+    described = {1: touches[:, 0], 2: touches[:, :2].reshape(32, -1)[:, :6]}
+    fit_short_classifiers(described, *arguments, np.random.default_rng(1))
+    (everything, _), *folds = learnt
+    assert everything == set(range(8))
+    left_out = [everything - owners for owners, _ in folds]
+    assert sorted(place for fold in left_out for place in fold) == list(range(8))
+    learnt.clear()
+    changed = {
+        length: np.where(objects[:, None] == 3, 9.0, rows) for length, rows in described.items()
+    }
+    fit_short_classifiers(changed, *arguments, np.random.default_rng(1))
+    for (owners, before), (_, after) in zip(folds, learnt[1:], strict=True):
+        same = np.array_equal(before.bags.coefficients, after.bags.coefficients)
+        assert same == (3 not in owners)
+
+
+def test_a_model_of_the_third_format_is_read_and_names_few_touches_as_before(model, tmp_path):
+    recognition.save_model(model, tmp_path / "a.skops")
+    loaded = recognition.load_model(tmp_path / "a.skops")
+    state = skops.io.loads((tmp_path / "a.skops").read_bytes())
+    state["format"] = "visuohaptic recognition model 3"
+    del state["short"]
+    (tmp_path / "b.skops").write_bytes(skops.io.dumps(state))
+    older = recognition.load_model(tmp_path / "b.skops")
+    for touches in (1, 5):
+        rows = one_view(NEW, touches)[0][1]
+        assert loaded.answer(rows) == model.answer(rows)
+        assert older.answer(rows) == dataclasses.replace(model, short={}).answer(rows)
+
+
+def test_without_bags_or_a_second_object_nothing_more_is_learnt_or_compared():
+    without = PARAMETERS.model_copy(
+        update={"best": PARAMETERS.best.model_copy(update={"bags": ()})}
+    )
+    table = features_table(objects=(1, 1), separation=3.0)
+    assert not recognition.fit_model(table, "best", "naive_bayes", without, 1).short
+    alone = recognition.fit_model(table, "best", "naive_bayes", PARAMETERS, 1)
+    answer = alone.answer(one_view(table, 2)[1][1])
+    assert next(iter(answer.probabilities)) == "class1"
+    assert answer.candidates is None
