@@ -36,6 +36,15 @@ RULES = STUDIES | set(
 )
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_prose_is_wrapped_at_100_columns(page):
+    prose = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.DOTALL)
+    # Code within a line is not broken.
+    prose = re.sub(r"`[^`\n]*`$", "`code`", prose, flags=re.M)
+    lines = [line for line in prose.splitlines() if not line.startswith(("|", "!["))]
+    assert [line for line in lines if len(line) > 100] == []
+
+
 def blocks(page, kind):
     return [
         text
