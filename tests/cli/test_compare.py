@@ -176,6 +176,7 @@ def test_reports_alone_can_be_compared(visuohaptic, reported):
     }
 
 
+@pytest.mark.slow
 def test_a_report_of_other_figures_is_not_taken_for_the_metrics_beside_it(
     visuohaptic, tmp_path, reported
 ):

@@ -16,6 +16,7 @@ from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import gather_any
 from visuohaptic.recognition.short_sequences import fit_short_classifiers
 
+pytestmark = pytest.mark.slow
 PARAMETERS = RecognitionParameters()
 TABLE = features_table(objects=(24, 24, 24), separation=0.8)
 LEARNT = TABLE.filter(

@@ -15,6 +15,7 @@ from visuohaptic.recognition.summary import summarise
 from visuohaptic.tables.phases import FEATURES, PREDICTIONS, SCORES
 from visuohaptic.tables.schema import read_table, write_table
 
+pytestmark = pytest.mark.slow
 QUICK = RecognitionParameters.model_validate(
     {
         "classifiers": ["naive_bayes", "k_nearest_neighbours"],
@@ -57,7 +58,6 @@ def of_needle(table):
     return table.filter(pa.compute.and_(mine, fixated))
 
 
-@pytest.mark.slow
 def test_they_show_too_little_in_some_views(table):
     _, sentences = whole_sequences(table, 5)
     assert {sentence.split()[0] for sentence in sentences} == {"slender/wire", "slender/needle"}

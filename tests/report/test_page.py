@@ -163,6 +163,7 @@ def test_every_object_has_its_place(page):
     assert articles == sorted(OBJECTS)
 
 
+@pytest.mark.slow
 def test_of_many_objects_some_of_each_class_are_shown_and_all_are_counted(
     files, source, monkeypatch
 ):
