@@ -52,8 +52,8 @@ MUTATIONS = (
     ),
     Mutation(
         "float32 in the distances of the re-cast", "geometry/raycasting.py",
-        "hits.distance[again] = settled.distance",
-        "hits.distance[again] = settled.distance.astype(np.float32)",
+        "hits.distance[rays] = others.distance",
+        "hits.distance[rays] = others.distance.astype(np.float32)",
         "test_checks.py::[vertices_and_edges] "
         "test_checks.py::[random_triangles]",
     ),
@@ -79,8 +79,8 @@ MUTATIONS = (
     ),
     Mutation(
         "a dropped regularisation", "recognition/covariance.py",
-        "self.covariance_ += self.floor * np.eye(len(scale))",
-        "self.covariance_ += 0.0 * np.eye(len(scale))",
+        "self.covariance_ += self.floor * np.eye(X.shape[1])",
+        "self.covariance_ += 0.0 * np.eye(X.shape[1])",
         "test_checks.py::[classifiers]",
     ),
     Mutation(
