@@ -12,6 +12,7 @@ import hashlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -25,6 +26,7 @@ from one_node import Cluster, ClusterError, install
 
 ROOT = Path(__file__).parents[2]
 SECONDS_OF_OUTAGE = 5
+SECONDS_TO_RESUME = 30
 HOURS = 3600
 TABLES = (
     "meshes",
@@ -41,6 +43,8 @@ TABLES = (
 def main() -> None:
     """Run everything, and end with status 1 where a table differs."""
     arguments = _parse()
+    # Else `timeout` would leave the cluster running.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
     install()
     folder = Path(tempfile.mkdtemp(prefix="visuohaptic-slurm-"))
     print(f"folder {folder}", flush=True)
@@ -188,6 +192,13 @@ def _break(cluster: Cluster, folder: Path) -> None:
     cluster.start("slurmctld")
     cluster.start("slurmd")
     print("killed slurmctld and slurmd, and started them again", flush=True)
+    # A job that was about to start when the controller was killed makes Slurm drain the node.
+    for _ in range(SECONDS_TO_RESUME):
+        time.sleep(1)
+        subprocess.run(
+            ["scontrol", "update", "NodeName=ALL", "State=RESUME"], env=cluster.environment,
+            check=False, capture_output=True,
+        )  # fmt: skip
 
 
 def _digests(folder: Path) -> dict[str, str]:

@@ -23,6 +23,10 @@ def test_a_state_of_slurm_is_one_of_snakemakes(said, state):
     assert judge(f"JobId=7 JobName=a\n   JobState={said} Reason=None") == state
 
 
+def test_a_job_that_is_held_as_it_could_not_be_launched_is_not_waited_for():
+    assert judge("JobId=7\n   JobState=PENDING Reason=launch_failed_requeued_held") == "failed"
+
+
 @pytest.mark.parametrize(
     ("error", "state"),
     [

@@ -34,6 +34,9 @@ def judge(answer: str) -> str:
     str
         running, success or failed.
     """
+    # Such a job is pending until an administrator releases it.
+    if "Reason=launch_failed_requeued_held" in answer:
+        return "failed"
     states = re.findall(r"\bJobState=([A-Z_]+)", answer)
     if not states or not {"COMPLETED", *_FAILED}.intersection(states):
         return "running"
