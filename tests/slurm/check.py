@@ -27,6 +27,7 @@ from one_node import Cluster, ClusterError, install
 ROOT = Path(__file__).parents[2]
 SECONDS_OF_OUTAGE = 5
 SECONDS_TO_RESUME = 30
+SECONDS_TO_SAVE = 10
 HOURS = 3600
 TABLES = (
     "meshes",
@@ -186,6 +187,8 @@ def _break(cluster: Cluster, folder: Path) -> None:
     """Kill both daemons once a block has begun, and start them again."""
     while not list(folder.glob("results/meshes/*/*.ply")):
         time.sleep(0.5)
+    # A controller that is killed before it has saved a job gives the job's number to the next one.
+    time.sleep(SECONDS_TO_SAVE)
     cluster.kill("slurmctld")
     cluster.kill("slurmd")
     time.sleep(SECONDS_OF_OUTAGE)
