@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.tables.phases import (
     CONTOURLET_FEATURES,
     FEATURES,
@@ -40,6 +41,22 @@ def features_table(
     same = dict.fromkeys(IMPRINT_FEATURES, 0.5)
     same |= {"sensor_size": 0.1, "contact_state": "full"}
     return build_table(FEATURES, {**columns, **same})
+
+
+def sequences_of(touches, names, labels, owners, classes):
+    """Give sequences (s, t, k) of numbered objects; one without sequences is of the first class."""
+    of_object = dict(zip(owners.tolist(), labels.tolist(), strict=True))
+    return TouchSequences(
+        features=touches,
+        feature_names=tuple(names),
+        objects=tuple(
+            (f"class{of_object.get(place, 0)}", f"object{place}")
+            for place in range(owners.max() + 1)
+        ),
+        classes=tuple(f"class{place}" for place in range(classes)),
+        object_index=owners,
+        viewpoint=np.zeros(len(owners), dtype=np.int64),
+    )
 
 
 def add_row(columns, category, name, viewpoint, strategy, touch):

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from recognition.synthetic import features_table
+from recognition.synthetic import features_table, sequences_of
 from recognition.test_tuning import clusters
 
 from visuohaptic import recognition
@@ -24,15 +24,17 @@ PARAMETERS = one_classifier(RecognitionParameters(), "support_vector_machine")
 def fitted(descriptors, labels, owners, classes=3, parameters=PARAMETERS):
     training = (labels, owners, classes, parameters)
     projection, fits = fit_best_classifiers(descriptors, *training, np.random.default_rng(0))
+    sequences = touched(descriptors, labels, owners, classes)
     calibration = fit_calibration(
-        descriptors, *touched(descriptors), *training, projection, np.random.default_rng(0)
+        sequences, descriptors, parameters, projection, np.random.default_rng(0)
     )
     return projection, fits[0][1], calibration
 
 
-def touched(descriptors):
-    """Take descriptors for sequences of one touch with these features, and name them."""
-    return descriptors[:, None], [f"imprint_{place}" for place in range(descriptors.shape[1])]
+def touched(descriptors, labels, owners, classes):
+    """Take descriptors for sequences of one touch with these features."""
+    names = [f"imprint_{place}" for place in range(descriptors.shape[1])]
+    return sequences_of(descriptors[:, None], names, labels, owners, classes)
 
 
 def assessed(model, rows, coverage):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from recognition.synthetic import sequences_of
 
 from visuohaptic.recognition.set_distance import POSITION_WEIGHT, keep_touches
 
@@ -25,6 +26,10 @@ def touches():
     return sequences
 
 
+def kept(features, cues):
+    return keep_touches(sequences_of(features, NAMES, 0 * OWNERS, OWNERS, classes=1), cues)
+
+
 def chamfer(one, other):
     found = np.linalg.norm(one[:, None] - other, axis=2)
     return (found.min(axis=0).mean() + found.min(axis=1).mean()) / 2
@@ -32,7 +37,7 @@ def chamfer(one, other):
 
 def test_the_nearest_object_is_found_by_the_mean_of_both_ways():
     sequences = touches()
-    known = keep_touches(sequences, NAMES, OWNERS, {"pose"})
+    known = kept(sequences, {"pose"})
     new = np.random.default_rng(1).normal(size=(7, len(NAMES)))
     by_hand = [
         chamfer(
@@ -46,7 +51,7 @@ def test_the_nearest_object_is_found_by_the_mean_of_both_ways():
 
 def test_a_known_object_is_at_no_distance_in_any_order_of_its_touches():
     sequences = touches()
-    known = keep_touches(sequences, NAMES, OWNERS, {"pose"})
+    known = kept(sequences, {"pose"})
     own = sequences[OWNERS == 1].reshape(-1, len(NAMES))
     assert known.nearest(own[::-1]) == pytest.approx(0, abs=1e-3)
     assert known.nearest(own[:3]) > 0.1
@@ -54,7 +59,7 @@ def test_a_known_object_is_at_no_distance_in_any_order_of_its_touches():
 
 def test_positions_normals_and_what_is_felt_have_their_weights():
     sequences = touches()
-    weights = keep_touches(sequences, NAMES, OWNERS, {"embedding"}).weights
+    weights = kept(sequences, {"embedding"}).weights
     np.testing.assert_array_equal(weights[1:4], POSITION_WEIGHT)
     np.testing.assert_array_equal(weights[4:7], 1)
     deviations = sequences.reshape(-1, len(NAMES)).std(axis=0)
@@ -64,7 +69,7 @@ def test_positions_normals_and_what_is_felt_have_their_weights():
 
 @pytest.mark.parametrize("cues", [{"contourlet"}, {"azimuth_free"}])
 def test_pose_is_not_looked_at_without_a_cue_that_holds_it(cues):
-    known = keep_touches(touches(), NAMES, OWNERS, cues)
+    known = kept(touches(), cues)
     new = np.random.default_rng(1).normal(size=(7, len(NAMES)))
     moved = new.copy()
     moved[:, 1:7] += 5

@@ -8,7 +8,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
 import skops.io
-from recognition.synthetic import features_table
+from recognition.synthetic import features_table, sequences_of
 
 from visuohaptic import recognition
 from visuohaptic.recognition import short_sequences
@@ -139,17 +139,17 @@ def test_no_training_object_is_compared_by_what_has_learnt_it(monkeypatch):
     learnt = []
     original = short_sequences._fit
 
-    def catching(described, labels, owners, *rest):
-        fits = original(described, labels, owners, *rest)
-        learnt.append((set(owners), fits[1]))
+    def catching(sequences, *rest):
+        fits = original(sequences, *rest)
+        learnt.append((set(sequences.object_index), fits[1]))
         return fits
 
     monkeypatch.setattr(short_sequences, "_fit", catching)
     objects, touches = np.repeat(np.arange(8), 4), np.random.default_rng(0).normal(size=(32, 3, 6))
     labels = objects // 4
-    arguments = (touches, list("abcdef"), labels, objects, 2, PARAMETERS.best)
+    sequences = sequences_of(touches, "abcdef", labels, objects, classes=2)
     described = {1: touches[:, 0], 2: touches[:, :2].reshape(32, -1)[:, :6]}
-    fit_short_classifiers(described, *arguments, np.random.default_rng(1))
+    fit_short_classifiers(sequences, described, PARAMETERS.best, np.random.default_rng(1))
     (everything, _), *folds = learnt
     assert everything == set(range(8))
     left_out = [everything - owners for owners, _ in folds]
@@ -158,7 +158,7 @@ def test_no_training_object_is_compared_by_what_has_learnt_it(monkeypatch):
     changed = {
         length: np.where(objects[:, None] == 3, 9.0, rows) for length, rows in described.items()
     }
-    fit_short_classifiers(changed, *arguments, np.random.default_rng(1))
+    fit_short_classifiers(sequences, changed, PARAMETERS.best, np.random.default_rng(1))
     for (owners, before), (_, after) in zip(folds, learnt[1:], strict=True):
         same = np.array_equal(before.bags.coefficients, after.bags.coefficients)
         assert same == (3 not in owners)

@@ -8,7 +8,7 @@ objects.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import Ballots, spread_bags
+from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.set_distance import KnownTouches, TouchDistances, keep_touches
 from visuohaptic.recognition.splits import grouped_folds
 from visuohaptic.recognition.tuning import Projection, fit_best_classifiers
@@ -185,12 +186,8 @@ def least_objects(coverage: float) -> int:
 
 
 def fit_calibration(
-    descriptors: NDArray[np.float64],
-    touches: NDArray[np.float64],
-    names: Sequence[str],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    classes: int,
+    sequences: TouchSequences,
+    described: NDArray[np.float64],
     parameters: RecognitionParameters,
     projection: Projection,
     generator: np.random.Generator,
@@ -199,16 +196,10 @@ def fit_calibration(
 
     Parameters
     ----------
-    descriptors : numpy.ndarray
-        Shape (n, d), float64: the training sequences.
-    touches : numpy.ndarray
-        Shape (n, t, k), float64: their touches.
-    names : sequence of str
-        The k features of a touch.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: their classes and objects.
-    classes : int
-        Number of classes.
+    sequences : TouchSequences
+        The s training sequences.
+    described : numpy.ndarray
+        Shape (s, d), float64: their descriptors.
     parameters : RecognitionParameters
         Of one classifier of pipeline `best`.
     projection : Projection
@@ -221,46 +212,65 @@ def fit_calibration(
     Calibration or None
         None where no class has a second object. An object whose class has no other is left out.
     """
-    best = parameters.best
-    members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
-    if max(len(objects) for objects in members) < 2:
-        return None
+    best, labels = parameters.best, sequences.labels
     rows: dict[int, tuple[int, NDArray[np.float64], NDArray[np.float64]]] = {}
-    for objects in grouped_folds(members, best.calibration_folds, generator):
-        held_out = np.isin(owners, objects)
-        if len(np.unique(labels[~held_out])) < 2:
-            continue
+    for train, objects in hold_out_objects(sequences, best.calibration_folds, generator):
+        known = sequences.take(train)
         own, fits = fit_best_classifiers(
-            descriptors[~held_out],
-            labels[~held_out],
-            owners[~held_out],
-            classes,
+            described[train],
+            labels[train],
+            known.object_index,
+            len(known.classes),
             parameters,
             generator,
         )
         tuned = fits[0][1]
-        marks = Landmarks(
-            object_means(own.apply(descriptors[~held_out]), owners[~held_out], best),
-            keep_touches(touches[~held_out], names, owners[~held_out], best.cues),
-        )
+        marks = _landmarks(known, own.apply(described[train]), best)
         for place in objects:
-            one = owners == place
+            one = sequences.object_index == place
             label = int(labels[one][0])
-            if label in labels[~held_out]:
-                projected = own.apply(descriptors[one])
-                bags = turn_bags(len(projected), place, best)
-                named = name_bags(tuned.ballots(projected), bags)
-                scores = tuned.scores(projected)
-                distances, places = object_distances(marks.touches, touches[one])
-                found = bag_evidence(marks, projected, scores, bags, distances, places)
-                rows[place] = (label, 1 - named[:, label], found)
+            projected = own.apply(described[one])
+            bags = turn_bags(len(projected), place, best)
+            named = name_bags(tuned.ballots(projected), bags)
+            scores = tuned.scores(projected)
+            distances, places = object_distances(marks.touches, sequences.features[one])
+            found = bag_evidence(marks, projected, scores, bags, distances, places)
+            rows[place] = (label, 1 - named[:, label], found)
     if not rows:
         return None
-    landmarks = Landmarks(
-        object_means(projection.apply(descriptors), owners, best),
-        keep_touches(touches, names, owners, best.cues),
-    )
+    landmarks = _landmarks(sequences, projection.apply(described), best)
     return gather_calibration([rows[place] for place in sorted(rows)], landmarks, best)
+
+
+def hold_out_objects(
+    sequences: TouchSequences, folds: int, generator: np.random.Generator
+) -> Iterator[tuple[NDArray[np.bool_], list[int]]]:
+    """Deal the training objects over folds, each of which is named without itself.
+
+    Yields
+    ------
+    train : numpy.ndarray
+        Shape (s,), bool: the sequences of the other folds, of two classes at least.
+    objects : list of int
+        The objects of the fold whose class is among those, at least one.
+    """
+    labels, owners = sequences.labels, sequences.object_index
+    members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
+    if max(len(objects) for objects in members) < 2:
+        return
+    for objects in grouped_folds(members, folds, generator):
+        train = ~np.isin(owners, objects)
+        classes = np.unique(labels[train])
+        known = [place for place in objects if labels[owners == place][0] in classes]
+        if known and len(classes) > 1:
+            yield train, known
+
+
+def _landmarks(
+    sequences: TouchSequences, projected: NDArray[np.float64], best: BestParameters
+) -> Landmarks:
+    means = object_means(projected, sequences.object_index, best)
+    return Landmarks(means, keep_touches(sequences, best.cues))
 
 
 def gather_calibration(

@@ -472,17 +472,15 @@ def _fit_best(
     one = one_classifier(parameters, classifier)
     training = (sequences.labels, sequences.object_index, len(sequences.classes), one)
     projection, [(_, tuned, _)] = fit_best_classifiers(described, *training, generator)
+    calibration = fit_calibration(sequences, described, one, projection, generator)
     touches = sequences.features
-    calibration = fit_calibration(described, touches, names, *training, projection, generator)
     first = [length for length in parameters.best.short_touches if length < touches.shape[1]]
     short = fit_short_classifiers(
+        sequences,
         {
             length: describe_sequences(touches[:, :length], names, waves, parameters.best)
             for length in sorted(set(first))
         },
-        touches,
-        names,
-        *training[:3],
         parameters.best,
         spawn_generator(seed, "recognition", "model", "short"),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pyarrow as pa
@@ -52,6 +52,15 @@ class TouchSequences:
     def labels(self) -> NDArray[np.int64]:
         """Each sequence's class as its place in `classes`, shape (s,)."""
         return self.class_of_object[self.object_index]
+
+    def take(self, sequences: NDArray[np.bool_]) -> TouchSequences:
+        """Take some sequences, of which shape (s,) is true; objects and classes keep their places."""
+        return replace(
+            self,
+            features=self.features[sequences],
+            object_index=self.object_index[sequences],
+            viewpoint=self.viewpoint[sequences],
+        )
 
 
 def gather_sequences(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.recognition.encoding import fit_standardiser
+from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES
 
 POSITION_WEIGHT = 2.0
@@ -84,22 +85,14 @@ class TouchDistances:
         return float((there + np.add.reduceat(closest, self.starts) / counts).min() / 2)
 
 
-def keep_touches(
-    sequences: NDArray[np.float64],
-    names: Sequence[str],
-    owners: NDArray[np.int64],
-    cues: Collection[str],
-) -> KnownTouches:
+def keep_touches(sequences: TouchSequences, cues: Collection[str]) -> KnownTouches:
     """Keep the touches of training objects.
 
     Parameters
     ----------
-    sequences : numpy.ndarray
-        Shape (s, t, k), float64: sequences of t touches with k features.
-    names : sequence of str
-        The k features. All but pose are standardised, and count together as much as a unit normal.
-    owners : numpy.ndarray
-        Shape (s,), int64: the object of each sequence.
+    sequences : TouchSequences
+        Of the training objects. All features but pose are standardised, and count together as much as a
+        unit normal.
     cues : collection of str
         Cues of pipeline `best`; without one of `POSE_CUES` pose counts nothing.
 
@@ -108,14 +101,14 @@ def keep_touches(
     KnownTouches
         All touches.
     """
-    count = sequences.shape[2]
+    names, touches = sequences.feature_names, sequences.features
+    count = len(names)
     felt = np.array([name not in {*POINT_NAMES, *NORMAL_NAMES} for name in names])
-    every = sequences.reshape(-1, count)
-    scale = fit_standardiser(every, "standardise").scale
+    scale = fit_standardiser(touches.reshape(-1, count), "standardise").scale
     pose = np.where(np.isin(names, POINT_NAMES), POSITION_WEIGHT, 1.0)
     pose *= not POSE_CUES.isdisjoint(cues)
     weights = np.where(felt, 1 / scale / np.sqrt(max(felt.sum(), 1)), pose)
-    order = np.argsort(owners, kind="stable")
-    _, first = np.unique(owners[order], return_index=True)
-    kept = (sequences[order].reshape(-1, count) * weights).astype(np.float32)
-    return KnownTouches(weights, kept, first.astype(np.int64) * sequences.shape[1])
+    order = np.argsort(sequences.object_index, kind="stable")
+    _, first = np.unique(sequences.object_index[order], return_index=True)
+    kept = (touches[order].reshape(-1, count) * weights).astype(np.float32)
+    return KnownTouches(weights, kept, first.astype(np.int64) * touches.shape[1])

@@ -8,7 +8,7 @@ and has its own temperatures and its own comparison with training objects.
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,7 @@ from visuohaptic.recognition.certainty import (
     Landmarks,
     bag_evidence,
     gather_calibration,
+    hold_out_objects,
     name_bags,
     object_distances,
     object_means,
@@ -34,8 +35,8 @@ from visuohaptic.recognition.pooling import (
     fit_bag_classifier,
     hold_out_bags,
 )
+from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.set_distance import keep_touches
-from visuohaptic.recognition.splits import grouped_folds
 from visuohaptic.recognition.tuning import Projection, fit_projection
 
 logger = logging.getLogger(__name__)
@@ -90,12 +91,8 @@ class ShortClassifier:
 
 
 def fit_short_classifiers(
+    sequences: TouchSequences,
     described: Described,
-    touches: NDArray[np.float64],
-    names: Sequence[str],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    classes: int,
     best: BestParameters,
     generator: np.random.Generator,
 ) -> dict[int, ShortClassifier]:
@@ -103,16 +100,10 @@ def fit_short_classifiers(
 
     Parameters
     ----------
+    sequences : TouchSequences
+        For training, of all their touches.
     described : mapping of int to numpy.ndarray
-        Shape (n, d) each, float64: the training sequences by their first touches.
-    touches : numpy.ndarray
-        Shape (n, t, k), float64: all their touches.
-    names : sequence of str
-        The k features of a touch.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: their classes and objects.
-    classes : int
-        Number of classes.
+        Shape (s, d) each, float64: the same by their first touches.
     best : BestParameters
         Bags, components, folds.
     generator : numpy.random.Generator
@@ -126,29 +117,19 @@ def fit_short_classifiers(
     if not described or not best.bags:
         return {}
     try:
-        found = _fit(described, labels, owners, classes, best)
-        held_out = _name_held_out(
-            described, touches, names, labels, owners, classes, best, generator
-        )
+        found = _fit(sequences, described, best)
+        held_out = _name_held_out(sequences, described, best, generator)
     except RecognitionError as error:
         logger.warning("short sequences are named as if they were whole: %s", error)
         return {}
     if not held_out.owners:
         return found
-    kept = np.isin(owners, held_out.owners)
-    known_touches = keep_touches(touches, names, owners, best.cues)
+    known_touches = keep_touches(sequences, best.cues)
     for length, classifier in found.items():
-        scores = held_out.scores[length]
-        combination = _combine(scores[kept], labels[kept], owners[kept], classifier, best)
-        rows = []
-        for place in held_out.owners:
-            one = owners == place
-            label = int(labels[one][0])
-            bags = turn_bags(int(one.sum()), place, best)
-            named = name_bags(_ballots(scores[one], combination), bags)
-            rows.append((label, 1 - named[:, label], held_out.evidence[length][place]))
-        means = object_means(classifier.encode(described[length]), owners, best)
-        marks = Landmarks(means, known_touches)
+        combination = _combine(sequences, held_out, length, classifier, best)
+        rows = _calibration_rows(sequences, held_out, length, combination, best)
+        projected = classifier.encode(described[length])
+        marks = Landmarks(object_means(projected, sequences.object_index, best), known_touches)
         calibration = gather_calibration(rows, marks, best)
         found[length] = replace(classifier, combination=combination, calibration=calibration)
     return found
@@ -156,7 +137,7 @@ def fit_short_classifiers(
 
 @dataclass(frozen=True)
 class _HeldOut:
-    """What training objects score without themselves: (n, c) and, by object, (k, e) of each length."""
+    """What training objects score without themselves: (s, c) and, by object, (k, e) of each length."""
 
     owners: list[int]
     scores: dict[int, NDArray[np.float64]]
@@ -164,43 +145,33 @@ class _HeldOut:
 
 
 def _name_held_out(
+    sequences: TouchSequences,
     described: Described,
-    touches: NDArray[np.float64],
-    names: Sequence[str],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    classes: int,
     best: BestParameters,
     generator: np.random.Generator,
 ) -> _HeldOut:
     """Score every training object without itself; one whose class has no other is left out."""
+    owners = sequences.object_index
+    shape = (len(owners), len(sequences.classes))
     found = _HeldOut(
-        [],
-        {length: np.zeros((len(labels), classes)) for length in described},
-        {length: {} for length in described},
+        [], {length: np.zeros(shape) for length in described}, {length: {} for length in described}
     )
-    members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
-    if max(len(objects) for objects in members) < 2:
-        return found
-    for objects in grouped_folds(members, best.calibration_folds, generator):
-        train = ~np.isin(owners, objects)
-        known = [place for place in objects if labels[owners == place][0] in labels[train]]
-        if len(np.unique(labels[train])) < 2 or not known:
-            continue
-        found.owners.extend(known)
+    for train, objects in hold_out_objects(sequences, best.calibration_folds, generator):
+        found.owners.extend(objects)
+        known = sequences.take(train)
         parts = {length: rows[train] for length, rows in described.items()}
-        fits = _fit(parts, labels[train], owners[train], classes, best)
+        fits = _fit(known, parts, best)
         marks = {
             length: Landmarks(
-                object_means(classifier.encode(parts[length]), owners[train], best), None
+                object_means(classifier.encode(parts[length]), known.object_index, best), None
             )
             for length, classifier in fits.items()
         }
-        known_touches = keep_touches(touches[train], names, owners[train], best.cues)
-        for place in known:
+        known_touches = keep_touches(known, best.cues)
+        for place in objects:
             one = owners == place
             bags = turn_bags(int(one.sum()), place, best)
-            distances, places = object_distances(known_touches, touches[one])
+            distances, places = object_distances(known_touches, sequences.features[one])
             for length, classifier in fits.items():
                 projected = classifier.encode(described[length][one])
                 scores = found.scores[length][one] = classifier.scores(projected)
@@ -212,13 +183,10 @@ def _name_held_out(
 
 
 def _fit(
-    described: Described,
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    classes: int,
-    best: BestParameters,
+    sequences: TouchSequences, described: Described, best: BestParameters
 ) -> dict[int, ShortClassifier]:
     """Fit classifiers whose answers are not calibrated yet."""
+    labels, owners = sequences.labels, sequences.object_index
     scalings = {length: fit_standardiser(rows, "standardise") for length, rows in described.items()}
     rows = np.concatenate([scalings[length].apply(rows) for length, rows in described.items()])
     projection = fit_projection(rows, best.bag_components)
@@ -229,6 +197,7 @@ def _fit(
         (owners + apart).ravel(),
         best.bags,
     )
+    classes = len(sequences.classes)
     known = np.isin(np.arange(classes), labels)
     alike = Combination((1.0, 1.0), np.ones(1), np.ones(1), known)
     return {
@@ -238,16 +207,37 @@ def _fit(
 
 
 def _combine(
-    scores: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
+    sequences: TouchSequences,
+    held_out: _HeldOut,
+    length: int,
     classifier: ShortClassifier,
     best: BestParameters,
 ) -> Combination:
+    """Find the temperatures of one length by the objects that were held out."""
+    kept = np.isin(sequences.object_index, held_out.owners)
+    scores = held_out.scores[length][kept]
     known = classifier.combination.known
-    alike = np.full(scores.shape, 1 / len(known))
-    held_out = hold_out_bags(scores, labels, owners, best.bags, known, best.bag_weight)
-    return held_out.combine(alike)
+    owners = sequences.object_index[kept]
+    found = hold_out_bags(scores, sequences.labels[kept], owners, best.bags, known, best.bag_weight)
+    return found.combine(np.full(scores.shape, 1 / len(known)))
+
+
+def _calibration_rows(
+    sequences: TouchSequences,
+    held_out: _HeldOut,
+    length: int,
+    combination: Combination,
+    best: BestParameters,
+) -> list[tuple[int, NDArray[np.float64], NDArray[np.float64]]]:
+    """Give what `gather_calibration` takes, of one length."""
+    rows = []
+    for place in held_out.owners:
+        one = sequences.object_index == place
+        label = int(sequences.class_of_object[place])
+        bags = turn_bags(int(one.sum()), place, best)
+        named = name_bags(_ballots(held_out.scores[length][one], combination), bags)
+        rows.append((label, 1 - named[:, label], held_out.evidence[length][place]))
+    return rows
 
 
 def _ballots(scores: NDArray[np.float64], combination: Combination) -> Ballots:

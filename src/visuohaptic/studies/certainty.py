@@ -166,19 +166,12 @@ def _without_class(
     others = [objects for place, objects in enumerate(members) if place != left_out]
     folds = grouped_folds(others, parameters.protocol.folds, generator)
     tested = folds[left_out % len(folds)]
-    owners, labels = sequences.object_index, sequences.labels
+    owners = sequences.object_index
     trained = ~np.isin(owners, (*tested, *members[left_out]))
-    count = len(sequences.classes)
-    training = (labels[trained], owners[trained], count, parameters)
+    known = sequences.take(trained)
+    training = (known.labels, known.object_index, len(known.classes), parameters)
     projection, fits = fit_best_classifiers(described[trained], *training, generator)
-    calibration = fit_calibration(
-        described[trained],
-        sequences.features[trained],
-        sequences.feature_names,
-        *training,
-        projection,
-        generator,
-    )
+    calibration = fit_calibration(known, described[trained], parameters, projection, generator)
     if calibration is None:
         raise RecognitionError(
             f"Without class {sequences.classes[left_out]} and the tested objects no class has two "
