@@ -24,6 +24,7 @@ def influence(tmp_path):
     rows = [
         ("any", "shading", 8, 8, 0.08, 0.08, 0.06, True),
         ("any", "cast_shadows", 8, 0, 0.0, 0.4, 0.003, True),
+        ("any", "texture", 8, 0, 0.0, 0.0, 0.0, True),
         ("ideal", "adaptive_size", 500, 400, 0.1, 0.2, 0.25, True),
         ("ideal", "noise", 500, 0, 0.0, 0.3, 0.0, True),
         ("worn_fsr", "noise", 500, 500, 0.3, 0.3, 0.0125, True),
@@ -49,7 +50,8 @@ def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence)
     size, noise = figures.touch
     assert (size.milliseconds, size.milliseconds_always) == pytest.approx((200.0, 400.0))
     assert noise.shifts == {"worn_fsr": 0.0125}
-    assert figures.view[1].milliseconds_always == pytest.approx(50.0)
+    assert [one.name for one in figures.view] == ["texture", "shading", "cast_shadows"]
+    assert figures.view[2].milliseconds_always == pytest.approx(50.0)
 
 
 def test_what_was_not_measured_has_no_figures(tmp_path):
@@ -85,6 +87,7 @@ def test_the_page_shows_hard_places_and_the_figures_that_are_there(tmp_path, inf
     assert "ideal adaptive size noise 200 1000 bit for bit" in text
     assert "adaptive size 200.0 400.0 25.0 % \u2013 \u2013" in text
     assert "cast shadows 0.00 50.00 0.3 %" in text
+    assert "texture 0.00 0.00 \u2013" in text
     assert "Each scene without an effect is compared with the whole scene" in text
     assert "Worn fsr 50.0 % 40.0 % to 60.0 %" in text
     assert "Worn fsr without noise 52.0 % 42.0 % to 62.0 % +2.0" in text

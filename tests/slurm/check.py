@@ -29,6 +29,7 @@ ROOT = Path(__file__).parents[2]
 SECONDS_OF_OUTAGE = 5
 SECONDS_TO_RESUME = 30
 HOURS = 3600
+OBJECTS_PER_JOB = {"paper": 6, "benchmark": 24}
 TABLES = (
     "meshes",
     "views",
@@ -51,7 +52,7 @@ def main() -> None:
     print(f"folder {folder}", flush=True)
     config = ["--config", f'meshes={{"set": "{arguments.set}"}}']
     profile = ["--profile", str(folder / "profile")]
-    blocks = f"workflow={json.dumps({'objects_per_job': arguments.objects_per_job})}"
+    blocks = f"workflow={json.dumps({'objects_per_job': OBJECTS_PER_JOB[arguments.set]})}"
     found = {}
     try:
         _write_profile(folder / "profile", arguments.cores)
@@ -84,9 +85,8 @@ def main() -> None:
 
 def _parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--set", default="paper", choices=["paper", "benchmark"])
+    parser.add_argument("--set", default="paper", choices=OBJECTS_PER_JOB)
     parser.add_argument("--cores", type=int, default=len(os.sched_getaffinity(0)))
-    parser.add_argument("--objects-per-job", type=int, default=6)
     parser.add_argument(
         "--accounting", action="store_true", help="also with slurmdbd and a database"
     )
