@@ -36,6 +36,6 @@ rule gaze:
         gaze=PARAMETERS.gaze.model_dump(),
         seed=PARAMETERS.seed,
     message:
-        "holding attention against people's gaze"
+        "comparing attention with people's gaze"
     script:
         "../scripts/gaze.py"

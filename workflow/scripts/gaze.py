@@ -1,4 +1,4 @@
-"""Hold attention against people's gaze."""
+"""Compare attention with people's gaze."""
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters

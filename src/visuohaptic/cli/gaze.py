@@ -31,10 +31,10 @@ def gaze(
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes.")] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
 ) -> None:
-    """Hold attention against where people looked on objects.
+    """Compare the attention model with where people looked on objects.
 
     A recording is a text file, a point a line: x y z seconds, or x y z, a normal and seconds; its mesh has
-    the same name. Weights are fitted to other objects than those they are held against.
+    the same name. Weights are fitted to other objects than those they are compared on.
 
     Example: visuohaptic gaze recordings --weights weights.json
     """

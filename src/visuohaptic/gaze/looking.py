@@ -31,7 +31,7 @@ FEATURES = (*CHANNELS, *TERMS)
 """What a prediction is a weighted sum of, in order."""
 
 MOST_EVALUATED = 4000
-"""Recorded points of an object on which predictions are held against people."""
+"""Recorded points of an object on which predictions are compared with people."""
 
 AREA_SAMPLES = 100_000
 REACH = 3.0

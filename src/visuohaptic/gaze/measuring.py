@@ -1,4 +1,4 @@
-"""From recordings to the table of gaze: every prediction held against people on every object."""
+"""From recordings to the table of gaze: every prediction compared with people on every object."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def look_at_all(
 def weights_of(
     objects: Sequence[GazedObject], predictor: Predictor, gaze: GazeParameters
 ) -> dict[str, dict[str, float]]:
-    """Give the weights by which a predictor is held against each object.
+    """Give the weights of a predictor for each object.
 
     Those of a training object are fitted without its fold; those of a test object on all training
     objects.
@@ -64,7 +64,7 @@ def weights_of(
 
 
 def measure_all(objects: Sequence[GazedObject], gaze: GazeParameters) -> pa.Table:
-    """Hold every predictor against people on every object: rows of `tables.GAZE`.
+    """Compare every predictor with people on every object: rows of `tables.GAZE`.
 
     Raises `GazeError` where too few objects are there to hold some of them out.
     """

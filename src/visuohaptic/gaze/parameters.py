@@ -9,13 +9,13 @@ GAZE_SUFFIXES = (".txt", ".npz")
 
 
 class GazeParameters(BaseModel):
-    """Where recordings of people's gaze lie, and how they are held against attention."""
+    """Where recordings of people's gaze are, and how attention is compared with them."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     folder: str = Field(
         "",
-        description="Folder with recorded gaze and meshes; without one, attention is not held against people",
+        description="Folder with recorded gaze and meshes; without one, attention is not compared",
     )
     largest_megabytes: float = Field(
         64.0, gt=0, le=1e4, description="Files of recorded gaze above this size are refused (MB)"

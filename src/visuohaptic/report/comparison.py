@@ -131,17 +131,17 @@ def answer(
     """Answer the experiment's question: accuracy, whether fixations help, and beside the paper.
 
     The first pipeline is spoken of; `unseen` is what training had not met of what is tested, such
-    as ``an object that it never felt before``.
+    as ``an object that was not in training``.
     """
     table = tables[0]
     best = table.best
     figure = best.accuracy[table.leading]
     others = [_other_clause(other, confidence) for other in tables[1:]]
     first = (
-        f"After {counted(touches, 'touch')} {_where(table.leading)}, the best of "
+        f"After {counted(touches, 'touch')} {_where(table.leading)}, the most accurate of "
         f"{counted(len(table.rows), 'classifier')}, the {best.name}, names the class of {unseen} in "
-        f"{percent(figure.mean)} of the sequences{_interval_clause(figure, confidence)}"
-        f"{''.join(others)}; guessing among {counted(classes, 'class')} gives {percent(1 / classes)}."
+        f"{percent(figure.mean)} of the sequences{_interval_clause(figure, confidence)} in pipeline "
+        f"{spaced(table.name)}{''.join(others)}; guessing among {counted(classes, 'class')} gives {percent(1 / classes)}."
     )
     sentences = (first, _gain_sentence(table), _published_sentence(table))
     return [sentence for sentence in sentences if sentence]
@@ -254,7 +254,7 @@ def _other_clause(other: PipelineTable, confidence: float) -> str:
     best = other.best
     reached = best.accuracy[other.leading]
     return (
-        f", and from the same touches the pipeline {spaced(other.name)} reaches "
+        f", and from the same touches pipeline {spaced(other.name)} reaches "
         f"{percent(reached.mean)}{_interval_clause(reached, confidence)} with the {best.name}"
     )
 
@@ -281,7 +281,7 @@ def _gain_sentence(table: PipelineTable) -> str:
         f"Holm-adjusted p {probability(min(found.adjusted_p for _, found in compared))})"
     )
     return (
-        f"Fixations are better than random probing with {len(ahead)} of "
+        f"The mean accuracy of fixations is above that of random probing with {len(ahead)} of "
         f"{counted(len(compared), 'classifier')} ({points(min(gains))} to {points(max(gains))} "
         f"percentage points over all of them), {verdict}."
     )

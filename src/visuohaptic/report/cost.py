@@ -194,7 +194,7 @@ def cost_answer(figures: CostFigures) -> str:
     last = min(figures.front, key=lambda row: float(row["error"]))
     said = (
         f"From {_duration(first['seconds'])} a recognition at {percent(first['error'])} wrong "
-        f"({_named(first)}; none is surely quicker) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
+        f"({_named(first)}; no setting is significantly faster) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
         f"({_interval(last)}; {_named(last)})."
     )
     own = figures.reference
@@ -316,8 +316,9 @@ def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
     rest = [row for row in front_rows(rows) if row["seconds"] > last["seconds"]]
     if rest:
         told.append(
-            f"{counted(len(rest), 'further point').capitalize()} of the front can't be told apart "
-            f"from {'that step' if further else 'it'} with {counted(last['objects'], 'object')}."
+            f"With {counted(last['objects'], 'object')} the accuracy of "
+            f"{counted(len(rest), 'further setting')} of the front does not differ significantly "
+            f"from that of {_named(last)}."
         )
     return told + [_saving_sentence(saving, confidence) for saving in find_savings(rows)]
 
@@ -499,7 +500,8 @@ def _leads(front: Sequence[Row]) -> str:
     """Say which strategy is the quickest down to which error rate."""
     groups = [list(group) for _, group in groupby(front, key=lambda row: row["strategy"])]
     return ", then ".join(
-        f"{strategy_name(group[-1]['strategy'])} down to {percent(group[-1]['error'])} wrong"
+        f"{strategy_name(group[-1]['strategy'])} down to {percent(group[-1]['error'])} wrong "
+        f"({_interval(group[-1])})"
         for group in groups
     )
 

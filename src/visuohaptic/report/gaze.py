@@ -1,4 +1,4 @@
-"""Attention held against people: means over objects, what is ahead of what, and pictures."""
+"""Attention compared with human gaze: means over objects, what is ahead of what, and pictures."""
 
 from __future__ import annotations
 

@@ -82,9 +82,9 @@ from visuohaptic.tables.schema import matrix
 Values = Mapping[str, Any]
 
 UNSEEN = {
-    "leave_one_object_a_class_out": "an object that it never felt before",
-    "grouped_folds": "an object that it never felt before",
-    "new_viewpoint": "a known object from viewpoints that it never felt before",
+    "leave_one_object_a_class_out": "an object that was not in training",
+    "grouped_folds": "an object that was not in training",
+    "new_viewpoint": "a known object from viewpoints that were not in training",
 }
 """What is new to the classifier in a test, by protocol."""
 
@@ -416,7 +416,7 @@ CHAPTERS = {
     ),
     "The paper's readings, people's gaze, and studies": (
         Section("readings", "The paper under all its readings", readings_values),
-        Section("gaze", "Attention held against people's gaze", gaze_values),
+        Section("gaze", "Attention compared with human gaze", gaze_values),
         Section("ablations", "Ablations", ablations_values),
         Section("studies", "Own studies", studies_values),
     ),
