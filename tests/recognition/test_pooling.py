@@ -74,6 +74,19 @@ def test_both_answers_count_by_their_deviations_and_weight():
     )
 
 
+@pytest.mark.parametrize("classes", range(2, 31))
+def test_an_answer_without_a_preference_leaves_the_other_as_it_is(classes):
+    generator = np.random.default_rng(classes)
+    labels, owners = np.arange(32 * classes) // 32, np.arange(32 * classes) // 16
+    scores = generator.normal(size=(len(labels), classes)) + np.eye(classes)[labels]
+    alike = np.full(scores.shape, 1 / classes)
+    held_out = hold_out_bags(scores, labels, owners, SIZES, np.ones(classes, bool), 1.0)
+    answers = Ballots(alike, scores, held_out.combine(alike)).alone()
+    ratios = np.log(answers[:, 1:] / answers[:, :1])
+    slopes = ratios / (scores[:, 1:] - scores[:, :1])
+    np.testing.assert_allclose(slopes, slopes[0, 0], rtol=1e-6)
+
+
 def test_without_bags_an_answer_is_the_mean_probability():
     probabilities = softmax(np.random.default_rng(0).normal(size=(4, 3)))
     members = np.array([[True, True, False, False], [True, True, True, True]])

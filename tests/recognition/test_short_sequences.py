@@ -96,6 +96,16 @@ def test_whole_sequences_are_named_as_without_short_ones(model):
         assert model.answer(rows) == plain.answer(rows)
 
 
+def test_few_touches_are_named_as_well_among_six_classes_as_among_three():
+    table = features_table(objects=(8,) * 6, viewpoints=16, separation=0.8)
+    learnt = table.filter(pc.less(table["object"], "object5"))
+    model = recognition.fit_model(learnt, "best", "linear_discriminant", PARAMETERS, 1)
+    new = table.filter(pc.greater_equal(table["object"], "object5"))
+    found = [model.answer(rows).probabilities for _, rows in one_view(new, 1)]
+    assert len(found) == 18
+    assert all(first > second for first, second, *_ in (one.values() for one in found))
+
+
 def test_a_view_with_more_touches_than_a_sequence_gives_whole_ones_alone():
     table = features_table(objects=(1,), touches=7, viewpoints=3)
     (found,) = gather_any(table.drop_columns(["contact_state"]), ("x", "y"), 5)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.recognition.classifiers import CLASSIFIERS, ClassifierParameters
+from visuohaptic.recognition.encoding import ROUNDING
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
 """Candidates for what scores are divided by before they become probabilities."""
@@ -380,9 +381,9 @@ def hold_out_bags(
 
 
 def _deviation(scores: NDArray[np.float64]) -> float:
-    """Give the deviation of scores (m, k) from the mean of their row; 1 where all are alike."""
+    """Give the deviation of scores (m, k) from the mean of their row; 1 where it is rounding."""
     found = float((scores - scores.mean(axis=1, keepdims=True)).std())
-    return found if found > 0 else 1.0
+    return found if found > ROUNDING * np.abs(scores).max() else 1.0
 
 
 def pool_answers(

@@ -230,10 +230,10 @@ def _calibration_rows(
     best: BestParameters,
 ) -> list[tuple[int, NDArray[np.float64], NDArray[np.float64]]]:
     """Give what `gather_calibration` takes, of one length."""
-    rows = []
+    rows, classes = [], sequences.class_of_object
     for place in held_out.owners:
         one = sequences.object_index == place
-        label = int(sequences.class_of_object[place])
+        label = int(classes[place])
         bags = turn_bags(int(one.sum()), place, best)
         named = name_bags(_ballots(held_out.scores[length][one], combination), bags)
         rows.append((label, 1 - named[:, label], held_out.evidence[length][place]))
