@@ -192,6 +192,17 @@ def test_the_lite_version_takes_whole_sequences_until_it_fits(run, tmp_path, mon
     assert rows_of(lite.folder)["train"].num_rows == rows_of(full.folder)["train"].num_rows
 
 
+def test_the_lite_version_has_all_strategies_of_a_view_or_none(run, tmp_path, monkeypatch):
+    touches = read_table(TOUCHES, run / "results/touches").num_rows
+    monkeypatch.setattr(export_contents, "LITE_BYTES", touches * (32**2 + 768) / 2)
+    lite = export_run(run, tmp_path / "lite")
+    rows = pa.concat_tables(rows_of(lite.folder, "lite").values())
+    assert rows.num_rows == pytest.approx(touches / 2, abs=10)
+    by_strategy = rows.group_by(["strategy"]).aggregate([([], "count_all")])
+    assert by_strategy.num_rows == 2
+    assert len(set(by_strategy.column("count_all").to_pylist())) == 1
+
+
 def test_an_earlier_export_is_replaced_and_an_interrupted_one_too(run, exported, tmp_path):
     copy = shutil.copytree(exported.folder, tmp_path / "export")
     (copy / "croissant.json").unlink()
@@ -264,6 +275,15 @@ def test_what_can_not_be_exported_is_said_before_anything_is_written(run, tmp_pa
         make_export([tmp_path / "none.parquet"], [], tmp_path / "out", 1)
     with pytest.raises(ExportError, match="one object"):
         make_export([tmp_path / "one.parquet"], [], tmp_path / "out", 1)
+    fewer = touches.slice(5)
+    column = fewer.column("image").combine_chunks()
+    halved = pa.array([image[:256] for image in column.to_pylist()], column.type)
+    place = fewer.schema.get_field_index("image")
+    other = fewer.set_column(place, fewer.schema.field("image"), halved)
+    write_table(TOUCHES, other, tmp_path / "other.parquet")
+    parts = [run / "results/touches/all.parquet", tmp_path / "other.parquet"]
+    with pytest.raises(ExportError, match=r"other.parquet has imprints of 16 × 16 taxels.*32 × 32"):
+        make_export(parts, [], tmp_path / "out", 1)
     with pytest.raises(ExportError, match="is a file"):
         make_export([run / "results/touches/all.parquet"], [], tmp_path / "one.parquet", 1)
     assert not (tmp_path / "out").exists()

@@ -75,8 +75,8 @@ def _dtype(column: Column, contents: Contents) -> Any:
 
 
 def _text(contents: Contents) -> str:
-    kept = {1: "all touches", 2: "every second sequence of touches"}.get(
-        contents.every, f"every {contents.every}th sequence of touches"
+    kept = {1: "all touches", 2: "the touches of every second view"}.get(
+        contents.every, f"the touches of every {contents.every}th view"
     )
     return f"""# Touches of 3D objects
 

@@ -61,7 +61,7 @@ class Contents:
 
     @property
     def every(self) -> int:
-        """Of how many sequences the lite version keeps one: the first of each so many."""
+        """Of how many views the lite version keeps one: the first of each so many."""
         # A PNG of noise is no smaller than its pixels; names and numbers are a few hundred bytes.
         most = sum(self.touches.values()) * (self.taxels**2 + 768)
         return math.ceil(most / LITE_BYTES)
@@ -85,7 +85,7 @@ class Contents:
 def find_contents(files: Sequence[Path], credited: Mapping[str, Credit], seed: int) -> Contents:
     """Count the touches in files of `tables.TOUCHES`, and divide their objects.
 
-    Raises `ExportError` if there is no touch, or no class has two objects.
+    Raises `ExportError` if there is no touch, no class has two objects, or imprints differ in size.
     """
     touches: Counter[str] = Counter()
     taxels = 0
@@ -93,9 +93,16 @@ def find_contents(files: Sequence[Path], credited: Mapping[str, Credit], seed: i
         parquet = pq.ParquetFile(file)
         counted = keys_of(parquet.read(columns=["class", "object"])).value_counts()
         touches.update({one["values"]: one["counts"] for one in counted.to_pylist()})
-        if not taxels and len(counted):
-            first = next(parquet.iter_batches(1, columns=["image"]))
-            taxels = math.isqrt(len(first.column("image")[0]))
+        if not len(counted):
+            continue
+        first = next(parquet.iter_batches(1, columns=["image"]))
+        edge = math.isqrt(len(first.column("image")[0]))
+        if taxels not in {0, edge}:
+            raise ExportError(
+                f"{file} has imprints of {edge} × {edge} taxels and other files have {taxels} × "
+                f"{taxels}; one size is allowed."
+            )
+        taxels = edge
     if not touches:
         raise ExportError("There is no touch to export; run `snakemake -j2` first.")
     by_object = {key: touches[key] for key in sorted(touches, key=lambda key: key.split("/", 1))}

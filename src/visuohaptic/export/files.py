@@ -156,7 +156,7 @@ def _write_rows(files: Sequence[Path], contents: Contents, folder: Path) -> None
             touches = read_table(TOUCHES, file)
             if not touches.num_rows:  # of an object that was set aside
                 continue
-            numbers = before + _sequence_numbers(touches)
+            numbers = before + _view_numbers(touches)
             before = numbers[-1] + 1
             rows = data_rows(touches, contents.classes, contents.credits)
             kept = {"data": numbers >= 0, "lite": numbers % contents.every == 0}
@@ -167,10 +167,10 @@ def _write_rows(files: Sequence[Path], contents: Contents, folder: Path) -> None
                     writer.write_table(rows.filter(chosen).select(writer.schema.names))
 
 
-def _sequence_numbers(table: pa.Table) -> np.ndarray:
-    """Give rows, sorted by sequences of touches, the number of their sequence, from 0."""
+def _view_numbers(table: pa.Table) -> np.ndarray:
+    """Give rows, sorted by views, the number of their view, from 0: its strategies stay together."""
     begins = np.zeros(table.num_rows, dtype=bool)
-    for name in ("class", "object", "viewpoint", "strategy"):
+    for name in ("class", "object", "viewpoint"):
         values = table.column(name).to_numpy()
         begins[1:] |= values[1:] != values[:-1]
     return np.cumsum(begins)
