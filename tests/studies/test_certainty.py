@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from recognition.synthetic import features_table
 
@@ -45,6 +46,17 @@ def test_unknown_objects_are_stranger_than_known_ones(measured):
 def test_fewer_than_three_classes_are_refused():
     with pytest.raises(RecognitionError, match="There are 2 classes; at least three"):
         measure_certainty(features_table(objects=(3, 3)), "fixation", "naive_bayes", PARAMETERS, 1)
+
+
+@pytest.mark.parametrize("category", ["class0", "class1"])
+def test_an_object_with_a_view_less_is_compared_with_the_others(category):
+    table = features_table(objects=(3, 3, 3), viewpoints=4, separation=2.0)
+    rows = zip(*(table[name].to_pylist() for name in ("class", "object", "viewpoint")), strict=True)
+    shown = table.filter([row != (category, "object0", 3) for row in rows])
+    found = measure_certainty(shown, "fixation", "naive_bayes", PARAMETERS, 1)
+    figures = summarise_certainty(found, 0.9, IntervalParameters(), 1)
+    assert [one["views"] for one in figures] == [1, 4]
+    assert all(np.isfinite(one["area"]) for one in figures)
 
 
 def test_table_and_summary_are_written(tmp_path):

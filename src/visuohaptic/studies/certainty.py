@@ -178,14 +178,15 @@ def _without_class(
             "training objects; at least three objects of one class are needed."
         )
     tuned = fits[0][1]
+    most = int(np.bincount(owners).max())
     for place in (*tested, *members[left_out]):
         category, name = sequences.objects[place]
         label = sequences.classes.index(category)
         projected = projection.apply(described[owners == place])
         touches = sequences.features[owners == place]
         ballots = tuned.ballots(projected)
-        for views in sorted({min(views, len(projected)) for views in VIEWS}):
-            step = len(projected) // views
+        for views in sorted({min(views, most) for views in VIEWS}):
+            step = max(len(projected) // views, 1)  # an object with fewer views gives all
             bag = np.arange(place % step, len(projected), step)[:views]
             member = np.isin(np.arange(len(projected)), bag)
             answer = ballots.together(member[None])[0]
