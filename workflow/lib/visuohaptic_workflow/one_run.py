@@ -15,6 +15,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import IO, Any
 
@@ -96,6 +97,7 @@ def is_claimed_by_another() -> bool:
         return False
 
 
+@cache  # a block runs many scripts in one process
 def hold_job_lock() -> None:
     """Let runs that start later wait until this process has ended, even if its own run is killed."""
     with suppress(OSError):
