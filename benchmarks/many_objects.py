@@ -101,7 +101,7 @@ def measure(folder: Path, *options: str) -> dict[str, float]:
         )  # fmt: skip
         most = [0.0]
         ended = threading.Event()
-        watch = threading.Thread(target=_watch_memory, args=(process.pid, most, ended))
+        watch = threading.Thread(target=_watch_memory, args=(process.pid, most, ended), daemon=True)
         watch.start()
         _, status, used = os.wait4(process.pid, 0)
         ended.set()

@@ -65,9 +65,12 @@ def main() -> None:
                 seconds, found[name] = _time(name, folder, options, cluster)
                 print(f"{seconds / local:.2f} times the local run", flush=True)
                 name = f"broken{suffix}"
-                place = (cluster, folder / name)
+                is_over = threading.Event()
+                place = (cluster, folder / name, is_over)
                 threading.Thread(target=_break, args=place, daemon=True).start()
                 _, found[name] = _time(name, folder, options, cluster)
+                if not is_over.is_set():
+                    raise SystemExit(f"{name} ended before both daemons were killed")
                 name = f"one{suffix}"
                 seconds, found[name] = _time_one(name, folder, config, cluster)
                 print(f"{seconds / local:.2f} times the local run", flush=True)
@@ -183,7 +186,7 @@ def _run(name: str, command: list[str], folder: Path, environment: Mapping[str, 
     return seconds
 
 
-def _break(cluster: Cluster, folder: Path) -> None:
+def _break(cluster: Cluster, folder: Path, is_over: threading.Event) -> None:
     """Kill both daemons once a block has begun, and start them again."""
     while not list(folder.glob("results/meshes/*/*.ply")):
         time.sleep(0.5)
@@ -192,6 +195,7 @@ def _break(cluster: Cluster, folder: Path) -> None:
     time.sleep(SECONDS_OF_OUTAGE)
     cluster.start("slurmctld")
     cluster.start("slurmd")
+    is_over.set()
     print("killed slurmctld and slurmd, and started them again", flush=True)
     # A job that was about to start when the controller was killed makes Slurm drain the node.
     for _ in range(SECONDS_TO_RESUME):

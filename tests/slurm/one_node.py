@@ -9,6 +9,7 @@ import shutil
 import socket
 import subprocess
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
@@ -238,9 +239,9 @@ def _answers(port: int) -> bool:
         return one.connect_ex(("127.0.0.1", port)) == 0
 
 
-def _wait(is_so: object, what: str) -> None:
+def _wait(is_so: Callable[[], bool], what: str) -> None:
     limit = time.monotonic() + _SECONDS_TO_START
-    while not is_so():  # type: ignore[operator]
+    while not is_so():
         if time.monotonic() > limit:
             raise ClusterError(f"waited {_SECONDS_TO_START:.0f} s in vain for {what}")
         time.sleep(0.2)
