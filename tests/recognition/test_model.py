@@ -10,6 +10,7 @@ from recognition.synthetic import features_table, with_column
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition import model as recognition_model
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.recognition.parameters import RecognitionParameters
 
@@ -96,12 +97,28 @@ def test_other_skops_files_broken_and_missing_ones_are_refused(tmp_path):
     path.write_bytes(skops.io.dumps({"format": "something else"}))
     with pytest.raises(RecognitionError, match="train it again"):
         recognition.load_model(path)
+    path.write_bytes(skops.io.dumps({"format": "visuohaptic recognition model 4"}))
+    with pytest.raises(RecognitionError, match=r"lacks parts of a model .*parameters"):
+        recognition.load_model(path)
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("a", "b")
     with pytest.raises(RecognitionError, match="can't be read"):
         recognition.load_model(path)
     with pytest.raises(RecognitionError, match="can't be read"):
         recognition.load_model(tmp_path / "absent.skops")
+
+
+def test_a_small_file_that_unpacks_to_a_large_one_is_refused_before_it_is_unpacked(
+    tmp_path, monkeypatch
+):
+    path = tmp_path / "m.skops"
+    state = {"format": "visuohaptic recognition model 4", "zeros": np.zeros(10**6)}
+    path.write_bytes(skops.io.dumps(state, compression=zipfile.ZIP_DEFLATED))
+    assert path.stat().st_size < 10**5
+    monkeypatch.setattr(recognition_model, "LARGEST_BYTES", 10**6)
+    monkeypatch.setattr(skops.io, "loads", lambda *_, **__: pytest.fail("unpacked"))
+    with pytest.raises(RecognitionError, match="unpacks to 8 MB; at most 1 MB are allowed"):
+        recognition.load_model(path)
 
 
 def test_features_that_lack_a_column_are_refused():

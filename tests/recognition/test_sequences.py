@@ -9,6 +9,7 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.experiment import PAPER_FEATURES
 from visuohaptic.recognition.sequences import (
     classes_of_two,
+    gather_any,
     gather_sequences,
     identical_objects,
     whole_sequences,
@@ -64,6 +65,22 @@ def test_value_that_is_not_finite_is_named(value):
     column[7] = value
     with pytest.raises(RecognitionError, match=r"class0/object0 has contourlet_03 = .* at touch 2"):
         gather_sequences(with_column(table, "contourlet_03", column), PAPER_FEATURES, 5)
+
+
+def test_the_touch_that_is_not_finite_is_named_in_sequences_of_any_length():
+    table = features_table(objects=(1,)).drop_columns(["contact_state"])
+    column = table.column("contourlet_03").to_numpy().copy()
+    column[8] = np.nan
+    with pytest.raises(
+        RecognitionError, match=r"class0/object0 has contourlet_03 = nan at touch 3"
+    ):
+        gather_any(with_column(table, "contourlet_03", column), ["contourlet_03"], 5)
+
+
+def test_touches_of_two_objects_are_not_taken_for_those_of_one():
+    table = features_table(objects=(1, 1)).drop_columns(["contact_state"])
+    with pytest.raises(RecognitionError, match="are of class0/object0, class1/object0; one object"):
+        gather_any(table, ["contourlet_03"], 5)
 
 
 def test_two_strategies_at_once_are_refused():

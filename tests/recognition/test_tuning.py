@@ -125,14 +125,14 @@ def test_every_classifier_gives_probabilities_also_of_a_class_it_never_saw(name)
     tuned, _ = fit_tuned_classifier(
         name, ClassifierParameters(), descriptors, labels * 2, [], 3, generator
     )
-    probabilities = tuned.probabilities(descriptors)
+    probabilities = tuned.ballots(descriptors).alone()
     np.testing.assert_allclose(probabilities.sum(axis=1), 1)
     assert probabilities[:, 1].max() < 1e-9
     assert len(folds) == 2
     tuned, _ = fit_tuned_classifier(
         name, ClassifierParameters(), descriptors, labels, folds, 2, generator
     )
-    assert (tuned.probabilities(descriptors).argmax(axis=1) == labels).mean() > 0.9
+    assert (tuned.ballots(descriptors).alone().argmax(axis=1) == labels).mean() > 0.9
 
 
 def test_scores_of_two_classes_favour_the_one_that_the_machine_names():
@@ -160,7 +160,7 @@ def test_what_other_splits_have_fitted_changes_no_number():
                 EVERY_CLASSIFIER, np.random.default_rng(turn), memory,
             )  # fmt: skip
             projected = projection.apply(descriptors[test])
-            found += [classifier.probabilities(projected) for _, classifier, _ in fits]
+            found += [classifier.ballots(projected).alone() for _, classifier, _ in fits]
         return np.array(found)
 
     assert np.array_equal(probabilities(tuning.FitMemory()), probabilities(None))

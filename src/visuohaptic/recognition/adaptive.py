@@ -470,11 +470,12 @@ def _fit_temperature(
 ) -> float:
     """Find the temperature that calibrates the belief on training objects left out."""
     scores, labels = [], []
+    classes = candidates.sequences.class_of_object
     for place in training:
         rows, seen, likelihood = plans[place]
         kinds = model.words.read(candidates.features[rows])
         views = len(np.unique(candidates.sequence[rows]))
         drawn = generator.integers(len(rows), size=(views, REHEARSED_TOUCHES))
         scores.append(likelihood[seen[drawn], kinds[drawn]].sum(axis=1))
-        labels.append(np.full(views, candidates.sequences.class_of_object[place]))
+        labels.append(np.full(views, classes[place]))
     return best_temperature(np.concatenate(scores), np.concatenate(labels))[1]

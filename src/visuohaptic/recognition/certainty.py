@@ -225,7 +225,9 @@ def fit_calibration(
             generator,
         )
         tuned = fits[0][1]
-        marks = _landmarks(known, own.apply(described[train]), best)
+        means = object_means(own.apply(described[train]), known.object_index, best)
+        known_touches = keep_touches(known, best.cues)
+        marks = Landmarks(means, known_touches)
         for place in objects:
             one = sequences.object_index == place
             label = int(labels[one][0])
@@ -233,12 +235,13 @@ def fit_calibration(
             bags = turn_bags(len(projected), place, best)
             named = name_bags(tuned.ballots(projected), bags)
             scores = tuned.scores(projected)
-            distances, places = object_distances(marks.touches, sequences.features[one])
+            distances, places = object_distances(known_touches, sequences.features[one])
             found = bag_evidence(marks, projected, scores, bags, distances, places)
             rows[place] = (label, 1 - named[:, label], found)
     if not rows:
         return None
-    landmarks = _landmarks(sequences, projection.apply(described), best)
+    means = object_means(projection.apply(described), sequences.object_index, best)
+    landmarks = Landmarks(means, keep_touches(sequences, best.cues))
     return gather_calibration([rows[place] for place in sorted(rows)], landmarks, best)
 
 
@@ -266,13 +269,6 @@ def hold_out_objects(
             yield train, known
 
 
-def _landmarks(
-    sequences: TouchSequences, projected: NDArray[np.float64], best: BestParameters
-) -> Landmarks:
-    means = object_means(projected, sequences.object_index, best)
-    return Landmarks(means, keep_touches(sequences, best.cues))
-
-
 def gather_calibration(
     rows: Sequence[tuple[int, NDArray[np.float64], NDArray[np.float64]]],
     landmarks: Landmarks,
@@ -297,12 +293,12 @@ def object_means(
 
 
 def object_distances(
-    known: KnownTouches | None, touches: NDArray[np.float64]
-) -> tuple[TouchDistances | None, NDArray[np.int64]]:
+    known: KnownTouches, touches: NDArray[np.float64]
+) -> tuple[TouchDistances, NDArray[np.int64]]:
     """Give the distances of one object's touches (n, t, k), and the places (n, t) among them."""
     places = np.arange(touches.shape[0] * touches.shape[1]).reshape(touches.shape[:2])
     every = touches.reshape(-1, touches.shape[2])
-    return (None if known is None else known.distances(every)), places
+    return known.distances(every), places
 
 
 def one_classifier(parameters: RecognitionParameters, classifier: str) -> RecognitionParameters:
@@ -339,7 +335,7 @@ def bag_evidence(
     projected: NDArray[np.float64],
     scores: NDArray[np.float64],
     bags: Sequence[NDArray[np.int64]],
-    distances: TouchDistances | None,
+    distances: TouchDistances,
     touches: NDArray[np.int64],
 ) -> NDArray[np.float64]:
     """Give the evidence of bags of an object's sequences.
@@ -352,8 +348,8 @@ def bag_evidence(
         Shape (n, p) and (n, c), float64: the sequences and what they score.
     bags : sequence of numpy.ndarray
         Places of the k bags' sequences.
-    distances : TouchDistances or None
-        Of the object's touches; None where the landmarks hold none.
+    distances : TouchDistances
+        Of the object's touches.
     touches : numpy.ndarray
         Shape (n, t), int64: the places among them of each sequence's touches.
 
@@ -364,6 +360,6 @@ def bag_evidence(
     """
     found = []
     for bag in bags:
-        nearest = None if distances is None else distances.nearest(touches[bag].ravel())
+        nearest = distances.nearest(touches[bag].ravel())
         found.append(marks.evidence(projected[bag], scores[bag], nearest))
     return np.array(found)

@@ -44,6 +44,7 @@ from visuohaptic.recognition.sequences import (
 )
 from visuohaptic.recognition.set_distance import KnownTouches
 from visuohaptic.recognition.short_sequences import ShortClassifier, fit_short_classifiers
+from visuohaptic.recognition.splits import check_two_classes
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.whole_files import whole_file
@@ -52,6 +53,9 @@ FORMAT = "visuohaptic recognition model 4"
 OLDER_FORMATS = tuple(f"visuohaptic recognition model {number}" for number in (1, 2, 3))
 """Models without a classifier of bags; without touches to compare an object's with; without classifiers
 of short sequences."""
+
+LARGEST_BYTES = 2**30
+"""A model file that unpacks to more is refused; one of 142 objects has some megabytes."""
 
 
 @dataclass(frozen=True)
@@ -156,14 +160,6 @@ class RecognitionModel:
     tuned: TunedClassifier
     calibration: Calibration | None = None
     short: Mapping[int, ShortClassifier] = field(default_factory=dict)
-
-    def probabilities(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give class probabilities (s, c) of sequences (s, t, k), features as in `feature_names`.
-
-        Those of pipeline `paper` are not calibrated.
-        """
-        part = self._part(self._named_as(features.shape[1]), [features])
-        return part.classifier.ballots(part.encoded).alone()
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
         """Name one object from all its touches together, however many there are.
@@ -283,11 +279,7 @@ def fit_model(
     from threadpoolctl import threadpool_limits
 
     sequences = gather_pipeline(features, parameters, pipeline)
-    if len(sequences.classes) < 2:
-        raise RecognitionError(
-            f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
-            f"distinguish them."
-        )
+    check_two_classes(sequences)
     fitters: dict[str, Callable[..., _Fit]] = {
         "paper": _fit_paper,
         "best": _fit_best,
@@ -379,14 +371,17 @@ def load_model(path: str | Path) -> RecognitionModel:
     Raises
     ------
     RecognitionError
-        If the file can't be read, holds other types than NumPy's and scikit-learn's, or is
-        no model of this package.
+        If the file can't be read, is larger than `LARGEST_BYTES`, holds other types than NumPy's and
+        scikit-learn's, or is no whole model of this package.
     """
     import skops.io
     from skops.io.exceptions import UntrustedTypesFoundException
 
     try:
+        _check_size(Path(path))
         state = skops.io.loads(Path(path).read_bytes(), trusted=None)
+    except RecognitionError:
+        raise
     except UntrustedTypesFoundException as error:
         raise RecognitionError(
             f"{path} holds types that a model has no need of, and is not loaded."
@@ -397,7 +392,24 @@ def load_model(path: str | Path) -> RecognitionModel:
         ) from error
     if not isinstance(state, dict) or state.get("format") not in (FORMAT, *OLDER_FORMATS):
         raise RecognitionError(f"{path} is no {FORMAT!r}; train it again with this version.")
-    return _model_of(state)
+    try:
+        return _model_of(state)
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise RecognitionError(
+            f"{path} lacks parts of a model ({error!r}); train it again."
+        ) from error
+
+
+def _check_size(path: Path) -> None:
+    import zipfile
+
+    with zipfile.ZipFile(path) as archive:
+        unpacked = sum(part.file_size for part in archive.infolist())
+    if unpacked > LARGEST_BYTES:
+        raise RecognitionError(
+            f"{path} unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_BYTES / 1e6:.0f} MB are "
+            "allowed."
+        )
 
 
 def _model_of(state: dict[str, Any]) -> RecognitionModel:

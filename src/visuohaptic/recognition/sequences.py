@@ -101,12 +101,12 @@ def gather_sequences(
         raise RecognitionError("The features hold no touches; at least two objects are needed.")
     length = int(touch.max()) + 1 if touches is None else touches
     _check_touches(owners, viewpoint, touch, length)
-    values = matrix(features, feature_names).reshape(-1, length, len(feature_names))
-    _check_finite(values, feature_names, owners[::length])
+    values = matrix(features, feature_names)
+    _check_finite(values, feature_names, owners, touch)
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}
     return TouchSequences(
-        features=values,
+        features=values.reshape(-1, length, len(feature_names)),
         feature_names=tuple(feature_names),
         objects=objects,
         classes=tuple(sorted({name for name, _ in objects})),
@@ -138,12 +138,17 @@ def gather_any(
     Raises
     ------
     RecognitionError
-        If there is more than one strategy, a column is missing, or a feature is not finite.
+        If there is more than one object or strategy, a column is missing, or a feature is not finite.
     """
     _check_columns(features, feature_names)
     features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
-    values = matrix(features, feature_names)
-    _check_finite(values[:, None], feature_names, owners_of(features))
+    values, owners = matrix(features, feature_names), owners_of(features)
+    objects = sorted({"/".join(owner) for owner in owners})
+    if len(objects) > 1:
+        raise RecognitionError(
+            f"The touches are of {', '.join(objects[:3])}; one object is allowed at a time."
+        )
+    _check_finite(values, feature_names, owners, features.column("touch").to_numpy())
     _, starts = np.unique(features.column("viewpoint").to_numpy(), return_index=True)
     by_length: dict[int, list[NDArray[np.float64]]] = {}
     for part in np.split(values, starts[1:]):
@@ -247,14 +252,17 @@ def _check_touches(
 
 
 def _check_finite(
-    values: NDArray[np.float64], names: Sequence[str], owners: Sequence[tuple[str, str]]
+    values: NDArray[np.float64],
+    names: Sequence[str],
+    owners: Sequence[tuple[str, str]],
+    touch: NDArray[np.int64],
 ) -> None:
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
-        sequence, touch, feature = bad[0]
+        row, feature = bad[0]
         raise RecognitionError(
-            f"{'/'.join(owners[sequence])} has {names[feature]} = {values[tuple(bad[0])]} at touch "
-            f"{touch}; only finite numbers are allowed."
+            f"{'/'.join(owners[row])} has {names[feature]} = {values[row, feature]} at touch "
+            f"{touch[row]}; only finite numbers are allowed."
         )
 
 

@@ -57,11 +57,7 @@ def make_splits(
         If there are fewer than two classes, or a class has too few objects or
         an object too few viewpoints.
     """
-    if len(sequences.classes) < 2:
-        raise RecognitionError(
-            f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
-            f"distinguish them."
-        )
+    check_two_classes(sequences)
     if parameters.protocol == "new_viewpoint":
         return _viewpoint_splits(sequences, parameters.folds)
     members = objects_of_classes(sequences)
@@ -79,6 +75,15 @@ def make_splits(
         _split(number, np.isin(sequences.object_index, objects))
         for number, objects in enumerate(tested)
     ]
+
+
+def check_two_classes(sequences: TouchSequences) -> None:
+    """Raise `RecognitionError` where there is nothing to distinguish."""
+    if len(sequences.classes) < 2:
+        raise RecognitionError(
+            f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
+            f"distinguish them."
+        )
 
 
 def objects_of_classes(sequences: TouchSequences) -> list[list[int]]:

@@ -105,10 +105,6 @@ class TunedClassifier:
             return Ballots(found)
         return Ballots(found, self.bags.scores(projected, self.classes), self.combination)
 
-    def probabilities(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give the class probabilities of each sequence by itself: (n, p) to (n, c)."""
-        return self.ballots(projected).alone()
-
 
 @dataclass(frozen=True)
 class FoldFits:

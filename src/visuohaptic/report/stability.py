@@ -118,11 +118,6 @@ class StabilityFigures:
         """Checks whose tolerance was exceeded, each with its object."""
         return [check for check in self.checks if not check.held]
 
-    @property
-    def worst_share(self) -> float:
-        """The largest share of a tolerance that an error used."""
-        return max((check.share for check in self.checks), default=0.0)
-
 
 def _named(check: Check) -> Check:
     """Say in the hardest case which object it is about."""

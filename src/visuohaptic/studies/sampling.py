@@ -23,7 +23,8 @@ def sample_objects(objects: Sequence[str], maximum: int) -> list[str]:
     -------
     list of str
         In their order: all, if there are no more. Of more, every class keeps its share, rounded, and
-        `LEAST_OF_CLASS` where it has so many; so there may be a few more than `maximum`.
+        `LEAST_OF_CLASS` where it has so many; so there may be more than `maximum`,
+        up to `LEAST_OF_CLASS` a class.
     """
     if len(objects) <= maximum:
         return list(objects)
