@@ -5,6 +5,7 @@ import pytest
 import trimesh
 from sensor.shapes import box, joined, sheet, surface_of
 
+from visuohaptic.geometry import raycasting
 from visuohaptic.geometry.raycasting import MISS, RayCaster
 
 SOURCE = Path(__file__).parents[2] / "src"
@@ -168,6 +169,27 @@ def test_rays_at_the_middle_of_faces_too_narrow_for_float32_do_not_pass_them():
     assert len(caster.settled_hits(origins[:0], directions[:0]).face) == 0
     behind = caster.settled_hits(targets + 1e-3 * directions, directions)
     assert (behind.face >= len(surface.faces) - 2).all()
+
+
+def test_a_ray_is_compared_with_the_narrow_faces_near_it_alone(monkeypatch):
+    surface = wires_before_a_wall(np.random.default_rng(6))
+    origins = surface.triangles[:-2].mean(axis=1) + np.array([0, 0, 2.0])
+    directions = np.tile([0.0, 0, -1], (len(origins), 1))
+    compared, original = [], RayCaster._nearest_of
+
+    def counting(self, candidates, *rays):
+        compared.append(candidates.size)
+        return original(self, candidates, *rays)
+
+    caster = RayCaster(surface)
+    expected = caster.settled_hits(origins, directions)
+    monkeypatch.setattr(RayCaster, "_nearest_of", counting)
+    caster.settled_hits(origins, directions)
+    assert sum(compared) < 0.1 * len(origins) * (len(surface.faces) - 2)
+    monkeypatch.setattr(raycasting, "_PAIRS", 50)
+    found = caster.settled_hits(origins, directions)
+    np.testing.assert_array_equal(found.distance, expected.distance)
+    np.testing.assert_array_equal(found.face, expected.face)
 
 
 def test_a_face_without_area_is_harmless():

@@ -8,7 +8,7 @@ looks at both again.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,8 +37,9 @@ _NARROW = 2 * (LATERAL_ERROR + _BUNDLE_RADIUS)
 _LINE = 1e-12
 # Only rays that come so near to a narrow face are compared with it.
 _ROOM = 1e-4
-# Pairs of a ray and a narrow face that are compared at once.
+# Faces of the box around a narrow face that are met by the rays compared at once, for the memory that they take.
 _PAIRS = 1 << 16
+_BOX_FACES = 12
 
 
 @dataclass(frozen=True)
@@ -243,12 +244,7 @@ class RayCaster:
     def _embree(
         self, scene: Any, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> dict[str, Any]:
-        rays = np.empty((len(origins), 6), dtype=np.float32)
-        # Column by column, for inner loops of three are slow.
-        for axis in range(3):
-            rays[:, axis] = origins[:, axis]
-            rays[:, 3 + axis] = directions[:, axis]
-        answer: dict[str, Any] = scene.cast_rays(self._tensor(rays))
+        answer: dict[str, Any] = scene.cast_rays(self._tensor(_as_float32(origins, directions)))
         return answer
 
     def _settle(
@@ -269,25 +265,39 @@ class RayCaster:
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[NDArray[np.intp], Hits]:
         """Give the rays that meet narrow faces, ascending, and where each meets the first of them."""
-        if not len(self._narrow):
-            return np.zeros(0, np.intp), Hits(np.zeros(0), np.zeros(0, np.int64), np.zeros((0, 2)))
-        answer = self._embree(self._around_narrow, origins, directions)
-        near = np.flatnonzero(np.isfinite(answer["t_hit"].numpy()))
-        step = max(1, _PAIRS // len(self._narrow))
-        parts = [near[first : first + step] for first in range(0, len(near), step)] or [near]
-        met = [self._nearest_narrow(origins[part], directions[part]) for part in parts]
+        pairs = [(np.zeros(0, np.int64), np.zeros(0, np.int64))]
+        if len(self._narrow):
+            pairs += self._narrow_pairs(origins, directions)
+        met = [
+            (rays, self._nearest_of(faces[:, None], origins[rays], directions[rays]))
+            for rays, faces in pairs
+        ]
+        rays = np.concatenate([rays[hits.hit] for rays, hits in met])
         hits = Hits(
-            np.concatenate([one.distance for one in met]),
-            np.concatenate([one.face for one in met]),
-            np.concatenate([one.barycentric for one in met]),
+            *(
+                np.concatenate([getattr(hits, name)[hits.hit] for _, hits in met])
+                for name in ("distance", "face", "barycentric")
+            )
         )
-        return near[hits.hit], _take(hits, hits.hit)
+        order = np.lexsort((hits.face, hits.distance, rays))
+        _, first = np.unique(rays[order], return_index=True)
+        return rays[order[first]], _take(hits, order[first])
 
-    def _nearest_narrow(
+    def _narrow_pairs(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> Hits:
-        narrow = np.broadcast_to(self._narrow, (len(origins), len(self._narrow)))
-        return self._nearest_of(narrow, origins, directions)
+    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Give rays and the narrow faces that they come near to, some pairs at a time."""
+        rays = _as_float32(origins, directions)
+        counts = self._around_narrow.count_intersections(self._tensor(rays)).numpy()
+        near = np.flatnonzero(counts)
+        ends = np.cumsum(counts[near], dtype=np.int64) // _PAIRS
+        for part in np.split(near, np.flatnonzero(np.diff(ends)) + 1):
+            if not len(part):
+                continue
+            found = self._around_narrow.list_intersections(self._tensor(rays[part]))
+            boxes = found["primitive_ids"].numpy().astype(np.int64) // _BOX_FACES
+            pairs = np.unique(found["ray_ids"].numpy().astype(np.int64) * len(self._narrow) + boxes)
+            yield part[pairs // len(self._narrow)], self._narrow[pairs % len(self._narrow)]
 
     def _nearest_of(
         self,
@@ -338,6 +348,17 @@ class RayCaster:
         around = (origins[:, None, :] + spread).reshape(-1, 3)
         hits, _ = self._cast(around, np.repeat(directions, len(_BUNDLE), axis=0))
         return hits.face.reshape(-1, len(_BUNDLE))
+
+
+def _as_float32(
+    origins: NDArray[np.float64], directions: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    rays = np.empty((len(origins), 6), dtype=np.float32)
+    # Column by column, for inner loops of three are slow.
+    for axis in range(3):
+        rays[:, axis] = origins[:, axis]
+        rays[:, 3 + axis] = directions[:, axis]
+    return rays
 
 
 def _face_planes(surface: Surface) -> NDArray[np.float64]:
