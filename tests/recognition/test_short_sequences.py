@@ -114,6 +114,15 @@ def test_a_view_with_more_touches_than_a_sequence_gives_whole_ones_alone():
     np.testing.assert_array_equal(found[1::2], touched[:, 2:])
 
 
+def test_an_object_is_compared_with_known_ones_by_the_first_touches_of_a_view(model):
+    table = features_table(objects=(24, 24, 24), touches=7, separation=0.8)
+    new = table.filter(pc.greater_equal(table["object"], "object3"))
+    for (_, rows), (_, first) in zip(one_view(new, 7), one_view(new, 5), strict=True):
+        found, expected = model.answer(rows), model.answer(first)
+        assert found.probabilities != expected.probabilities
+        assert (found.strangeness, found.unknown) == (expected.strangeness, expected.unknown)
+
+
 def test_views_of_several_lengths_have_one_answer_no_surer_than_those_of_each(model):
     _, rows = one_view(NEW, 5)[0]
     other = recognition.select(NEW, viewpoint=0, object="object3", **{"class": "class0"})

@@ -39,6 +39,7 @@ from visuohaptic.recognition.pooling import BagClassifier, Combination, pool_ans
 from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
 from visuohaptic.recognition.sequences import (
     TouchSequences,
+    first_touches,
     gather_any,
     spread_contact_states,
 )
@@ -190,16 +191,17 @@ class RecognitionModel:
 
         Takes and raises what `recognise` does.
         """
-        by_length: dict[int, list[NDArray[np.float64]]] = {}
-        for sequences in self._sequences(features):
-            length = self._named_as(sequences.shape[1])
-            by_length.setdefault(length, []).append(sequences)
-        parts = [self._part(length, found) for length, found in by_length.items()]
-        counts = [len(part.touches) for part in parts]
-        found = pool_answers([part.answer() for part in parts], counts)
+        parts = self._parts(features)
+        found = pool_answers(
+            [part.answer() for part in parts], [len(part.touches) for part in parts]
+        )
         order = np.argsort(-found, kind="stable")
         probabilities = {self.classes[place]: float(found[place]) for place in order}
-        most = parts[int(np.argmax(counts))]
+        # Training objects are known by the first touches of a view alone.
+        first = first_touches(features, self.touches)
+        if first.num_rows < features.num_rows:
+            parts = self._parts(first)
+        most = max(parts, key=lambda part: len(part.touches))
         if most.calibration is None:
             return ModelAnswer(probabilities)
         coverage = self.parameters.best.coverage
@@ -213,6 +215,13 @@ class RecognitionModel:
             certainty.unknown,
             coverage,
         )
+
+    def _parts(self, features: pa.Table) -> list[_Part]:
+        by_length: dict[int, list[NDArray[np.float64]]] = {}
+        for sequences in self._sequences(features):
+            length = self._named_as(sequences.shape[1])
+            by_length.setdefault(length, []).append(sequences)
+        return [self._part(length, found) for length, found in by_length.items()]
 
     def _named_as(self, touches: int) -> int:
         """Give the length, of those that the model learnt, that is most like so many touches."""

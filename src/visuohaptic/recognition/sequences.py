@@ -159,6 +159,15 @@ def gather_any(
     return [np.stack(by_length[length]) for length in sorted(by_length, reverse=True)]
 
 
+def first_touches(features: pa.Table, touches: int) -> pa.Table:
+    """Take at most so many touches of each viewpoint of one object and strategy, the first ones."""
+    features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
+    viewpoint = features.column("viewpoint").to_numpy()
+    _, starts, counts = np.unique(viewpoint, return_index=True, return_counts=True)
+    places = np.arange(len(viewpoint)) - np.repeat(starts, counts)
+    return features.filter(pa.array(places < touches))
+
+
 def turn_objects(features: pa.Table, turns: str) -> pa.Table:
     """Turn the poses of each object's touches, ``vertical`` or ``any``, by a rotation of its own.
 
