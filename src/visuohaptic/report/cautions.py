@@ -7,7 +7,7 @@ from collections import Counter
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import describe_checks
-from visuohaptic.report.wording import counted, listed
+from visuohaptic.report.wording import counted, listed, listed_in_short
 from visuohaptic.tables.phases import key_of
 
 _SECTION_OF_STUDY = {
@@ -18,6 +18,9 @@ _SECTION_OF_STUDY = {
     "effects": "influence",
     "readings": "readings",
 }
+
+_MOST_REASONS = 20
+"""Objects that were left out, each with its reason in a line of its own."""
 
 
 def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
@@ -63,12 +66,17 @@ def earlier_study(run: Run, name: str) -> str:
 
 def _objects_left_out(run: Run) -> list[str]:
     warnings = []
-    warnings += [f"{key} was left out: {reason}" for key, reason in sorted(run.set_aside.items())]
+    reasons = [f"{key} was left out: {reason}" for key, reason in sorted(run.set_aside.items())]
+    warnings += reasons[:_MOST_REASONS]
+    if others := sorted(run.set_aside)[_MOST_REASONS:]:
+        warnings.append(
+            f"{counted(len(others), 'more object')} left out: {listed_in_short(others)}."
+        )
     untouched = sorted(set(run.named_objects) - set(run.objects) - set(run.set_aside))
     if untouched:
         warnings.append(
             f"{counted(len(untouched), 'object')} of the set left out, for no table holds "
-            f"{_them(untouched)}: {listed(untouched)}."
+            f"{_them(untouched)}: {listed_in_short(untouched)}."
         )
     untested = sorted(set(run.objects) - set(run.tested_objects))
     classes = Counter(key.split("/")[0] for key in run.objects)
@@ -76,13 +84,16 @@ def _objects_left_out(run: Run) -> list[str]:
     if alone:
         warnings.append(
             f"{counted(len(alone), 'object')} touched, but not tested, for each is alone in its class "
-            f"and recognition needs two objects of a class: {listed(alone)}."
+            f"and recognition needs two objects of a class: {listed_in_short(alone)}."
         )
     untested = [key for key in untested if key not in alone]
     if untested:
+        protocol = run.parameters.recognition.protocol.protocol
+        samples = protocol == "leave_one_object_a_class_out"
+        advice = " Protocol grouped_folds tests every object." if samples else ""
         warnings.append(
             f"{counted(len(untested), 'object')} touched, but never tested by recognition: "
-            f"{listed(untested)}."
+            f"{listed_in_short(untested)}.{advice}"
         )
     return warnings
 
@@ -96,9 +107,11 @@ def _poor_views(run: Run) -> list[str]:
     owners: dict[str, list[str]] = {}
     for row in poor:
         owners.setdefault(key_of(row), []).append(str(row["viewpoint"]))
-    places = "; ".join(f"{key} in view {listed(views)}" for key, views in sorted(owners.items()))
+    places = [f"{key} in view {listed(views)}" for key, views in sorted(owners.items())]
     found = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
-    return [f"{found}, which recognition leaves out where it needs more touches: {places}."]
+    return [
+        f"{found}, which recognition leaves out where it needs more touches: {listed_in_short(places)}."
+    ]
 
 
 def _unfitted_classifiers(run: Run) -> list[str]:
@@ -111,7 +124,7 @@ def _unfitted_classifiers(run: Run) -> list[str]:
         if missing:
             warnings.append(
                 f"{counted(len(missing), 'classifier')} of pipeline {pipeline} left out, for the "
-                f"training sequences at hand don't allow a fit: {listed(missing)}."
+                f"training sequences at hand don't allow a fit: {listed_in_short(missing)}."
             )
     return warnings
 
@@ -120,7 +133,7 @@ def _missing_models(run: Run) -> list[str]:
     missing = [key for key in run.objects if key not in run.meshes]
     if not missing:
         return []
-    return [f"No mesh was found of {listed(missing)}: no model to turn is shown there."]
+    return [f"No mesh was found of {listed_in_short(missing)}: no model to turn is shown there."]
 
 
 def _broken_tolerances(run: Run) -> list[str]:
@@ -133,7 +146,9 @@ def _failed_jobs(seconds: list[PhaseSeconds]) -> list[str]:
     failed = [log for phase in seconds for log in phase.unfinished]
     if not failed:
         return []
-    return [f"{counted(len(failed), 'job')} did not finish; the reason is in {listed(failed)}."]
+    return [
+        f"{counted(len(failed), 'job')} did not finish; the reason is in {listed_in_short(failed)}."
+    ]
 
 
 def _them(names: list[str]) -> str:

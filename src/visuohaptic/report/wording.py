@@ -66,6 +66,13 @@ def listed(names: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
+def listed_in_short(names: Sequence[str], most: int = 10) -> str:
+    """Join names as `listed` does; of more than `most`, name so many and count the others."""
+    if len(names) <= most:
+        return listed(names)
+    return f"{', '.join(names[:most])} and {len(names) - most:,} more"
+
+
 def counted(count: int, noun: str) -> str:
     """Give a count with its noun, in the plural where it needs one."""
     if count == 1:
