@@ -37,7 +37,7 @@ test-hard: $(DEVELOP)
 	pytest tests/numerics -n 2 --dist worksteal --stability reports/stability.parquet
 	python -m benchmarks.precision reports/precision.json
 
-# A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some five minutes.
+# A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some ten minutes.
 test-slurm: $(DEVELOP)
 	pip install --quiet --no-build-isolation --editable '.[slurm]'
 	timeout 7200 python tests/slurm/check.py --set $(SET) --accounting
