@@ -265,9 +265,10 @@ class RayCaster:
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[NDArray[np.intp], Hits]:
         """Give the rays that meet narrow faces, ascending, and where each meets the first of them."""
-        pairs = [(np.zeros(0, np.int64), np.zeros(0, np.int64))]
-        if len(self._narrow):
-            pairs += self._narrow_pairs(origins, directions)
+        nothing = np.zeros(0, np.int64)
+        if not len(self._narrow):
+            return nothing, Hits(np.zeros(0), nothing, np.zeros((0, 2)))
+        pairs = [(nothing, nothing), *self._narrow_pairs(origins, directions)]
         met = [
             (rays, self._nearest_of(faces[:, None], origins[rays], directions[rays]))
             for rays, faces in pairs

@@ -107,7 +107,7 @@ def _poor_views(run: Run) -> list[str]:
     owners: dict[str, list[str]] = {}
     for row in poor:
         owners.setdefault(key_of(row), []).append(str(row["viewpoint"]))
-    places = [f"{key} in view {listed(views)}" for key, views in sorted(owners.items())]
+    places = [f"{key} (view {listed(views)})" for key, views in sorted(owners.items())]
     found = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
     return [
         f"{found}, which recognition leaves out where it needs more touches: {listed_in_short(places)}."
