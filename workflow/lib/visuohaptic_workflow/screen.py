@@ -22,7 +22,8 @@ What else can be asked, after `source .venv/bin/activate`:
   snakemake -n                        what would run now, and why
   snakemake -j2 cost_all              accuracy against time; also curves_all, ablations_all, effects_all, readings_all
   snakemake -j2 study_palm_size       your own study (studies/README.md)
-  visuohaptic recognise mug.obj       a mesh of your own; also touch, compare"""
+  snakemake -j2 model_all             a model for `visuohaptic recognise mug.obj`, a mesh of your own
+  visuohaptic touch mug.obj           looks at a mesh and touches it; also compare"""
 
 _LOGGER = "screen"
 _BAR = 24
