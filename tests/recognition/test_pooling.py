@@ -13,6 +13,7 @@ from visuohaptic.recognition.pooling import (
     hold_out_bags,
     softmax,
     spread_bags,
+    spread_choices,
 )
 from visuohaptic.recognition.tuning import fit_best_classifiers
 
@@ -31,7 +32,32 @@ def test_bags_of_every_size_hold_each_sequence_of_an_object_once_and_no_other_ob
         held = [bag for bag in bags if len(bag) == size and owners[bag[0]] == 3]
         assert sorted(np.concatenate(held)) == list(range(16))
     sizes = [len(bag) for bag in bags if owners[bag[0]] == 7]
-    assert sizes == [1] * 5 + [2] * 2 + [4] + [5]
+    assert sizes == [1] * 5 + [2] * 3 + [4] * 2 + [5]
+
+
+@pytest.mark.parametrize("views", range(1, 33))
+def test_bags_of_any_number_of_views_are_even_and_hold_all_of_them(views):
+    for size in range(1, views + 1):
+        bags = listed(spread_bags(np.zeros(views, int), (size,)))
+        assert len(bags) == -(-views // size)
+        assert len({tuple(bag) for bag in bags}) == len(bags)
+        assert set(np.concatenate(bags)) == set(range(views))
+        for bag in bags:
+            gaps = np.diff([*bag, bag[0] + views])
+            assert set(gaps) <= {views // size, -(-views // size)}
+
+
+@pytest.mark.parametrize(("total", "count"), [(16, 4), (15, 8), (12, 8), (5, 2), (7, 1), (6, 6)])
+def test_choices_are_even_distinct_and_each_place_is_in_as_many(total, count):
+    choices = spread_choices(total, count)
+    assert len(np.unique(choices, axis=0)) == len(choices)
+    assert len(set(np.bincount(choices.ravel(), minlength=total))) == 1
+    gaps = np.diff(choices, axis=1, append=choices[:, :1] + total)
+    assert set(gaps.ravel()) <= {total // count, -(-total // count)}
+
+
+def test_choices_of_a_divisor_share_no_place():
+    assert spread_choices(16, 4).tolist() == [[k, k + 4, k + 8, k + 12] for k in range(4)]
 
 
 def test_views_of_a_bag_are_spread_over_the_ring():

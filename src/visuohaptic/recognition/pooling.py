@@ -7,6 +7,7 @@ of every size, and is linear: its scores of a bag are the means of its scores of
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -186,8 +187,33 @@ class Bags:
         return means
 
 
+def spread_choices(total: int, count: int) -> NDArray[np.int64]:
+    """Choose `count` of `total` places, evenly spread over a ring, in every way.
+
+    Parameters
+    ----------
+    total : int
+        Places on the ring.
+    count : int
+        How many to choose, 1 to `total`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (k, count), int64, each row ascending: the first choice turned on by one place after
+        another, none twice. Each place is in as many of them as any other; the first
+        ceil(total / count) choices have every place, once each where `count` divides `total`.
+    """
+    steps = np.arange(count) * total // count
+    turns = np.arange(total // math.gcd(total, count))
+    return np.sort((steps + turns[:, None]) % total, axis=1)
+
+
 def spread_bags(owners: NDArray[np.int64], sizes: Sequence[int]) -> Bags:
-    """Divide each object's sequences into bags of every size, evenly spread over its views.
+    """Choose bags of every size among each object's sequences, evenly spread over its views.
+
+    The bags of a size have every sequence of the object, once each where the size divides their
+    number; else a few are in two bags.
 
     Parameters
     ----------
@@ -215,8 +241,7 @@ def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[NDArray[np.int64],
     """Give places and counts of the bags of one object with so many sequences."""
     bags = []
     for size in sorted({min(size, total) for size in sizes}):
-        step = total // size
-        bags += [np.arange(start, total, step)[:size] for start in range(step)]
+        bags += list(spread_choices(total, size)[: math.ceil(total / size)])
     return np.concatenate(bags), np.array([len(bag) for bag in bags])
 
 

@@ -159,6 +159,7 @@ def _without_class(
 ) -> Iterator[dict[str, object]]:
     """Train without a class and without a fold of the others, and name both."""
     from visuohaptic.recognition.certainty import fit_calibration
+    from visuohaptic.recognition.pooling import spread_choices
     from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
     from visuohaptic.recognition.tuning import fit_best_classifiers
 
@@ -186,8 +187,9 @@ def _without_class(
         touches = sequences.features[owners == place]
         ballots = tuned.ballots(projected)
         for views in sorted({min(views, most) for views in VIEWS}):
-            step = max(len(projected) // views, 1)  # an object with fewer views gives all
-            bag = np.arange(place % step, len(projected), step)[:views]
+            # An object with fewer views gives all.
+            choices = spread_choices(len(projected), min(views, len(projected)))
+            bag = choices[place % len(choices)]
             member = np.isin(np.arange(len(projected)), bag)
             answer = ballots.together(member[None])[0]
             of_bag = touches[bag].reshape(-1, touches.shape[2])
