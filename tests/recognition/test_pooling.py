@@ -160,3 +160,33 @@ def test_no_answer_is_surer_than_as_many_objects_allow(objects):
     surest = Ballots(clear, clear, combination).alone().max()
     expected = 1 - 1 / (objects + 2) / 2
     assert surest == pytest.approx(expected, abs=0.3 * (1 - expected))
+
+
+def combined_views(views):
+    """Give the numbers of views that temperatures are for, of objects with so many views each."""
+    owners = np.repeat(np.arange(len(views)), views)
+    labels = owners % 2
+    scores = np.random.default_rng(0).normal(size=(len(owners), 2)) + np.eye(2)[labels]
+    held_out = hold_out_bags(scores, labels, owners, SIZES, np.ones(2, bool), 1.0)
+    return held_out.combine(softmax(scores)).views.tolist()
+
+
+def test_each_number_of_views_that_all_objects_have_has_a_temperature():
+    assert combined_views([16] * 8) == list(SIZES)
+
+
+def test_a_number_of_views_that_one_object_has_shares_the_temperature_of_the_next_smaller():
+    bags_of_8 = 2 * 8
+    assert combined_views([15] + [16] * 7) == [1, 2, 4, (8 * bags_of_8 + 15) / (bags_of_8 + 1), 16]
+
+
+def test_numbers_of_views_that_few_objects_have_share_a_temperature():
+    assert combined_views([12, 13, 14, 15]) == [1, 2, 4, 8, 12.5, 14.5]
+
+
+def test_a_smallest_number_of_views_that_few_objects_have_shares_the_temperature_above():
+    owners = np.repeat(np.arange(5), [3, 16, 16, 16, 16])
+    labels = owners % 2
+    scores = np.eye(2)[labels]
+    held_out = hold_out_bags(scores, labels, owners, (16,), np.ones(2, bool), 1.0)
+    assert held_out.combine(softmax(scores)).views.tolist() == [(3 + 4 * 16) / 5]

@@ -64,7 +64,7 @@ class Combination:
         What the classifier's log probabilities and the bag classifier's scores are divided by: their
         deviations over held-out bags, the latter by the weight of bags.
     views : numpy.ndarray
-        Shape (k,), float64: numbers of sequences, ascending.
+        Shape (k,), float64: numbers of sequences, ascending; the mean of those that share a temperature.
     temperatures : numpy.ndarray
         Shape (k,), float64: by what the sum is divided for bags of so many.
     known : numpy.ndarray
@@ -308,10 +308,8 @@ class HeldOutBags:
         The m bags; None where nothing was held out.
     scores : numpy.ndarray
         Shape (m, c), float64: means over each bag's sequences.
-    labels : numpy.ndarray
-        Shape (m,), int64: their classes.
-    doubt : float
-        The share of the truth that is spread over all classes.
+    labels, owners : numpy.ndarray
+        Shape (m,), int64: their classes and objects.
     known : numpy.ndarray
         Shape (c,), bool: the classes that all training objects have.
     weight : float
@@ -321,12 +319,16 @@ class HeldOutBags:
     bags: Bags | None
     scores: NDArray[np.float64]
     labels: NDArray[np.int64]
-    doubt: float
+    owners: NDArray[np.int64]
     known: NDArray[np.bool_]
     weight: float
 
     def combine(self, probabilities: NDArray[np.float64]) -> Combination:
         """Fit the scales and temperatures of a combination.
+
+        A temperature that rests on few objects would be an accident of these. So from the largest number
+        of sequences down, numbers are taken together until half of the objects have bags of them, and
+        share a temperature; those that remain at the lower end share the one above.
 
         Parameters
         ----------
@@ -338,19 +340,19 @@ class HeldOutBags:
         Combination
             Without held-out sequences, scales and temperature are 1.
         """
-        known = self.known
-        if self.bags is None:
+        known, bags = self.known, self.bags
+        if bags is None:
             return Combination((1.0, 1.0 / self.weight), np.ones(1), np.ones(1), known)
-        means = self.bags.means(probabilities)
+        means = bags.means(probabilities)
         logs = np.log(np.maximum(means, LEAST_PROBABILITY))
         scales = (_deviation(logs[:, known]), self._deviation / self.weight)
         summed = logs / scales[0] + self.scores / scales[1]
         summed = np.where(known, summed, LEAST_SCORE)[:, known]
         temperatures = [
-            best_temperature(summed[chosen], self._places[chosen], self.doubt)[1]
-            for _, chosen in self._by_count
+            best_temperature(summed[chosen], self._places[chosen], self._doubt)[1]
+            for chosen in self._alike
         ]
-        views = np.array([count for count, _ in self._by_count], dtype=np.float64)
+        views = np.array([bags.counts[chosen].mean() for chosen in self._alike])
         return Combination(scales, views, np.array(temperatures), known)
 
     @cached_property
@@ -363,9 +365,25 @@ class HeldOutBags:
         return (np.cumsum(self.known) - 1)[self.labels]
 
     @cached_property
-    def _by_count(self) -> list[tuple[int, NDArray[np.bool_]]]:
+    def _doubt(self) -> float:
+        """The share of the truth that is spread over all classes."""
+        # That all of n objects were right doesn't make the next one certain: the rule of succession.
+        return 1 / (len(np.unique(self.owners)) + 2)
+
+    @cached_property
+    def _alike(self) -> list[NDArray[np.bool_]]:
+        """Which bags share each temperature, by ascending numbers of sequences."""
         counts = np.zeros(0, dtype=np.int64) if self.bags is None else self.bags.counts
-        return [(int(count), counts == count) for count in np.unique(counts)]
+        enough = len(np.unique(self.owners)) / 2
+        groups, group = [], counts < 0
+        for count in np.unique(counts)[::-1]:
+            group = group | (counts == count)
+            if len(np.unique(self.owners[group])) >= enough:
+                groups.append(group)
+                group = counts < 0
+        if group.any():
+            groups[-1] = groups[-1] | group
+        return groups[::-1]
 
 
 def hold_out_bags(
@@ -398,11 +416,11 @@ def hold_out_bags(
         The bags.
     """
     if not len(labels):
-        return HeldOutBags(None, scores, labels, 0.0, known, weight)
+        return HeldOutBags(None, scores, labels, owners, known, weight)
     bags = spread_bags(owners, sizes)
-    # That all of n objects were right doesn't make the next one certain: the rule of succession.
-    doubt = 1 / (len(np.unique(owners)) + 2)
-    return HeldOutBags(bags, bags.means(scores), labels[bags.first], doubt, known, weight)
+    return HeldOutBags(
+        bags, bags.means(scores), labels[bags.first], owners[bags.first], known, weight
+    )
 
 
 def _deviation(scores: NDArray[np.float64]) -> float:
