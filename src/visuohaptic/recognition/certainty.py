@@ -1,8 +1,9 @@
 """How sure an answer is: prediction sets at a stated coverage, and objects of no known class.
 
-Both are conformal (V. Vovk, A. Gammerman, G. Shafer, "Algorithmic learning in a random world", 2005):
-an object is compared with training objects that were each named without themselves, by folds of whole
-objects.
+Both are cross-conformal in kind (V. Vovk, "Cross-conformal predictors", Annals of Mathematics and
+Artificial Intelligence 74, 2015): an object is compared with training objects that were each named
+without themselves, by models of folds of whole objects. The object itself is named by the final model,
+which learnt from more; so the coverage is not guaranteed, and `studies.certainty` measures it.
 """
 
 from __future__ import annotations
@@ -75,8 +76,8 @@ class Certainty:
     Attributes
     ----------
     candidates : numpy.ndarray
-        Shape (c,), bool: the prediction set. It holds the class of an object of a known class in the
-        stated share of cases; it may be empty.
+        Shape (c,), bool: the prediction set, which is made to hold the class of an object of a known class
+        in the stated share of cases; it may be empty.
     fits : numpy.ndarray
         Shape (c,), float64: how well each class fits, the conformal p value: the share of known objects,
         this one counted among them, that their class fits no better. 0 for a class that training lacked.
@@ -171,7 +172,7 @@ class Calibration:
         """Give how well each class fits by its misfit, shape (c,), as in `Certainty.fits`.
 
         A class with enough objects of its own for the coverage is compared with these, so that the
-        coverage holds within it; the others are compared with all objects.
+        coverage is that of its own objects; the others are compared with all.
         """
         same = self.labels[:, None] == np.arange(len(misfits))
         compared = same | (same.sum(axis=0) < least_objects(coverage))

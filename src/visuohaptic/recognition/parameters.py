@@ -192,8 +192,8 @@ class BestParameters(_Section):
         0.9,
         gt=0,
         lt=1,
-        description="Share of objects of known classes whose class is in the prediction set, and that "
-        "are not taken for objects of an unknown class",
+        description="Stated share of objects of known classes whose class is in the prediction set, and "
+        "that are not taken for objects of an unknown class",
     )
     calibration_folds: int = Field(
         10,
