@@ -15,7 +15,7 @@ from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import write_json
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table, write_table
-from visuohaptic.tables.studies import CERTAINTY
+from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
@@ -204,7 +204,13 @@ def _without_class(
                 "views": views,
                 "correct": bool(answer.argmax() == label),
                 "covered": bool(sure.candidates[label]),
-                "fit": float(sure.fits[label]),
+                "covered_at": [
+                    stated
+                    for stated in STATED_COVERAGES
+                    if calibration.prediction_set(answer, tuned.trained, len(bag), stated / 100)[
+                        label
+                    ]
+                ],
                 "candidates": int(sure.candidates.sum()),
                 "strangeness": sure.strangeness,
                 "evidence": sure.evidence,
