@@ -44,11 +44,13 @@ def assessed(model, rows, coverage):
     return calibration.assess(tuned, projected, rows, found, coverage)
 
 
-def calibrated(misfits, labels):
+def calibrated(nonconformity, labels):
     """Give a calibration by bags of one size."""
     nowhere = Landmarks(np.zeros((1, 1)), None)
     evidence = np.zeros((1, len(labels), 2))
-    return Calibration(np.ones(1, int), np.array(labels), np.array([misfits]), evidence, nowhere)
+    return Calibration(
+        np.ones(1, int), np.array(labels), np.array([nonconformity]), evidence, nowhere
+    )
 
 
 @pytest.mark.parametrize("coverage", [0.5, 0.8, 0.9, 0.95])

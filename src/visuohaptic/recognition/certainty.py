@@ -103,7 +103,7 @@ class Calibration:
         Shape (k,), int64: sequences in a bag, ascending.
     labels : numpy.ndarray
         Shape (n,), int64: the objects' classes.
-    misfits : numpy.ndarray
+    nonconformity : numpy.ndarray
         Shape (k, n), float64: 1 - probability of the true class.
     evidence : numpy.ndarray
         Shape (k, n, e), float64: as `Landmarks.evidence` gives it.
@@ -113,7 +113,7 @@ class Calibration:
 
     views: NDArray[np.int64]
     labels: NDArray[np.int64]
-    misfits: NDArray[np.float64]
+    nonconformity: NDArray[np.float64]
     evidence: NDArray[np.float64]
     landmarks: Landmarks
 
@@ -183,17 +183,17 @@ class Calibration:
         return added
 
     def p_values(
-        self, size: int, misfits: NDArray[np.float64], coverage: float
+        self, size: int, nonconformity: NDArray[np.float64], coverage: float
     ) -> NDArray[np.float64]:
-        """Give the conformal p value of each class by its misfit, (c,) to (c,).
+        """Give the conformal p value of each class by its nonconformity, (c,) to (c,).
 
         It is the share of known objects, this one counted among them, that their class fits no better. A
         class with enough objects of its own for the coverage is compared with these, so that the coverage
         is that of its own objects; the others are compared with all.
         """
-        same = self.labels[:, None] == np.arange(len(misfits))
+        same = self.labels[:, None] == np.arange(len(nonconformity))
         compared = same | (same.sum(axis=0) < least_objects(coverage))
-        no_better = compared & (self.misfits[size][:, None] >= misfits)
+        no_better = compared & (self.nonconformity[size][:, None] >= nonconformity)
         shares: NDArray[np.float64] = (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
         return shares
 
@@ -297,12 +297,12 @@ def gather_calibration(
     landmarks: Landmarks,
     best: BestParameters,
 ) -> Calibration:
-    """Gather class, misfits (k,) and evidence (k, e) of each training object."""
-    labels, misfits, evidence = zip(*rows, strict=True)
+    """Gather class, nonconformity (k,) and evidence (k, e) of each training object."""
+    labels, nonconformity, evidence = zip(*rows, strict=True)
     return Calibration(
         np.array(bag_sizes(best), dtype=np.int64),
         np.array(labels, dtype=np.int64),
-        np.array(misfits).T,
+        np.array(nonconformity).T,
         np.array(evidence).transpose(1, 0, 2),
         landmarks,
     )
