@@ -67,7 +67,7 @@ rule report:
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
         meshes=files_by_object("meshes", "ply"),
-        frontier=["results/frontier.parquet", "results/frontier_seconds.parquet"],
+        frontier="results/frontier.parquet",
         influence="results/effect_influence.parquet",
         stability=["results/stability.parquet", *files_by_object("stability")],
         # Only where recordings are given.
@@ -101,7 +101,6 @@ rule report:
             "extras": {
                 "studies": "results/studies",
                 "frontier": "results/frontier.parquet",
-                "frontier_seconds": "results/frontier_seconds.parquet",
                 "effect_influence": "results/effect_influence.parquet",
                 "touches_needed": "results/touches_needed.parquet",
                 "cost": "results/cost.parquet",
