@@ -149,7 +149,7 @@ def _touches_needed(run: Run) -> Iterator[Source]:
 
 
 def _certainty(run: Run) -> Iterator[Source]:
-    columns = ("correct", "covered", "fit", "candidates", "strangeness", "unknown")
+    columns = ("correct", "covered", "covered_at", "candidates", "strangeness", "unknown")
     by = ("strategy", "views", "known", "left_out")
     yield from _extra(run, "certainty", "Known and unknown objects", "certainty", columns, by)
 

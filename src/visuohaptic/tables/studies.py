@@ -162,6 +162,9 @@ CERTAINTY_KEYS = (
     Column("views", COUNT, "viewpoints from which it is named", minimum=1),
 )
 
+STATED_COVERAGES = tuple(range(50, 100, 5))
+"""Coverages at which prediction sets are measured, percent."""
+
 CERTAINTY = Schema(
     "certainty",
     (
@@ -170,12 +173,12 @@ CERTAINTY = Schema(
         Column("correct", pa.bool_(), "whether the likeliest class is its own"),
         Column("covered", pa.bool_(), "whether the prediction set holds its class"),
         Column(
-            "fit",
-            REAL,
-            "share of known objects that their class fits no better than its class fits this one",
-            "1; the set of any coverage above 1 - fit holds its class",
-            0,
-            1,
+            "covered_at",
+            pa.list_(pa.int32()),
+            f"stated coverages, of {STATED_COVERAGES[0]}, {STATED_COVERAGES[1]} to {STATED_COVERAGES[-1]}, whose set holds its class",
+            "percent",
+            STATED_COVERAGES[0],
+            STATED_COVERAGES[-1],
         ),
         Column("candidates", COUNT, "classes in the prediction set", minimum=0),
         Column("strangeness", REAL, "share of known objects that are less strange", "1", 0, 1),
