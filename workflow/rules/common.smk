@@ -246,7 +246,7 @@ def check_folder():
         for job in planned_jobs()
         if job.name == "objects"
     )
-    judged = judge_brought_files(
+    outdated = judge_brought_files(
         [
             job
             for job in planned_jobs()
@@ -256,9 +256,9 @@ def check_folder():
             and job.record not in changed_blocks
         ]
     )
-    if judged.outdated:
+    if outdated:
         print(
-            f"{len(judged.outdated)} jobs have files that were brought here and made with other "
+            f"{len(outdated)} jobs have files that were brought here and made with other "
             "parameters, code or inputs than today's; they run again.",
             file=sys.stderr,
         )
