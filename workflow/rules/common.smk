@@ -35,11 +35,7 @@ from visuohaptic.parameters import (
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic_workflow.brought_files import judge_blocks, judge_brought_files
-from visuohaptic_workflow.closing import (
-    describe_results,
-    objects_left_out,
-    tolerances_exceeded,
-)
+from visuohaptic_workflow.closing import lines_at_end
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.object_blocks import LISTS, divide
@@ -272,18 +268,22 @@ def check_recognition():
 
 
 def prune():
-    """Delete results and logs that today's parameters and objects no longer name."""
-    prune_files(planned_jobs(), ["results", "logs"])
+    """Delete results and logs that today's parameters and objects no longer name, where the report is asked for.
+
+    The report takes all tables; a run with another target may be about another set of objects.
+    """
+    asked = getattr(getattr(workflow, "dag", None), "jobs", ())
+    if any(job.rule.name == "report" for job in asked):
+        prune_files(planned_jobs(), ["results", "logs"])
 
 
 def say_results():
     """Say at the end of a run what was left out, and what the report holds if it was written."""
     if "--logger" in sys.argv:  # it says so itself
         return
-    lines = [*objects_left_out(), *tolerances_exceeded()]
-    if any(job.rule.name == "report" for job in workflow.dag.finished_jobs):
-        lines += describe_results()
-    for line in lines:
+    finished = workflow.dag.finished_jobs
+    is_written = any(job.rule.name == "report" for job in finished)
+    for line in lines_at_end(report_is_current=is_written):
         print(line, file=sys.stderr)
 
 
