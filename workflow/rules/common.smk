@@ -88,6 +88,7 @@ CATALOGUED = {
 }
 OWN_MODELS = find_own_models("meshes/own", CATALOGUED)
 OWN = {model.key: path for model, path in OWN_MODELS.models.items()}
+COMPANIONS = companions(OWN.values())
 if workflow.is_main_process:
     for sentence in OWN_MODELS.set_aside.values():
         print(f"warning: {sentence}", file=sys.stderr)
@@ -125,7 +126,8 @@ def in_clone(files):
 def source_of(wildcards):
     """Give an object's model file, and the files that it refers to."""
     if wildcards.object in OWN:
-        return in_clone([OWN[wildcards.object], *companions(OWN[wildcards.object])])
+        model = OWN[wildcards.object]
+        return in_clone([model, *COMPANIONS[model]])
     if wildcards.object in DOWNLOADED:
         return [f"meshes/downloaded/{wildcards.object}.ply.gz"]
     return in_clone([shipped(f"meshes/paper/{wildcards.object}.ply.gz")])
