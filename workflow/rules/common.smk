@@ -76,7 +76,8 @@ def shipped(path):
 configfile: shipped("params.yaml")
 
 
-for file in workflow.configfiles:
+# Those of a workflow that uses this one as a module are its own matter.
+for file in workflow.configfiles if IS_MAIN else []:
     or_stop(refuse_repeated_names, file)
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
