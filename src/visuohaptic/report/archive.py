@@ -91,7 +91,7 @@ def summarise_run(
         "metrics": dict(run.metrics),
         "parameters": run.parameters.model_dump(mode="json"),
         "seconds": [asdict(phase) for phase in seconds],
-        "commit": find_commit(run.files.checkout),
+        "commit": find_commit(),
         "machine": dict(describe_machine()),
         "views": {
             page.anchor: {

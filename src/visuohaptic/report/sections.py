@@ -385,7 +385,7 @@ def provenance_values(context: ReportContext) -> Values:
     """Give versions, commit, machine, and seconds a phase."""
     return {
         "versions": find_versions(),
-        "commit": find_commit(context.run.files.checkout),
+        "commit": find_commit(),
         "machine": describe_machine(),
         "seconds": context.seconds,
     }
