@@ -92,7 +92,7 @@ rule report:
         "../envs/visuohaptic.yaml"
     threads: 2
     params:
-        parameters=PARAMETERS.model_dump(),
+        parameters=PARAMETERS.model_dump(exclude={"workflow"}),
         objects=OBJECTS,
         studies=shown_studies,
     message:
