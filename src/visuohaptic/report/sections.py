@@ -367,13 +367,13 @@ def methods_values(context: ReportContext) -> Values:
 
 
 def parameters_values(context: ReportContext) -> Values:
-    """Give every parameter, section by section, with what it means."""
+    """Give every parameter of the results, section by section, with what it means."""
     model = context.run.parameters
     return {
         "groups": [
             (name, list(_flattened(getattr(model, name), name)))
             for name in type(model).model_fields
-            if name != "seed"
+            if name not in {"seed", "workflow"}  # no result depends on how work is divided
         ],
         "seed": model.seed,
     }
@@ -383,7 +383,7 @@ def provenance_values(context: ReportContext) -> Values:
     """Give versions, commit, machine, and seconds a phase."""
     return {
         "versions": find_versions(),
-        "commit": find_commit(context.run.files.checkout),
+        "commit": find_commit(),
         "machine": describe_machine(),
         "seconds": context.seconds,
     }

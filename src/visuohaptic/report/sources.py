@@ -318,7 +318,7 @@ def _of_object(run: Run, files: Paths, key: str) -> str:
 
 def _pattern(run: Run, files: Paths) -> str:
     """Name files as one path or pattern, relative to the run's folder."""
-    relative = [Path(os.path.relpath(file, run.files.checkout)) for file in files]
+    relative = [Path(os.path.relpath(file, run.files.folder)) for file in files]
     if len(relative) == 1:
         return relative[0].as_posix()
     folder = Path(os.path.commonpath([file.parent for file in relative]))
