@@ -1,5 +1,6 @@
 import numpy as np
-from sensor.shapes import box, sheet, surface_of
+import pytest
+from sensor.shapes import box, joined, sheet, surface_of
 
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
@@ -33,4 +34,22 @@ def test_an_inner_wall_is_touched_from_the_wider_side():
     normals = orient_outwards(
         RayCaster(surface), np.array([[-0.4, 0.01, 0.02]]), np.array([[-1.0, 0, 0]])
     )
+    np.testing.assert_array_equal(normals, [[1.0, 0, 0]])
+
+
+@pytest.mark.parametrize("winding", [1, -1])
+def test_both_walls_of_a_gap_narrower_than_them_are_touched_from_within_the_gap(winding):
+    left = box((-0.55, -0.5, -0.5), (-0.05, 0.5, 0.5))
+    right = box((0.05, -0.5, -0.5), (0.55, 0.5, 0.5))
+    both = joined(left, right)
+    caster = RayCaster(surface_of(both.vertices, both.faces[:, ::winding]))
+    points = np.array([[-0.05, 0.01, 0.02], [0.05, 0.01, 0.02]])
+    outward = np.array([[1.0, 0, 0], [-1.0, 0, 0]])
+    for given in (outward, -outward):
+        np.testing.assert_array_equal(orient_outwards(caster, points, given), outward)
+
+
+def test_a_wall_within_two_solids_that_overlap_is_touched_from_the_wider_side():
+    caster = RayCaster(joined(box((-0.5,) * 3, (0.5,) * 3), box((-0.4,) * 3, (0.9,) * 3)))
+    normals = orient_outwards(caster, np.array([[-0.4, 0.01, 0.02]]), np.array([[-1.0, 0, 0]]))
     np.testing.assert_array_equal(normals, [[1.0, 0, 0]])

@@ -215,3 +215,19 @@ def test_distances_agree_with_embreex():
     assert faces.size > 500
     np.testing.assert_array_equal(hits.hit, np.isfinite(expected))
     np.testing.assert_allclose(hits.distance[rays], expected[rays], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("winding", [1, -1])
+def test_winding_numbers_count_the_solids_around_a_point_in_any_direction(winding):
+    solids = joined(box((-0.5,) * 3, (0.5,) * 3), box((-0.3,) * 3, (0.8,) * 3))
+    caster = RayCaster(surface_of(solids.vertices, solids.faces[:, ::winding]))
+    directions = np.random.default_rng(0).normal(size=(200, 3))
+    points = {0: (-0.6, 0.1, 0.1), 1: (-0.4, 0.1, 0.1), 2: (0.1, 0.0, 0.2)}
+    for count, point in points.items():
+        found = caster.winding_numbers(np.tile(point, (200, 1)), directions)
+        np.testing.assert_array_equal(found, winding * count)
+
+
+def test_no_rays_have_no_winding_numbers():
+    caster = RayCaster(box((-0.5,) * 3, (0.5,) * 3))
+    assert caster.winding_numbers(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0,)

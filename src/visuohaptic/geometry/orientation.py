@@ -19,8 +19,10 @@ def orient_outwards(
     """Turn normals to the side from which a sensor can come.
 
     A ray is sent off each side. The side with the longer free way is outside; a ray that
-    leaves the object has an endless one. Where both sides are equally free (a single sheet), outside is
-    the side that faces away from the object's centre, independent of the face's winding.
+    leaves the object has an endless one. Where both ways end, as in a gap, a side that lies in no solid, by
+    the winding of the faces that its ray crosses, is outside if the other lies in one. Where both sides are
+    equally free (a single sheet), outside is the side that faces away from the object's centre,
+    independent of the face's winding.
 
     Parameters
     ----------
@@ -38,6 +40,13 @@ def orient_outwards(
     """
     facing_away = np.einsum("ij,ij->i", points, normals) >= 0
     normals = np.where(facing_away[:, None], normals, -normals)
-    outside = caster.first_hits(points + _STAND_OFF * normals, normals).distance
-    inside = caster.first_hits(points - _STAND_OFF * normals, -normals).distance
-    return np.where((inside > outside)[:, None], -normals, normals)
+    before, behind = points + _STAND_OFF * normals, points - _STAND_OFF * normals
+    outside = caster.first_hits(before, normals).distance
+    inside = caster.first_hits(behind, -normals).distance
+    turned = inside > outside
+    # What lies across a gap may be nearer than the far side of the solid behind the point.
+    shut = np.flatnonzero(np.isfinite(outside) & np.isfinite(inside))
+    free = caster.winding_numbers(before[shut], normals[shut]) == 0
+    free_behind = caster.winding_numbers(behind[shut], -normals[shut]) == 0
+    turned[shut] = np.where(free == free_behind, turned[shut], free_behind)
+    return np.where(turned[:, None], -normals, normals)

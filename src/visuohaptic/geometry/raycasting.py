@@ -188,6 +188,32 @@ class RayCaster:
         _put(hits, narrow_rays[nearer], _take(narrow, nearer))
         return hits
 
+    def winding_numbers(
+        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> NDArray[np.int64]:
+        """Count in how many solids each ray begins: the faces through which it leaves less those it enters by.
+
+        Parameters
+        ----------
+        origins, directions : numpy.ndarray
+            Shape (n, 3) each; the frame and unit of the surface's vertices.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n,), int64. Of a closed surface whose faces are wound alike it is the winding number of the
+            origin, 0 outside of all solids. Faces are found in float32; one that is met on its edge may
+            count twice.
+        """
+        if not len(origins):  # Open3D would end the process
+            return np.zeros(0, dtype=np.int64)
+        rays = _as_float32(origins, directions)
+        found = self._scene.list_intersections(self._tensor(rays))
+        which = found["ray_ids"].numpy().astype(np.int64)
+        faces = found["primitive_ids"].numpy().astype(np.int64)
+        leaving = np.sign(_dot(self._planes[faces], directions[which]))
+        return np.bincount(which, leaving, minlength=len(origins)).astype(np.int64)
+
     def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Give the surface's nearest point to each point.
 
