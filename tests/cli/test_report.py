@@ -1,17 +1,12 @@
 """`visuohaptic report` writes a finished run's page, and names what is missing."""
 
 import json
-import re
 import shutil
-from pathlib import Path
 
 import pytest
 from report.pages import read_page
 from report.synthetic import lay_out
 
-from visuohaptic.report.run_folder import EXTRAS
-
-ROOT = Path(__file__).parents[2]
 KEYS = ("cup/mug", "cup/<script>alert(1)<", "ball/..-x", "ball/Kännchen 茶")
 
 
@@ -58,8 +53,3 @@ def test_what_a_run_lacks_is_named_with_the_way_out(visuohaptic, tmp_path, run, 
 def test_a_file_where_the_folder_is_to_be_is_wrong_use(visuohaptic, tmp_path, run):
     (tmp_path / "report").write_text("")
     assert visuohaptic("report", run).code == 2
-
-
-def test_the_tables_are_those_that_the_workflow_gives_its_report():
-    rule = (ROOT / "workflow/rules/report.smk").read_text().split('"extras": {')[1].split("}")[0]
-    assert dict(re.findall(r'"(\w+)": "([^"]+)"', rule)) == EXTRAS

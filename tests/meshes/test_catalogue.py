@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from visuohaptic.errors import CatalogueError
+from visuohaptic.errors import CatalogueError, MeshError
+from visuohaptic.meshes.beside import BesideResolver
 from visuohaptic.meshes.catalogue import (
     check_classes,
     check_name,
@@ -140,12 +141,32 @@ def test_names_that_can_not_be_file_names_everywhere_are_refused(name):
         check_name(name, "here")
 
 
-def test_materials_and_textures_belong_to_an_obj_only(tmp_path):
-    touch(tmp_path, "a.obj", "a.mtl", "wood.JPG", "notes.txt", "b.glb")
-    assert [path.name for path in companions(tmp_path / "a.obj")] == ["a.mtl", "wood.JPG"]
-    assert companions(tmp_path / "b.glb") == []
-    touch(tmp_path, "c.gltf", "c.bin")
-    assert [path.name for path in companions(tmp_path / "c.gltf")] == ["c.bin", "wood.JPG"]
+def test_a_model_may_refer_to_what_lies_beside_it_and_below_as_far_as_its_format_does(tmp_path):
+    touch(tmp_path, "a.obj", "a.mtl", "wood.JPG", "notes.txt", "b.ply", "c.stl", "c.bin")
+    touch(tmp_path / "textures", "oak.webp")
+    models = [tmp_path / name for name in ("a.obj", "b.ply", "c.stl")]
+    found = companions(models)
+    assert list(found) == models
+    assert [path.name for path in found[models[0]]] == ["a.mtl", "c.bin", "oak.webp", "wood.JPG"]
+    assert found[models[1]] == found[models[0]]
+    assert found[models[2]] == []
+
+
+def test_a_model_is_given_what_counts_as_its_companion_and_nothing_else(tmp_path):
+    touch(tmp_path, "a.obj", "a.mtl", "wood.JPG", "wood.svg", "notes.txt", "a.dat")
+    touch(tmp_path / "textures", "oak.tif", "oak.exe")
+    resolver = BesideResolver(tmp_path)
+
+    def is_given(file):
+        try:
+            resolver.get(str(file.relative_to(tmp_path)))
+        except MeshError:
+            return False
+        return True
+
+    given = sorted(file for file in tmp_path.rglob("*") if file.is_file() and is_given(file))
+    assert given == companions([tmp_path / "a.obj"])[tmp_path / "a.obj"]
+    assert len(given) == 3
 
 
 def test_a_catalogue_that_is_not_there_is_named(tmp_path):

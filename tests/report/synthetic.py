@@ -58,7 +58,7 @@ def write_run(
         meshes=[_write_mesh(folder, key) for key in objects],
         credits=[_write_credits(folder, objects)],
         logs=_write_logs(folder),
-        checkout=folder,
+        folder=folder,
     )
 
 

@@ -240,14 +240,13 @@ def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
         meshes=["nowhere/cup/mug.ply"],
         credits=["nowhere.csv"],
         logs=tmp_path / "nowhere",
-        checkout=tmp_path,
+        folder=tmp_path,
         extras={"cost": tmp_path / "nowhere", "stability": tmp_path / "nowhere.json"},
     )
     source = render(bare)
     page = read_page(source)
     assert page.mismatches == []
     assert "No job left a log." in page.text
-    assert "this is no git checkout" in page.text
     assert "No mesh was found of ball/football, ball/marble, cup/beaker and cup/mug" in page.text
     assert "plotly-library" not in page.values("id")
     assert "What accuracy costs in time" not in page.text

@@ -4,6 +4,7 @@ import pytest
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.declared import declared_studies
 from visuohaptic.studies.own import read_study
 
 RUN = ExperimentParameters()
@@ -94,3 +95,10 @@ def test_errors_name_the_file_the_condition_and_what_is_allowed(tmp_path, text, 
 def test_a_files_name_must_be_plain_and_free(tmp_path, name):
     with pytest.raises(ParameterError, match="is no name of a study"):
         study(tmp_path, "title: T\nconditions: {a: {}}", name)
+
+
+@pytest.mark.parametrize("name", ["readings", "certainty"])
+def test_a_name_of_the_packages_own_studies_is_taken(tmp_path, name):
+    (tmp_path / f"{name}.yaml").write_text("title: T\nconditions: {a: {}}")
+    with pytest.raises(ParameterError, match=f"none of .*{name}"):
+        declared_studies(ExperimentParameters(), [tmp_path / f"{name}.yaml"])

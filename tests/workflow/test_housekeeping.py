@@ -85,6 +85,21 @@ def test_results_and_logs_of_a_deleted_object_go(experiment):
     assert experiment.planned() == {}
 
 
+def test_a_run_about_some_objects_leaves_results_of_others(experiment):
+    catalogue = experiment.folder / "meshes/catalogue.csv"
+    catalogue.write_text(
+        "".join(
+            line
+            for line in catalogue.read_text().splitlines(keepends=True)
+            if "bsby_chair3" not in line
+        )
+    )
+    meshes = sorted((experiment.folder / "results/meshes").glob("*/*.ply"))
+    next(file for file in meshes if file.stem != "bsby_chair3").unlink()
+    experiment.snakemake("--", "meshes_all")
+    assert sorted((experiment.folder / "results/meshes").glob("*/*.ply")) == meshes
+
+
 def test_a_private_name_of_snakemake_that_is_gone_costs_time_alone(experiment):
     rules = experiment.folder / "workflow/rules/common.smk"
     text = rules.read_text()

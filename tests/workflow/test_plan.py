@@ -79,11 +79,15 @@ def test_what_no_job_writes_goes_and_a_users_own_file_stays(tmp_path, monkeypatc
     assert not (tmp_path / "results/touches/cup/gone").exists()
 
 
-@pytest.mark.parametrize("line", ["-j2", "-c1 touches_all", "--rerun-incomplete", "-j2 -k", ""])
+@pytest.mark.parametrize(
+    "line", ["-j2", "-c1 touches_all", "--rerun-incomplete", "-j2 -k", "-dnight", "-Rnoise", ""]
+)
 def test_these_command_lines_run_jobs(line):
     assert runs_jobs(["snakemake", *line.split()])
 
 
-@pytest.mark.parametrize("line", ["-n", "-np", "-j2 -n", "--dry-run", "--lint", "--dag=dot", "-pn"])
+@pytest.mark.parametrize(
+    "line", ["-n", "-np", "-j2 -n", "--dry-run", "--lint", "--dag=dot", "-pn", "-kn", "-fn"]
+)
 def test_these_command_lines_run_none(line):
     assert not runs_jobs(["snakemake", *line.split()])

@@ -3,6 +3,7 @@
 The S3 is moto's server, in this process, on the loopback.
 """
 
+import re
 import signal
 import subprocess
 import time
@@ -94,6 +95,10 @@ def test_results_that_snakemake_keeps_on_s3_are_those_of_a_local_run(
     found = type(fresh)(tmp_path / "found")
     bucket.download("run", found.folder)
     assert without_seconds(found) == without_seconds(finished)
+    there, here = ((run.folder / "reports/report.html").read_text() for run in (found, finished))
+    assert "Settings measured in this run" in there
+    sections = re.compile(r'<section id="([a-z-]+)"')
+    assert sections.findall(there) == sections.findall(here)
     assert "Nothing to be done" in experiment.snakemake("-n", *on_s3).stdout
 
 

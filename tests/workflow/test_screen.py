@@ -48,6 +48,14 @@ def test_reasons_and_commands_stay_in_the_log(capsys):
     assert capsys.readouterr().err == ""
 
 
+def test_the_screen_knows_whether_the_report_was_written():
+    screen = Screen()
+    screen.show(record(event="job_info", jobid=3, rule_msg=None, rule_name="metrics"))
+    assert not screen.wrote_report
+    screen.show(record(event="job_info", jobid=4, rule_msg=None, rule_name="report"))
+    assert screen.wrote_report
+
+
 def test_a_failed_job_is_named_with_its_log_and_not_explained_twice(capsys):
     screen = Screen()
     screen.show(record(event="job_info", jobid=3, rule_msg="touching a", rule_name="touches"))
@@ -92,6 +100,13 @@ def test_the_end_names_figures_report_log_and_what_else_can_be_asked(experiment)
         assert len(result.stdout.splitlines()) < 25
         log = result.stdout.partition("Snakemake's log is ")[2].splitlines()[0].rstrip(".")
         assert "Building DAG" in (experiment.folder / log).read_text()
+    # What another target makes has no figures; those of an earlier run are not its own.
+    (experiment.folder / "results/meshes/chair/bsby_chair3.ply").unlink()
+    for _ in range(2):
+        result = run_screen(experiment, "--", "meshes_all")
+        assert result.returncode == 0
+        assert "Pipeline paper, " not in result.stdout
+        assert "The report is at" not in result.stdout
 
 
 @pytest.mark.workflow

@@ -94,6 +94,7 @@ CHANGES = {
     "features": {"extension": "symmetric"},
     "recognition": {"touches": 3},
     "seed": 7,
+    "workflow": {"warm_starts": False},
 }
 PRINT_PARAMETERS = """
 include: "Snakefile"

@@ -35,11 +35,7 @@ from visuohaptic.parameters import (
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic_workflow.brought_files import judge_blocks, judge_brought_files
-from visuohaptic_workflow.closing import (
-    describe_results,
-    objects_left_out,
-    tolerances_exceeded,
-)
+from visuohaptic_workflow.closing import lines_at_end
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.object_blocks import LISTS, divide
@@ -80,7 +76,8 @@ def shipped(path):
 configfile: shipped("params.yaml")
 
 
-for file in workflow.configfiles:
+# Those of a workflow that uses this one as a module are its own matter.
+for file in workflow.configfiles if IS_MAIN else []:
     or_stop(refuse_repeated_names, file)
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
@@ -92,6 +89,7 @@ CATALOGUED = {
 }
 OWN_MODELS = find_own_models("meshes/own", CATALOGUED)
 OWN = {model.key: path for model, path in OWN_MODELS.models.items()}
+COMPANIONS = companions(OWN.values())
 if workflow.is_main_process:
     for sentence in OWN_MODELS.set_aside.values():
         print(f"warning: {sentence}", file=sys.stderr)
@@ -129,7 +127,8 @@ def in_clone(files):
 def source_of(wildcards):
     """Give an object's model file, and the files that it refers to."""
     if wildcards.object in OWN:
-        return in_clone([OWN[wildcards.object], *companions(OWN[wildcards.object])])
+        model = OWN[wildcards.object]
+        return in_clone([model, *COMPANIONS[model]])
     if wildcards.object in DOWNLOADED:
         return [f"meshes/downloaded/{wildcards.object}.ply.gz"]
     return in_clone([shipped(f"meshes/paper/{wildcards.object}.ply.gz")])
@@ -246,7 +245,7 @@ def check_folder():
         for job in planned_jobs()
         if job.name == "objects"
     )
-    judged = judge_brought_files(
+    outdated = judge_brought_files(
         [
             job
             for job in planned_jobs()
@@ -256,9 +255,9 @@ def check_folder():
             and job.record not in changed_blocks
         ]
     )
-    if judged.outdated:
+    if outdated:
         print(
-            f"{len(judged.outdated)} jobs have files that were brought here and made with other "
+            f"{len(outdated)} jobs have files that were brought here and made with other "
             "parameters, code or inputs than today's; they run again.",
             file=sys.stderr,
         )
@@ -272,18 +271,22 @@ def check_recognition():
 
 
 def prune():
-    """Delete results and logs that today's parameters and objects no longer name."""
-    prune_files(planned_jobs(), ["results", "logs"])
+    """Delete results and logs that today's parameters and objects no longer name, where the report is asked for.
+
+    The report takes all tables; a run with another target may be about another set of objects.
+    """
+    asked = getattr(getattr(workflow, "dag", None), "jobs", ())
+    if any(job.rule.name == "report" for job in asked):
+        prune_files(planned_jobs(), ["results", "logs"])
 
 
 def say_results():
     """Say at the end of a run what was left out, and what the report holds if it was written."""
     if "--logger" in sys.argv:  # it says so itself
         return
-    lines = [*objects_left_out(), *tolerances_exceeded()]
-    if any(job.rule.name == "report" for job in workflow.dag.finished_jobs):
-        lines += describe_results()
-    for line in lines:
+    finished = workflow.dag.finished_jobs
+    is_written = any(job.rule.name == "report" for job in finished)
+    for line in lines_at_end(report_is_current=is_written):
         print(line, file=sys.stderr)
 
 

@@ -15,7 +15,7 @@ rule gaze_all:
 rule gaze:
     input:
         recordings=RECORDED_GAZE,
-        meshes=files_of_gaze(MODEL_SUFFIXES),
+        meshes=files_of_gaze((*MODEL_SUFFIXES, *COMPANION_SUFFIXES)),
         code=code_of("gaze.py"),
     output:
         measured=GAZE_TABLES[0],

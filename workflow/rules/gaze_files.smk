@@ -1,7 +1,7 @@
 """What the rules of gaze share: recordings, meshes beside them, and tables."""
 
 from visuohaptic.gaze.parameters import GAZE_SUFFIXES
-from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
+from visuohaptic.meshes.catalogue import COMPANION_SUFFIXES, MODEL_SUFFIXES
 
 
 def files_of_gaze(suffixes):
@@ -9,7 +9,7 @@ def files_of_gaze(suffixes):
     if not PARAMETERS.gaze.folder:
         return []
     files = Path(PARAMETERS.gaze.folder).rglob("*")
-    return sorted(str(file) for file in files if file.suffix.lower() in suffixes)
+    return in_clone(sorted(file for file in files if file.suffix.lower() in suffixes))
 
 
 RECORDED_GAZE = files_of_gaze(GAZE_SUFFIXES)

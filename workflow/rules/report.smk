@@ -67,7 +67,7 @@ rule report:
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
         meshes=files_by_object("meshes", "ply"),
-        frontier=["results/frontier.parquet", "results/frontier_seconds.parquet"],
+        frontier="results/frontier.parquet",
         influence="results/effect_influence.parquet",
         stability=["results/stability.parquet", *files_by_object("stability")],
         # Only where recordings are given.
@@ -92,31 +92,9 @@ rule report:
         "../envs/visuohaptic.yaml"
     threads: 2
     params:
-        parameters=PARAMETERS.model_dump(),
+        parameters=PARAMETERS.model_dump(exclude={"workflow"}),
         objects=OBJECTS,
         studies=shown_studies,
-        # Read if they exist; else the section is left out.
-        optional={
-            "logs": "logs",
-            "extras": {
-                "studies": "results/studies",
-                "frontier": "results/frontier.parquet",
-                "frontier_seconds": "results/frontier_seconds.parquet",
-                "effect_influence": "results/effect_influence.parquet",
-                "touches_needed": "results/touches_needed.parquet",
-                "cost": "results/cost.parquet",
-                "certainty": "results/certainty.parquet",
-                "certainty_figures": "reports/certainty.json",
-                "readings": "results/readings.parquet",
-                "gaze": "results/gaze/measured.parquet",
-                "gaze_pictures": "results/gaze/pictures.parquet",
-                "stability": "results/stability.parquet",
-                "stability_objects": "results/stability",
-                "stability_full": "reports/stability.parquet",
-                "stability_further": "reports/stability.json",
-                "precision": "reports/precision.json",
-            },
-        },
     message:
         "writing the report"
     script:

@@ -11,6 +11,8 @@ from visuohaptic_workflow.kept_studies import (
     RULES_OF_STUDY,
     belongs_to,
     expected_records,
+    given_arguments,
+    names_rule,
     studies_asked_for,
 )
 
@@ -54,7 +56,8 @@ def figures_of(study):
 
 # What the report shows beside the run itself; certainty has no conditions.
 SHOWN_STUDIES = [*STUDIES, "certainty"]
-ASKED_STUDIES = studies_asked_for(sys.argv[1:], SHOWN_STUDIES)
+ARGUMENTS = given_arguments(is_main=workflow.is_main_process)
+ASKED_STUDIES = studies_asked_for(ARGUMENTS, SHOWN_STUDIES)
 # Measured once, and left as they are: no rule makes them in this run.
 KEPT_STUDIES = {
     name
@@ -227,7 +230,7 @@ def is_shown(file, study):
     is_made = study in ASKED_STUDIES and (
         file.startswith("results/studies/")
         or study in {"readings", "certainty"}
-        or f"{study}_all" in sys.argv
+        or names_rule(ARGUMENTS, f"{study}_all")
     )
     return is_made or Path(file).exists()
 

@@ -1,13 +1,18 @@
 """Write the report of everything that was run."""
 
+from pathlib import Path
+
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
+from visuohaptic.report.run_folder import find_extras
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.kept_studies import find_earlier_studies
 from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
+    # Where results are kept in a storage, it is not the working folder.
+    folder = Path(snakemake.input.metrics).parents[1]
     make_report(
         files=RunFiles(
             metrics=snakemake.input.metrics,
@@ -20,7 +25,9 @@ with job(snakemake):
             meshes=files_of(snakemake.input.meshes),
             credits=snakemake.input.credits,
             earlier_studies=find_earlier_studies(snakemake.params.studies),
-            **snakemake.params.optional,
+            logs="logs",
+            extras=find_extras(folder, checks="."),
+            folder=folder,
         ),
         output=snakemake.output[0],
         parameters=ExperimentParameters.from_mapping(snakemake.params.parameters),

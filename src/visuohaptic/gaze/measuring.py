@@ -37,9 +37,11 @@ def look_at_all(
     """Look at every recorded object, in the order of the files; results don't depend on `processes`."""
     if processes == 1:
         return [looking(file) for file in track(list(files))]
-    from joblib import Parallel, delayed
+    from joblib import Parallel, delayed, parallel_config
 
-    jobs = Parallel(n_jobs=processes)(delayed(looking)(file) for file in track(list(files)))
+    # Each would otherwise compute with as many threads as the caller's environment names.
+    with parallel_config(backend="loky", inner_max_num_threads=1):
+        jobs = Parallel(n_jobs=processes)(delayed(looking)(file) for file in track(list(files)))
     return list(jobs)
 
 

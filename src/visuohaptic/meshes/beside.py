@@ -8,6 +8,7 @@ from pathlib import Path
 from trimesh.resolvers import Resolver
 
 from visuohaptic.errors import MeshError
+from visuohaptic.meshes.catalogue import COMPANION_SUFFIXES
 
 LARGEST_BYTES = 50 * 10**6
 """A material or texture above this size is not read."""
@@ -40,7 +41,8 @@ class BesideResolver(Resolver):  # type: ignore[misc]
     def get(self, name: str) -> bytes:
         """Read a file; of an absolute path the last part may lie here.
 
-        Raises `MeshError` if it is outside the folder, not there, no file, or too large.
+        Raises `MeshError` if it is outside the folder, not there, no file, too large, or ends in none of
+        `COMPANION_SUFFIXES`.
         """
         inside = [self._find(name)] if self._is_inside(name) else []
         for path in (*inside, self.folder / Path(name).name):
@@ -60,6 +62,11 @@ class BesideResolver(Resolver):  # type: ignore[misc]
 
 
 def _read(path: Path, name: str) -> bytes:
+    # What the list of a model's companions lacks would be read unseen by those who watch it.
+    if path.suffix.lower() not in COMPANION_SUFFIXES:
+        raise MeshError(
+            f"it refers to {name!r}; files that end in {', '.join(COMPANION_SUFFIXES)} are allowed"
+        )
     if path.stat().st_size > LARGEST_BYTES:
         raise MeshError(
             f"it refers to {name!r}, which has {path.stat().st_size / 1e6:.0f} MB; "

@@ -21,16 +21,16 @@ ObjectSet = Literal["paper", "benchmark", "outside", "hard"]
 
 MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".3mf", ".dae")
 _PACKAGES = {".3mf": ("lxml",), ".dae": ("lxml", "collada")}
-_TEXTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tga")
-COMPANION_SUFFIXES = {
-    ".obj": (".mtl", *_TEXTURE_SUFFIXES),
-    ".gltf": (".bin", *_TEXTURE_SUFFIXES),
-    ".dae": _TEXTURE_SUFFIXES,
-}
-"""What may lie beside a model and belong to it."""
+COMPANION_SUFFIXES = (
+    *(".mtl", ".bin"),
+    *(".png", ".jpg", ".jpeg", ".bmp", ".tga", ".webp", ".tif", ".tiff", ".gif"),
+)
+"""Materials, buffers and textures: what a model may refer to, beside its file or below."""
+
+_WITH_COMPANIONS = (".obj", ".ply", ".glb", ".gltf", ".dae")
 
 # Nobody takes these for models.
-_NO_MODEL_SUFFIXES = (".mtl", ".bin", *_TEXTURE_SUFFIXES, ".webp", ".txt", ".md", ".csv", ".pdf")
+_NO_MODEL_SUFFIXES = (*COMPANION_SUFFIXES, ".txt", ".md", ".csv", ".pdf")
 
 _MEMBERS_OF_SET = {
     "paper": ("paper",),
@@ -232,13 +232,26 @@ def check_classes(keys: Iterable[str]) -> None:
         )
 
 
-def companions(file: str | Path) -> list[Path]:
-    """List the files beside a model that may hold its materials, textures and buffers."""
-    file = Path(file)
-    suffixes = COMPANION_SUFFIXES.get(file.suffix.lower(), ())
-    if not suffixes:
-        return []
-    return sorted(other for other in file.parent.iterdir() if other.suffix.lower() in suffixes)
+def companions(models: Iterable[str | Path]) -> dict[Path, list[Path]]:
+    """List for each model the files beside it and below that it may refer to.
+
+    `BesideResolver` gives no others.
+    """
+    files = [Path(model) for model in models]
+    folders = {file.parent for file in files if file.suffix.lower() in _WITH_COMPANIONS}
+    found = {folder: _companions_in(folder) for folder in folders}
+    return {
+        file: found[file.parent] if file.suffix.lower() in _WITH_COMPANIONS else []
+        for file in files
+    }
+
+
+def _companions_in(folder: Path) -> list[Path]:
+    return sorted(
+        file
+        for file in folder.rglob("*")
+        if file.suffix.lower() in COMPANION_SUFFIXES and file.is_file()
+    )
 
 
 def check_name(name: str, source: str | Path) -> None:

@@ -89,9 +89,9 @@ def summarise_run(
     return {
         "form": FORM,
         "metrics": dict(run.metrics),
-        "parameters": run.parameters.model_dump(mode="json"),
+        "parameters": run.parameters.model_dump(mode="json", exclude={"workflow"}),
         "seconds": [asdict(phase) for phase in seconds],
-        "commit": find_commit(run.files.checkout),
+        "commit": find_commit(),
         "machine": dict(describe_machine()),
         "views": {
             page.anchor: {

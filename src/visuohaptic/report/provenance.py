@@ -15,6 +15,7 @@ import visuohaptic
 from visuohaptic.job_logs import read_seconds
 
 PHASES = ("downloads", "meshes", "fixations", "touches", "features", "recognition", "metrics")
+_PACKAGE = Path(visuohaptic.__file__).parent
 _DISTRIBUTIONS = (
     "numpy",
     "scipy",
@@ -68,12 +69,14 @@ def find_versions() -> list[tuple[str, str]]:
     return found
 
 
-def find_commit(folder: str | Path) -> str:
-    """Name the commit of a checkout and whether it was edited since, or why there is none."""
-    head = _git(folder, "rev-parse", "HEAD")
+def find_commit(package: str | Path = _PACKAGE) -> str:
+    """Name the commit of the checkout that holds a package and whether it was edited since, or why there is none."""
+    # Installed packages may lie in another project's checkout, which does not track them.
+    is_tracked = _git(package, "ls-files", "--error-unmatch", "__init__.py") is not None
+    head = _git(package, "rev-parse", "HEAD") if is_tracked else None
     if head is None:
         return "unknown: this is no git checkout"
-    edited = _git(folder, "status", "--porcelain", "--untracked-files=no")
+    edited = _git(package, "status", "--porcelain", "--untracked-files=no")
     return f"{head}, with edits that are not committed" if edited else head
 
 

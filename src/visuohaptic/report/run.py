@@ -48,8 +48,8 @@ class RunFiles:
         add to earlier ones.
     logs : path or None
         Folder of the jobs' logs.
-    checkout : path
-        A folder within the source's checkout.
+    folder : path
+        The run's folder, to which the page's names of files are relative.
     extras : mapping of str to path
         Tables of studies that not every run has, by name.
     earlier_studies : mapping of str
@@ -67,7 +67,7 @@ class RunFiles:
     meshes: Sequence[str | Path] = ()
     credits: Sequence[str | Path] = ()
     logs: str | Path | None = None
-    checkout: str | Path = "."
+    folder: str | Path = "."
     extras: Mapping[str, str | Path] = field(default_factory=dict)
     earlier_studies: Mapping[str, str] = field(default_factory=dict)
 

@@ -14,10 +14,9 @@ METRICS = "reports/metrics.json"
 PARAMETERS = "params.yaml"
 
 _TABLES = ("predictions", "views", "fixations", "touches", "features")
-EXTRAS = {
+_EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",
-    "frontier_seconds": "results/frontier_seconds.parquet",
     "effect_influence": "results/effect_influence.parquet",
     "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",
@@ -28,11 +27,32 @@ EXTRAS = {
     "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability.parquet",
     "stability_objects": "results/stability",
+}
+_CHECKS = {
     "stability_full": "reports/stability.parquet",
     "stability_further": "reports/stability.json",
     "precision": "reports/precision.json",
 }
-"""Tables of phases that not every run has, by section; as in `workflow/rules/report.smk`."""
+
+
+def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
+    """Name the tables that not every run has, by section, whether they are there or not.
+
+    Parameters
+    ----------
+    run : path
+        The folder that holds `results` and `reports`.
+    checks : path
+        The folder in whose `reports` long checks and benchmarks leave their tables.
+
+    Returns
+    -------
+    dict of str to pathlib.Path
+        As `RunFiles.extras` has them.
+    """
+    return {name: Path(run, path) for name, path in _EXTRAS.items()} | {
+        name: Path(checks, path) for name, path in _CHECKS.items()
+    }
 
 
 @dataclass(frozen=True)
@@ -93,8 +113,8 @@ def find_run(folder: str | Path) -> RunFolder:
         meshes=sorted((folder / "results/meshes").glob("*/*.ply")),
         credits=[folder / "meshes/catalogue.csv", folder / "meshes/paper/credits.csv"],
         logs=logs if logs.is_dir() else None,
-        checkout=folder,
-        extras={name: folder / path for name, path in EXTRAS.items()},
+        folder=folder,
+        extras=find_extras(folder, folder),
     )
     return RunFolder(files, parameters, _objects(folder, parameters, files))
 

@@ -68,7 +68,7 @@ from visuohaptic.report.studies import (
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
-from visuohaptic.studies.cost.front import Row
+from visuohaptic.studies.cost.pairs import Row
 from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.studies.readings.stored import (
     OUTSIDE,
@@ -243,9 +243,7 @@ def cost_values(context: ReportContext) -> Values | None:
         "large": None if stored is None else cost_figures(stored.rows, parameters),
         "study": study,
         "seconds": context.seconds,
-        "parts": time_parts(
-            extras.get("frontier_seconds"), None if frontier is None else frontier.reference
-        ),
+        "parts": [] if frontier is None else time_parts(frontier.reference),
     }
 
 
@@ -369,13 +367,13 @@ def methods_values(context: ReportContext) -> Values:
 
 
 def parameters_values(context: ReportContext) -> Values:
-    """Give every parameter, section by section, with what it means."""
+    """Give every parameter of the results, section by section, with what it means."""
     model = context.run.parameters
     return {
         "groups": [
             (name, list(_flattened(getattr(model, name), name)))
             for name in type(model).model_fields
-            if name != "seed"
+            if name not in {"seed", "workflow"}  # no result depends on how work is divided
         ],
         "seed": model.seed,
     }
@@ -385,7 +383,7 @@ def provenance_values(context: ReportContext) -> Values:
     """Give versions, commit, machine, and seconds a phase."""
     return {
         "versions": find_versions(),
-        "commit": find_commit(context.run.files.checkout),
+        "commit": find_commit(),
         "machine": describe_machine(),
         "seconds": context.seconds,
     }

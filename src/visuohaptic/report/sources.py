@@ -155,12 +155,12 @@ def _certainty(run: Run) -> Iterator[Source]:
 
 
 def _cost(run: Run) -> Iterator[Source]:
-    columns = ("seconds", "seconds_low", "seconds_high", "error", "error_low", "error_high")
+    columns = (
+        *("seconds", "seconds_low", "seconds_high", "error", "error_low", "error_high"),
+        *("seconds_render", "seconds_attend", "seconds_cast"),
+    )
     for name, what in (("frontier", "Settings of this run"), ("cost", "The whole study")):
         yield from _extra(run, name, what, "cost", columns, ("family", "setting"))
-    parts = ("seconds_render", "seconds_attend", "seconds_cast")
-    what = "Parts of a recognition"
-    yield from _extra(run, "frontier_seconds", what, "cost_seconds", parts, ("family", "setting"))
 
 
 def _readings(run: Run) -> Iterator[Source]:
@@ -318,7 +318,7 @@ def _of_object(run: Run, files: Paths, key: str) -> str:
 
 def _pattern(run: Run, files: Paths) -> str:
     """Name files as one path or pattern, relative to the run's folder."""
-    relative = [Path(os.path.relpath(file, run.files.checkout)) for file in files]
+    relative = [Path(os.path.relpath(file, run.files.folder)) for file in files]
     if len(relative) == 1:
         return relative[0].as_posix()
     folder = Path(os.path.commonpath([file.parent for file in relative]))

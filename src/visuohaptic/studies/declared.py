@@ -27,6 +27,9 @@ PACKAGED: dict[str, Callable[[ExperimentParameters], Study]] = {
 }
 """Studies that come with the package, by name."""
 
+RESERVED = (*PACKAGED, "certainty")
+"""Names that no own study may have: those of the package, and of a measurement without conditions."""
+
 MOST_BLOCKS = 8
 MOST_CONDITIONS_A_BLOCK = 25
 
@@ -34,7 +37,7 @@ MOST_CONDITIONS_A_BLOCK = 25
 def declared_studies(run: ExperimentParameters, own: Iterable[str | Path]) -> dict[str, Study]:
     """Give every study by its name, those of the package before those in the user's own files."""
     studies = [make(run) for make in PACKAGED.values()]
-    studies += [read_study(path, run, reserved=PACKAGED) for path in sorted(map(Path, own))]
+    studies += [read_study(path, run, reserved=RESERVED) for path in sorted(map(Path, own))]
     return {study.name: study for study in studies}
 
 

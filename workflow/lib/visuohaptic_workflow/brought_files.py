@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import stat
 import time
 from base64 import urlsafe_b64encode
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 from visuohaptic_workflow.object_blocks import is_untouched
@@ -29,26 +29,11 @@ _CLOCK_SECONDS = 0.01  # the kernel's clock of files lags behind the one of prog
 _OUT_OF_DATE = (1, 1)  # older than all inputs; 0 would mean to Snakemake that there is no time
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """What became of brought files.
-
-    Attributes
-    ----------
-    kept : tuple of PlannedJob
-        Jobs whose files are current.
-    outdated : tuple of PlannedJob
-        Jobs whose files will be made again.
-    """
-
-    kept: tuple[PlannedJob, ...]
-    outdated: tuple[PlannedJob, ...]
-
-
-def judge_brought_files(jobs: Sequence[PlannedJob]) -> Judgement:
+def judge_brought_files(jobs: Sequence[PlannedJob]) -> list[PlannedJob]:
     """Make Snakemake see brought files as what they are: current or out of date.
 
     No file is deleted unless it is a link (whose content lies in DVC's cache) or Snakemake's memory can't be corrected.
+    Where a link leads to a file of another user, whose times can't be set, a copy takes its place.
 
     Parameters
     ----------
@@ -57,8 +42,8 @@ def judge_brought_files(jobs: Sequence[PlannedJob]) -> Judgement:
 
     Returns
     -------
-    Judgement
-        Jobs that were judged by their records.
+    list of PlannedJob
+        Jobs whose files are out of date, and will be made again.
     """
     origins: dict[str, bool] = {}
     made_elsewhere = {file for job in jobs for file in job.outputs}
@@ -68,7 +53,7 @@ def judge_brought_files(jobs: Sequence[PlannedJob]) -> Judgement:
             origins[file] = _is_made_here(file)
         return origins[file]
 
-    kept, outdated = [], []
+    outdated = []
     for job in jobs:
         outputs = [file for file in job.outputs if os.path.lexists(file)]
         if not outputs:  # its inputs would take long to list
@@ -78,14 +63,13 @@ def judge_brought_files(jobs: Sequence[PlannedJob]) -> Judgement:
         if not foreign and all(map(is_made_here, inputs)):
             continue
         if is_current(job):
-            kept.append(job)
             if foreign:
                 _keep(job, outputs)
         else:
             outdated.append(job)
             for file in outputs:
                 _mark_outdated(file)
-    return Judgement(tuple(kept), tuple(outdated))
+    return outdated
 
 
 def judge_blocks(blocks: Iterable[tuple[PlannedJob, Sequence[PlannedJob]]]) -> set[str]:
@@ -140,8 +124,19 @@ def _keep(job: PlannedJob, outputs: Sequence[str]) -> None:
     if min(min(_times(file)) for file in outputs) < newest:
         now = time.time_ns()
         for file in outputs:
-            os.utime(file, ns=(now, now))
-            os.utime(file, ns=(now, now), follow_symlinks=False)
+            try:
+                os.utime(file, ns=(now, now))
+            except PermissionError:
+                _replace_by_copy(file)
+            else:
+                os.utime(file, ns=(now, now), follow_symlinks=False)
+
+
+def _replace_by_copy(file: str) -> None:
+    """Put a file of one's own, with the time of now, in the place of a link to another user's."""
+    copy = f"{file}.part"
+    shutil.copyfile(file, copy)
+    Path(copy).replace(file)
 
 
 def _times(file: str) -> tuple[int, int]:
@@ -156,4 +151,7 @@ def _mark_outdated(file: str) -> None:
             Path(file).unlink()
             return
         _metadata_of(file).unlink(missing_ok=True)
-        os.utime(file, _OUT_OF_DATE)
+        try:
+            os.utime(file, _OUT_OF_DATE)
+        except PermissionError:  # a hard link to another user's file
+            Path(file).unlink()

@@ -13,6 +13,23 @@ METRICS = "reports/metrics.json"
 REPORT = "reports/report.html"
 
 
+def lines_at_end(*, report_is_current: bool) -> list[str]:
+    """Give all that a run says at its end.
+
+    Parameters
+    ----------
+    report_is_current : bool
+        Whether the run has written the report, or found it up to date; else its figures are another run's.
+
+    Returns
+    -------
+    list of str
+        Lines.
+    """
+    results = describe_results() if report_is_current else []
+    return [*objects_left_out(), *tolerances_exceeded(), *results]
+
+
 def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT) -> list[str]:
     """Give each pipeline's best classifier with its accuracy by strategy, and the report's path.
 

@@ -22,8 +22,7 @@ from visuohaptic_workflow.stopping import interrupts_tidy_up, is_interrupted
 def set_job_environment(*folders: str | Path) -> None:
     """Set the environment of the processes that this one starts.
 
-    They import the package of this checkout, even if another is installed, and they
-    compute with one thread each, as jobs run in parallel.
+    They import the package of this checkout, even if another is installed.
 
     Parameters
     ----------
@@ -34,8 +33,6 @@ def set_job_environment(*folders: str | Path) -> None:
     ours = [str(folder) for folder in folders]
     paths = [*ours, *(path for path in inherited if path and path not in ours)]
     os.environ["PYTHONPATH"] = os.pathsep.join(paths)
-    for library in ("OMP", "OPENBLAS", "MKL"):
-        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 
 @contextmanager

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import json
+import os
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from visuohaptic_workflow.plan import PlannedJob
 from visuohaptic_workflow.records import expected_record, fits_record
+
+_ARGUMENTS = "VISUOHAPTIC_ARGUMENTS"
+"""The variable of the environment that holds the run's command line."""
 
 RULES_OF_STUDY: Mapping[str, Sequence[str]] = {
     "certainty": ("certainty",),
@@ -17,7 +23,40 @@ RULES_OF_STUDY: Mapping[str, Sequence[str]] = {
 }
 """What is measured beside the conditions of a study, by the rules that do it."""
 
+_FOLDERS_BY_STUDY = frozenset(
+    [
+        *("studies", "study_blocks", "study_features"),
+        *("figures_of_study", "block_of_study", "features_of_study"),
+    ]
+)
+"""Folders, also of records, in which a study has a file or folder of its name."""
+
+_FILES_OF_STUDY: Mapping[str, Sequence[str]] = {
+    "cost": ("cost_seconds",),
+    "curves": ("study_candidates", "study_adaptive"),
+    "readings": ("reading",),
+}
+"""Other names of files and folders that belong to a study, beside those of its rules."""
+
 _NEEDED = ("results/records/figures_of_study/", "results/records/block_of_study/")
+
+
+def given_arguments(*, is_main: bool) -> list[str]:
+    """Give the command line of the run, also in the processes of its jobs, which have command lines of their own.
+
+    Parameters
+    ----------
+    is_main : bool
+        Whether this process is the run's own, which hands its command line down.
+
+    Returns
+    -------
+    list of str
+        Its arguments; none in a job that has not inherited the run's environment.
+    """
+    if is_main:
+        os.environ[_ARGUMENTS] = json.dumps(sys.argv[1:])
+    return json.loads(os.environ.get(_ARGUMENTS, "[]"))
 
 
 def studies_asked_for(arguments: Sequence[str], studies: Iterable[str]) -> set[str]:
@@ -33,14 +72,31 @@ def studies_asked_for(arguments: Sequence[str], studies: Iterable[str]) -> set[s
     Returns
     -------
     set of str
-        Those of which the target is named, or a file.
+        Those of which a rule is named, or a file.
     """
     return {
         name
         for name in studies
-        if {f"study_{name}", f"{name}_all"} & set(arguments)
-        or any(f"/{name}" in argument for argument in arguments)
+        if names_rule(arguments, f"study_{name}")
+        or names_rule(arguments, f"{name}_all")
+        or any(_is_file_of(name, argument) for argument in arguments)
     }
+
+
+def names_rule(arguments: Iterable[str], rule: str) -> bool:
+    """Whether a command line names a rule, also with the prefix that it has in another workflow's module."""
+    return any(argument == rule or argument.endswith(f"_{rule}") for argument in arguments)
+
+
+def _is_file_of(study: str, file: str) -> bool:
+    folder, *names = PurePosixPath(file).parts or ("",)
+    if folder not in {"results", "reports"}:
+        return False
+    first, *deeper = [PurePosixPath(name).stem for name in names if name != "records"] or [""]
+    if first in _FOLDERS_BY_STUDY:
+        return deeper[:1] == [study]
+    others = (*_FILES_OF_STUDY.get(study, ()), *RULES_OF_STUDY.get(study, ()))
+    return (first == study and not deeper) or first in others
 
 
 def belongs_to(job: PlannedJob, study: str) -> bool:

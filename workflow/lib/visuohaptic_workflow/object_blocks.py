@@ -69,11 +69,6 @@ class _Step:
     started: float | None = None
 
     @property
-    def name(self) -> str:
-        """The rule's name."""
-        return self.rule
-
-    @property
     def code(self) -> list[str]:
         """Files of the code."""
         return list(self.input.code)  # type: ignore[attr-defined]

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-_LETTERS_WITH_N = re.compile(r"-[DFRSdlpqt]*n")
+_LETTERS_WITH_N = re.compile(r"-[DFSafklpt]*n")
 _NO_JOBS = frozenset(
     [
         *("--dry-run", "--dryrun", "--lint", "--help", "-h", "--version", "-v"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
@@ -39,9 +39,12 @@ class Screen:
     ----------
     failed : list of str
         Failed jobs, each with the path of its log.
+    wrote_report : bool
+        Whether the report was among the jobs.
     """
 
     failed: list[str] = field(default_factory=list)
+    wrote_report: bool = False
     _jobs: dict[int, str] = field(default_factory=dict)
     _is_bar_shown: bool = False
     _steps_shown: int = 0
@@ -51,6 +54,7 @@ class Screen:
         """Show what Snakemake logs, as far as a user needs it at once."""
         event = str(getattr(record, "event", ""))
         if event == "job_info":
+            self.wrote_report |= record.__dict__["rule_name"] == "report"
             self._jobs[record.__dict__["jobid"]] = (
                 record.__dict__["rule_msg"] or record.__dict__["rule_name"]
             )
@@ -139,21 +143,27 @@ def main() -> None:
     end_at_ctrl_c()
     started = time.time()
     screen = Screen()
-    status = _run_snakemake(screen, sys.argv[1:])
+    arguments = sys.argv[1:]
+    status = _run_snakemake(screen, arguments)
     if status != STOPPED:
-        _say_end(screen, status, _newest_log(started))
+        _say_end(screen, status, _newest_log(started), arguments)
     raise SystemExit(status)
 
 
-def _say_end(screen: Screen, status: int, log: str | None) -> None:
-    if status == 0:
-        from visuohaptic_workflow.closing import (
-            describe_results,
-            objects_left_out,
-            tolerances_exceeded,
-        )
+def _targets(arguments: Sequence[str]) -> Collection[str]:
+    """Give the targets that a command line of Snakemake names."""
+    from snakemake.cli import get_argument_parser
 
-        screen.say("", *objects_left_out(), *tolerances_exceeded(), *describe_results())
+    return get_argument_parser().parse_args(list(arguments)).targets
+
+
+def _say_end(screen: Screen, status: int, log: str | None, arguments: Sequence[str]) -> None:
+    if status == 0:
+        from visuohaptic_workflow.closing import lines_at_end
+
+        # Without targets everything was made, or was up to date.
+        is_current = screen.wrote_report or not _targets(arguments)
+        screen.say("", *lines_at_end(report_is_current=is_current))
     if screen.failed:
         screen.say(f"{len(screen.failed)} failed, the reason is in its log:", *screen.failed)
     if log:

@@ -1,0 +1,52 @@
+"""A command line asks for a study by its rules or its files, and by nothing else."""
+
+import pytest
+
+from visuohaptic_workflow.kept_studies import studies_asked_for
+
+STUDIES = ("cost", "curves", "readings", "certainty", "palm", "palm_size", "touches")
+
+
+@pytest.mark.parametrize(
+    ("target", "study"),
+    [
+        ("study_palm_size", "palm_size"),
+        ("cost_all", "cost"),
+        ("visuohaptic_study_palm_size", "palm_size"),
+        ("visuohaptic_readings_all", "readings"),
+        ("results/studies/palm.parquet", "palm"),
+        ("reports/studies/touches.json", "touches"),
+        ("results/study_blocks/palm/0000-0002.parquet", "palm"),
+        ("results/study_features/palm/0a1b.parquet", "palm"),
+        ("results/records/block_of_study/palm/0000-0002.json", "palm"),
+        ("results/cost.parquet", "cost"),
+        ("results/cost_seconds.parquet", "cost"),
+        ("results/certainty.parquet", "certainty"),
+        ("reports/certainty.json", "certainty"),
+        ("reports/curves.json", "curves"),
+        ("results/touches_needed.parquet", "curves"),
+        ("results/study_adaptive/best.parquet", "curves"),
+        ("reports/readings.html", "readings"),
+        ("results/reading/r017.json", "readings"),
+    ],
+)
+def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
+    assert studies_asked_for(["-j2", "--", target], STUDIES) == {study}
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "-d /data/readings",
+        "--directory runs/cost",
+        "--configfile studies/palm.yaml",
+        "-s /clones/palm/Snakefile all",
+        "results/touches/cup/mug/00-15.parquet",
+        "results/features/palm/readings/00-15.parquet",
+        "results/records/touches/palm/mug/00-15.json",
+        "study_palms",
+        "",
+    ],
+)
+def test_other_arguments_ask_for_no_study(line):
+    assert studies_asked_for(line.split(), STUDIES) == set()
