@@ -44,18 +44,20 @@ def assessed(model, rows, coverage):
     return calibration.assess(tuned, projected, rows, found, coverage)
 
 
-def calibrated(misfits, labels):
+def calibrated(nonconformity, labels):
     """Give a calibration by bags of one size."""
     nowhere = Landmarks(np.zeros((1, 1)), None)
     evidence = np.zeros((1, len(labels), 2))
-    return Calibration(np.ones(1, int), np.array(labels), np.array([misfits]), evidence, nowhere)
+    return Calibration(
+        np.ones(1, int), np.array(labels), np.array([nonconformity]), evidence, nowhere
+    )
 
 
 @pytest.mark.parametrize("coverage", [0.5, 0.8, 0.9, 0.95])
 def test_one_more_object_is_within_the_set_as_often_as_stated(coverage):
     generator = np.random.default_rng(0)
     within = [
-        calibrated(draw[:-1], [0] * 40).fits(0, draw[-1:], coverage)[0] > 1 - coverage + 1e-12
+        calibrated(draw[:-1], [0] * 40).p_values(0, draw[-1:], coverage)[0] > 1 - coverage + 1e-12
         for draw in generator.random((4000, 41))
     ]
     assert coverage - 0.02 < np.mean(within) < coverage + 1 / 40 + 0.02
@@ -65,13 +67,14 @@ def test_one_more_object_is_within_the_set_as_often_as_stated(coverage):
 def test_a_class_is_left_out_of_a_set_from_the_least_number_of_objects_on(coverage, least):
     assert least_objects(coverage) == least
     for objects, held in ((least, False), (least - 1, True)):
-        worst = calibrated(np.zeros(objects), [0] * objects).fits(0, np.ones(1), coverage)
+        worst = calibrated(np.zeros(objects), [0] * objects).p_values(0, np.ones(1), coverage)
         assert (worst[0] > 1 - coverage + 1e-12) == held
 
 
 def test_a_class_with_enough_objects_is_compared_with_them_and_another_with_all():
     own = calibrated([0.1] * 9 + [0.9] * 3, [0] * 9 + [1] * 3)
-    np.testing.assert_allclose(own.fits(0, np.array([0.5, 0.5, 0.5]), 0.9), [0.1, 4 / 13, 4 / 13])
+    p_values = own.p_values(0, np.array([0.5, 0.5, 0.5]), 0.9)
+    np.testing.assert_allclose(p_values, [0.1, 4 / 13, 4 / 13])
 
 
 @pytest.mark.slow
@@ -118,9 +121,11 @@ def test_a_class_with_one_object_has_no_part_in_what_the_others_are_compared_wit
 
 
 def test_the_set_holds_the_classes_that_fit_better_than_the_coverage_leaves_out():
-    descriptors, labels, owners = clusters(objects=(20, 20, 20), separation=0.1)
-    found = assessed(fitted(descriptors, labels, owners), descriptors[:8], 0.9)
-    assert found.candidates.tolist() == (found.fits > 0.1 + 1e-12).tolist()
+    own = calibrated([0.1] * 9 + [0.9] * 3, [0] * 9 + [1] * 3)
+    trained = np.array([0, 1])
+    for probability, held in ((0.9, [True, True, False]), (0.89, [False, True, False])):
+        found = own.prediction_set(np.array([probability, 0.2, 0.5]), trained, 1, 0.9)
+        assert found.tolist() == held
 
 
 def test_a_class_that_training_lacked_is_no_candidate():

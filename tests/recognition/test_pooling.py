@@ -13,6 +13,7 @@ from visuohaptic.recognition.pooling import (
     hold_out_bags,
     softmax,
     spread_bags,
+    spread_choices,
 )
 from visuohaptic.recognition.tuning import fit_best_classifiers
 
@@ -31,7 +32,32 @@ def test_bags_of_every_size_hold_each_sequence_of_an_object_once_and_no_other_ob
         held = [bag for bag in bags if len(bag) == size and owners[bag[0]] == 3]
         assert sorted(np.concatenate(held)) == list(range(16))
     sizes = [len(bag) for bag in bags if owners[bag[0]] == 7]
-    assert sizes == [1] * 5 + [2] * 2 + [4] + [5]
+    assert sizes == [1] * 5 + [2] * 3 + [4] * 2 + [5]
+
+
+@pytest.mark.parametrize("views", range(1, 33))
+def test_bags_of_any_number_of_views_are_even_and_hold_all_of_them(views):
+    for size in range(1, views + 1):
+        bags = listed(spread_bags(np.zeros(views, int), (size,)))
+        assert len(bags) == -(-views // size)
+        assert len({tuple(bag) for bag in bags}) == len(bags)
+        assert set(np.concatenate(bags)) == set(range(views))
+        for bag in bags:
+            gaps = np.diff([*bag, bag[0] + views])
+            assert set(gaps) <= {views // size, -(-views // size)}
+
+
+@pytest.mark.parametrize(("total", "count"), [(16, 4), (15, 8), (12, 8), (5, 2), (7, 1), (6, 6)])
+def test_choices_are_even_distinct_and_each_place_is_in_as_many(total, count):
+    choices = spread_choices(total, count)
+    assert len(np.unique(choices, axis=0)) == len(choices)
+    assert len(set(np.bincount(choices.ravel(), minlength=total))) == 1
+    gaps = np.diff(choices, axis=1, append=choices[:, :1] + total)
+    assert set(gaps.ravel()) <= {total // count, -(-total // count)}
+
+
+def test_choices_of_a_divisor_share_no_place():
+    assert spread_choices(16, 4).tolist() == [[k, k + 4, k + 8, k + 12] for k in range(4)]
 
 
 def test_views_of_a_bag_are_spread_over_the_ring():
@@ -134,3 +160,33 @@ def test_no_answer_is_surer_than_as_many_objects_allow(objects):
     surest = Ballots(clear, clear, combination).alone().max()
     expected = 1 - 1 / (objects + 2) / 2
     assert surest == pytest.approx(expected, abs=0.3 * (1 - expected))
+
+
+def combined_views(views):
+    """Give the numbers of views that temperatures are for, of objects with so many views each."""
+    owners = np.repeat(np.arange(len(views)), views)
+    labels = owners % 2
+    scores = np.random.default_rng(0).normal(size=(len(owners), 2)) + np.eye(2)[labels]
+    held_out = hold_out_bags(scores, labels, owners, SIZES, np.ones(2, bool), 1.0)
+    return held_out.combine(softmax(scores)).views.tolist()
+
+
+def test_each_number_of_views_that_all_objects_have_has_a_temperature():
+    assert combined_views([16] * 8) == list(SIZES)
+
+
+def test_a_number_of_views_that_one_object_has_shares_the_temperature_of_the_next_smaller():
+    bags_of_8 = 2 * 8
+    assert combined_views([15] + [16] * 7) == [1, 2, 4, (8 * bags_of_8 + 15) / (bags_of_8 + 1), 16]
+
+
+def test_numbers_of_views_that_few_objects_have_share_a_temperature():
+    assert combined_views([12, 13, 14, 15]) == [1, 2, 4, 8, 12.5, 14.5]
+
+
+def test_a_smallest_number_of_views_that_few_objects_have_shares_the_temperature_above():
+    owners = np.repeat(np.arange(5), [3, 16, 16, 16, 16])
+    labels = owners % 2
+    scores = np.eye(2)[labels]
+    held_out = hold_out_bags(scores, labels, owners, (16,), np.ones(2, bool), 1.0)
+    assert held_out.combine(softmax(scores)).views.tolist() == [(3 + 4 * 16) / 5]

@@ -1,5 +1,6 @@
 """Who trains and who is tested."""
 
+import itertools
 from collections import Counter
 
 import numpy as np
@@ -64,10 +65,39 @@ def test_more_combinations_than_allowed_are_sampled_distinct_and_balanced():
     assert set(counts.values()) == {3}
 
 
-def test_cap_just_below_all_combinations_is_reached():
-    members = [[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]
-    chosen = leave_one_out_a_class(members, 80, np.random.default_rng(3))
-    assert len(set(chosen)) == 80
+def members_of(sizes):
+    ends = np.cumsum(sizes)
+    return [list(range(end - size, end)) for size, end in zip(sizes, ends, strict=True)]
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    ("sizes", "maximum"),
+    [
+        ((4, 3, 3, 3), 81), ((4, 3, 3, 3), 107), ((3, 3, 3, 3), 80), ((12, 12), 81), ((5, 2), 9),
+        ((4, 6, 9), 211), ((2, 2, 2, 2, 2, 2, 2), 127), ((7, 12), 81), ((1, 100), 81), ((4, 4), 3),
+    ],
+)  # fmt: skip
+def test_few_combinations_are_sampled_distinct_and_balanced(sizes, maximum, seed):
+    members = members_of(sizes)
+    chosen = leave_one_out_a_class(members, maximum, np.random.default_rng(seed))
+    assert len(set(chosen)) == len(chosen) == maximum
+    for tested, objects in zip(zip(*chosen, strict=True), members, strict=True):
+        counts = [tested.count(place) for place in objects]
+        assert sum(counts) == maximum
+        assert max(counts) - min(counts) <= 1
+
+
+def test_where_no_combination_comes_twice_each_draw_is_kept():
+    members = members_of((9,) * 5)
+    chosen = leave_one_out_a_class(members, 12, np.random.default_rng(2))
+    assert (chosen[0], chosen[-1]) == ((2, 11, 20, 33, 41), (7, 12, 18, 32, 37))
+
+
+def test_pairs_of_objects_of_two_classes_are_tested_together_in_many_ways():
+    chosen = leave_one_out_a_class(members_of((3,) * 5), 81, np.random.default_rng(0))
+    for first, second in itertools.combinations(zip(*chosen, strict=True), 2):
+        assert len(set(zip(first, second, strict=True))) == 9
 
 
 def test_same_generator_draws_the_same_splits_and_another_others():

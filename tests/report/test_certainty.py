@@ -19,7 +19,7 @@ from visuohaptic.report.run_folder import find_run
 from visuohaptic.studies.certainty import summarise_certainty
 from visuohaptic.studies.figures import write_json
 from visuohaptic.tables.schema import build_table, write_table
-from visuohaptic.tables.studies import CERTAINTY
+from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
 
 
 def certainty_table(fits=(0.05, 0.15, 0.45, 0.95), strange=(0.25, 0.65, 0.95, 1.0), candidates=1):
@@ -29,7 +29,8 @@ def certainty_table(fits=(0.05, 0.15, 0.45, 0.95), strange=(0.25, 0.65, 0.95, 1.
             "strategy": strategy, "classifier": "naive_bayes", "left_out": left_out,
             "class": left_out if not known else "cup", "object": f"{known}{place}", "views": 4,
             "known": known, "correct": known, "covered": known and value > 0.1,
-            "fit": value if known else 0.0, "candidates": candidates,
+            "covered_at": [stated for stated in STATED_COVERAGES if known and value > 1 - stated / 100 + 1e-12],
+            "candidates": candidates,
             "strangeness": 0.35 if known else value, "evidence": 0.35 if known else value,
             "unknown": not known and value > 0.9,
         }

@@ -22,8 +22,8 @@ from visuohaptic.report.cost import (
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.studies.cost.front import on_robot
-from visuohaptic.tables.schema import build_table, write_table
-from visuohaptic.tables.studies import COST, COST_SECONDS
+from visuohaptic.tables.schema import write_table
+from visuohaptic.tables.studies import COST
 
 POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
 
@@ -89,23 +89,17 @@ def test_what_was_not_measured_has_no_figures(tmp_path):
     assert cost_chart(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:], ("imprint",)) is None
 
 
-def test_the_parts_of_a_recognition_are_those_of_its_row(tmp_path):
-    names = [column.name for column in COST_SECONDS.columns]
-    row = dict.fromkeys(names, 0.001) | {"family": "touches", "setting": "5", "recognitions": 4}
+def test_the_parts_of_a_recognition_are_those_of_its_row():
+    (row,) = cost_rows([("5", 0.1, 0.1, {"looks": 2, "touches": 5, "viewpoints": 2})])
     row |= {"seconds_look": 0.06, "seconds_render": 0.02, "seconds_attend": 0.03}
     row |= {"seconds_touch": 0.02, "seconds_cast": 0.005}
-    columns = {name: [row[name], row[name]] for name in names} | {"setting": ["5", "6"]}
-    path = tmp_path / "seconds.parquet"
-    write_table(COST_SECONDS, build_table(COST_SECONDS, columns), path)
-    setting = {"family": "touches", "setting": "5", "looks": 2, "touches": 5, "viewpoints": 2}
-    parts = {part.name: part for part in time_parts(path, setting)}
+    parts = {part.name: part for part in time_parts(row)}
     assert parts["rendering"].each == "10 ms a view"
     assert parts["attention: saliency and fixations"].each == "15 ms a view"
     assert parts["casting rays"].each == "0.5 ms a touch"
     assert parts["rest of touching"].seconds == pytest.approx(0.015)
     assert parts["preparing the surface"].seconds == pytest.approx(0.01)
-    assert time_parts(path, {**setting, "setting": "7"}) == []
-    assert time_parts(None, setting) == time_parts(path, None) == []
+    assert time_parts({**row, "seconds": None}) == time_parts(None) == []
 
 
 def said(rows):
@@ -114,7 +108,7 @@ def said(rows):
 
 def test_the_advice_names_steps_with_their_price_and_what_can_not_be_told_apart():
     rows = cost_rows([("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.1), ("5 touches", 0.1, 0.08)])
-    rows[0]["step"] = rows[1]["step"] = True
+    rows[1]["step"] = True
     first, time, second, rest = said(rows)
     assert first == (
         "As quick as any setting, and the most accurate of these, is touches, 1 touch: 40.0 % wrong "
@@ -122,7 +116,7 @@ def test_the_advice_names_steps_with_their_price_and_what_can_not_be_told_apart(
     )
     assert time == "It takes 10 ms."
     assert second == (
-        "Each of these is slower, and more accurate than the one before with 95 % confidence: touches, 2 touches, "
+        "Each of these is significantly slower and more accurate than the one before, at 95 % confidence: touches, 2 touches, "
         "20 ms, 10.0 % wrong (5.0 % to 30.0 %)."
     )
     assert (
@@ -140,14 +134,17 @@ def test_the_first_sentences_do_not_depend_on_an_order_that_timing_leaves_open()
         times = noise * [0.01, 0.01, 0.01, 0.1]
         settings = zip(("1", "2", "3", "5"), times, (0.4, 0.3, 0.35, 0.1), strict=True)
         rows = cost_rows([(f"{name} touches", time, error) for name, time, error in settings])
+        for place, row in enumerate(rows):
+            row |= {"as_quick": place < 3, "step": place == 1}
         sentences.add(said(rows)[0])
         answers.add(re.sub(r"[0-9]+ ms", "", cost_answer(cost_figures(rows, PARAMETERS))))
     assert len(sentences) == len(answers) == 1
     assert "2 touches" in sentences.pop()
 
 
-def test_settings_that_can_not_be_told_apart_are_one_row():
+def test_settings_of_a_group_are_one_row():
     rows = cost_rows([("a", 0.010, 0.30), ("b", 0.011, 0.31), ("c", 0.5, 0.3)], failed=["8 × 8"])
+    rows[1]["group"] = rows[0]["group"]
     together, alone, failed = cost_figures(rows, PARAMETERS).groups
     assert together.settings == [("touches", "a; b")]
     assert (together.milliseconds, together.quartiles) == ("10–11", "9–13")

@@ -31,8 +31,22 @@ def test_every_object_is_unknown_once_and_no_model_knows_its_class(measured):
     known = select(measured, known=True)
     assert known.num_rows
     assert all(row["class"] != row["left_out"] for row in known.to_pylist())
-    assert not any(row["covered"] or row["fit"] for row in strange.to_pylist())
-    assert all(row["covered"] == (row["fit"] > 0.1 + 1e-12) for row in known.to_pylist())
+    assert not any(row["covered"] or row["covered_at"] for row in strange.to_pylist())
+    assert all(row["covered"] == (90 in row["covered_at"]) for row in known.to_pylist())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stated", [80, 95])
+def test_sets_of_other_coverages_are_those_that_would_be_given_where_they_are_stated(stated):
+    table = features_table(objects=(16, 16, 16), viewpoints=1, separation=0.3)
+    best = PARAMETERS.best.model_copy(update={"coverage": stated / 100})
+    other = PARAMETERS.model_copy(update={"best": best})
+    ours, theirs = (
+        select(measure_certainty(table, "fixation", "naive_bayes", one, 1), known=True).to_pylist()
+        for one in (PARAMETERS, other)
+    )
+    covered = [row["covered"] for row in theirs]
+    assert [stated in row["covered_at"] for row in ours] == covered
 
 
 def test_unknown_objects_are_stranger_than_known_ones(measured):

@@ -31,7 +31,6 @@ from visuohaptic.studies.measuring import (
     Sources,
     measure_condition,
     remake_features,
-    spread_choices,
 )
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
@@ -178,13 +177,6 @@ def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
         (cell,) = cells(planned, SYNTHETIC).values()
         mean = np.average(cell.accuracy, weights=cell.weights)
         assert mean == pytest.approx(figures[figure]["mean"])
-
-
-def test_choices_are_even_and_each_place_is_in_as_many():
-    assert spread_choices(16, 4).tolist() == [[k, k + 4, k + 8, k + 12] for k in range(4)]
-    assert spread_choices(4, 1).ravel().tolist() == [0, 1, 2, 3]
-    assert spread_choices(6, 6).tolist() == [[0, 1, 2, 3, 4, 5]]
-    assert set(np.bincount(spread_choices(5, 2).ravel())) == {2}
 
 
 def test_conditions_that_differ_in_the_vote_alone_train_once(monkeypatch):

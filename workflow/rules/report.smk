@@ -67,7 +67,7 @@ rule report:
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
         meshes=files_by_object("meshes", "ply"),
-        frontier=["results/frontier.parquet", "results/frontier_seconds.parquet"],
+        frontier="results/frontier.parquet",
         influence="results/effect_influence.parquet",
         stability=["results/stability.parquet", *files_by_object("stability")],
         # Only where recordings are given.

@@ -41,8 +41,9 @@ class Recognition:
     seconds : mapping of str to float
         What each phase took: prepare, look, touch, describe, name.
     candidates : tuple of str or None
-        The prediction set, the likeliest first: of objects of known classes, the share `coverage` has
-        its class in it. None, as all that follows, where the model is not calibrated.
+        The prediction set, the likeliest first, made so that of objects of known classes the share
+        `coverage` has its class in it, which is measured and not guaranteed (docs/recognition.md). None, as
+        all that follows, where the model is not calibrated.
     strangeness : float or None
         The share of known objects, this one counted among them, that are less strange than it.
     unknown : bool or None

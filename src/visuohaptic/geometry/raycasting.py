@@ -266,20 +266,15 @@ class RayCaster:
     ) -> tuple[NDArray[np.intp], Hits]:
         """Give the rays that meet narrow faces, ascending, and where each meets the first of them."""
         nothing = np.zeros(0, np.int64)
+        no_hits = Hits(np.zeros(0), nothing, np.zeros((0, 2)))
         if not len(self._narrow):
-            return nothing, Hits(np.zeros(0), nothing, np.zeros((0, 2)))
-        pairs = [(nothing, nothing), *self._narrow_pairs(origins, directions)]
-        met = [
-            (rays, self._nearest_of(faces[:, None], origins[rays], directions[rays]))
-            for rays, faces in pairs
-        ]
-        rays = np.concatenate([rays[hits.hit] for rays, hits in met])
-        hits = Hits(
-            *(
-                np.concatenate([getattr(hits, name)[hits.hit] for _, hits in met])
-                for name in ("distance", "face", "barycentric")
-            )
-        )
+            return nothing, no_hits
+        met_rays, met = [nothing], [no_hits]
+        for near, faces in self._narrow_pairs(origins, directions):
+            found = self._nearest_of(faces[:, None], origins[near], directions[near])
+            met_rays.append(near[found.hit])
+            met.append(_take(found, found.hit))
+        rays, hits = np.concatenate(met_rays), _join(met)
         order = np.lexsort((hits.face, hits.distance, rays))
         _, first = np.unique(rays[order], return_index=True)
         return rays[order[first]], _take(hits, order[first])
@@ -401,6 +396,14 @@ def _put(hits: Hits, rays: NDArray[np.intp], others: Hits) -> None:
     hits.distance[rays] = others.distance
     hits.face[rays] = others.face
     hits.barycentric[rays] = others.barycentric
+
+
+def _join(parts: list[Hits]) -> Hits:
+    return Hits(
+        np.concatenate([part.distance for part in parts]),
+        np.concatenate([part.face for part in parts]),
+        np.concatenate([part.barycentric for part in parts]),
+    )
 
 
 def _take(hits: Hits, rays: NDArray[np.intp] | NDArray[np.bool_]) -> Hits:

@@ -1,8 +1,9 @@
 """How sure an answer is: prediction sets at a stated coverage, and objects of no known class.
 
-Both are conformal (V. Vovk, A. Gammerman, G. Shafer, "Algorithmic learning in a random world", 2005):
-an object is compared with training objects that were each named without themselves, by folds of whole
-objects.
+Both are cross-conformal in kind (V. Vovk, "Cross-conformal predictors", Annals of Mathematics and
+Artificial Intelligence 74, 2015): an object is compared with training objects that were each named
+without themselves, by models of folds of whole objects. The object itself is named by the final model,
+which learnt from more; so the coverage is not guaranteed, and `studies.certainty` measures it.
 """
 
 from __future__ import annotations
@@ -75,12 +76,8 @@ class Certainty:
     Attributes
     ----------
     candidates : numpy.ndarray
-        Shape (c,), bool: the prediction set. It holds the class of an object of a known class in the
-        stated share of cases; it may be empty.
-    fits : numpy.ndarray
-        Shape (c,), float64: how well each class fits, the conformal p value: the share of known objects,
-        this one counted among them, that their class fits no better. 0 for a class that training lacked.
-        It is in a set of any coverage above 1 - its fit.
+        Shape (c,), bool: the prediction set, which is made to hold the class of an object of a known class
+        in the stated share of cases; it may be empty.
     strangeness : float
         Between 0 and 1: the share of known objects, this one counted among them, that are no stranger
         than it.
@@ -91,7 +88,6 @@ class Certainty:
     """
 
     candidates: NDArray[np.bool_]
-    fits: NDArray[np.float64]
     strangeness: float
     unknown: bool
     evidence: float
@@ -107,7 +103,7 @@ class Calibration:
         Shape (k,), int64: sequences in a bag, ascending.
     labels : numpy.ndarray
         Shape (n,), int64: the objects' classes.
-    misfits : numpy.ndarray
+    nonconformity : numpy.ndarray
         Shape (k, n), float64: 1 - probability of the true class.
     evidence : numpy.ndarray
         Shape (k, n, e), float64: as `Landmarks.evidence` gives it.
@@ -117,7 +113,7 @@ class Calibration:
 
     views: NDArray[np.int64]
     labels: NDArray[np.int64]
-    misfits: NDArray[np.float64]
+    nonconformity: NDArray[np.float64]
     evidence: NDArray[np.float64]
     landmarks: Landmarks
 
@@ -149,17 +145,36 @@ class Calibration:
         Certainty
             By bags of as many sequences, or of the next smaller number.
         """
-        size = max(int(np.searchsorted(self.views, len(projected), side="right")) - 1, 0)
+        size = self._size(len(projected))
         known_touches = self.landmarks.touches
         nearest = None if known_touches is None else known_touches.nearest(touches)
         evidence = self.landmarks.evidence(projected, classifier.scores(projected), nearest)
         strange = self.strangeness(size, evidence)
         rank = np.sum(self.strangeness(size, self.evidence[size]) >= strange)
         share = float((1 + rank) / (1 + len(self.labels)))
-        known = np.isin(np.arange(len(probabilities)), classifier.trained)
-        fits = np.where(known, self.fits(size, 1 - probabilities, coverage), 0.0)
-        least = 1 - coverage + 1e-12
-        return Certainty(fits > least, fits, 1 - share, share <= least, float(strange))
+        candidates = self.prediction_set(
+            probabilities, classifier.trained, len(projected), coverage
+        )
+        return Certainty(candidates, 1 - share, share <= _least_share(coverage), float(strange))
+
+    def prediction_set(
+        self,
+        probabilities: NDArray[np.float64],
+        trained: NDArray[np.int64],
+        sequences: int,
+        coverage: float,
+    ) -> NDArray[np.bool_]:
+        """Choose the classes whose p value is above 1 - coverage, shape (c,), of those that training had.
+
+        `probabilities` are the answer for a bag of so many sequences, shape (c,).
+        """
+        known = np.isin(np.arange(len(probabilities)), trained)
+        p_values = self.p_values(self._size(sequences), 1 - probabilities, coverage)
+        return known & (p_values > _least_share(coverage))
+
+    def _size(self, sequences: int) -> int:
+        """Give the place of the bags to compare with: of as many sequences, or the next smaller number."""
+        return max(int(np.searchsorted(self.views, sequences, side="right")) - 1, 0)
 
     def strangeness(self, size: int, evidence: NDArray[np.float64]) -> NDArray[np.float64]:
         """Add all signs, (..., e), each divided by its deviation over the training objects."""
@@ -167,15 +182,18 @@ class Calibration:
         added: NDArray[np.float64] = (evidence / np.where(spread > 0, spread, 1)).sum(axis=-1)
         return added
 
-    def fits(self, size: int, misfits: NDArray[np.float64], coverage: float) -> NDArray[np.float64]:
-        """Give how well each class fits by its misfit, shape (c,), as in `Certainty.fits`.
+    def p_values(
+        self, size: int, nonconformity: NDArray[np.float64], coverage: float
+    ) -> NDArray[np.float64]:
+        """Give the conformal p value of each class by its nonconformity, (c,) to (c,).
 
-        A class with enough objects of its own for the coverage is compared with these, so that the
-        coverage holds within it; the others are compared with all objects.
+        It is the share of known objects, this one counted among them, that their class fits no better. A
+        class with enough objects of its own for the coverage is compared with these, so that the coverage
+        is that of its own objects; the others are compared with all.
         """
-        same = self.labels[:, None] == np.arange(len(misfits))
+        same = self.labels[:, None] == np.arange(len(nonconformity))
         compared = same | (same.sum(axis=0) < least_objects(coverage))
-        no_better = compared & (self.misfits[size][:, None] >= misfits)
+        no_better = compared & (self.nonconformity[size][:, None] >= nonconformity)
         shares: NDArray[np.float64] = (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
         return shares
 
@@ -183,6 +201,11 @@ class Calibration:
 def least_objects(coverage: float) -> int:
     """Give with how many objects a set of this coverage can leave out a class at all."""
     return math.ceil(round(coverage / (1 - coverage), 9))
+
+
+def _least_share(coverage: float) -> float:
+    """Give the share above which a class or an object is like the known ones, a rounding error apart."""
+    return 1 - coverage + 1e-12
 
 
 def fit_calibration(
@@ -274,12 +297,12 @@ def gather_calibration(
     landmarks: Landmarks,
     best: BestParameters,
 ) -> Calibration:
-    """Gather class, misfits (k,) and evidence (k, e) of each training object."""
-    labels, misfits, evidence = zip(*rows, strict=True)
+    """Gather class, nonconformity (k,) and evidence (k, e) of each training object."""
+    labels, nonconformity, evidence = zip(*rows, strict=True)
     return Calibration(
         np.array(bag_sizes(best), dtype=np.int64),
         np.array(labels, dtype=np.int64),
-        np.array(misfits).T,
+        np.array(nonconformity).T,
         np.array(evidence).transpose(1, 0, 2),
         landmarks,
     )

@@ -627,7 +627,7 @@ def _calibration_state(calibration: Calibration | None) -> dict[str, Any] | None
     return {
         "views": calibration.views,
         "labels": calibration.labels,
-        "misfits": calibration.misfits,
+        "misfits": calibration.nonconformity,
         "evidence": calibration.evidence,
         "landmarks": calibration.landmarks.objects,
         "touches": _touches_state(calibration.landmarks.touches),
@@ -639,8 +639,9 @@ def _calibration_of(state: dict[str, Any] | None) -> Calibration | None:
         return None
     touches = state.get("touches")
     landmarks = Landmarks(state["landmarks"], None if touches is None else KnownTouches(**touches))
-    arrays = ("views", "labels", "misfits", "evidence")
-    return Calibration(**{name: state[name] for name in arrays}, landmarks=landmarks)
+    return Calibration(
+        state["views"], state["labels"], state["misfits"], state["evidence"], landmarks
+    )
 
 
 def _touches_state(touches: KnownTouches | None) -> dict[str, Any] | None:

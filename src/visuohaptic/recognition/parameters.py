@@ -108,11 +108,15 @@ class ProtocolParameters(_Section):
     )
     turns: Literal["none", "vertical", "any"] = Field(
         "none",
-        description="How the poses of each object's touches are turned at random before training and "
-        "testing: not, about the vertical, or over all rotations; the touches themselves stay",
+        description="How the poses of each object's touches are turned before training and testing: not, "
+        "about the vertical, or over all rotations; the touches themselves stay. The angles are drawn by the "
+        "object's name alone, the same for every seed and repeat",
     )
     repeats: int = Field(
-        1, ge=1, le=1000, description="How often everything is repeated with another seed"
+        1,
+        ge=1,
+        le=1000,
+        description="How often splits and training are repeated with another seed, on the same touches",
     )
 
 
@@ -188,8 +192,8 @@ class BestParameters(_Section):
         0.9,
         gt=0,
         lt=1,
-        description="Share of objects of known classes whose class is in the prediction set, and that "
-        "are not taken for objects of an unknown class",
+        description="Stated share of objects of known classes whose class is in the prediction set, and "
+        "that are not taken for objects of an unknown class",
     )
     calibration_folds: int = Field(
         10,

@@ -7,6 +7,7 @@ of every size, and is linear: its scores of a bag are the means of its scores of
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -63,7 +64,7 @@ class Combination:
         What the classifier's log probabilities and the bag classifier's scores are divided by: their
         deviations over held-out bags, the latter by the weight of bags.
     views : numpy.ndarray
-        Shape (k,), float64: numbers of sequences, ascending.
+        Shape (k,), float64: numbers of sequences, ascending; the mean of those that share a temperature.
     temperatures : numpy.ndarray
         Shape (k,), float64: by what the sum is divided for bags of so many.
     known : numpy.ndarray
@@ -186,8 +187,33 @@ class Bags:
         return means
 
 
+def spread_choices(total: int, count: int) -> NDArray[np.int64]:
+    """Choose `count` of `total` places, evenly spread over a ring, in every way.
+
+    Parameters
+    ----------
+    total : int
+        Places on the ring.
+    count : int
+        How many to choose, 1 to `total`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (k, count), int64, each row ascending: the first choice turned on by one place after
+        another, none twice. Each place is in as many of them as any other; the first
+        ceil(total / count) choices have every place, once each where `count` divides `total`.
+    """
+    steps = np.arange(count) * total // count
+    turns = np.arange(total // math.gcd(total, count))
+    return np.sort((steps + turns[:, None]) % total, axis=1)
+
+
 def spread_bags(owners: NDArray[np.int64], sizes: Sequence[int]) -> Bags:
-    """Divide each object's sequences into bags of every size, evenly spread over its views.
+    """Choose bags of every size among each object's sequences, evenly spread over its views.
+
+    The bags of a size have every sequence of the object, once each where the size divides their
+    number; else a few are in two bags.
 
     Parameters
     ----------
@@ -215,8 +241,7 @@ def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[NDArray[np.int64],
     """Give places and counts of the bags of one object with so many sequences."""
     bags = []
     for size in sorted({min(size, total) for size in sizes}):
-        step = total // size
-        bags += [np.arange(start, total, step)[:size] for start in range(step)]
+        bags += list(spread_choices(total, size)[: math.ceil(total / size)])
     return np.concatenate(bags), np.array([len(bag) for bag in bags])
 
 
@@ -283,10 +308,8 @@ class HeldOutBags:
         The m bags; None where nothing was held out.
     scores : numpy.ndarray
         Shape (m, c), float64: means over each bag's sequences.
-    labels : numpy.ndarray
-        Shape (m,), int64: their classes.
-    doubt : float
-        The share of the truth that is spread over all classes.
+    labels, owners : numpy.ndarray
+        Shape (m,), int64: their classes and objects.
     known : numpy.ndarray
         Shape (c,), bool: the classes that all training objects have.
     weight : float
@@ -296,12 +319,16 @@ class HeldOutBags:
     bags: Bags | None
     scores: NDArray[np.float64]
     labels: NDArray[np.int64]
-    doubt: float
+    owners: NDArray[np.int64]
     known: NDArray[np.bool_]
     weight: float
 
     def combine(self, probabilities: NDArray[np.float64]) -> Combination:
         """Fit the scales and temperatures of a combination.
+
+        A temperature that rests on few objects would be an accident of these. So from the largest number
+        of sequences down, numbers are taken together until half of the objects have bags of them, and
+        share a temperature; those that remain at the lower end share the one above.
 
         Parameters
         ----------
@@ -313,19 +340,19 @@ class HeldOutBags:
         Combination
             Without held-out sequences, scales and temperature are 1.
         """
-        known = self.known
-        if self.bags is None:
+        known, bags = self.known, self.bags
+        if bags is None:
             return Combination((1.0, 1.0 / self.weight), np.ones(1), np.ones(1), known)
-        means = self.bags.means(probabilities)
+        means = bags.means(probabilities)
         logs = np.log(np.maximum(means, LEAST_PROBABILITY))
         scales = (_deviation(logs[:, known]), self._deviation / self.weight)
         summed = logs / scales[0] + self.scores / scales[1]
         summed = np.where(known, summed, LEAST_SCORE)[:, known]
         temperatures = [
-            best_temperature(summed[chosen], self._places[chosen], self.doubt)[1]
-            for _, chosen in self._by_count
+            best_temperature(summed[chosen], self._places[chosen], self._doubt)[1]
+            for chosen in self._alike
         ]
-        views = np.array([count for count, _ in self._by_count], dtype=np.float64)
+        views = np.array([bags.counts[chosen].mean() for chosen in self._alike])
         return Combination(scales, views, np.array(temperatures), known)
 
     @cached_property
@@ -338,9 +365,25 @@ class HeldOutBags:
         return (np.cumsum(self.known) - 1)[self.labels]
 
     @cached_property
-    def _by_count(self) -> list[tuple[int, NDArray[np.bool_]]]:
+    def _doubt(self) -> float:
+        """The share of the truth that is spread over all classes."""
+        # That all of n objects were right doesn't make the next one certain: the rule of succession.
+        return 1 / (len(np.unique(self.owners)) + 2)
+
+    @cached_property
+    def _alike(self) -> list[NDArray[np.bool_]]:
+        """Which bags share each temperature, by ascending numbers of sequences."""
         counts = np.zeros(0, dtype=np.int64) if self.bags is None else self.bags.counts
-        return [(int(count), counts == count) for count in np.unique(counts)]
+        enough = len(np.unique(self.owners)) / 2
+        groups, group = [], counts < 0
+        for count in np.unique(counts)[::-1]:
+            group = group | (counts == count)
+            if len(np.unique(self.owners[group])) >= enough:
+                groups.append(group)
+                group = counts < 0
+        if group.any():
+            groups[-1] = groups[-1] | group
+        return groups[::-1]
 
 
 def hold_out_bags(
@@ -373,11 +416,11 @@ def hold_out_bags(
         The bags.
     """
     if not len(labels):
-        return HeldOutBags(None, scores, labels, 0.0, known, weight)
+        return HeldOutBags(None, scores, labels, owners, known, weight)
     bags = spread_bags(owners, sizes)
-    # That all of n objects were right doesn't make the next one certain: the rule of succession.
-    doubt = 1 / (len(np.unique(owners)) + 2)
-    return HeldOutBags(bags, bags.means(scores), labels[bags.first], doubt, known, weight)
+    return HeldOutBags(
+        bags, bags.means(scores), labels[bags.first], owners[bags.first], known, weight
+    )
 
 
 def _deviation(scores: NDArray[np.float64]) -> float:

@@ -171,7 +171,8 @@ def first_touches(features: pa.Table, touches: int) -> pa.Table:
 def turn_objects(features: pa.Table, turns: str) -> pa.Table:
     """Turn the poses of each object's touches, ``vertical`` or ``any``, by a rotation of its own.
 
-    The rotation depends on the object's key alone; every other column stays.
+    The rotation is drawn by the object's key alone: it is the same for every seed, repeat, strategy and
+    pipeline, so that these are compared on the same turned objects. Every other column stays.
     """
     from scipy.spatial.transform import Rotation
 

@@ -3,6 +3,10 @@
 One linear discriminant learns from bags of the training sequences' first touches, of several lengths at
 once. Each length is standardised by itself, as what varies in a long sequence is constant in a short one,
 and has its own temperatures and its own comparison with training objects.
+
+Temperatures are fitted on the same held-out objects that answers are then compared with, not within the
+folds as for whole sequences. A temperature is one number for all objects of a length and a number of
+views, so this favours them little; the coverage that docs/recognition.md states was measured with it.
 """
 
 from __future__ import annotations

@@ -97,9 +97,10 @@ def leave_one_out_a_class(
 ) -> list[tuple[int, ...]]:
     """Choose one test object of each class, in all combinations.
 
-    Where there are more combinations than `maximum`, distinct ones are drawn in
-    rounds: within a class the objects take turns in a shuffled order, so that each
-    is tested as often as any other, or once more.
+    Where there are more combinations than `maximum`, distinct ones are drawn: within
+    a class the objects take turns in a shuffled order, so that each is tested as often
+    as any other, or once more. If a combination comes twice so, as where few are left
+    out, `distinct_combinations` draws instead.
 
     Parameters
     ----------
@@ -117,13 +118,50 @@ def leave_one_out_a_class(
     """
     if math.prod(len(objects) for objects in members) <= maximum:
         return list(itertools.product(*members))
+    turns = [_turns(objects, maximum, generator) for objects in members]
+    drawn = list(zip(*turns, strict=True))
+    if len(set(drawn)) == maximum:
+        return drawn
+    return distinct_combinations(members, maximum, generator)
+
+
+def distinct_combinations(
+    members: Sequence[Sequence[int]], count: int, generator: np.random.Generator
+) -> list[tuple[int, ...]]:
+    """Draw distinct combinations of an object of each class, each object as often or once more.
+
+    From a drawn combination all classes go on to their next object together, until that
+    combination would come again: a cycle that has the objects of a class equally often, and
+    shares a combination with another cycle only if it is the same. A part of a cycle has them
+    as often, or once more.
+
+    Parameters
+    ----------
+    members : sequence of sequence of int
+        The objects of each class.
+    count : int
+        How many combinations, as many as there are at most.
+    generator : numpy.random.Generator
+        Draws where cycles begin.
+
+    Returns
+    -------
+    list of tuple of int
+        The combinations, cycle by cycle.
+    """
+    sizes = [len(objects) for objects in members]
     chosen: dict[tuple[int, ...], None] = {}
-    while len(chosen) < maximum:
-        turns = [_turns(objects, maximum, generator) for objects in members]
-        for combination in zip(*turns, strict=True):
-            if len(chosen) < maximum:
-                chosen.setdefault(combination)
-    return list(chosen)
+    while len(chosen) < count:
+        orders = [generator.permutation(size).tolist() for size in sizes]
+        start = next(places for places in itertools.product(*orders) if places not in chosen)
+        for turn in range(min(math.lcm(*sizes), count - len(chosen))):
+            chosen[
+                tuple((place + turn) % size for place, size in zip(start, sizes, strict=True))
+            ] = None
+    return [
+        tuple(objects[place] for objects, place in zip(members, places, strict=True))
+        for places in chosen
+    ]
 
 
 def grouped_folds(

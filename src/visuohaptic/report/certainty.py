@@ -18,7 +18,7 @@ from visuohaptic.report.charts import Point, PointChart, place_points
 from visuohaptic.report.comparison import Figure
 from visuohaptic.report.wording import counted, percent, strategy_name, titled
 from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.studies import CERTAINTY
+from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
 
 HEIGHT = 260
 """Of a chart, pixels."""
@@ -26,8 +26,8 @@ HEIGHT = 260
 MARGIN = 10.0
 """Left free on either side, percent of the width."""
 
-STATED = tuple(share / 20 for share in range(10, 20))
-"""Coverages at which sets are drawn: 50 to 95 %."""
+LOWEST = STATED_COVERAGES[0] / 100
+"""Stated coverage at the chart's left end."""
 
 BINS = 10
 
@@ -105,7 +105,7 @@ def certainty_figures(
         views,
         strategies,
         coverage_chart(most, strategies),
-        (_stated_x(STATED[0]), _share_y(STATED[0]), _stated_x(1.0), _share_y(1.0)),
+        (_stated_x(LOWEST), _share_y(LOWEST), _stated_x(1.0), _share_y(1.0)),
         tuple(
             (strategy, strangeness_chart(select(most, strategy=strategy)))
             for strategy in strategies
@@ -116,12 +116,15 @@ def certainty_figures(
 
 def coverage_chart(rows: pa.Table, strategies: Sequence[str]) -> PointChart:
     """Place the share of known objects whose class is in the set against the stated coverage."""
+    import pyarrow.compute as pc
+
     series = []
     for strategy in strategies:
-        fits = select(rows, strategy=strategy, known=True).column("fit").to_numpy()
+        sets = select(rows, strategy=strategy, known=True).column("covered_at")
+        covered = pc.list_flatten(sets).to_numpy()
         points = []
-        for stated in STATED:
-            held = float(np.mean(fits > 1 - stated + 1e-12))
+        for whole in STATED_COVERAGES:
+            stated, held = whole / 100, float(np.sum(covered == whole) / len(sets))
             label = f"{strategy_name(strategy)}, {percent(stated, 0)} stated: {percent(held)}"
             points.append(Point(stated, held, label))
         series.append(points)
@@ -194,7 +197,7 @@ def _across(share: float) -> float:
 
 
 def _stated_x(stated: float) -> float:
-    return _across((stated - STATED[0]) / (1 - STATED[0]))
+    return _across((stated - LOWEST) / (1 - LOWEST))
 
 
 def _share_y(share: float) -> float:

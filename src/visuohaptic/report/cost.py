@@ -19,21 +19,17 @@ from visuohaptic.report.wording import (
     titled,
 )
 from visuohaptic.studies.cost.front import (
-    Row,
     Saving,
     all_touches,
-    as_quick,
     break_even,
     find_savings,
     first_step,
     front_rows,
-    merge_alike,
     on_robot,
     read_costs,
     reference_row,
 )
-from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.studies import COST_SECONDS
+from visuohaptic.studies.cost.pairs import Row
 
 HEIGHT = 420
 """Of the part with the logarithmic axis, pixels."""
@@ -52,7 +48,7 @@ class CostChart(PointChart):
 
 @dataclass(frozen=True)
 class SettingGroup:
-    """Settings that can't be told apart: rows of `tables.COST`, at least one."""
+    """Settings that differ significantly neither in time nor in error: rows of `tables.COST`, at least one."""
 
     rows: tuple[Row, ...]
 
@@ -121,7 +117,7 @@ class CostFigures:
     rows, front : sequence of mapping
         Rows of `tables.COST`: all, and those on the front, the quickest first.
     groups : tuple of SettingGroup
-        All rows, those that can't be told apart together.
+        All rows; those of one number in column `group` together.
     advice : list of str
         What follows from them, in sentences.
     recognitions : int
@@ -175,7 +171,7 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
         families,
         rows,
         front_rows(rows),
-        tuple(SettingGroup(tuple(group)) for group in merge_alike(rows)),
+        _groups(rows),
         [*advise(rows, run), *advise_robot(rows, robot, run.cost)],
         max((row["recognitions"] or 0 for row in rows), default=0),
         max((row["objects"] or 0 for row in rows), default=0),
@@ -187,14 +183,13 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
 
 def cost_answer(figures: CostFigures) -> str:
     """Say in one or two sentences what accuracy costs."""
-    steps = first_step(figures.rows)
-    if not steps:
+    first = first_step(figures.rows)
+    if first is None:
         return "No setting could be both run and timed."
-    (first,) = steps
     last = min(figures.front, key=lambda row: float(row["error"]))
     said = (
         f"From {_duration(first['seconds'])} a recognition at {percent(first['error'])} wrong "
-        f"({_named(first)}; no setting is significantly faster) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
+        f"({_named(first)}; not significantly slower than the quickest) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
         f"({_interval(last)}; {_named(last)})."
     )
     own = figures.reference
@@ -221,30 +216,23 @@ class TimePart:
         return f"{_duration(self.seconds / self.units)} a {self.unit}"
 
 
-def time_parts(path: str | Path | None, setting: Row | None) -> list[TimePart]:
+def time_parts(row: Row | None) -> list[TimePart]:
     """Say where the time of a recognition goes.
 
     Parameters
     ----------
-    path : path or None
-        `tables.COST_SECONDS`.
-    setting : mapping or None
-        The row of `tables.COST` that it is about.
+    row : mapping or None
+        A setting's row of `tables.COST`.
 
     Returns
     -------
     list of TimePart
         In the order of the work; empty where the setting was not timed.
     """
-    if path is None or not Path(path).is_file() or setting is None:
-        return []
-    key = (setting["family"], setting["setting"])
-    table = read_table(COST_SECONDS, path).to_pylist()
-    row = next((row for row in table if (row["family"], row["setting"]) == key), None)
-    if row is None:
+    if row is None or row["seconds"] is None:
         return []
     looking = row["seconds_render"] + row["seconds_attend"]
-    views, touches = (setting["looks"], "view"), (all_touches(setting), "touch")
+    views, touches = (row["looks"], "view"), (all_touches(row), "touch")
     parts = [
         TimePart("preparing the surface", row["seconds_look"] - looking, 1, "recognition"),
         TimePart("rendering", row["seconds_render"], *views),
@@ -288,18 +276,18 @@ def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
     -------
     list of str
         Sentences: the steps, then what each smaller setting saves and loses. The first names no
-        seconds, and no setting by an order that the noise of timing gave.
+        seconds, and no setting by an order that is not significant.
     """
-    quick = as_quick(rows)
-    if not quick:
+    first = first_step(rows)
+    if first is None:
         return ["No setting could be both run and timed."]
     confidence = f"{100 * run.recognition.intervals.confidence:g} %"
-    (first,) = first_step(rows)
-    further = [row for row in rows if row["step"] and row["seconds_low"] > first["seconds_high"]]
+    others = sum(row["as_quick"] for row in rows) - 1
+    further = [row for row in rows if row["step"] and row is not first]
     further.sort(key=lambda row: float(row["seconds"]))
     alike = (
-        f"; the quartiles of {counted(len(quick), 'setting')} overlap with those of the quickest"
-        if len(quick) > 1
+        f"; {counted(others, 'other setting')} {'is' if others == 1 else 'are'} not significantly slower than the quickest either"
+        if others
         else ""
     )
     best = f"{_named(first)}: {percent(first['error'])} wrong ({_interval(first)})"
@@ -309,7 +297,7 @@ def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
     ]
     if further:
         told.append(
-            f"Each of these is slower, and more accurate than the one before with {confidence} "
+            f"Each of these is significantly slower and more accurate than the one before, at {confidence} "
             f"confidence: {'; '.join(f'{_named(row)}, {_figures(row)}' for row in further)}."
         )
     last = (first, *further)[-1]
@@ -443,6 +431,13 @@ def _point(row: Row, lowest: float) -> Point:
         (low, row["error_high"]),
         "front" if row["on_front"] else "dominated",
     )
+
+
+def _groups(rows: Sequence[Row]) -> tuple[SettingGroup, ...]:
+    found: dict[int, list[Row]] = {}
+    for row in rows:
+        found.setdefault(row["group"], []).append(row)
+    return tuple(SettingGroup(tuple(group)) for group in found.values())
 
 
 def _lines(rows: Sequence[Row]) -> list[list[Row]]:

@@ -17,7 +17,6 @@ _TABLES = ("predictions", "views", "fixations", "touches", "features")
 _EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",
-    "frontier_seconds": "results/frontier_seconds.parquet",
     "effect_influence": "results/effect_influence.parquet",
     "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",

@@ -68,7 +68,7 @@ from visuohaptic.report.studies import (
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
-from visuohaptic.studies.cost.front import Row
+from visuohaptic.studies.cost.pairs import Row
 from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.studies.readings.stored import (
     OUTSIDE,
@@ -243,9 +243,7 @@ def cost_values(context: ReportContext) -> Values | None:
         "large": None if stored is None else cost_figures(stored.rows, parameters),
         "study": study,
         "seconds": context.seconds,
-        "parts": time_parts(
-            extras.get("frontier_seconds"), None if frontier is None else frontier.reference
-        ),
+        "parts": [] if frontier is None else time_parts(frontier.reference),
     }
 
 

@@ -149,18 +149,18 @@ def _touches_needed(run: Run) -> Iterator[Source]:
 
 
 def _certainty(run: Run) -> Iterator[Source]:
-    columns = ("correct", "covered", "fit", "candidates", "strangeness", "unknown")
+    columns = ("correct", "covered", "covered_at", "candidates", "strangeness", "unknown")
     by = ("strategy", "views", "known", "left_out")
     yield from _extra(run, "certainty", "Known and unknown objects", "certainty", columns, by)
 
 
 def _cost(run: Run) -> Iterator[Source]:
-    columns = ("seconds", "seconds_low", "seconds_high", "error", "error_low", "error_high")
+    columns = (
+        *("seconds", "seconds_low", "seconds_high", "error", "error_low", "error_high"),
+        *("seconds_render", "seconds_attend", "seconds_cast"),
+    )
     for name, what in (("frontier", "Settings of this run"), ("cost", "The whole study")):
         yield from _extra(run, name, what, "cost", columns, ("family", "setting"))
-    parts = ("seconds_render", "seconds_attend", "seconds_cast")
-    what = "Parts of a recognition"
-    yield from _extra(run, "frontier_seconds", what, "cost_seconds", parts, ("family", "setting"))
 
 
 def _readings(run: Run) -> Iterator[Source]:

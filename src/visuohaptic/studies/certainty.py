@@ -15,7 +15,7 @@ from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import write_json
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table, write_table
-from visuohaptic.tables.studies import CERTAINTY
+from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
@@ -159,6 +159,7 @@ def _without_class(
 ) -> Iterator[dict[str, object]]:
     """Train without a class and without a fold of the others, and name both."""
     from visuohaptic.recognition.certainty import fit_calibration
+    from visuohaptic.recognition.pooling import spread_choices
     from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
     from visuohaptic.recognition.tuning import fit_best_classifiers
 
@@ -186,8 +187,9 @@ def _without_class(
         touches = sequences.features[owners == place]
         ballots = tuned.ballots(projected)
         for views in sorted({min(views, most) for views in VIEWS}):
-            step = max(len(projected) // views, 1)  # an object with fewer views gives all
-            bag = np.arange(place % step, len(projected), step)[:views]
+            # An object with fewer views gives all.
+            choices = spread_choices(len(projected), min(views, len(projected)))
+            bag = choices[place % len(choices)]
             member = np.isin(np.arange(len(projected)), bag)
             answer = ballots.together(member[None])[0]
             of_bag = touches[bag].reshape(-1, touches.shape[2])
@@ -202,7 +204,13 @@ def _without_class(
                 "views": views,
                 "correct": bool(answer.argmax() == label),
                 "covered": bool(sure.candidates[label]),
-                "fit": float(sure.fits[label]),
+                "covered_at": [
+                    stated
+                    for stated in STATED_COVERAGES
+                    if calibration.prediction_set(answer, tuned.trained, len(bag), stated / 100)[
+                        label
+                    ]
+                ],
                 "candidates": int(sure.candidates.sum()),
                 "strangeness": sure.strangeness,
                 "evidence": sure.evidence,

@@ -271,16 +271,6 @@ def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
     )
 
 
-def spread_choices(total: int, count: int) -> NDArray[np.int64]:
-    """Choose `count` of `total` places, evenly spread over a ring, in every way.
-
-    Shape (choices, count), int64: each choice turned on by one place, none twice.
-    """
-    steps = (np.arange(count) * total) // count
-    turned = (steps + np.arange(total)[:, None]) % total
-    return np.unique(np.sort(turned, axis=1), axis=0)
-
-
 def _of_strategies(table: pa.Table, strategies: Iterable[str]) -> pa.Table:
     import pyarrow.compute as pc
 
@@ -305,7 +295,7 @@ def _voted(
 
     A viewpoint without a whole sequence casts no vote.
     """
-    from visuohaptic.recognition.pooling import Ballots
+    from visuohaptic.recognition.pooling import Ballots, spread_choices
 
     numbers = np.unique(sequences.viewpoint)
     if votes > len(numbers):

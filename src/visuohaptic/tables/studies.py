@@ -162,6 +162,9 @@ CERTAINTY_KEYS = (
     Column("views", COUNT, "viewpoints from which it is named", minimum=1),
 )
 
+STATED_COVERAGES = tuple(range(50, 100, 5))
+"""Coverages at which prediction sets are measured, percent."""
+
 CERTAINTY = Schema(
     "certainty",
     (
@@ -170,12 +173,12 @@ CERTAINTY = Schema(
         Column("correct", pa.bool_(), "whether the likeliest class is its own"),
         Column("covered", pa.bool_(), "whether the prediction set holds its class"),
         Column(
-            "fit",
-            REAL,
-            "share of known objects that their class fits no better than its class fits this one",
-            "1; the set of any coverage above 1 - fit holds its class",
-            0,
-            1,
+            "covered_at",
+            pa.list_(pa.int32()),
+            f"stated coverages, of {STATED_COVERAGES[0]}, {STATED_COVERAGES[1]} to {STATED_COVERAGES[-1]}, whose set holds its class",
+            "percent",
+            STATED_COVERAGES[0],
+            STATED_COVERAGES[-1],
         ),
         Column("candidates", COUNT, "classes in the prediction set", minimum=0),
         Column("strangeness", REAL, "share of known objects that are less strange", "1", 0, 1),
@@ -190,33 +193,30 @@ COST_KEYS = (
     Column("setting", TEXT, "to which value"),
 )
 
-COST_SECONDS_COLUMNS = (
-    ("seconds", "run time of a recognition, median"),
-    ("seconds_low", "its lower quartile"),
-    ("seconds_high", "its upper quartile"),
+COST_PARTS = (
     ("seconds_look", "of it: rendering and attention"),
     ("seconds_touch", "of it: touching"),
     ("seconds_describe", "of it: features"),
     ("seconds_name", "of it: classification"),
-)
-
-COST_PARTS_COLUMNS = (
     ("seconds_render", "of looking: rendering the views"),
     ("seconds_attend", "of looking: saliency and fixations"),
     ("seconds_cast", "of touching: casting rays"),
 )
 
+COST_TIMED = (
+    *COST_KEYS,
+    Column("object", TEXT, "class and name of the object, with a slash between"),
+    Column("turn", COUNT, "the settings' turn; each sees the object from another side", minimum=0),
+)
+
 COST_SECONDS = Schema(
     "cost_seconds",
     (
-        *COST_KEYS,
-        *(
-            Column(name, REAL, text, "s", 0)
-            for name, text in (*COST_SECONDS_COLUMNS, *COST_PARTS_COLUMNS)
-        ),
-        Column("recognitions", COUNT, "recognitions that were timed", minimum=1),
+        *COST_TIMED,
+        Column("seconds", REAL, "run time of one recognition", "s", 0),
+        *(Column(name, REAL, text, "s", 0) for name, text in COST_PARTS),
     ),
-    names_of(COST_KEYS),
+    names_of(COST_TIMED),
 )
 
 COST = Schema(
@@ -265,14 +265,29 @@ COST = Schema(
         Column("lost_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
         Column("objects", COUNT, "objects that were tested", minimum=1, nullable=True),
         Column("failed", TEXT, "why it could not be run", nullable=True),
-        *(Column(name, REAL, text, "s", 0, nullable=True) for name, text in COST_SECONDS_COLUMNS),
+        Column("seconds", REAL, "run time of a recognition, median of all", "s", 0, nullable=True),
+        Column("seconds_low", REAL, "its lower quartile", "s", 0, nullable=True),
+        Column("seconds_high", REAL, "its upper quartile", "s", 0, nullable=True),
+        *(
+            Column(name, REAL, f"{text}, median", "s", 0, nullable=True)
+            for name, text in COST_PARTS
+        ),
         Column("recognitions", COUNT, "recognitions that were timed", minimum=1, nullable=True),
+        Column(
+            "as_quick", pa.bool_(), "whether it is not significantly slower than the quickest one"
+        ),
         Column("on_front", pa.bool_(), "whether no other setting is quicker and as accurate"),
         Column("dominated", pa.bool_(), "whether another one is at least as good in both"),
         Column(
             "step",
             pa.bool_(),
-            "whether it is the most accurate of the quickest, or slower and surely more accurate than the step before",
+            "whether it is the most accurate of those as quick as the quickest, or significantly slower and significantly more accurate than the step before",
+        ),
+        Column(
+            "group",
+            COUNT,
+            "settings of one number differ significantly neither in time nor in error",
+            minimum=0,
         ),
     ),
     names_of(COST_KEYS),

@@ -22,7 +22,7 @@ from visuohaptic.tables.studies import COST, COST_SECONDS
 
 Paths = Sequence[str | Path]
 
-ROUNDS = {"frontier": 1}
+ROUNDS = {"frontier": 2}
 """Rounds of timing where they are not `cost.rounds`: the frontier is a part of every run."""
 
 

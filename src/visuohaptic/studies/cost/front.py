@@ -13,14 +13,22 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
-from visuohaptic.recognition.intervals import Interval, difference_interval, rate_interval
-from visuohaptic.seeds import spawn_generator
+from visuohaptic.recognition.intervals import Interval, rate_interval
+from visuohaptic.studies.cost.pairs import (
+    Row,
+    Setting,
+    SettingPairs,
+    accuracy_gain,
+    by_setting,
+    draw_objects,
+    is_known,
+    object_logarithms,
+    setting_of,
+)
 from visuohaptic.studies.cost.settings import FAMILIES, is_reference, make_settings
 from visuohaptic.studies.figures import Cell, CellKey
 from visuohaptic.tables.schema import build_table, read_table
-from visuohaptic.tables.studies import COST
-
-Row = dict[str, Any]
+from visuohaptic.tables.studies import COST, COST_PARTS
 
 _OF_SETTING = (
     "family", "place", "touches", "viewpoints", "looks", "strategy", "pipeline", "classifier",
@@ -65,7 +73,9 @@ def weigh(
         `tables.COST`.
     """
     rows = join_costs(error_rows(cells, run, study), seconds)
-    mark_steps(rows, cells, run)
+    pairs = SettingPairs(cells, object_logarithms(seconds), run)
+    mark_steps(rows, pairs)
+    mark_groups(rows, pairs)
     return cost_table(rows)
 
 
@@ -102,110 +112,63 @@ def join_costs(errors: Sequence[Row], seconds: pa.Table) -> list[Row]:
     Returns
     -------
     list of dict
-        A row a setting, in the order of `errors`.
+        A row a setting, in the order of `errors`, without steps and each in a group of its own.
     """
-    timed = {(row["family"], row["setting"]): row for row in seconds.to_pylist()}
+    timed = sum_seconds(seconds)
     empty = dict.fromkeys(column.name for column in COST.columns)
-    rows: list[Row] = [
-        {**empty, **timed.get((row["family"], row["setting"]), {}), **row} for row in errors
-    ]
+    rows: list[Row] = [{**empty, **timed.get(setting_of(row), {}), **row} for row in errors]
     on_front = pareto_front(_column(rows, "seconds"), _column(rows, "error"))
-    for row, on in zip(rows, on_front.tolist(), strict=True):
-        whole = row["error"] is not None and row["seconds"] is not None
-        row |= {"on_front": on, "dominated": whole and not on, "step": False}
-    for first in first_step(rows):
-        first["step"] = True
+    for place, (row, on) in enumerate(zip(rows, on_front.tolist(), strict=True)):
+        row |= {"on_front": on, "dominated": is_known(row) and not on}
+        row |= {"as_quick": False, "step": False, "group": place}
     return rows
 
 
-def mark_steps(
-    rows: Sequence[Row], cells: Mapping[CellKey, Cell], run: ExperimentParameters
-) -> None:
-    """Mark the settings that are worth their time beyond the noise of timing.
+def sum_seconds(seconds: pa.Table) -> dict[Setting, Row]:
+    """Give the median and quartiles of each setting's `tables.COST_SECONDS`, and its parts' medians."""
+    found: dict[Setting, Row] = {}
+    for setting, rows in by_setting(seconds).items():
+        quartiles = np.quantile([row["seconds"] for row in rows], [0.25, 0.5, 0.75])
+        names = ("seconds_low", "seconds", "seconds_high")
+        found[setting] = dict(zip(names, quartiles.tolist(), strict=True))
+        for name, _ in COST_PARTS:
+            found[setting][name] = float(np.median([row[name] for row in rows]))
+        found[setting]["recognitions"] = len(rows)
+    return found
+
+
+def mark_steps(rows: Sequence[Row], pairs: SettingPairs) -> None:
+    """Mark the settings that are worth their time.
 
     The first step is the most accurate of the settings that are as quick as the quickest. Each
-    further step is slower than the step before (quartiles that do not overlap) and more accurate
-    (by an interval over objects that excludes 0): of those that are as quick as the quickest such
-    setting, it is the most accurate.
+    further step is significantly slower and significantly more accurate than the step before: of
+    those that are as quick as the quickest such setting, it is the most accurate.
     """
-
-    def is_surer(row: Row, last: Row) -> bool:
-        gain = _gain(_cell(cells, row), _cell(cells, last), run)
-        return gain is not None and gain.low > 0
-
-    steps = first_step(rows)
-    while steps:
-        (last,) = steps
-        last["step"] = True
-        slower = [row for row in _known(rows) if row["seconds_low"] > last["seconds_high"]]
-        steps = first_step([row for row in slower if is_surer(row, last)])
+    quick = pairs.as_quick(rows)
+    for row in quick:
+        row["as_quick"] = True
+    while quick:
+        step = min(quick, key=lambda row: float(row["error"]))
+        step["step"] = True
+        quick = pairs.as_quick(pairs.more_accurate(pairs.slower(rows, step), step))
 
 
-def same_time(first: Row, second: Row) -> bool:
-    """Tell whether the noise of timing leaves open which is quicker: whether quartiles overlap."""
-    return bool(
-        first["seconds_low"] <= second["seconds_high"]
-        and second["seconds_low"] <= first["seconds_high"]
-    )
-
-
-def same_error(first: Row, second: Row) -> bool:
-    """Tell whether the objects leave open which is more accurate.
-
-    So it is where each error rate lies within the other's interval. Where one is the run's own
-    setting, the interval of the difference must hold 0 too.
-    """
-    pairs = ((first, second), (second, first))
-    within = all(one["error_low"] <= two["error"] <= one["error_high"] for one, two in pairs)
-    if within and reference_row([first, second]) is not None:
-        return all(row["lost_low"] <= 0 <= row["lost_high"] for row in (first, second))
-    return within
-
-
-def as_quick(rows: Sequence[Row]) -> list[Row]:
-    """Give the settings that the noise of timing can't tell apart from the quickest."""
-    known = _known(rows)
-    quickest = min(known, key=lambda row: row["seconds"], default=None)
-    return [row for row in known if quickest is not None and same_time(row, quickest)]
-
-
-def first_step(rows: Sequence[Row]) -> list[Row]:
-    """Give the most accurate of the settings that are as quick as the quickest; none of none."""
-    return sorted(as_quick(rows), key=lambda row: float(row["error"]))[:1]
-
-
-def merge_alike(rows: Sequence[Row]) -> list[list[Row]]:
-    """Put settings together that can't be told apart, neither by time nor by error.
-
-    Parameters
-    ----------
-    rows : sequence of dict
-        Rows of `tables.COST`.
-
-    Returns
-    -------
-    list of list of dict
-        Groups in which every two are alike by `same_time` and `same_error`; a setting joins the
-        first group that it fits. One that failed or was not timed is by itself.
-    """
+def mark_groups(rows: Sequence[Row], pairs: SettingPairs) -> None:
+    """Give each setting the number of the first group in which it is like every other setting."""
     groups: list[list[Row]] = []
     for row in rows:
-        known = bool(_known([row]))
-        group = next(
-            (
-                group
-                for group in groups
-                if known
-                and _known(group)
-                and all(same_time(row, other) and same_error(row, other) for other in group)
-            ),
-            None,
-        )
+        fitting = (group for group in groups if all(pairs.are_alike(row, one) for one in group))
+        group = next(fitting, None)
         if group is None:
-            groups.append([row])
-        else:
-            group.append(row)
-    return groups
+            group = []
+            groups.append(group)
+        group.append(row)
+        row["group"] = groups.index(group)
+
+
+def first_step(rows: Sequence[Row]) -> Row | None:
+    """Give the most accurate of the settings that are as quick as the quickest."""
+    return next((row for row in rows if row["step"] and row["as_quick"]), None)
 
 
 def cost_table(rows: Sequence[Row]) -> pa.Table:
@@ -232,7 +195,7 @@ def error_rate(cell: Cell, run: ExperimentParameters) -> dict[str, Any]:
     if cell.error is not None:
         return {"failed": cell.error}
     found = rate_interval(
-        1 - cell.accuracy, cell.weights, run.recognition.intervals, _generator(run)
+        1 - cell.accuracy, cell.weights, run.recognition.intervals, draw_objects(run)
     )
     error, low, high = (min(max(end, 0.0), 1.0) for end in (found.mean, found.low, found.high))
     return {"error": error, "error_low": low, "error_high": high, "objects": len(cell.objects)}
@@ -389,17 +352,8 @@ def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
         moved.append({**row, **times})
     on_front = pareto_front(_column(moved, "seconds"), _column(moved, "error"))
     for row, on in zip(moved, on_front.tolist(), strict=True):
-        row |= {"on_front": on, "dominated": row["dominated"] and not on}
+        row |= {"on_front": on, "dominated": is_known(row) and not on}
     return moved
-
-
-def _known(rows: Sequence[Row]) -> list[Row]:
-    return [row for row in rows if row["seconds"] is not None and row["error"] is not None]
-
-
-def _cell(cells: Mapping[CellKey, Cell], row: Row) -> Cell:
-    name = f"{row['family']}, {row['setting']}"
-    return cells[name, row["pipeline"], row["strategy"], row["classifier"]]
 
 
 def _verdict(row: Row) -> Literal["free", "open", "costs"]:
@@ -409,22 +363,7 @@ def _verdict(row: Row) -> Literal["free", "open", "costs"]:
 
 
 def _lost(reference: Cell, cell: Cell, run: ExperimentParameters) -> Interval | None:
-    return Interval(0.0, 0.0, 0.0) if cell is reference else _gain(reference, cell, run)
-
-
-def _gain(first: Cell, second: Cell, run: ExperimentParameters) -> Interval | None:
-    """Give how much more accurate the first is, where both name the same objects."""
-    if not first.objects or first.objects != second.objects:
-        return None
-    intervals = run.recognition.intervals
-    return difference_interval(
-        first.accuracy, second.accuracy, second.weights, intervals, _generator(run)
-    )
-
-
-def _generator(run: ExperimentParameters) -> np.random.Generator:
-    """Give the same draws of objects for all, so that equal figures have equal intervals."""
-    return spawn_generator(run.seed, "studies")
+    return Interval(0.0, 0.0, 0.0) if cell is reference else accuracy_gain(reference, cell, run)
 
 
 def _column(rows: Sequence[Row], name: str) -> NDArray[np.float64]:

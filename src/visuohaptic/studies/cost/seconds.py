@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -30,9 +30,6 @@ from visuohaptic.tables.studies import COST_SECONDS
 PHASES = ("look", "touch", "describe", "name")
 PARTS = ("render", "attend", "cast")
 """Parts of looking, the first two, and of touching."""
-
-QUICK_SECONDS = 0.06
-"""Recognitions that take less are timed again, for other work on the machine moves them more."""
 
 
 @dataclass(frozen=True)
@@ -139,63 +136,39 @@ def measure_seconds(
     settings: Sequence[FittedSetting],
     rounds: int,
 ) -> pa.Table:
-    """Time settings on the same objects: `tables.COST_SECONDS`, a row a setting.
+    """Time settings on the same objects: `tables.COST_SECONDS`, a row a recognition.
 
-    The settings take turns, so other work on the machine affects all equally.
+    The settings take turns, so other work on the machine affects all equally. Where a setting finds
+    too few places to touch there is no row.
     """
     from threadpoolctl import threadpool_limits
 
-    taken: list[list[dict[str, float]]] = [[] for _ in settings]
+    distinct = {one.setting.written_changes: one for one in settings}.values()
+    rows: list[dict[str, object]] = []
     with threadpool_limits(limits=1), _one_thread():
-        # What is made once for all, such as operators, is made here.
-        for key, surface in list(surfaces.items())[:1]:
-            for fitted in {one.setting.written_changes: one for one in settings}.values():
-                _time(fitted, key, surface, 0)
-        for turn in range(rounds):
-            for key, surface in surfaces.items():
-                for place, fitted in enumerate(settings):
-                    taken[place] += _time(fitted, key, surface, turn)
-    timed = [place for place, each in enumerate(taken) if each]
-    return build_table(
-        COST_SECONDS, _columns([settings[at] for at in timed], [taken[at] for at in timed])
-    )
+        # What is made once for all, and once for a surface, is made here.
+        for (key, surface), fitted in product(surfaces.items(), distinct):
+            _time(fitted, key, surface, 0)
+        for turn, (key, surface), fitted in product(range(rounds), surfaces.items(), settings):
+            names = {"family": fitted.setting.family, "setting": fitted.setting.name}
+            taken = _time(fitted, key, surface, turn)
+            if taken is not None:
+                rows.append({**names, "object": key, "turn": turn, **taken})
+    columns = [column.name for column in COST_SECONDS.columns]
+    return build_table(COST_SECONDS, {name: [row[name] for row in rows] for name in columns})
 
 
-def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> list[dict[str, float]]:
-    """Time a recognition, quick ones up to three times; none where there are too few places to touch."""
+def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> dict[str, float] | None:
+    """Time one recognition; None where there are too few places to touch."""
     total, count = fitted.parameters.viewpoints.total, fitted.setting.viewpoints
     # Another side of the object in each round.
     numbers = (np.arange(count) * total // count + 3 * turn) % total
-    recognise = partial(recognise_once, surface, key, sorted(numbers.tolist()), fitted)
     try:
-        first = recognise()
-        again = min(2, int(QUICK_SECONDS / sum(first[phase] for phase in PHASES)))
-        return [first, *(recognise() for _ in range(again))]
+        taken = recognise_once(surface, key, sorted(numbers.tolist()), fitted)
     except REFUSALS:
-        return []
-
-
-def _columns(
-    settings: Sequence[FittedSetting], taken: Sequence[Sequence[Mapping[str, float]]]
-) -> dict[str, object]:
-    quartiles = [
-        np.quantile([sum(once[phase] for phase in PHASES) for once in each], [0.25, 0.5, 0.75])
-        for each in taken
-    ]
-    low, middle, high = np.reshape(quartiles, (-1, 3)).T
-    columns: dict[str, object] = {
-        "family": [fitted.setting.family for fitted in settings],
-        "setting": [fitted.setting.name for fitted in settings],
-        "seconds": middle,
-        "seconds_low": low,
-        "seconds_high": high,
-        "recognitions": [len(each) for each in taken],
-    }
-    for phase in (*PHASES, *PARTS):
-        columns[f"seconds_{phase}"] = [
-            float(np.median([once[phase] for once in each])) for each in taken
-        ]
-    return columns
+        return None
+    parts = {f"seconds_{name}": value for name, value in taken.items()}
+    return {"seconds": sum(taken[phase] for phase in PHASES), **parts}
 
 
 @contextmanager

@@ -14,7 +14,8 @@ from importlib.resources import files
 from pathlib import Path
 
 from visuohaptic.recognition.metrics import round_numbers
-from visuohaptic.studies.cost.front import Row, read_costs
+from visuohaptic.studies.cost.front import read_costs
+from visuohaptic.studies.cost.pairs import Row
 
 NAME = "frontier_large.json"
 
