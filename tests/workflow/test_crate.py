@@ -106,6 +106,6 @@ def test_a_pack_that_is_stopped_leaves_the_old_archive_and_no_other_file(tmp_pat
     archive.parent.mkdir()
     archive.write_bytes(b"old")
     with pytest.raises(KeyboardInterrupt):
-        write_crate(archive, Path(__file__).parents[2], ["a.json"], {})
+        write_crate(archive, Path(__file__).parents[2], ["a.json"], {}, "none")
     assert [file.name for file in archive.parent.iterdir()] == ["crate.zip"]
     assert archive.read_bytes() == b"old"

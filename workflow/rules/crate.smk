@@ -4,9 +4,24 @@ Takes all results; gives reports/crate.zip. Not part of `all`: `snakemake -j2 cr
 """
 
 
+def packed_code(wildcards):
+    """List the files of the workflow that are packed, beside its results."""
+    from visuohaptic_workflow.crate import list_code
+
+    return in_clone(os.path.relpath(ROOT / file) for file in list_code(ROOT))
+
+
+def packed_commit(wildcards):
+    """Name the commit of the workflow."""
+    from visuohaptic.report.provenance import find_commit
+
+    return find_commit()
+
+
 rule crate:
     input:
         results=[*rules.all.input, "results/frontier_seconds.parquet"],
+        packed=packed_code,
         code=code_of("crate.py"),
     output:
         "reports/crate.zip",
@@ -17,7 +32,8 @@ rule crate:
         "../envs/visuohaptic.yaml"
     params:
         root=os.path.relpath(ROOT),
-        parameters=PARAMETERS.model_dump(),
+        parameters=PARAMETERS.model_dump(exclude={"workflow"}),
+        commit=packed_commit,
     message:
         "packing the run as an RO-Crate"
     script:

@@ -10,4 +10,5 @@ with job(snakemake):
         root=snakemake.params.root,
         results=files_of(snakemake.input.results),
         parameters=snakemake.params.parameters,
+        commit=snakemake.params.commit,
     )

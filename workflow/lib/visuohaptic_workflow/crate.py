@@ -13,7 +13,6 @@ from typing import Any
 
 import visuohaptic
 from visuohaptic.optional_packages import require
-from visuohaptic.report.provenance import find_commit
 from visuohaptic.whole_files import whole_file
 
 PROFILES = {
@@ -40,6 +39,7 @@ def write_crate(
     root: str | Path,
     results: Iterable[str],
     parameters: Mapping[str, Any],
+    commit: str,
 ) -> None:
     """Write a ZIP file that follows the RO-Crate profile Workflow Run Crate 0.5.
 
@@ -53,6 +53,8 @@ def write_crate(
         Files that the run made, relative to the working folder.
     parameters : mapping of str
         The sections of the run's parameters.
+    commit : str
+        What `find_commit` gave.
 
     Raises
     ------
@@ -81,11 +83,11 @@ def write_crate(
         properties={
             "name": "visuohaptic", "version": visuohaptic.__version__,
             "softwareRequirements": f"snakemake {version('snakemake')}, Python {platform.python_version()}",
-            "identifier": f"git commit {find_commit(root)}",
+            "identifier": f"git commit {commit}",
         },
     )  # fmt: skip
     workflow["license"] = "https://spdx.org/licenses/MIT"
-    workflow.append_to("hasPart", [_add(crate, file, root) for file in _code(root)])
+    workflow.append_to("hasPart", [_add(crate, file, root) for file in list_code(root)])
     given = [
         _entity(crate, f"#{name}", "PropertyValue", name=name, value=json.dumps(value))
         for name, value in parameters.items()
@@ -101,8 +103,9 @@ def write_crate(
         crate.write_zip(unfinished)
 
 
-def _code(root: Path) -> list[str]:
-    """List what else of the clone is needed to run the workflow again, but for the models."""
+def list_code(root: str | Path) -> list[str]:
+    """List what else of the clone is needed to run the workflow again, but for the models; relative to the clone."""
+    root = Path(root)
     files = [
         root / name
         for name in ("Snakefile", "pyproject.toml", "requirements.lock", "meshes/catalogue.csv")
