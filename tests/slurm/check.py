@@ -21,6 +21,7 @@ import threading
 import time
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NoReturn
 
 import accounting
 from one_node import Cluster, ClusterError, install
@@ -46,7 +47,7 @@ def main() -> None:
     """Run everything, and end with status 1 where a table differs."""
     arguments = _parse()
     # Else `timeout` would leave the cluster running.
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
+    signal.signal(signal.SIGTERM, _stop)
     install()
     folder = Path(tempfile.mkdtemp(prefix="visuohaptic-slurm-"))
     print(f"folder {folder}", flush=True)
@@ -84,6 +85,12 @@ def main() -> None:
     print(f"all {len(expected)} files are equal bit for bit; nothing is left running")
     if not arguments.keep:
         shutil.rmtree(folder)
+
+
+def _stop(*_: object) -> NoReturn:
+    """End with everything taken down, also where the signal comes twice, as to a whole group."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    sys.exit("stopped")
 
 
 def _parse() -> argparse.Namespace:
