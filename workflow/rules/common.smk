@@ -207,6 +207,20 @@ def code_of(script):
     return in_clone(map(os.path.relpath, [file, *code_inputs(file, SOURCES)]))
 
 
+def packed_code(wildcards):
+    """List the files of the workflow that are packed, beside its results."""
+    from visuohaptic_workflow.crate import list_code
+
+    return in_clone(os.path.relpath(ROOT / file) for file in list_code(ROOT))
+
+
+def packed_commit(wildcards):
+    """Name the commit of the workflow."""
+    from visuohaptic.report.provenance import find_commit
+
+    return find_commit()
+
+
 def all_cores(wildcards):
     """Give the number of cores for a job that must run alone; on a cluster it is one."""
     return workflow.cores if workflow.local_exec else 1

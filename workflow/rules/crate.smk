@@ -4,20 +4,6 @@ Takes all results; gives reports/crate.zip. Not part of `all`: `snakemake -j2 cr
 """
 
 
-def packed_code(wildcards):
-    """List the files of the workflow that are packed, beside its results."""
-    from visuohaptic_workflow.crate import list_code
-
-    return in_clone(os.path.relpath(ROOT / file) for file in list_code(ROOT))
-
-
-def packed_commit(wildcards):
-    """Name the commit of the workflow."""
-    from visuohaptic.report.provenance import find_commit
-
-    return find_commit()
-
-
 rule crate:
     input:
         results=[*rules.all.input, "results/frontier_seconds.parquet"],
