@@ -37,10 +37,10 @@ test-hard: $(DEVELOP)
 	pytest tests/numerics -n 2 --dist worksteal --stability reports/stability.parquet
 	python -m benchmarks.precision reports/precision.json
 
-# A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some ten minutes.
+# A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some ten minutes; with SET=benchmark two hours.
 test-slurm: $(DEVELOP)
 	pip install --quiet --no-build-isolation --editable '.[slurm]'
-	timeout 7200 python tests/slurm/check.py --set $(SET) --accounting
+	timeout 14400 python tests/slurm/check.py --set $(SET) --accounting
 
 meshes: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
