@@ -111,7 +111,7 @@ def test_the_advice_names_steps_with_their_price_and_what_can_not_be_told_apart(
     rows[1]["step"] = True
     first, time, second, rest = said(rows)
     assert first == (
-        "As quick as any setting, and the most accurate of these, is touches, 1 touch: 40.0 % wrong "
+        "Of the settings that are not significantly slower than the quickest, the most accurate is touches, 1 touch: 40.0 % wrong "
         "(20.0 % to 90.0 %)."
     )
     assert time == "It takes 10 ms."
@@ -120,8 +120,9 @@ def test_the_advice_names_steps_with_their_price_and_what_can_not_be_told_apart(
         "20 ms, 10.0 % wrong (5.0 % to 30.0 %)."
     )
     assert (
-        rest == "With 12 objects the accuracy of 1 further setting of the front does not differ "
-        "significantly from that of touches, 2 touches."
+        rest
+        == "With 12 objects, of 1 further setting of the front none is both significantly slower and "
+        "significantly more accurate than touches, 2 touches."
     )
     assert said([]) == ["No setting could be both run and timed."]
 
@@ -213,7 +214,7 @@ def test_the_page_tells_what_accuracy_costs(tmp_path, monkeypatch):
     page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
     assert page.mismatches == []
     text = page.text.replace("\N{NO-BREAK SPACE}", " ")
-    assert "the most accurate of these, is touches, 1 touch: 40.0 % wrong" in text
+    assert "the most accurate is touches, 1 touch: 40.0 % wrong" in text
     assert "failed: images are too small." in text
     assert "All 5 settings" in text
     assert "dominated" in text

@@ -211,7 +211,8 @@ def packed_code(wildcards):
     """List the files of the workflow that are packed, beside its results."""
     from visuohaptic_workflow.crate import list_code
 
-    return in_clone(os.path.relpath(ROOT / file) for file in list_code(ROOT))
+    files = ["workflow/Snakefile", *list_code(ROOT)]
+    return in_clone(os.path.relpath(ROOT / file) for file in files)
 
 
 def packed_commit(wildcards):

@@ -627,7 +627,7 @@ def _calibration_state(calibration: Calibration | None) -> dict[str, Any] | None
     return {
         "views": calibration.views,
         "labels": calibration.labels,
-        "misfits": calibration.nonconformity,
+        "misfits": calibration.nonconformity,  # its name in the file's format
         "evidence": calibration.evidence,
         "landmarks": calibration.landmarks.objects,
         "touches": _touches_state(calibration.landmarks.touches),

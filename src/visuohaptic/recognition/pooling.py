@@ -213,7 +213,7 @@ def spread_bags(owners: NDArray[np.int64], sizes: Sequence[int]) -> Bags:
     """Choose bags of every size among each object's sequences, evenly spread over its views.
 
     The bags of a size have every sequence of the object, once each where the size divides their
-    number; else a few are in two bags.
+    number; else some are in two bags.
 
     Parameters
     ----------

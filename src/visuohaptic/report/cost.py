@@ -284,7 +284,7 @@ def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
     confidence = f"{100 * run.recognition.intervals.confidence:g} %"
     others = sum(row["as_quick"] for row in rows) - 1
     further = [row for row in rows if row["step"] and row is not first]
-    further.sort(key=lambda row: float(row["seconds"]))
+    further.sort(key=lambda row: -float(row["error"]))  # the order in which they were found
     alike = (
         f"; {counted(others, 'other setting')} {'is' if others == 1 else 'are'} not significantly slower than the quickest either"
         if others
@@ -292,7 +292,7 @@ def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
     )
     best = f"{_named(first)}: {percent(first['error'])} wrong ({_interval(first)})"
     told = [
-        f"As quick as any setting, and the most accurate of these, is {best}.",
+        f"Of the settings that are not significantly slower than the quickest, the most accurate is {best}.",
         f"It takes {_duration(first['seconds'])}{alike}.",
     ]
     if further:
@@ -304,9 +304,9 @@ def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
     rest = [row for row in front_rows(rows) if row["seconds"] > last["seconds"]]
     if rest:
         told.append(
-            f"With {counted(last['objects'], 'object')} the accuracy of "
-            f"{counted(len(rest), 'further setting')} of the front does not differ significantly "
-            f"from that of {_named(last)}."
+            f"With {counted(last['objects'], 'object')}, of {counted(len(rest), 'further setting')} of "
+            "the front none is both significantly slower and significantly more accurate than "
+            f"{_named(last)}."
         )
     return told + [_saving_sentence(saving, confidence) for saving in find_savings(rows)]
 

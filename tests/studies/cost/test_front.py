@@ -23,7 +23,7 @@ from visuohaptic.studies.cost.front import (
     pareto_front,
     reference_row,
 )
-from visuohaptic.studies.cost.pairs import SettingPairs
+from visuohaptic.studies.cost.pairs import SettingPairs, time_logarithms
 from visuohaptic.studies.cost.seconds import PARTS, PHASES
 from visuohaptic.studies.cost.settings import make_settings
 from visuohaptic.studies.figures import Cell
@@ -183,7 +183,7 @@ def marked(levels, times):
         [{key: row[key] for key in row if key not in joined} for row in errors],
         seconds_table(timed),
     )
-    logarithms = front.object_logarithms(seconds_table(timed))
+    logarithms = time_logarithms(seconds_table(timed))
     pairs = SettingPairs(cells, logarithms, BOTH)
     mark_steps(rows, pairs)
     mark_groups(rows, pairs)
@@ -222,8 +222,11 @@ def test_a_step_among_many_settings_that_differ_by_chance_is_rare():
         cells = cells_of({("random", name): generator.uniform(0.3, 0.7, 12) for name in NAMES})
         points = [(name, 0.1 * (1 + place), 0.5, OF_RANDOM) for place, name in enumerate(NAMES)]
         rows = cost_rows(points)
-        seconds = {("random", name): dict(zip("abcd", np.log(0.1 * (1 + place)) + FACTORS, strict=True))
-                   for place, name in enumerate(NAMES)}  # fmt: skip
+        seconds = {
+            ("random", name): {(key, 0): np.log(0.1 * (1 + place)) + factor
+                               for key, factor in zip("abcd", FACTORS, strict=True)}
+            for place, name in enumerate(NAMES)
+        }  # fmt: skip
         pairs = SettingPairs(cells, seconds, BOTH)
         slower = pairs.slower(rows, rows[0])
         assert slower == rows[1:]
@@ -246,9 +249,20 @@ def test_a_paired_difference_tells_apart_settings_whose_intervals_overlap(monkey
 
 
 def test_a_time_of_one_object_alone_says_nothing_of_which_is_slower():
-    seconds = {("random", name): {"a": float(place)} for place, name in enumerate(NAMES)}
+    seconds = {("random", name): {("a", 0): float(place)} for place, name in enumerate(NAMES)}
     rows = cost_rows([(name, 1.0 + place, 0.5, OF_RANDOM) for place, name in enumerate(NAMES)])
     assert SettingPairs({}, seconds, BOTH).as_quick(rows) == rows
+
+
+def test_objects_are_compared_in_the_turns_in_which_both_settings_were_timed():
+    # The second setting could not be timed in the first turn, which is a slow one.
+    first, second = cost_rows([("1", 0.1, 0.5), ("2", 0.1, 0.5)])
+    seconds = {
+        ("touches", "1"): {(key, turn): float(5 * turn) for key in "abc" for turn in range(2)},
+        ("touches", "2"): {(key, 0): 0.25 for key in "abc"},
+    }
+    found = SettingPairs({}, seconds, BOTH).time_ratio(first, second)
+    assert (found.mean, found.low, found.high) == (0.25, 0.25, 0.25)
 
 
 RENDER = '{"rendering.resolution": 64}'
@@ -261,7 +275,10 @@ def savings(*lost):
     named = ("other cues", 0.05, 0.02, {**figures, "changes": '{"recognition.best.cues": []}'})
     fewer = ("fewer touches", 0.04, 0.02, {**figures, "changes": RENDER, "touches": 2})
     slower = ("slower", 0.2, 0.02, {**figures, "changes": RENDER})
-    return find_savings(cost_rows([own, lean, named, fewer, slower]))
+    alike = ("alike", 0.09, 0.02, {**figures, "changes": RENDER})
+    rows = cost_rows([own, lean, named, fewer, slower, alike])
+    rows[-1]["group"] = rows[0]["group"]
+    return find_savings(rows)
 
 
 @pytest.mark.parametrize(

@@ -22,8 +22,8 @@ from visuohaptic.studies.cost.pairs import (
     by_setting,
     draw_objects,
     is_known,
-    object_logarithms,
     setting_of,
+    time_logarithms,
 )
 from visuohaptic.studies.cost.settings import FAMILIES, is_reference, make_settings
 from visuohaptic.studies.figures import Cell, CellKey
@@ -73,7 +73,7 @@ def weigh(
         `tables.COST`.
     """
     rows = join_costs(error_rows(cells, run, study), seconds)
-    pairs = SettingPairs(cells, object_logarithms(seconds), run)
+    pairs = SettingPairs(cells, time_logarithms(seconds), run)
     mark_steps(rows, pairs)
     mark_groups(rows, pairs)
     return cost_table(rows)
@@ -285,7 +285,8 @@ def find_savings(rows: Sequence[Row]) -> list[Saving]:
     -------
     list of Saving
         Of settings that look, touch or describe otherwise and are quicker, with as many touches
-        from as many viewpoints; the largest saving first.
+        from as many viewpoints; the largest saving first. Those that do not differ significantly
+        from the run's own, neither in time nor in error, are left out.
     """
     own = reference_row(rows)
     if own is None or own["seconds"] is None:
@@ -298,6 +299,7 @@ def find_savings(rows: Sequence[Row]) -> list[Saving]:
         and (row["touches"], row["viewpoints"]) == (own["touches"], own["viewpoints"])
         and None not in (row["seconds"], row["lost_high"])
         and row["seconds"] < own["seconds"]
+        and row["group"] != own["group"]
     ]
     savings = [Saving(row, 1 - row["seconds"] / own["seconds"], _verdict(row)) for row in alike]
     return sorted(savings, key=lambda saving: -saving.saved)

@@ -20,6 +20,9 @@ Row = dict[str, Any]
 Setting = tuple[str, str]
 """Family and name."""
 
+Turn = tuple[str, int]
+"""An object, and the turn in which it was timed."""
+
 
 @dataclass(frozen=True)
 class SettingPairs:
@@ -30,25 +33,28 @@ class SettingPairs:
     cells : mapping
         As `studies.figures.read_cells` gives them.
     logarithms : mapping
-        As `object_logarithms` gives them.
+        As `time_logarithms` gives them.
     run : ExperimentParameters
         The run's.
     """
 
     cells: Mapping[CellKey, Cell]
-    logarithms: Mapping[Setting, Mapping[str, float]]
+    logarithms: Mapping[Setting, Mapping[Turn, float]]
     run: ExperimentParameters
 
     def time_ratio(self, first: Row, second: Row) -> Interval:
         """Give the logarithm of the second's seconds by the first's, over objects.
 
-        The interval is Student's, of the paired differences; with fewer than two objects it is
-        without ends.
+        An object's ratio is the mean over the turns in which both were timed. The interval is
+        Student's, of the objects' ratios; with fewer than two objects it is without ends.
         """
         from scipy.special import stdtrit
 
         one, two = (self.logarithms.get(setting_of(row), {}) for row in (first, second))
-        ratios = np.array([two[key] - one[key] for key in one if key in two])
+        by_object: dict[str, list[float]] = {}
+        for key in one.keys() & two.keys():
+            by_object.setdefault(key[0], []).append(two[key] - one[key])
+        ratios = np.array([np.mean(found) for _, found in sorted(by_object.items())])
         if len(ratios) < 2:
             return Interval(0.0, -np.inf, np.inf)
         confidence = self.run.recognition.intervals.confidence
@@ -111,15 +117,12 @@ class SettingPairs:
         return self.cells[name, row["pipeline"], row["strategy"], row["classifier"]]
 
 
-def object_logarithms(seconds: pa.Table) -> dict[Setting, dict[str, float]]:
-    """Give each setting's mean logarithm of the seconds of each object's turns."""
-    found: dict[Setting, dict[str, float]] = {}
-    for setting, rows in by_setting(seconds).items():
-        turns: dict[str, list[float]] = {}
-        for row in rows:
-            turns.setdefault(row["object"], []).append(row["seconds"])
-        found[setting] = {key: float(np.mean(np.log(taken))) for key, taken in turns.items()}
-    return found
+def time_logarithms(seconds: pa.Table) -> dict[Setting, dict[Turn, float]]:
+    """Give the logarithm of each setting's seconds, by object and turn."""
+    return {
+        setting: {(row["object"], row["turn"]): float(np.log(row["seconds"])) for row in rows}
+        for setting, rows in by_setting(seconds).items()
+    }
 
 
 def setting_of(row: Row) -> Setting:
