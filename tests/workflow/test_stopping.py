@@ -197,3 +197,32 @@ job += "Path('begun').touch(); time.sleep(60)"
 subprocess.run([sys.executable, "-c", job])
 """
     assert run_until_ctrl_c(tmp_path, program) == (STATUS, f"{STOPPED}\n")
+
+
+SCHEDULER = """
+import os, signal, threading, time
+from visuohaptic_workflow.stopping import end_at_sigterm
+
+class Scheduler:
+    lock, ended = threading.Lock(), threading.Event()
+
+    def exit_gracefully(self, *_):
+        with self.lock:
+            self.ended.set()
+
+scheduler = Scheduler()
+signal.signal(signal.SIGTERM, scheduler.exit_gracefully)
+{call}
+with scheduler.lock:
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(0.1)
+print(scheduler.ended.wait(30))
+"""
+
+
+def test_sigterm_ends_a_scheduler_that_holds_its_lock():
+    program = SCHEDULER.format(call="end_at_sigterm(scheduler)")
+    found = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert found.stdout == "True\n"

@@ -12,6 +12,7 @@ sys.path[:0] = map(str, SOURCES)
 
 from visuohaptic_workflow.stopping import (
     end_at_ctrl_c,
+    end_at_sigterm,
     end_if_stopped,
     let_snakemake_cancel_jobs,
 )
@@ -314,6 +315,13 @@ def start_local_jobs_at_once():
     scheduler = getattr(workflow, "scheduler", None)
     if workflow.local_exec and hasattr(scheduler, "job_rate_limiter"):
         scheduler.job_rate_limiter = None
+
+
+def stop_at_sigterm():
+    """End at SIGTERM at any moment."""
+    scheduler = getattr(workflow, "scheduler", None)
+    if IS_MAIN and hasattr(scheduler, "exit_gracefully"):
+        end_at_sigterm(scheduler)
 
 
 def stop_remote_jobs_at_ctrl_c():

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import queue
 import signal
 import sys
 import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from visuohaptic.interrupts import (
     CLEAR_LINE,
@@ -62,6 +63,22 @@ def before_end(function: Callable[[], None]) -> None:
 def let_snakemake_cancel_jobs() -> None:
     """Interrupt Snakemake as Python does, as it has jobs on other machines to cancel."""
     _Run.has_remote_jobs = True
+
+
+def end_at_sigterm(scheduler: Any) -> None:
+    """Let a thread of its own tell Snakemake's scheduler of SIGTERM, as `timeout` and clusters send it.
+
+    Snakemake's own handler runs in the main thread and waits for a lock; if the main thread held it
+    when the signal came, both wait for ever.
+    """
+    signals: queue.SimpleQueue[int] = queue.SimpleQueue()  # the one that a handler may write to
+
+    def wait() -> None:
+        signals.get()
+        scheduler.exit_gracefully()
+
+    threading.Thread(target=wait, daemon=True).start()
+    signal.signal(signal.SIGTERM, lambda number, _: signals.put(number))
 
 
 def end_if_stopped() -> None:
