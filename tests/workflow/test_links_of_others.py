@@ -5,24 +5,13 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from workflow.test_plan import Named
 
 from visuohaptic_workflow.brought_files import judge_brought_files
 from visuohaptic_workflow.plan import plan_jobs
 from visuohaptic_workflow.records import write_record
 
 TABLE, RECORD, SCRIPT = "results/table.parquet", "results/record.json", "script.py"
-
-
-class Named(list):
-    """Files with names, as Snakemake has them."""
-
-    def __init__(self, **named):
-        super().__init__(named.values())
-        self.__dict__.update(named)
-        self._named = named
-
-    def items(self):
-        return self._named.items()
 
 
 @pytest.fixture(params=["hardlink", "symlink"])
