@@ -21,6 +21,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import find_locations, touch_at
 from visuohaptic.recognition.model import RecognitionModel, fit_model
+from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.studies.conditions import Planned
 from visuohaptic.studies.cost.settings import Setting
 from visuohaptic.studies.measuring import REFUSALS, condition_features
@@ -160,11 +161,11 @@ def measure_seconds(
 
 def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> dict[str, float] | None:
     """Time one recognition; None where there are too few places to touch."""
-    total, count = fitted.parameters.viewpoints.total, fitted.setting.viewpoints
+    choices = spread_choices(fitted.parameters.viewpoints.total, fitted.setting.viewpoints)
     # Another side of the object in each round.
-    numbers = (np.arange(count) * total // count + 3 * turn) % total
+    viewpoints = choices[3 * turn % len(choices)].tolist()
     try:
-        taken = recognise_once(surface, key, sorted(numbers.tolist()), fitted)
+        taken = recognise_once(surface, key, viewpoints, fitted)
     except REFUSALS:
         return None
     parts = {f"seconds_{name}": value for name, value in taken.items()}
