@@ -31,9 +31,9 @@ def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64
     count, side, _ = values.shape
     flat = values.reshape(count, -1)
     mean, deviation = flat.mean(axis=1), flat.std(axis=1)
-    third = ((flat - mean[:, None]) ** 3).mean(axis=1)
+    third = _cube(flat - mean[:, None]).mean(axis=1)
     varies = deviation > 1e-9
-    skewness = np.where(varies, third / np.where(varies, deviation, 1) ** 3, 0)
+    skewness = np.where(varies, third / _cube(np.where(varies, deviation, 1)), 0)
     terms = _quadric_terms(side)
     # Without BLAS: a row's sums must not depend on how many rows there are, nor on the processor.
     quadric = np.einsum("np,tp->nt", flat, terms) / np.square(terms).sum(axis=1)
@@ -56,6 +56,11 @@ def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64
             np.abs(np.diff(values, axis=1)).mean(axis=(1, 2)),
         ]
     )
+
+
+def _cube(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give values to the power of 3; the last digit of NumPy's power depends on the processor."""
+    return values * values * values
 
 
 def _quadric_terms(side: int) -> NDArray[np.float64]:

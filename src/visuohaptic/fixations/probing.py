@@ -232,15 +232,15 @@ def sees(caster: RayCaster, camera: Camera, points: NDArray[np.float64]) -> NDAr
     """
     import numpy as np
 
-    right, up, back = camera.axes
     offsets = points - camera.eye
-    depth = -(offsets @ back)
+    across, along, towards = np.einsum("nd,kd->kn", offsets, camera.axes)
+    depth = -towards
     half = 0.5 * camera.view_height / camera.distance
     reach = half * (camera.distance if camera.projection == "orthographic" else depth)
-    within = (np.abs(offsets @ right) <= reach) & (np.abs(offsets @ up) <= reach) & (depth > 0)
+    within = (np.abs(across) <= reach) & (np.abs(along) <= reach) & (depth > 0)
     eyes = np.broadcast_to(camera.eye, points.shape)
     if camera.projection == "orthographic":
-        eyes = points + depth[:, None] * back
+        eyes = points + depth[:, None] * camera.axes[2]
     distance = caster.first_hits(eyes, points - eyes).distance
     return within & (distance >= 1.0 - SEEN_TOLERANCE)
 

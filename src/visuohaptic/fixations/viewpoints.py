@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.fixations.parameters import ViewpointParameters
+from visuohaptic.geometry.elementary import sin_cos, tangent
 
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 
@@ -48,25 +49,12 @@ class Camera:
         They follow from the angles without a cross product, so a camera
         straight above the object has an upright view too.
         """
-        azimuth, elevation, roll = np.radians(
-            [self.azimuth_degrees, self.elevation_degrees, self.roll_degrees]
-        )
-        right = np.array([np.cos(azimuth), 0.0, -np.sin(azimuth)])
-        back = np.array(
-            [
-                np.sin(azimuth) * np.cos(elevation),
-                np.sin(elevation),
-                np.cos(azimuth) * np.cos(elevation),
-            ]
-        )
+        angles = [self.azimuth_degrees, self.elevation_degrees, self.roll_degrees]
+        (east, rise, turn), (north, level, upright) = sin_cos(np.radians(angles))
+        right = np.array([north, 0.0, -east])
+        back = np.array([east * level, rise, north * level])
         up = np.cross(back, right)
-        return np.stack(
-            [
-                np.cos(roll) * right + np.sin(roll) * up,
-                np.cos(roll) * up - np.sin(roll) * right,
-                back,
-            ]
-        )
+        return np.stack([upright * right + turn * up, upright * up - turn * right, back])
 
     @cached_property
     def eye(self) -> NDArray[np.float64]:
@@ -76,7 +64,7 @@ class Camera:
     @property
     def view_height(self) -> float:
         """Height of the view in the plane through the object's centre, object radii."""
-        return 2.0 * self.distance * math.tan(math.radians(self.field_of_view_degrees) / 2.0)
+        return 2.0 * self.distance * self._half_height
 
     def window(self, points: NDArray[np.float64], resolution: int) -> NDArray[np.int64]:
         """List the pixels of the least upright rectangle that shows all of some points.
@@ -95,7 +83,7 @@ class Camera:
             see a surface whose corners are the points. All n·n where a point is not in front of
             the camera.
         """
-        right, up, back = (points @ self.axes.T).T
+        right, up, back = np.einsum("nd,kd->kn", points, self.axes)
         depth = np.full_like(back, self.distance)
         if self.projection == "perspective":
             depth -= back
@@ -135,9 +123,13 @@ class Camera:
 
     def _steps(self, resolution: int) -> NDArray[np.float64]:
         """Give the pixels' places along an edge, in the plane at depth 1."""
-        half = math.tan(math.radians(self.field_of_view_degrees) / 2.0)
         steps = np.arange(resolution, dtype=np.float64) - 0.5 * (resolution - 1)
-        return steps * (2.0 * half / resolution)
+        return steps * (2.0 * self._half_height / resolution)
+
+    @property
+    def _half_height(self) -> float:
+        """Half the view's height at depth 1."""
+        return tangent(math.radians(self.field_of_view_degrees) / 2.0)
 
 
 def place_cameras(parameters: ViewpointParameters) -> list[Camera]:

@@ -113,7 +113,7 @@ def seen_colours(
         mean = (colours * face_areas[:, None]).sum(axis=0) / face_areas.sum()
         colours = np.repeat(mean[None], len(colours), axis=0)
     if modes.colour == "never":
-        luma = colours @ np.array([0.299, 0.587, 0.114])
+        luma = np.einsum("fc,c->f", colours, np.array([0.299, 0.587, 0.114]))
         colours = np.repeat(luma[:, None], 3, axis=1)
     return np.round(colours).astype(np.uint8)
 

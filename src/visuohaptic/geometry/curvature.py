@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.elementary import arc_tangent
 from visuohaptic.geometry.surface import Surface
 
 # Twice the area of a triangle in object radii squared, below which its normal is rounding.
@@ -270,7 +271,7 @@ def fold_angles(normals: NDArray[np.float64], adjacency: FaceAdjacency) -> NDArr
     first, second = normals[adjacency.faces[:, 0]], normals[adjacency.faces[:, 1]]
     second = np.where(adjacency.aligned[:, None], second, -second)
     sine = _lengths(np.cross(first, second))
-    return np.arctan2(sine, np.einsum("nd,nd->n", first, second))
+    return arc_tangent(sine, np.einsum("nd,nd->n", first, second))
 
 
 def corner_groups(
@@ -398,7 +399,7 @@ def smooth_curvature(
         ),
     )
     steps[~solid] = np.eye(2)
-    operator = np.where(solid[:, None, None], turns @ np.linalg.inv(steps), 0.0)
+    operator = np.where(solid[:, None, None], _divide(turns, steps), 0.0)
     symmetric = 0.5 * (operator + operator.transpose(0, 2, 1))
     curvedness = np.minimum(np.sqrt(0.5 * np.sum(symmetric**2, axis=(1, 2))), largest)
     weights = np.repeat(np.where(solid, double_area, 0.0), 3)
@@ -406,6 +407,14 @@ def smooth_curvature(
     mass = np.bincount(flat_groups, weights)
     total = np.bincount(flat_groups, weights * np.repeat(curvedness, 3))
     return np.divide(total, mass, out=np.zeros_like(total), where=mass > 0)[groups]
+
+
+def _divide(turns: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give the 2 x 2 matrices that take `steps` to `turns`; LAPACK's depend on the processor."""
+    first, second, third, fourth = np.moveaxis(steps.reshape(-1, 4), 1, 0)
+    inverse = np.stack([fourth, -second, -third, first], axis=1).reshape(-1, 2, 2)
+    determinant = first * fourth - second * third
+    return np.einsum("fab,fbc->fac", turns, inverse) / determinant[:, None, None]
 
 
 def unit_vectors(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -446,7 +455,7 @@ def _corner_angles(surface: Surface) -> NDArray[np.float64]:
     onward = np.roll(corners, -1, axis=1) - corners
     backward = np.roll(corners, 1, axis=1) - corners
     sine = _lengths(np.cross(onward, backward))
-    return np.arctan2(sine, np.einsum("fkd,fkd->fk", onward, backward))
+    return arc_tangent(sine, np.einsum("fkd,fkd->fk", onward, backward))
 
 
 def _crease_scales(
@@ -458,5 +467,5 @@ def _crease_scales(
     # however small it is.
     reach = np.minimum(heights, width)
     share = reach - 0.5 * reach**2 * (1.0 / np.maximum(heights, 1e-12) + 1.0 / width)
-    share += reach**3 / (3.0 * np.maximum(heights, 1e-12) * width)
+    share += reach * reach * reach / (3.0 * np.maximum(heights, 1e-12) * width)
     return np.divide(0.25 * angles, share, out=np.zeros_like(angles), where=share > 1e-9)

@@ -78,7 +78,7 @@ def normalise(
     _check_finite(surface, name)
     vertices = _centred_box(surface.vertices[np.unique(surface.faces)], surface.vertices, name)
     if rotation is not None:
-        vertices = vertices @ rotation.T
+        vertices = np.einsum("nd,kd->nk", vertices, rotation)
     if dimensions is not None:
         vertices = _stretch(vertices, surface.faces, np.asarray(dimensions))
     scaled = Surface(_unit_size(vertices, surface.faces, name), surface.faces, surface.face_colours)
