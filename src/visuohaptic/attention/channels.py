@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from .errors import AttentionError
 from .parameters import CHANNELS, AttentionParameters
+from .plain_filters import plain_kernel
 from .pyramid import (
     GOES_ON,
     Plane,
@@ -139,7 +140,7 @@ def prepare_view(
         (red, green, blue),
         intensity,
         filled(intensity * certainty, certainty),
-        np.log1p(np.maximum(bend, 0.0)),
+        cv2.log(np.maximum(bend, 0.0) + np.float32(1.0)),
     )
 
 
@@ -304,12 +305,12 @@ def orientation_stacks(view: WorkingView, parameters: AttentionParameters) -> li
     deepest = max(parameters.centre_levels)
     images = reductions(view.backdrop, deepest, GOES_ON)
     certainties = reductions(view.certainty, deepest)
-    banks = _gabor_bank(parameters.orientations)
     stacks = []
     steps = max(parameters.surround_offsets)
     for level in parameters.centre_levels:
-        energies = [blur(_energy(images[level], pair), GOES_ON) for pair in banks]
-        mean = sum(energies[1:], energies[0]) / np.float32(len(banks))
+        angles = _gabor_energies(images[level], parameters.orientations)
+        energies = [blur(energy, GOES_ON) for energy in angles]
+        mean = sum(energies[1:], energies[0]) / np.float32(len(energies))
         planes = [
             np.maximum(energy - mean, np.float32(0.0)) * certainties[level] for energy in energies
         ]
@@ -395,27 +396,69 @@ def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
     return lowest == highest
 
 
+@dataclass(frozen=True)
+class _GaborPair:
+    """A pair of Gabor filters as sums of products of a row and a column, and the pair mirrored at a column.
+
+    Attributes
+    ----------
+    across, down : tuple of numpy.ndarray
+        Shape (n,), float32: the cosine and the sine of the wave in a row and in a column, by the Gaussian.
+    scales : tuple of numpy.ndarray
+        Shape (3,), float32, of the pair, then of the mirrored one: 1 / norm of the even filter, its mean,
+        1 / norm of the odd one.
+    """
+
+    across: tuple[Plane, Plane]
+    down: tuple[Plane, Plane]
+    scales: tuple[Plane, ...]
+
+
 @cache
-def _gabor_bank(count: int) -> tuple[tuple[Plane, Plane], ...]:
-    return tuple(_gabor_pair(np.pi * index / count) for index in range(count))
-
-
-def _gabor_pair(angle: float) -> tuple[Plane, Plane]:
+def _gabor_pair(angle: float) -> _GaborPair:
     reach = np.arange(GABOR_SIZE) - GABOR_SIZE // 2
-    columns, rows = np.meshgrid(reach, reach)
-    envelope = np.exp(-(columns**2 + rows**2) / (2.0 * GABOR_DEVIATION**2))
-    phase = 2.0 * np.pi / GABOR_PERIOD * (columns * np.cos(angle) + rows * np.sin(angle))
-    pair = []
-    for wave in (np.cos(phase), np.sin(phase)):
-        kernel = envelope * wave
-        kernel -= kernel.mean()
-        pair.append((kernel / np.linalg.norm(kernel)).astype(np.float32))
-    return pair[0], pair[1]
+    envelope = np.exp(-(reach**2) / (2.0 * GABOR_DEVIATION**2))
+    waves = [2.0 * np.pi / GABOR_PERIOD * reach * step for step in (np.cos(angle), np.sin(angle))]
+    (cos_x, sin_x), (cos_y, sin_y) = ((envelope * np.cos(w), envelope * np.sin(w)) for w in waves)
+    scales = []
+    for sign in (1.0, -1.0):
+        even = np.outer(cos_y, cos_x) - sign * np.outer(sin_y, sin_x)
+        odd = np.outer(cos_y, sin_x) + sign * np.outer(sin_y, cos_x)
+        mean = even.mean()
+        triple = 1.0 / np.linalg.norm(even - mean), mean, 1.0 / np.linalg.norm(odd)
+        scales.append(plain_kernel(triple))
+    return _GaborPair(
+        (plain_kernel(cos_x), plain_kernel(sin_x)),
+        (plain_kernel(cos_y), plain_kernel(sin_y)),
+        tuple(scales),
+    )
 
 
-def _energy(image: Plane, pair: tuple[Plane, Plane]) -> Plane:
-    even, odd = (cv2.filter2D(image, -1, kernel, borderType=GOES_ON) for kernel in pair)
-    return np.sqrt(even**2 + odd**2)
+def _gabor_energies(image: Plane, count: int) -> list[Plane]:
+    """Give the energy of Gabor pairs at `count` angles over half a turn, zero mean and unit norm each."""
+    window = (GABOR_SIZE, GABOR_SIZE)
+    sums = cv2.boxFilter(image, -1, window, normalize=False, borderType=GOES_ON)
+    energies: dict[int, Plane] = {}
+    for index in range(count // 2 + 1):
+        pair = _gabor_pair(np.pi * index / count)
+        (cos_cos, sin_cos), (cos_sin, sin_sin) = (
+            [_filtered(image, row, column) for row in pair.across] for column in pair.down
+        )
+        waves = ((cos_cos - sin_sin, sin_cos + cos_sin), (cos_cos + sin_sin, sin_cos - cos_sin))
+        for place, (even, odd), scale in zip(
+            (index, count - index), waves, pair.scales, strict=True
+        ):
+            even_scale, mean, odd_scale = scale
+            energies[place] = np.sqrt(
+                np.square(even_scale * (even - mean * sums)) + np.square(odd_scale * odd)
+            )
+    return [energies[index] for index in range(count)]
+
+
+def _filtered(image: Plane, row: Plane, column: Plane) -> Plane:
+    if not row.any() or not column.any():
+        return np.zeros_like(image)
+    return cv2.sepFilter2D(image, -1, row, column, borderType=GOES_ON)
 
 
 def _gradient(image: Plane) -> tuple[Plane, Plane]:

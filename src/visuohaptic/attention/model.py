@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .channels import prepare_view, reasons_to_skip
 from .errors import AttentionError
 from .parameters import CHANNELS, AttentionParameters
+from .plain_filters import plain_filters
 from .pyramid import Plane
 from .saliency import conspicuity_maps, on_view, saliency_map
 from .scanpath import Scanpath, scan
@@ -46,6 +47,7 @@ class Attention:
     scanpath: Scanpath
 
 
+@plain_filters()
 def attend(
     colour: NDArray[np.float32],
     mask: NDArray[np.bool_],
@@ -105,6 +107,7 @@ def attend(
     ]
 
 
+@plain_filters()
 def feature_planes(
     colour: NDArray[np.float32],
     mask: NDArray[np.bool_],

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .channels import Stack, WorkingView, feature_stacks
 from .parameters import CHANNELS, AttentionParameters
+from .plain_filters import plain_kernel
 from .pyramid import (
     WORKING_SIZE,
     Plane,
@@ -305,5 +306,5 @@ def _gaussians(size: int) -> tuple[Plane, Plane]:
         reach = min(int(3.0 * deviation + 0.5), size - 1)
         steps = np.arange(-reach, reach + 1)
         kernel = np.exp(-(steps**2) / (2.0 * deviation**2))
-        kernels.append((kernel / kernel.sum()).astype(np.float32))
+        kernels.append(plain_kernel(kernel / kernel.sum()))
     return kernels[0], kernels[1]

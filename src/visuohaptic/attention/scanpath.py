@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .parameters import AttentionParameters
+from .plain_filters import plain_filters
 
-# Saliencies closer than this count as equal: they may differ by rounding only.
+# Maxima closer than this tie: the first in row order is fixated, at the largest value of its focus.
 TIE = 1e-4
+# Values closer than this differ by rounding only: the first in row order counts as the largest.
+ROUNDING = 1e-6
 # Weight of the depth inside the outline; small, so that it decides only where saliency is even.
 INWARD = 1e-3
 # Least distance of a fixation from the outline, as a fraction of the view's longer edge; in thinner
@@ -62,6 +65,7 @@ class Scanpath:
         return self.distinct < self.asked
 
 
+@plain_filters()
 def scan(
     saliency: NDArray[np.float32],
     mask: NDArray[np.bool_],
@@ -89,7 +93,7 @@ def scan(
     -------
     Scanpath
         At most as many fixations as asked for. Among maxima that tie, the largest within
-        one focus of the first, in row order, wins.
+        one focus of the first, in row order, wins; of values that differ by rounding, the first.
     """
     rows, columns, depth = _off_outline(mask)
     pixels = rows * mask.shape[1] + columns
@@ -133,10 +137,11 @@ def _winners(
 
 
 def _winner(drive: NDArray[np.float32], places: NDArray[np.float32]) -> int:
-    """Give the largest; if others equal it up to rounding, the largest within the first's focus."""
+    """Give the largest; if others tie with it, the largest within the focus of the first in row order."""
     tied = np.flatnonzero(drive >= drive.max() - TIE)
     near = tied[_squared_distances(places[:, tied], places[:, tied[0]]) <= 1.0]
-    return int(near[np.argmax(drive[near])])
+    largest = drive[near] >= drive[near].max() - np.float32(ROUNDING)
+    return int(near[np.argmax(largest)])
 
 
 def _squared_distances(

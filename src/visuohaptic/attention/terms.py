@@ -125,7 +125,7 @@ def exponential(total: Plane, seen: SeenSurface, parameters: AttentionParameters
     largest = float(exponent[seen.certainty > 0].max(initial=-np.inf))
     if not np.isfinite(largest):
         return np.zeros_like(total)
-    value = np.exp(np.minimum(exponent - np.float32(largest), 0.0))
+    value = cv2.exp(np.minimum(exponent - np.float32(largest), 0.0))
     return filled(value * seen.certainty, seen.certainty)
 
 
@@ -137,9 +137,9 @@ def nearness_to_centre(seen: SeenSurface, reach: float) -> Plane:
     shown = seen.certainty > SEEN
     middle = seen.point[shown].mean(axis=0) if shown.any() else np.zeros(3, np.float32)
     offset = seen.point - middle
-    along = offset @ seen.sight
+    along = np.einsum("ijk,k->ij", offset, seen.sight)
     across = np.einsum("ijk,ijk->ij", offset, offset) - along**2
-    return np.exp(-across / np.float32(2 * reach**2))
+    return cv2.exp(-across / np.float32(2 * reach**2))
 
 
 def protrusion(seen: SeenSurface, reach: float) -> Plane:
@@ -183,5 +183,5 @@ def _cell_width(
     step = (points[:, 1:] - points[:, :-1])[both]
     if not len(step):
         return 1.0 / len(points)
-    across = step - (step @ sight)[:, None] * sight
+    across = step - np.einsum("nk,k->n", step, sight)[:, None] * sight
     return max(float(np.median(np.linalg.norm(across, axis=1))), SMALLEST_LENGTH)
