@@ -10,7 +10,7 @@ from visuohaptic.stability.shapes import ball
 def test_a_miss_keeps_no_number_of_a_face():
     origins = np.array([[3.0, 0, 0], [0, 0, 0]])
     directions = np.array([[1.0, 0, 0], [0, 0, 0.0]])
-    hits = RayCaster(ball(3)).settled_hits(origins, directions, everything)
+    hits = RayCaster(ball(3)).first_hits(origins, directions, everything)
     # A direction of length 0 goes nowhere and meets nothing.
     assert (hits.face == MISS).all()
     assert np.isinf(hits.distance).all()

@@ -21,5 +21,5 @@ def test_probed_points_lie_on_their_surfaces_within_the_unit_sphere():
         np.testing.assert_allclose(np.linalg.norm(normal), 1.0, atol=1e-12)
         # Slightly inwards, for some points are on an open rim.
         above = (1 - 1e-6) * np.array([probe.point]) + 0.02 * normal
-        distance = RayCaster(probe.surface).settled_hits(above, -normal).distance[0]
+        distance = RayCaster(probe.surface).first_hits(above, -normal).distance[0]
         assert distance == pytest.approx(0.02, abs=2e-3), probe.name

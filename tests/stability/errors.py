@@ -37,7 +37,7 @@ def plant(monkeypatch, module, name):
         return
     methods = {
         method: _disturbed_method(getattr(original, method))
-        for method in ("settled_hits", "first_hits", "inverse")
+        for method in ("first_hits", "inverse")
         if hasattr(original, method)
     }
     monkeypatch.setattr(module, name, type(f"Disturbed{name}", (original,), methods))

@@ -15,12 +15,18 @@ from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.fixations.visual_effects import VisualPlan, plan_visual, seen_colours
 from visuohaptic.geometry.curvature import SurfaceShape, measure_shape
+from visuohaptic.geometry.elementary import power, sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic.scene.records import EffectRecord
 
 # How far a shadow ray starts above the surface, object radii; float32 rays need some 1e-5.
 SHADOW_OFFSET = 1e-4
+# sRGB (IEC 61966-2-1): its power and offset, and the slope and end of its line for dark colours.
+SRGB_POWER = 2.4
+SRGB_OFFSET = 0.055
+DARK_SLOPE = 12.92
+DARK_SRGB = 0.04045
 
 
 @dataclass(frozen=True)
@@ -101,11 +107,10 @@ def render_views(
     modes = modes or EffectModes()
     log = _EffectLog(plan_visual(modes, caster.surface.face_colours, parameters.ambient))
     colours = _seen_colours(caster, modes, log) / 255.0
-    linear = decode_srgb(colours)
     shape = measure_shape(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
     views = _background(len(cameras), parameters)
     for number, camera in enumerate(cameras):
-        pixels, seen = _seen_surface(caster, shape, colours, linear, camera, parameters, log)
+        pixels, seen = _seen_surface(caster, shape, colours, camera, parameters, log)
         for name, values in seen.items():
             view = views[name][number]
             view.reshape(-1, *view.shape[2:])[pixels] = values
@@ -127,21 +132,16 @@ def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[
     numpy.ndarray
         Shape (3,), object frame.
     """
-    elevation = np.radians(parameters.light_elevation_degrees)
-    azimuth = np.radians(parameters.light_azimuth_degrees)
+    angles = [parameters.light_azimuth_degrees, parameters.light_elevation_degrees]
+    (aside, rise), (ahead, level) = sin_cos(np.radians(angles))
     right, up, back = camera.axes
-    level = np.sin(azimuth) * right + np.cos(azimuth) * back
-    return np.cos(elevation) * level + np.sin(elevation) * up
-
-
-def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Encode linear light, 0 to 1, as sRGB (IEC 61966-2-1)."""
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return level * (aside * right + ahead * back) + rise * up
 
 
 def decode_srgb(encoded: NDArray[np.float64]) -> NDArray[np.float64]:
     """Decode sRGB to linear light, 0 to 1 (IEC 61966-2-1)."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+    bright = power((encoded + SRGB_OFFSET) / (1.0 + SRGB_OFFSET), SRGB_POWER)
+    return np.where(encoded <= DARK_SRGB, encoded / DARK_SLOPE, bright)
 
 
 class _EffectLog:
@@ -201,7 +201,6 @@ def _seen_surface(
     caster: RayCaster,
     shape: SurfaceShape,
     face_colours: NDArray[np.float64],
-    face_linear: NDArray[np.float64],
     camera: Camera,
     parameters: RenderingParameters,
     log: _EffectLog,
@@ -209,10 +208,11 @@ def _seen_surface(
     """Give the pixels that see the surface, and what they see of it by the names of `Views`."""
     pixels = camera.window(caster.surface.vertices, parameters.resolution)
     origins, directions = camera.rays(parameters.resolution, pixels)
-    seen, faces, barycentric = caster.first_faces(origins, directions)
-    second, third = barycentric.T
-    weights = np.stack([1.0 - (second + third), second, third], axis=1)
-    points = np.einsum("nk,nkd->nd", weights, caster.surface.triangles.take(faces, axis=0))
+    hits = caster.first_hits(origins, directions)
+    seen = np.flatnonzero(hits.hit)
+    faces = hits.face.take(seen)
+    points = origins[seen] + hits.distance.take(seen)[:, None] * directions[seen]
+    weights = caster.weights(points, faces)
     normals = _normals_towards(shape, caster, faces, weights, directions[seen])
 
     light = light_direction(camera, parameters)
@@ -223,12 +223,11 @@ def _seen_surface(
             lit = _lit(caster, points, normals, light)
     if log.simulates("shading"):
         with log.clock("shading"):
-            linear = face_linear.take(faces, axis=0)
-            colours = _shade(colours, linear, normals, lit, light, parameters.ambient)
+            colours = _shade(colours, normals, lit, light, parameters.ambient)
     return pixels[seen], {
         "colour": colours,
         "mask": np.ones(len(seen), dtype=bool),
-        "depth": (camera.eye - points) @ camera.axes[2],
+        "depth": np.einsum("nd,d->n", camera.eye - points, camera.axes[2]),
         "point": points,
         "normal": normals,
         "face": faces,
@@ -259,7 +258,7 @@ def _lit(
     normals: NDArray[np.float64],
     light: NDArray[np.float64],
 ) -> NDArray[np.bool_]:
-    towards = normals @ light > 0.0
+    towards = np.einsum("nd,d->n", normals, light) > 0.0
     origins = points[towards] + SHADOW_OFFSET * normals[towards]
     blocked = caster.first_hits(origins, np.broadcast_to(light, origins.shape)).hit
     lit = np.ones(len(points), dtype=bool)
@@ -269,13 +268,17 @@ def _lit(
 
 def _shade(
     colours: NDArray[np.float64],
-    linear: NDArray[np.float64],
     normals: NDArray[np.float64],
     lit: NDArray[np.bool_],
     light: NDArray[np.float64],
     ambient: float,
 ) -> NDArray[np.float64]:
-    lambert = np.maximum(normals @ light, 0.0) * lit
+    lambert = np.maximum(np.einsum("nd,d->n", normals, light), 0.0) * lit
     irradiance = (ambient + (1.0 - ambient) * lambert)[:, None]
-    # Full light leaves a colour as it is; going to linear light and back would move last digits.
-    return np.where(irradiance == 1.0, colours, encode_srgb(linear * irradiance))
+    # The power that decodes is the inverse of the one that encodes, so the light's share needs one alone.
+    shaded = (colours + SRGB_OFFSET) * power(irradiance, 1 / SRGB_POWER) - SRGB_OFFSET
+    dark = np.minimum(colours, shaded) <= DARK_SRGB
+    light_of_dark = decode_srgb(colours[dark]) * np.broadcast_to(irradiance, dark.shape)[dark]
+    shaded[dark] = DARK_SLOPE * light_of_dark
+    # Full light leaves a colour as it is; the sum and back would move last digits.
+    return np.where(irradiance == 1.0, colours, shaded)

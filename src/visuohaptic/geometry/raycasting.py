@@ -1,23 +1,34 @@
 """Rays against a triangle surface, many at once, through Open3D's Embree scene.
 
-Embree finds the face in float32; the distance to that face's plane is computed
-again in float64. What is left of float32 is the choice of the face, which can be
-wrong within about 1e-7 of an edge, and passes faces as narrow as that: `RayCaster.settled_hits`
-looks at both again.
+Embree says which face a ray meets first, in float32; float64 says where: on the plane of that face.
+Embree may take the wrong face within about 1e-7 of an edge, takes another one on another processor,
+and passes faces as narrow as that: such rays are settled in float64, by these rules.
+
+- A ray through an edge or a vertex meets one of the faces there: the nearest of their planes along the
+  ray and, of equally near ones, the face of the lowest number.
+- A ray through faces that lie on each other meets the nearest of them, of equally near ones the lowest number.
+- A ray that lies in the plane of a face does not meet that face, but those beside it.
+- A face without area is met by no ray.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.overlaps import overlapping_faces
 from visuohaptic.geometry.surface import Surface
 
 MISS = -1
+
+Pairs = Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]
+"""Rays, ascending, each with a face that it may meet, some at a time."""
 
 Suspects = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
@@ -33,13 +44,22 @@ _BUNDLE = np.array(
 _ROUNDING = 2e-15
 # A face this high may lie between the rays of a bundle, and float32 may take the one at its middle past it.
 _NARROW = 2 * (LATERAL_ERROR + _BUNDLE_RADIUS)
+# Of faces that lie on each other, float32 may take the one behind, this far in the surface's unit.
+_DEPTH_ERROR = 4e-6
 # A face lower than this is a line in float64, too.
 _LINE = 1e-12
 # Only rays that come so near to a narrow face are compared with it.
 _ROOM = 1e-4
-# Faces of the box around a narrow face that are met by the rays compared at once, for the memory that they take.
+# Pairs of a ray and a face, or a box around one, that are compared at once, for the memory that they take.
 _PAIRS = 1 << 16
-_BOX_FACES = 12
+# Corners and faces of a cube about the origin, whose edges are 1.
+_BOX_CORNERS = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
+_BOX_FACES = np.array(
+    [
+        *([0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]),
+        *([2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]),
+    ]
+)
 
 
 @dataclass(frozen=True)
@@ -52,13 +72,10 @@ class Hits:
         Shape (n,), float64: along the ray in lengths of its direction; infinite for a miss.
     face : numpy.ndarray
         Shape (n,), int64: the face that was hit, or `MISS`.
-    barycentric : numpy.ndarray
-        Shape (n, 2), float64: weights of the face's second and third corner; zero for a miss.
     """
 
     distance: NDArray[np.float64]
     face: NDArray[np.int64]
-    barycentric: NDArray[np.float64]
 
     @property
     def hit(self) -> NDArray[np.bool_]:
@@ -105,60 +122,18 @@ class RayCaster:
         """A length that no two points of the surface are farther apart than."""
         return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
 
-    def first_hits(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> Hits:
-        """Cast rays and give the first hit of each.
-
-        Parameters
-        ----------
-        origins, directions : numpy.ndarray
-            Shape (n, 3) each; the frame and unit of the surface's vertices.
-
-        Returns
-        -------
-        Hits
-            One entry a ray; independent of what else is in the batch. Faces are
-            found in float32, distances are to the face's plane in float64.
-        """
-        hits, _ = self._cast(origins, directions)
-        return hits
-
-    def first_faces(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-        """Cast rays and give the face that each meets first: `first_hits` of those that hit.
-
-        Parameters
-        ----------
-        origins, directions : numpy.ndarray
-            Shape (n, 3) each; the frame and unit of the surface's vertices.
-
-        Returns
-        -------
-        rays : numpy.ndarray
-            Shape (k,), int64: the rays that meet the surface, ascending.
-        faces : numpy.ndarray
-            Shape (k,), int64: the face that each meets.
-        barycentric : numpy.ndarray
-            Shape (k, 2), float64, as in `Hits`.
-        """
-        answer = self._embree(self._scene, origins, directions)
-        faces = answer["primitive_ids"].numpy()
-        rays = np.flatnonzero(faces != self._miss)
-        barycentric = answer["primitive_uvs"].numpy().take(rays, axis=0)
-        return rays, faces.take(rays).astype(np.int64), barycentric.astype(np.float64)
-
-    def settled_hits(
+    def first_hits(
         self,
         origins: NDArray[np.float64],
         directions: NDArray[np.float64],
         suspects: Suspects | None = None,
     ) -> Hits:
-        """Cast rays, and cast the doubtful ones again in float64.
+        """Cast rays and give the first hit of each, the same bits on every x86-64 processor.
 
         Doubtful is a ray that meets its face so near an edge or vertex, or so
         grazing, that float32 may have taken the wrong face; and all that `suspects` names,
-        such as a miss between hits. Every ray is compared in float64 with the faces that are too
-        narrow for float32, if the surface has such.
+        such as a miss between hits. These are settled in float64. Every ray is compared in float64
+        with the faces that are too narrow for float32, if the surface has such.
 
         Parameters
         ----------
@@ -176,7 +151,9 @@ class RayCaster:
         hits, doubtful = self._cast(origins, directions)
         if suspects is not None:
             doubtful |= suspects(hits.distance)
-        narrow_rays, narrow = self._narrow_hits(origins, directions)
+        narrow_rays, narrow = self._nearest_pairs(
+            self._narrow_pairs(origins, directions), origins, directions
+        )
         # A doubtful face is not kept where the ray meets another one for sure.
         unsure = narrow_rays[doubtful[narrow_rays]]
         hits.distance[unsure], hits.face[unsure] = np.inf, MISS
@@ -186,7 +163,48 @@ class RayCaster:
             _put(hits, again, self._settle(origins[again], directions[again], first))
         nearer = narrow.distance < hits.distance[narrow_rays]
         _put(hits, narrow_rays[nearer], _take(narrow, nearer))
+        twin_rays, twins = self._nearest_pairs(self._twin_pairs(hits.face), origins, directions)
+        now = _take(hits, twin_rays)
+        nearer = (twins.distance < now.distance) | (
+            (twins.distance == now.distance) & (twins.face < now.face)
+        )
+        _put(hits, twin_rays[nearer], _take(twins, nearer))
         return hits
+
+    def weights(self, points: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Give the barycentric weights of points on faces.
+
+        Parameters
+        ----------
+        points : numpy.ndarray
+            Shape (n, 3), float64, each on the plane of its face.
+        faces : numpy.ndarray
+            Shape (n,), int64: faces with an area.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, 3), float64: at least 0, their sum is 1.
+        """
+        slopes = self._slopes.take(faces, axis=0)
+        offsets = points - self._corners[:, 0].take(faces, axis=0)
+        second, third = (_dot(slopes[:, edge], offsets) for edge in range(2))
+        weights = np.maximum(np.stack([1.0 - second - third, second, third], axis=1), 0.0)
+        return weights / weights.sum(axis=1, keepdims=True)
+
+    @cached_property
+    def _slopes(self) -> NDArray[np.float64]:
+        """How the weights of each face's second and third corner grow in space, shape (f, 2, 3)."""
+        crosses = self.surface.face_crosses
+        squares = _dot(crosses, crosses)
+        edges = self._corners[:, 1:] - self._corners[:, :1]
+        slopes = np.stack([np.cross(edges[:, 1], crosses), np.cross(crosses, edges[:, 0])], axis=1)
+        return np.divide(
+            slopes,
+            squares[:, None, None],
+            out=np.zeros_like(slopes),
+            where=squares[:, None, None] > 0,
+        )
 
     def winding_numbers(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
@@ -231,31 +249,27 @@ class RayCaster:
         """
         answer = self._scene.compute_closest_points(self._tensor(points.astype(np.float32)))
         faces = answer["primitive_ids"].numpy().astype(np.int64)
-        second, third = answer["primitive_uvs"].numpy().astype(np.float64).T
-        weights = np.stack([1 - second - third, second, third], axis=1)
-        return np.einsum("nc,ncd->nd", weights, self._corners[faces]), faces
+        return _nearest_on(self._corners[faces], points), faces
 
     def _cast(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[Hits, NDArray[np.bool_]]:
+        """Cast rays once: their hits, and which of them float32 may have given the wrong face."""
         answer = self._embree(self._scene, origins, directions)
         faces = answer["primitive_ids"].numpy()
         hit = faces != self._miss
         faces = faces.astype(np.int64)
         faces[~hit] = MISS
-        weights = answer["primitive_uvs"].numpy()
-        distance = answer["t_hit"].numpy().astype(np.float64)
-
         planes = self._planes.take(faces, axis=0)
         along = _dot(planes, directions)
-        exact = hit & (along != 0)
-        np.divide(planes[:, 3] - _dot(planes, origins), along, out=distance, where=exact)
-        u, v = weights[:, 0], weights[:, 1]
-        least_weight = np.minimum(np.minimum(u, v), 1 - u - v)
+        distance = np.full(len(faces), np.inf)
+        met = hit & (along != 0)
+        np.divide(planes[:, 3] - _dot(planes, origins), along, out=distance, where=met)
+        second, third = answer["primitive_uvs"].numpy().T
+        least_weight = np.minimum(np.minimum(second, third), 1 - second - third)
         length = np.sqrt(_dot(directions, directions))
         doubtful = hit & (least_weight * np.abs(along) < planes[:, 4] * length)
-        hits = Hits(distance, faces, weights.astype(np.float64))
-        return hits, doubtful
+        return Hits(distance, faces), doubtful
 
     def _make_scene(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Any:
         from visuohaptic.geometry.compiled_open3d import open3d
@@ -280,35 +294,50 @@ class RayCaster:
         candidates = self._faces_around(origins, directions)
         exact = self._nearest_of(candidates, origins, directions)
         # Among faces smaller than the bundle none may be found, though no ray gets through.
-        kept = ~exact.hit & first.hit & (candidates != MISS).all(axis=1)
+        kept = ~exact.hit & np.isfinite(first.distance) & (candidates != MISS).all(axis=1)
         return Hits(
             np.where(kept, first.distance, exact.distance),
             np.where(kept, first.face, exact.face),
-            np.where(kept[:, None], first.barycentric, exact.barycentric),
         )
 
-    def _narrow_hits(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
+    def _nearest_pairs(
+        self, pairs: Pairs, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[NDArray[np.intp], Hits]:
-        """Give the rays that meet narrow faces, ascending, and where each meets the first of them."""
+        """Give the rays that meet a face of their pairs, ascending, and where each meets the first of them."""
         nothing = np.zeros(0, np.int64)
-        no_hits = Hits(np.zeros(0), nothing, np.zeros((0, 2)))
-        if not len(self._narrow):
-            return nothing, no_hits
-        met_rays, met = [nothing], [no_hits]
-        for near, faces in self._narrow_pairs(origins, directions):
-            found = self._nearest_of(faces[:, None], origins[near], directions[near])
-            met_rays.append(near[found.hit])
+        met_rays, met = [nothing], [Hits(np.zeros(0), nothing)]
+        for rays, faces in pairs:
+            found = self._nearest_of(faces[:, None], origins[rays], directions[rays])
+            met_rays.append(rays[found.hit])
             met.append(_take(found, found.hit))
         rays, hits = np.concatenate(met_rays), _join(met)
         order = np.lexsort((hits.face, hits.distance, rays))
         _, first = np.unique(rays[order], return_index=True)
         return rays[order[first]], _take(hits, order[first])
 
-    def _narrow_pairs(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    @cached_property
+    def _twins(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Each face's twins, which lie on it: where they begin in a list of faces, shape (f + 1,), and the list."""
+        pairs = overlapping_faces(self.surface, _DEPTH_ERROR)
+        return np.searchsorted(pairs[:, 0], np.arange(len(self.surface.faces) + 1)), pairs[:, 1]
+
+    def _twin_pairs(self, met: NDArray[np.int64]) -> Pairs:
+        """Give rays and the twins of the faces that they met, some pairs at a time."""
+        starts, twins = self._twins
+        if not len(twins):
+            return
+        counts = np.where(met == MISS, 0, starts[met + 1] - starts[met])
+        rays = np.flatnonzero(counts)
+        ends = np.cumsum(counts[rays], dtype=np.int64) // _PAIRS
+        for part in np.split(rays, np.flatnonzero(np.diff(ends)) + 1):
+            many = counts[part]
+            firsts = np.repeat(starts[met[part]] - np.cumsum(many) + many, many)
+            yield np.repeat(part, many), twins[firsts + np.arange(many.sum())]
+
+    def _narrow_pairs(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> Pairs:
         """Give rays and the narrow faces that they come near to, some pairs at a time."""
+        if not len(self._narrow):
+            return
         rays = _as_float32(origins, directions)
         counts = self._around_narrow.count_intersections(self._tensor(rays)).numpy()
         near = np.flatnonzero(counts)
@@ -317,7 +346,7 @@ class RayCaster:
             if not len(part):
                 continue
             found = self._around_narrow.list_intersections(self._tensor(rays[part]))
-            boxes = found["primitive_ids"].numpy().astype(np.int64) // _BOX_FACES
+            boxes = found["primitive_ids"].numpy().astype(np.int64) // len(_BOX_FACES)
             pairs = np.unique(found["ray_ids"].numpy().astype(np.int64) * len(self._narrow) + boxes)
             yield part[pairs // len(self._narrow)], self._narrow[pairs % len(self._narrow)]
 
@@ -332,12 +361,12 @@ class RayCaster:
         # Two faces at an edge have exactly opposite numbers for it, so no ray slips between;
         # at a vertex rounding alone decides, and every face that it may have cut off counts.
         sides = np.cross(corners, np.roll(corners, -1, axis=2))
-        sides = np.einsum("mckd,md->mck", sides, directions)
-        farthest = np.einsum("mckd,mckd->mck", corners, corners).max(axis=2, keepdims=True)
-        slack = _ROUNDING * farthest * np.linalg.norm(directions, axis=1)[:, None, None]
+        sides = _dot(sides, directions[:, None, None])
+        farthest = _dot(corners, corners).max(axis=2, keepdims=True)
+        slack = _ROUNDING * farthest * np.sqrt(_dot(directions, directions))[:, None, None]
         planes = self._planes[candidates]
-        above = planes[:, :, 3] - np.einsum("mcd,md->mc", planes[:, :, :3], origins)
-        along = np.einsum("mcd,md->mc", planes[:, :, :3], directions)
+        above = planes[..., 3] - _dot(planes, origins[:, None])
+        along = _dot(planes, directions[:, None])
         inside = (sides >= -slack).all(axis=2) | (sides <= slack).all(axis=2)
         inside &= (candidates != MISS) & (along != 0)
         distances = np.divide(above, along, out=np.full(above.shape, np.inf), where=inside)
@@ -347,16 +376,7 @@ class RayCaster:
         nearest = np.lexsort((candidates, distances), axis=1)[:, :1]
         distance = np.take_along_axis(distances, nearest, axis=1)[:, 0]
         face = np.take_along_axis(candidates, nearest, axis=1)[:, 0]
-        weights = np.take_along_axis(sides, nearest[:, :, None], axis=1)[:, 0]
-        found = np.isfinite(distance)
-        weights = np.divide(
-            weights, weights.sum(axis=1, keepdims=True), out=weights, where=found[:, None]
-        )
-        return Hits(
-            distance,
-            np.where(found, face, MISS),
-            np.where(found[:, None], weights[:, [2, 0]], 0.0),
-        )
+        return Hits(distance, np.where(np.isfinite(distance), face, MISS))
 
     def _faces_around(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
@@ -400,8 +420,6 @@ def _boxes_around(
     triangles: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Give vertices and faces of a closed box along the longest edge of each narrow triangle."""
-    import trimesh
-
     edges = np.roll(triangles, -1, axis=1) - triangles
     rows = np.arange(len(triangles))
     longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
@@ -411,29 +429,26 @@ def _boxes_around(
     axes = np.stack(
         [edge + 2 * _ROOM * along, 2 * _ROOM * aside, 2 * _ROOM * np.cross(along, aside)], axis=1
     )
-    box = trimesh.creation.box()
     centres = triangles[rows, longest] + 0.5 * edge
-    vertices = centres[:, None] + box.vertices @ axes
-    faces = box.faces + len(box.vertices) * rows[:, None, None]
+    vertices = centres[:, None] + np.einsum("ca,nad->ncd", _BOX_CORNERS, axes)
+    faces = _BOX_FACES + len(_BOX_CORNERS) * rows[:, None, None]
     return vertices.reshape(-1, 3), faces.reshape(-1, 3)
 
 
 def _put(hits: Hits, rays: NDArray[np.intp], others: Hits) -> None:
     hits.distance[rays] = others.distance
     hits.face[rays] = others.face
-    hits.barycentric[rays] = others.barycentric
 
 
 def _join(parts: list[Hits]) -> Hits:
     return Hits(
         np.concatenate([part.distance for part in parts]),
         np.concatenate([part.face for part in parts]),
-        np.concatenate([part.barycentric for part in parts]),
     )
 
 
 def _take(hits: Hits, rays: NDArray[np.intp] | NDArray[np.bool_]) -> Hits:
-    return Hits(hits.distance[rays], hits.face[rays], hits.barycentric[rays])
+    return Hits(hits.distance[rays], hits.face[rays])
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -442,6 +457,28 @@ def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return vectors / np.where(lengths > 0, lengths, 1.0)
 
 
+def _nearest_on(triangles: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give the nearest point of triangle i, shape (n, 3, 3), to point i: on its face or an edge."""
+    edges = np.roll(triangles, -1, axis=1) - triangles
+    offsets = points[:, None] - triangles
+    squares = _dot(edges, edges)
+    along = np.divide(_dot(offsets, edges), squares, out=np.zeros_like(squares), where=squares > 0)
+    on_edges = triangles + np.clip(along, 0.0, 1.0)[..., None] * edges
+    apart = on_edges - points[:, None]
+    rows = np.arange(len(points))
+    found = on_edges[rows, _dot(apart, apart).argmin(axis=1)]
+    crosses = np.cross(edges[:, 0], edges[:, 1])
+    sides = _dot(np.cross(edges, offsets), crosses[:, None])
+    above = (sides >= 0).all(axis=1) & (_dot(crosses, crosses) > 0)
+    squares = np.where(above, _dot(crosses, crosses), 1.0)
+    lowered = points - (_dot(offsets[:, 0], crosses) / squares)[:, None] * crosses
+    return np.where(above[:, None], lowered, found)
+
+
 def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Dot products of rows of three; written out, for BLAS may order sums by the batch."""
-    return first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1] + first[:, 2] * second[:, 2]
+    """Dot products along the last axis, of three; written out, for BLAS may order sums by the batch."""
+    return (
+        first[..., 0] * second[..., 0]
+        + first[..., 1] * second[..., 1]
+        + first[..., 2] * second[..., 2]
+    )

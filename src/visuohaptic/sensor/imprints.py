@@ -137,7 +137,7 @@ def _cast_part(
     def falls_between(distances: NDArray[np.float64]) -> NDArray[np.bool_]:
         return _falls_between(distances.reshape(-1, resolution, resolution), drop).ravel()
 
-    distances = caster.settled_hits(origins, directions, falls_between).distance
+    distances = caster.first_hits(origins, directions, falls_between).distance
     return lifts[:, None, None] - distances.reshape(-1, resolution, resolution)
 
 

@@ -83,7 +83,7 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
     origins *= 2.0 / np.linalg.norm(origins, axis=1, keepdims=True)
     directions = targets - origins
     caster = RayCaster(surface)
-    hits = caster.settled_hits(origins, directions, everything)
+    hits = caster.first_hits(origins, directions, everything)
     faces_near = _face_finder(surface)
 
     def draw(row: int) -> str:
@@ -96,7 +96,7 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
 
     for some in (hits, caster.first_hits(origins, directions)):
         # A ray that meets nothing has no error: it is brute force that looks for it.
-        met = Hits(np.where(some.hit, some.distance, 0), np.maximum(some.face, 0), some.barycentric)
+        met = Hits(np.where(some.hit, some.distance, 0), np.maximum(some.face, 0))
         errors = np.where(some.hit, plane_errors(surface, origins, directions, met), 0)
         yield Finding("objects/hits lie on their face's plane", errors, describe, draw)
     wrong = []

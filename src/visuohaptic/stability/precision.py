@@ -82,7 +82,7 @@ def tessellated_spheres(generator: np.random.Generator) -> Iterator[Finding]:
     surface = ball(int(generator.integers(2, 5)))
     directions = generator.normal(size=(2000, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    hits = RayCaster(surface).settled_hits(2 * directions, -directions)
+    hits = RayCaster(surface).first_hits(2 * directions, -directions)
     corners = surface.triangles
     edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
     # The middle of an even triangle of edge e with its corners on the unit sphere.

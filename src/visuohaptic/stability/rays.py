@@ -76,7 +76,7 @@ def random_triangles(generator: np.random.Generator) -> Iterator[Finding]:
     surface = draw_triangles(generator, count)
     origins, directions = draw_rays(generator, 400)
     caster = RayCaster(surface)
-    hits = caster.settled_hits(origins, directions, everything)
+    hits = caster.first_hits(origins, directions, everything)
     distance, _, unsure = oracles.first_hits(surface.triangles, origins, directions)
     # Coplanar hits may name either face; what must agree is whether and where something is met.
     apart = np.abs(
@@ -90,10 +90,10 @@ def random_triangles(generator: np.random.Generator) -> Iterator[Finding]:
         draw,
     )
     # A sliver's plane is as uncertain as its corners' rounding over its height.
-    for kind, some in (("settled", hits), ("first", caster.first_hits(origins, directions))):
+    for kind, some in (("every", hits), ("doubtful", caster.first_hits(origins, directions))):
         met = np.flatnonzero(some.hit)
         met = met[surface.face_areas[some.face[met]] > 1e-6]
-        label = f"{count} random triangles, {kind} hit"
+        label = f"{count} random triangles, {kind} ray settled"
         yield _planes(surface, origins[met], directions[met], _chosen(some, met), label)
 
 
@@ -109,7 +109,7 @@ def _planes(
 
 
 def _chosen(hits: Hits, rows: NDArray[np.intp]) -> Hits:
-    return Hits(hits.distance[rows], hits.face[rows], hits.barycentric[rows])
+    return Hits(hits.distance[rows], hits.face[rows])
 
 
 def aim(surface: Surface, generator: np.random.Generator, count: int) -> Floats:
@@ -130,7 +130,7 @@ def vertices_and_edges(generator: np.random.Generator) -> Iterator[Finding]:
     targets = aim(surface, generator, count)
     origins = np.rint(generator.uniform(-2, 2, (count, 3)) * 256) / 256
     directions = targets - origins
-    hits = RayCaster(surface).settled_hits(origins, directions, everything)
+    hits = RayCaster(surface).first_hits(origins, directions, everything)
     exact = [
         oracles.exact_first_hit(surface.triangles, origin, direction)
         for origin, direction in zip(origins, directions, strict=True)
@@ -170,13 +170,13 @@ def leaks(generator: np.random.Generator) -> Iterator[Finding]:
     aimed = np.arange(count) % 2 == 0
     directions[aimed] = aim(surface, generator, count)[aimed] - origins[aimed]
     first_lost = int((~caster.first_hits(origins, directions).hit).sum())
-    hits = caster.settled_hits(origins, directions, lost)
+    hits = caster.first_hits(origins, directions, lost)
     yield Finding(
         "rays/leaks out of closed surfaces",
         ~hits.hit,
         lambda row: (
             f"{shape}, from {origins[row]} along {directions[row]}; of {count} rays {first_lost} are "
-            "lost in float32 and settled in float64"
+            "lost where misses are not settled in float64"
         ),
         draw_ray(surface, origins, directions, f"a ray from within: {shape}"),
     )
@@ -191,7 +191,7 @@ def grazing(generator: np.random.Generator) -> Iterator[Finding]:
     height = slope * pick(generator, 0.01, 0.99) * 1.8
     origins = np.array([[-0.9, height, pick(generator, -0.4, 0.4)]])
     directions = np.array([[1.0, -slope, 0.0]])
-    hits = RayCaster(plate).settled_hits(origins, directions, everything)
+    hits = RayCaster(plate).first_hits(origins, directions, everything)
     expected = height / slope
     yield Finding(
         "rays/grazing",
@@ -211,7 +211,7 @@ def within_a_plane(generator: np.random.Generator) -> Iterator[Finding]:
     origins = [0, height, 0] - 2 * directions
     caster = RayCaster(surface)
     for hits in (
-        caster.settled_hits(origins, directions, everything),
+        caster.first_hits(origins, directions, everything),
         caster.first_hits(origins, directions),
     ):
         ends = origins + np.where(hits.hit, hits.distance, 0)[:, None] * directions
@@ -242,7 +242,7 @@ def slivers(generator: np.random.Generator) -> Iterator[Finding]:
         edge + 1e-6 * generator.normal(size=count),
     )
     origins = np.column_stack([x, np.ones(count), generator.uniform(-0.45, 0.45, count)])
-    hits = RayCaster(surface).settled_hits(origins, np.tile([0, -1.0, 0], (count, 1)), lost)
+    hits = RayCaster(surface).first_hits(origins, np.tile([0, -1.0, 0], (count, 1)), lost)
     yield Finding(
         "rays/through slivers of 1e-12 area",
         np.where(hits.hit, np.abs(hits.distance - 1.0), np.inf),
@@ -264,9 +264,9 @@ def coplanar(generator: np.random.Generator) -> Iterator[Finding]:
     x, z = generator.uniform(-0.6, 0.6, (2, count))
     origins = np.column_stack([x, np.ones(count), z])
     directions = np.tile([0, -1.0, 0], (count, 1))
-    together = caster.settled_hits(origins, directions, everything)
+    together = caster.first_hits(origins, directions, everything)
     order = generator.permutation(count)
-    apart = caster.settled_hits(origins[order], directions[order], everything)
+    apart = caster.first_hits(origins[order], directions[order], everything)
     wrong = (together.face != np.where(x > z, 0, 1)) & (np.abs(x - z) > 1e-9)
     wrong |= together.distance != 1.0
     wrong |= (apart.face != together.face[order])[np.argsort(order)]
@@ -288,7 +288,7 @@ def off_centre(generator: np.random.Generator) -> Iterator[Finding]:
     casters = [RayCaster(normalise(surface, "ball", merge_tolerance=0)) for surface in (home, away)]
     targets = generator.normal(size=(200, 3))
     targets *= 0.8 / np.linalg.norm(targets, axis=1, keepdims=True)
-    near, far = (caster.settled_hits(2.5 * targets, -targets) for caster in casters)
+    near, far = (caster.first_hits(2.5 * targets, -targets) for caster in casters)
     yield Finding(
         "rays/meshes far off centre",
         np.where(near.hit & far.hit, np.abs(near.distance - far.distance) * 0.8, np.inf),

@@ -51,14 +51,6 @@ class TimedCaster(RayCaster):
         """Cast rays as `RayCaster` does."""
         return self._timed(super().first_hits, *rays)
 
-    def first_faces(self, *rays: Any) -> Any:
-        """Cast rays as `RayCaster` does."""
-        return self._timed(super().first_faces, *rays)
-
-    def settled_hits(self, *rays: Any) -> Any:
-        """Cast rays as `RayCaster` does."""
-        return self._timed(super().settled_hits, *rays)
-
     def _timed(self, cast: Callable[..., Any], *rays: Any) -> Any:
         start = time.process_time()
         found = cast(*rays)

@@ -1,0 +1,146 @@
+"""Faces that lie on each other, so that rounding decides which of them a ray meets first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.geometry.surface import Surface
+
+# Planes are told apart by their nearest points to this one, outside of surfaces of unit size: in general
+# position, so that hardly a plane goes through it.
+_VANTAGE = np.array([2.31, -2.77, 1.93])
+# Cells of those points: far larger than rounding moves them, far smaller than between two parts of a surface.
+_CELL = 0.01
+# Makes one whole number of a cell's three; equal ones of different cells are only compared in vain.
+_MIX = np.array([1.0, 4099.0, 4099.0**2])
+# Faces that overlap by less, in the surface's unit, touch at an edge or a vertex.
+_LEAST_OVERLAP = 1e-6
+# Pairs of faces at a time, for the memory that they take.
+_PAIRS = 1 << 18
+
+
+def overlapping_faces(surface: Surface, distance: float) -> NDArray[np.int64]:
+    """Find the pairs of faces that lie on each other.
+
+    Parameters
+    ----------
+    surface : Surface
+        Near unit size, as prepared surfaces are.
+    distance : float
+        How near to the other's plane the corners of one of the two must be, in the surface's unit.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (p, 2), int64: each pair in both orders, sorted. Faces that meet in an edge or a vertex
+        alone are none, nor are those that cross at an angle.
+    """
+    cells = _nearest_to_vantage(surface) / _CELL
+    whole = np.floor(cells)
+    pairs = [np.zeros((0, 2), np.int64)]
+    for first, second in _candidates(surface, whole):
+        pairs.append(_lying_on_each_other(surface, first, second, distance))
+    # Planes that a border between two cells parts are in one cell of a grid that lies between.
+    for first, second in _candidates(surface, np.floor(cells + 0.5)):
+        parted = (whole[first] != whole[second]).any(axis=1)
+        pairs.append(_lying_on_each_other(surface, first[parted], second[parted], distance))
+    found = np.concatenate(pairs)
+    return np.unique(np.concatenate([found, found[:, ::-1]]), axis=0)
+
+
+def _nearest_to_vantage(surface: Surface) -> NDArray[np.float64]:
+    """Give, seen from the vantage, the nearest point of each face's plane, shape (f, 3); either winding has the same."""
+    normals = surface.face_normals
+    heights = np.einsum("fd,fd->f", surface.triangles[:, 0] - _VANTAGE, normals)
+    return heights[:, None] * normals
+
+
+def _candidates(
+    surface: Surface, cells: NDArray[np.float64]
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Give pairs of faces in equal cells whose extents overlap along an axis, some at a time."""
+    solid = np.flatnonzero(surface.face_areas > 0)
+    _, group, count = np.unique(
+        (cells[solid] * _MIX).sum(axis=1), return_inverse=True, return_counts=True
+    )
+    shared = count[group] > 1
+    faces, group = solid[shared], group[shared]
+    if not len(faces):
+        return
+    _, heads, group = np.unique(group, return_index=True, return_inverse=True)
+    # Along the axis to which the group's plane is most nearly parallel.
+    axis = np.abs(surface.face_normals[faces[heads]]).argmin(axis=1)[group]
+    along = np.take_along_axis(surface.triangles[faces], axis[:, None, None], axis=2)[..., 0]
+    stride = 2.0 * np.ptp(along) + 1.0
+    low, high = (group * stride + end for end in (along.min(axis=1), along.max(axis=1)))
+    order = np.argsort(low, kind="stable")
+    faces, low, high = faces[order], low[order], high[order]
+    follow = np.searchsorted(low, high, side="right") - np.arange(len(low)) - 1
+    ends = np.cumsum(follow)
+    for part in np.split(np.arange(len(low)), np.flatnonzero(np.diff(ends // _PAIRS)) + 1):
+        first = np.repeat(part, follow[part])
+        step = np.arange(len(first)) - np.repeat(
+            ends[part] - follow[part] - ends[part[0]] + follow[part[0]], follow[part]
+        )
+        yield faces[first], faces[first + 1 + step]
+
+
+def _lying_on_each_other(
+    surface: Surface, first: NDArray[np.int64], second: NDArray[np.int64], distance: float
+) -> NDArray[np.int64]:
+    """Keep the pairs of faces that lie in one plane and overlap, shape (k, 2)."""
+    near = _extents_meet(surface, first, second, distance)
+    pairs = np.column_stack([first[near], second[near]])
+    for edge in range(6):
+        one, other = pairs.T if edge < 3 else pairs.T[::-1]
+        pairs = pairs[_overlaps_along(surface, one, other, edge % 3) > _LEAST_OVERLAP]
+    one, other = pairs.T
+    apart = np.minimum(_heights(surface, one, other), _heights(surface, other, one))
+    return pairs[apart <= distance]
+
+
+def _extents_meet(
+    surface: Surface, first: NDArray[np.int64], second: NDArray[np.int64], distance: float
+) -> NDArray[np.bool_]:
+    """Tell whether the boxes around two faces meet."""
+    meet = np.ones(len(first), dtype=bool)
+    for corners in np.moveaxis(surface.triangles, 2, 0):
+        low = np.minimum(np.minimum(corners[:, 0], corners[:, 1]), corners[:, 2])
+        high = np.maximum(np.maximum(corners[:, 0], corners[:, 1]), corners[:, 2]) + distance
+        meet &= (low[first] <= high[second]) & (low[second] <= high[first])
+    return meet
+
+
+def _overlaps_along(
+    surface: Surface, one: NDArray[np.int64], other: NDArray[np.int64], edge: int
+) -> NDArray[np.float64]:
+    """Give how far two triangles of a plane overlap across an edge of the first, shape (p,).
+
+    By the separating axis theorem they overlap if they do across each edge of both.
+    """
+    start, end, across = (surface.triangles[one, (edge + step) % 3] for step in range(3))
+    inwards = np.cross(surface.face_normals[one], end - start)
+    inwards /= np.sqrt(_dot(inwards, inwards))[:, None]
+    height = _dot(inwards, across - start)
+    there = [_dot(inwards, surface.triangles[other, corner] - start) for corner in range(3)]
+    highest = np.maximum(np.maximum(there[0], there[1]), there[2])
+    lowest = np.minimum(np.minimum(there[0], there[1]), there[2])
+    return np.minimum(height, highest) - np.maximum(0.0, lowest)
+
+
+def _heights(
+    surface: Surface, one: NDArray[np.int64], other: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Give the largest distance of the first faces' corners from the planes of the others, shape (p,)."""
+    origins, normals = surface.triangles[other, 0], surface.face_normals[other]
+    heights = [
+        np.abs(_dot(surface.triangles[one, corner] - origins, normals)) for corner in range(3)
+    ]
+    return np.maximum(np.maximum(heights[0], heights[1]), heights[2])
+
+
+def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    return first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1] + first[:, 2] * second[:, 2]

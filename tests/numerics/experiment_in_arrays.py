@@ -1,0 +1,92 @@
+"""A small experiment as arrays, to be run again on another processor: FOLDER MESH..."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from recognition.synthetic import features_table, with_column
+
+import visuohaptic as vh
+from visuohaptic.features.describing import describe_touches
+from visuohaptic.fixations.locations import locate_all
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import as_stored
+from visuohaptic.parameters import as_parameters
+from visuohaptic.phases import look_from
+from visuohaptic.recognition.experiment import run_pipeline
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.tables.phases import IMPRINT_FEATURES
+from visuohaptic.touches.touching import touch_tables
+
+STRATEGIES = ("fixation", "random", "random_visible", "farthest_point", "curvature", "human")
+VIEWPOINTS = 2
+RAYS = 30_000
+SEEN = ("mask", "face", "point", "normal", "depth", "curvature", "lit", "colour")
+
+
+def object_arrays(path):
+    """Give every phase's arrays of one object, by phase and column."""
+    found = vh.load(path)
+    surface = as_stored(found.surface)
+    chosen = as_parameters({"viewpoints.count": VIEWPOINTS, "probing.strategies": list(STRATEGIES)})
+    caster = RayCaster(surface)
+    yield "surface", {"vertices": surface.vertices, "faces": surface.faces}
+    yield "rays", ray_arrays(caster)
+    looks = look_from(caster, found.key, chosen, range(VIEWPOINTS))
+    yield "views", {name: getattr(looks[0].seen, name) for name in SEEN}
+    yield "saliency", {"saliency": np.stack([one.attended.saliency for one in looks])}
+    located = locate_all(looks, chosen.probing, chosen.attention, chosen.seed)
+    yield "fixations", columns_of(located)
+    touches, _ = touch_tables(caster, located, chosen.sensor, chosen.scene, chosen.seed)
+    yield "touches", columns_of(touches)
+    yield "features", columns_of(describe_touches(touches, chosen.features))
+
+
+def ray_arrays(caster):
+    """Cast rays from all around at the object."""
+    generator = np.random.default_rng(1)
+    origins = generator.normal(size=(RAYS, 3))
+    origins *= 2 / np.sqrt(np.square(origins).sum(axis=1, keepdims=True))
+    hits = caster.first_hits(origins, generator.uniform(-0.7, 0.7, (RAYS, 3)) - origins)
+    return {"face": hits.face, "distance": hits.distance}
+
+
+def columns_of(table):
+    """Give a table's columns as arrays; what is missing is NaN."""
+    columns = {}
+    for name in table.column_names:
+        values = table.column(name).to_pylist()
+        columns[name] = np.array([np.nan if value is None else value for value in values])
+    return columns
+
+
+def recognition_arrays(pipeline):
+    """Name synthetic objects, some of whose columns are constant but for rounding."""
+    generator = np.random.default_rng(3)
+    table = features_table(separation=0.6)
+    for name in IMPRINT_FEATURES:
+        table = with_column(table, name, generator.random(table.num_rows))
+    rounding = 1e-16 * generator.integers(-1, 2, table.num_rows)
+    table = with_column(table, "contourlet_05", np.abs(rounding))
+    parameters = RecognitionParameters(protocol={"maximum_splits": 3})
+    return columns_of(run_pipeline(table, parameters, 3, pipeline)[1])
+
+
+def main(folder, *paths):
+    """Write an array a file, `phase/object/column`."""
+    for path in paths:
+        for phase, arrays in object_arrays(path):
+            save(Path(folder) / phase / Path(path).name.partition(".")[0], arrays)
+    for pipeline in ("paper", "best"):
+        save(Path(folder) / "recognition" / pipeline, recognition_arrays(pipeline))
+
+
+def save(folder, arrays):
+    """Write each array to a file of its name."""
+    folder.mkdir(parents=True)
+    for name, array in arrays.items():
+        np.save(folder / f"{name}.npy", array, allow_pickle=False)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
