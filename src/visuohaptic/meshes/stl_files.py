@@ -1,0 +1,57 @@
+"""STL files, checked to be whole, for trimesh's reader."""
+
+from __future__ import annotations
+
+import re
+import struct
+
+from visuohaptic.errors import MeshError
+
+_HEADER_BYTES = 84
+_FACE_BYTES = 50
+_NAME = re.compile(rb"^([ \t]*(?:end)?solid\b)[^\n]*$", re.MULTILINE | re.IGNORECASE)
+
+
+def checked_stl(data: bytes) -> bytes:
+    """Give the file, without the names of solids where it is text.
+
+    Raises `MeshError` with the reason alone, if it holds other than it promises: a binary file by the
+    count of its header, a text by the ends of its solids and faces.
+    """
+    promised = _promised(data)
+    if promised is not None and len(data) == _HEADER_BYTES + _FACE_BYTES * promised:
+        return data
+    if _count(data, b"solid") and _count(data, b"facet"):
+        _check_text(data)
+        # trimesh looks for words such as "vertex" in names too.
+        return _NAME.sub(rb"\1", data)
+    if promised is None:
+        raise MeshError(
+            f"it is truncated: a header of {_HEADER_BYTES} bytes is needed, and {len(data)} bytes "
+            "are there"
+        )
+    size = _HEADER_BYTES + _FACE_BYTES * promised
+    what = "it is truncated" if len(data) < size else "it holds too much"
+    raise MeshError(
+        f"{what}: its header promises {promised} faces, hence {size} bytes, and {len(data)} are there"
+    )
+
+
+def _promised(data: bytes) -> int | None:
+    if len(data) < _HEADER_BYTES:
+        return None
+    return int(struct.unpack("<I", data[_HEADER_BYTES - 4 : _HEADER_BYTES])[0])
+
+
+def _check_text(data: bytes) -> None:
+    solids, faces, corners = (_count(data, word) for word in (b"solid", b"facet", b"vertex"))
+    ends, closed = (_count(data, word) for word in (b"endsolid", b"endfacet"))
+    if (ends, closed, corners) != (solids, faces, 3 * faces):
+        raise MeshError(
+            f"it is truncated: {solids} solids, {faces} faces and so {3 * faces} corners are promised, "
+            f"and {ends} ends of solids, {closed} of faces and {corners} corners are there"
+        )
+
+
+def _count(data: bytes, word: bytes) -> int:
+    return len(re.findall(rb"^[ \t]*" + word + rb"\b", data, re.MULTILINE | re.IGNORECASE))
