@@ -2,7 +2,7 @@
 
 A short file can ask a parser for any amount of time and memory: by a count in its header, by
 parts that stand for others, or by very many small parts. With the limits here, and
-`meshes.largest_megabytes`, reading takes at most about 2 µs and 400 bytes a byte of the file, and a
+`meshes.largest_megabytes`, reading takes at most about 5 µs and 400 bytes a byte of the file, and a
 second a thousand parts.
 """
 

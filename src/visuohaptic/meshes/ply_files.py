@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import tempfile
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -27,27 +28,18 @@ def checked_ply(data: bytes) -> bytes:
     Raises `MeshError` with the reason alone, if it holds less than its header promises or a face
     names no vertex; ``plyfile.PlyParseError`` if it can't be read.
     """
-    from plyfile import PlyData, PlyElement, PlyElementParseError
+    from plyfile import PlyElement
 
-    length = read_ply_header(data[:LONGEST]).length
-    lists = _face_lists(data[:length])
-    if not lists or _holds_triangles(data, length, lists):
+    header = read_ply_header(data[:LONGEST])
+    lists = _face_lists(data[: header.length])
+    name = next((one for one in lists if len(lists) == 1 or one in _CORNERS), None)
+    if name is None or (header.ascii and _text_holds_triangles(data, header.length)):
         return data
-    try:
-        ply = PlyData.read(io.BytesIO(data))
-    except PlyElementParseError as error:
-        if error.row is None or "early end" not in error.message:
-            raise
-        raise MeshError(
-            f"it is truncated: its header promises {error.element.count} rows of "
-            f"{error.element.name!r}, and {error.row} are there whole"
-        ) from error
-    name = next((name for name in _CORNERS if name in lists), None)
-    if name is None or "vertex" not in ply:
+    ply = _read(data, lists, text=header.ascii)
+    if "vertex" not in ply:
         return data
     face = ply["face"].data
-    counts = np.array([len(one) for one in face[name]], dtype=np.int64)
-    corners = np.concatenate([np.empty(0, np.int64), *face[name]]).astype(np.int64)
+    counts, corners = _polygons(face[name])
     points = np.column_stack([ply["vertex"][axis] for axis in "xyz"]).astype(np.float64)
     check_corners(corners, len(points))
     cut = cuts(points, corners, counts)
@@ -74,22 +66,33 @@ def _face_lists(header: bytes) -> list[str]:
     return [name.decode() for name in _LIST.findall(face[1])] if face else []
 
 
-def _holds_triangles(data: bytes, length: int, lists: list[str]) -> bool:
-    """Tell quickly whether the file is whole, and each face surely a triangle."""
-    from plyfile import PlyData, PlyParseError
+def _read(data: bytes, lists: list[str], *, text: bool) -> Any:
+    from plyfile import PlyData, PlyElementParseError
 
-    if read_ply_header(data[:LONGEST]).ascii:
-        return _text_holds_triangles(data, length)
-    known = {name: 6 if name == _TEXTURE else 3 for name in lists}
-    # What lies in a file is read as one array, and other lengths are refused.
-    with tempfile.TemporaryFile() as file:
-        file.write(data)
-        file.seek(0)
-        try:
-            PlyData.read(file, known_list_len={"face": known})
-        except (PlyParseError, ValueError):
-            return False
-    return True
+    for count in () if text else (3, 4):
+        known = {name: 2 * count if name == _TEXTURE else count for name in lists}
+        with suppress(PlyElementParseError), tempfile.TemporaryFile() as file:
+            # What lies in a file is read as one array, and lists of other lengths are refused.
+            file.write(data)
+            file.seek(0)
+            return PlyData.read(file, known_list_len={"face": known})
+    try:
+        return PlyData.read(io.BytesIO(data))
+    except PlyElementParseError as error:
+        if error.row is None or "early end" not in error.message:
+            raise
+        raise MeshError(
+            f"it is truncated: its header promises {error.element.count} rows of "
+            f"{error.element.name!r}, and {error.row} are there whole"
+        ) from error
+
+
+def _polygons(lists: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Give how many corners each polygon has, and the corners of all."""
+    if lists.ndim == 2:
+        return np.full(len(lists), lists.shape[1], np.int64), lists.astype(np.int64).ravel()
+    counts = np.array([len(one) for one in lists], dtype=np.int64)
+    return counts, np.concatenate([np.empty(0, np.int64), *lists]).astype(np.int64)
 
 
 def _text_holds_triangles(data: bytes, length: int) -> bool:
@@ -110,7 +113,7 @@ def _triangle_rows(
 ) -> NDArray[Any]:
     """Give a row of the faces' table for each triangle: its polygon's row but for what its corners have."""
     names = face.dtype.names or ()
-    rows = np.empty(len(places), dtype=[_column(face, one) for one in names])
+    rows = np.empty(len(places), dtype=[_column(face, one, name) for one in names])
     for one in names:
         if one == name:
             rows[one] = _picked(face[one], places, triangles)
@@ -122,12 +125,12 @@ def _triangle_rows(
     return rows
 
 
-def _column(face: NDArray[Any], name: str) -> tuple[Any, ...]:
-    if name in _CORNERS:
-        return name, "<i4", (3,)
-    if name == _TEXTURE:
-        return name, "<f4", (6,)
-    return name, face.dtype[name]
+def _column(face: NDArray[Any], column: str, corners: str) -> tuple[Any, ...]:
+    if column == corners:
+        return column, "<i4", (3,)
+    if column == _TEXTURE:
+        return column, "<f4", (6,)
+    return column, face.dtype[column]
 
 
 def _picked(values: Any, places: NDArray[np.int64], triangles: NDArray[np.int64]) -> NDArray[Any]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
 
-MOST_CORNERS_CUT = 2_000
+MOST_CORNERS_CUT = 1_000
 """Corners of one polygon that is not convex; cutting one that crosses itself takes their square."""
 
 _AREA_TOLERANCE = 1e-6  # relative; text formats hold some six digits, so corners on a line are not
@@ -50,13 +50,13 @@ def cuts(
         With the reason alone, if such a polygon has more than `MOST_CORNERS_CUT` corners.
     """
     starts = np.cumsum(counts) - counts
-    found = {}
-    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        for place in _badly_fanned(points, corners, starts, counts):
-            polygon = points[corners[starts[place] : starts[place] + counts[place]]]
-            triangles = _ear_clipped(polygon)
-            if triangles is not None:
-                found[place] = triangles
+    found: dict[int, NDArray[np.int64]] = {}
+    for count in np.unique(counts[counts > 3]):
+        places = np.flatnonzero(counts == count)
+        for block in np.array_split(places, -(-len(places) * count // _BLOCK_CORNERS)):
+            polygons = points[corners[starts[block, None] + np.arange(count)]]
+            cut = _cut_block(polygons)
+            found |= {int(block[place]): triangles for place, triangles in cut.items()}
     return found
 
 
@@ -75,67 +75,62 @@ def check_corners(corners: NDArray[np.int64], vertices: int, first: int = 0) -> 
         )
 
 
-def _badly_fanned(
-    points: NDArray[np.float64],
-    corners: NDArray[np.int64],
-    starts: NDArray[np.int64],
-    counts: NDArray[np.int64],
-) -> Iterator[int]:
-    for count in np.unique(counts[counts > 3]):
-        places = np.flatnonzero(counts == count)
-        for block in np.array_split(places, -(-len(places) * count // _BLOCK_CORNERS)):
-            polygons = points[corners[starts[block, None] + np.arange(count)]]
-            area, covered = _areas(_fan_crosses(polygons))
-            yield from map(int, block[covered - area > _AREA_TOLERANCE * area])
+def _cut_block(polygons: NDArray[np.float64]) -> dict[int, NDArray[np.int64]]:
+    """Cut those of polygons (p, n, 3), in any unit, that their fans do not cover exactly."""
+    # A polygon of one point, or with a NaN, has no unit and fails no comparison.
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        units = np.abs(polygons).max(axis=(1, 2), keepdims=True)
+        polygons = polygons / units - polygons[:, :1] / units
+        crosses = np.cross(polygons[:, 1:-1], polygons[:, 2:])
+        vectors = crosses.sum(axis=1)
+        areas = np.linalg.norm(vectors, axis=1)
+        normals = vectors / areas[:, None]
+        covered = np.abs(np.einsum("ptk,pk->pt", crosses, normals)).sum(axis=1)
+        bad = np.flatnonzero(covered - areas > _AREA_TOLERANCE * areas)
+    if not len(bad):
+        return {}
+    return {
+        int(bad[place]): triangles
+        for place, triangles in _ear_clipped(_projected(polygons[bad], normals[bad]))
+    }
 
 
-def _fan_crosses(polygons: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give twice the area vectors of fans' triangles, (p, n - 2, 3), of polygons (p, n, 3) of any unit."""
-    units = np.abs(polygons).max(axis=(1, 2), keepdims=True)
-    arms = polygons[:, 1:] / units - polygons[:, :1] / units
-    return np.cross(arms[:, :-1], arms[:, 1:])
-
-
-def _areas(crosses: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Give the area of each polygon, and that which its triangles cover, both seen along its normal."""
-    vectors = crosses.sum(axis=1)
-    areas = np.linalg.norm(vectors, axis=1)
-    along = np.einsum("ptk,pk->pt", crosses, vectors / areas[:, None])
-    return areas, np.abs(along).sum(axis=1)
-
-
-def _ear_clipped(polygon: NDArray[np.float64]) -> NDArray[np.int64] | None:
+def _ear_clipped(flats: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    """Give the triangles of each polygon of (p, n, 2) that they cover better than its fan does."""
     from mapbox_earcut import triangulate_float64
 
-    if len(polygon) > MOST_CORNERS_CUT:
+    count = flats.shape[1]
+    if count > MOST_CORNERS_CUT:
         raise MeshError(
-            f"a polygon that is not convex has {len(polygon)} corners; {MOST_CORNERS_CUT} are "
-            "allowed: cut it into triangles when exporting"
+            f"a polygon that is not convex has {count} corners; {MOST_CORNERS_CUT} are allowed: cut it "
+            "into triangles when exporting"
         )
-    crosses = _fan_crosses(polygon[None])
-    flat = _projected(polygon, crosses[0].sum(axis=0))
-    ring = np.array([len(flat)], dtype=np.uint32)
-    triangles = triangulate_float64(flat, ring).reshape(-1, 3).astype(np.int64)
-    first, second, third = flat[triangles].transpose(1, 0, 2)
+    ring = np.array([count], dtype=np.uint32)
+    cut = [triangulate_float64(flat, ring).reshape(-1, 3) for flat in flats]
+    owners = np.repeat(np.arange(len(flats)), [len(triangles) for triangles in cut])
+    triangles = np.concatenate(cut).astype(np.int64)
+    first, second, third = flats[owners[:, None], triangles].transpose(1, 0, 2)
     signed = _cross(second - first, third - first)
     triangles[signed < 0] = triangles[signed < 0][:, ::-1]
-    spread = flat - flat[0]
-    fanned = _cross(spread[1:-1], spread[2:])
-    area = fanned.sum()
-    better = abs(np.abs(signed).sum() - area) < np.abs(fanned).sum() - area
-    return triangles if better else None
+    covered = np.bincount(owners, np.abs(signed), minlength=len(flats))
+    fanned = _cross(flats[:, 1:-1], flats[:, 2:])
+    areas = fanned.sum(axis=1)
+    better = np.abs(covered - areas) < np.abs(fanned).sum(axis=1) - areas
+    ends = np.cumsum([len(one) for one in cut])
+    for place in np.flatnonzero(better):
+        yield int(place), triangles[ends[place] - len(cut[place]) : ends[place]]
 
 
-def _projected(polygon: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Project along the normal, then leave out its largest axis; counter-clockwise stays so."""
-    unit = normal / np.linalg.norm(normal)
-    centred = polygon / np.abs(polygon).max()
-    centred = centred - centred[0]
-    flat = centred - np.outer(centred @ unit, unit)
-    axis = int(np.abs(unit).argmax())
-    others = [(axis + 1) % 3, (axis + 2) % 3]
-    return np.ascontiguousarray(flat[:, others if unit[axis] > 0 else others[::-1]])
+def _projected(polygons: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Project (p, n, 3) along normals, then leave out their largest axes; counter-clockwise stays so."""
+    along = np.einsum("pnk,pk->pn", polygons, normals)
+    flat = polygons - along[..., None] * normals[:, None]
+    axes = np.abs(normals).argmax(axis=1)
+    others = (axes[:, None] + [1, 2]) % 3
+    backwards = np.take_along_axis(normals, axes[:, None], axis=1)[:, 0] < 0
+    others[backwards] = others[backwards][:, ::-1]
+    return np.ascontiguousarray(np.take_along_axis(flat, others[:, None], axis=2))
 
 
 def _cross(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
-    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]

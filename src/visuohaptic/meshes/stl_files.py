@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 import struct
+from collections import Counter
 
 from visuohaptic.errors import MeshError
 
 _HEADER_BYTES = 84
 _FACE_BYTES = 50
+_WORD = re.compile(
+    rb"^[ \t]*(solid|facet|vertex|endfacet|endsolid)\b", re.MULTILINE | re.IGNORECASE
+)
 _NAME = re.compile(rb"^([ \t]*(?:end)?solid\b)[^\n]*$", re.MULTILINE | re.IGNORECASE)
 
 
@@ -21,8 +25,9 @@ def checked_stl(data: bytes) -> bytes:
     promised = _promised(data)
     if promised is not None and len(data) == _HEADER_BYTES + _FACE_BYTES * promised:
         return data
-    if _count(data, b"solid") and _count(data, b"facet"):
-        _check_text(data)
+    words = Counter(word.lower() for word in _WORD.findall(data))
+    if words[b"solid"] and words[b"facet"]:
+        _check_text(words)
         # trimesh looks for words such as "vertex" in names too.
         return _NAME.sub(rb"\1", data)
     if promised is None:
@@ -43,15 +48,11 @@ def _promised(data: bytes) -> int | None:
     return int(struct.unpack("<I", data[_HEADER_BYTES - 4 : _HEADER_BYTES])[0])
 
 
-def _check_text(data: bytes) -> None:
-    solids, faces, corners = (_count(data, word) for word in (b"solid", b"facet", b"vertex"))
-    ends, closed = (_count(data, word) for word in (b"endsolid", b"endfacet"))
+def _check_text(words: Counter[bytes]) -> None:
+    solids, faces, corners = words[b"solid"], words[b"facet"], words[b"vertex"]
+    ends, closed = words[b"endsolid"], words[b"endfacet"]
     if (ends, closed, corners) != (solids, faces, 3 * faces):
         raise MeshError(
             f"it is truncated: {solids} solids, {faces} faces and so {3 * faces} corners are promised, "
             f"and {ends} ends of solids, {closed} of faces and {corners} corners are there"
         )
-
-
-def _count(data: bytes, word: bytes) -> int:
-    return len(re.findall(rb"^[ \t]*" + word + rb"\b", data, re.MULTILINE | re.IGNORECASE))
