@@ -2,6 +2,7 @@
 
 import copy
 import io
+import json
 import zipfile
 
 import numpy as np
@@ -80,10 +81,11 @@ def test_an_stl_cut_anywhere_is_refused(place):
     )
 
 
-@pytest.mark.parametrize("kind", ["obj", "off", "text ply"])
-def test_a_byte_order_mark_is_no_part_of_the_model(kind):
-    data = {"obj": CORNERS + b"f 1 2 3\n", "off": OFF, "text ply": TEXT_PLY}[kind]
-    kind = kind.rpartition(" ")[2]
+@pytest.mark.parametrize(
+    ("kind", "data"),
+    [("obj", CORNERS + b"f 1 2 3\n"), ("off", OFF), ("ply", TEXT_PLY), ("stl", TEXT_STL)],
+)
+def test_a_byte_order_mark_is_no_part_of_the_model(kind, data):
     np.testing.assert_array_equal(
         read(b"\xef\xbb\xbf" + data, kind).triangles, read(data, kind).triangles
     )
@@ -141,6 +143,17 @@ def part(**values):
 )  # fmt: skip
 def test_a_gltf_that_promises_more_than_trimesh_reads_is_refused(change, says):
     refused(glb(change), "glb", says)
+
+
+def test_a_buffer_beside_a_gltf_that_is_cut_is_refused(tmp_path):
+    document, data = generated.gltf_parts(POINTS, FACES)
+    document["buffers"][0]["uri"] = "a.bin"
+    (tmp_path / "a.gltf").write_text(json.dumps(document))
+    (tmp_path / "a.bin").write_bytes(data)
+    assert len(read_model(tmp_path / "a.gltf").faces) == 320
+    (tmp_path / "a.bin").write_bytes(data[:-1])
+    with pytest.raises(MeshError, match="buffer 0 is promised to have 5784 bytes, and 5783 are"):
+        read_model(tmp_path / "a.gltf")
 
 
 def test_a_face_of_one_part_names_no_vertex_of_the_next():

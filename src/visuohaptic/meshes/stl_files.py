@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 import struct
 from collections import Counter
@@ -25,6 +26,7 @@ def checked_stl(data: bytes) -> bytes:
     promised = _promised(data)
     if promised is not None and len(data) == _HEADER_BYTES + _FACE_BYTES * promised:
         return data
+    data = data.removeprefix(codecs.BOM_UTF8)
     words = Counter(word.lower() for word in _WORD.findall(data))
     if words[b"solid"] and words[b"facet"]:
         _check_text(words)
