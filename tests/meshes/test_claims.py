@@ -75,6 +75,9 @@ def crowd(document):
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 SOLID = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
 SOLID += "endloop\nendfacet\nendsolid a\n"
+RANDOM = np.random.default_rng(0)
+CROSSING = "".join(f"v {x} {y} 0\n" for x, y in RANDOM.random((5000, 2)))
+CROSSING = f"{CROSSING}f {' '.join(map(str, RANDOM.permutation(5000) + 1))}\n".encode()
 HOSTILE = {
     "rows.ply": (ply("binary_little_endian", 10**15, b"0" * 100), "claims 1000000000000001 rows"),
     "text_rows.ply": (ply("ascii", 10**8, b"0 0 0\n" * 1000), "claims 100000001 rows"),
@@ -90,6 +93,9 @@ HOSTILE = {
         "has 6000 materials; 5000 are allowed",
     ),
     "index.obj": ((TRIANGLE + "f 1 2 99999999999\n").encode(), "can't be read as OBJ"),
+    "crossing.obj": (CROSSING, "not convex has 5000 corners; 1000 are allowed"),
+    "wide.off": (b"OFF\n3 100000 0\n" + b"3 0 1 2\n" * 100_003 + b"9" * 3000, "can't be read as OFF"),
+    "wide.obj": ((TRIANGLE + "f 1 2 3\n" * 100_000 + f"f 1 2 {'9' * 3000}\n").encode(), "can't be read"),
     "solids.stl": ((SOLID * 6000).encode(), "has 6000 solids; 5000 are allowed"),
     "zeros.glb": (glb(claim(0, count=10**10)), "shows 20000000006 vertices and corners"),
     "nothing.glb": (glb(empty_accessor), "claims 60000000 bytes without data"),

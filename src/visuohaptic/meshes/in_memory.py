@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.meshes.polygons import check_corners
 
 GREY = (160, 160, 160)
 """Colour, sRGB, of a face that has none."""
@@ -45,6 +46,8 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
         raise MeshError(
             f"{name} has vertices of shape {flat[0]}; three coordinates for each are needed."
         )
+    for part in parts:
+        _check_corners(part, name)
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
     faces = [
         np.asarray(part.faces, dtype=np.int64) + offset
@@ -65,6 +68,14 @@ def _parts(mesh: Any, name: str) -> Sequence[Any]:
         reason = " ".join(str(error).split())[:200].rstrip(".!") or type(error).__name__
         raise MeshError(f"{name} can't be read as one surface: {reason}.") from error
     return [part for part in found if hasattr(part, "faces")]
+
+
+def _check_corners(part: Any, name: str) -> None:
+    # An index too high would name a vertex of the next part.
+    try:
+        check_corners(np.ravel(part.faces), len(part.vertices))
+    except MeshError as error:
+        raise MeshError(f"{name} can't be read as a surface: {error}.") from None
 
 
 def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:

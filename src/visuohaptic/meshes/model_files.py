@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,8 +14,14 @@ from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
 from visuohaptic.meshes.claims import check_claims
+from visuohaptic.meshes.gltf_files import check_gltf
 from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
+from visuohaptic.meshes.obj_files import checked_obj
+from visuohaptic.meshes.off_files import checked_off
+from visuohaptic.meshes.ply_files import checked_ply
+from visuohaptic.meshes.stl_files import checked_stl
 
+_TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae")
 _LARGEST_TEXTURE_BYTES = 50 * 10**6
 
 
@@ -115,10 +122,31 @@ def _surface(data: bytes, name: str, suffix: str, resolver: Any) -> Surface:
     kind = suffix[1:].lower()
     if kind == "3mf":
         return _surface_of_3mf(data, name)
-    if kind == "dae":
-        _check_collada(data, name)
+    if kind in _TEXT_KINDS:
+        data = data.removeprefix(codecs.BOM_UTF8)
     check_claims(data, name, kind)
+    with _reading(name, kind):
+        data = _checked(data, kind, resolver)
     return surface_of_trimesh(_load_scene(data, name, kind, resolver), name)
+
+
+def _checked(data: bytes, kind: str, resolver: Any) -> bytes:
+    """Give what trimesh reads as it is meant; raises `MeshError` with the reason alone."""
+    match kind:
+        case "obj":
+            return checked_obj(data)
+        case "off":
+            return checked_off(data)
+        case "ply":
+            return checked_ply(data)
+        case "stl":
+            return checked_stl(data)
+        case "dae":
+            from visuohaptic.meshes.collada import checked_collada
+
+            return checked_collada(data)
+    check_gltf(data, kind, resolver)
+    return data
 
 
 def _surface_of_3mf(data: bytes, name: str) -> Surface:
@@ -129,13 +157,6 @@ def _surface_of_3mf(data: bytes, name: str) -> Surface:
     if not len(faces):
         raise MeshError(f"{name} has no faces; a surface of triangles is needed.")
     return surface_of_arrays(vertices, faces, name)
-
-
-def _check_collada(data: bytes, name: str) -> None:
-    from visuohaptic.meshes.collada import check_collada
-
-    with _reading(name, "dae"):
-        check_collada(data)
 
 
 def _load_scene(data: bytes, name: str, kind: str, resolver: Any) -> Any:

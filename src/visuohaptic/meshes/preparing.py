@@ -50,6 +50,9 @@ def normalise(
     object and does not move when triangles are subdivided. The vertex farthest
     from it gets distance 1.
 
+    No face without area is left: those go that have none in the file, whose vertices
+    merge, or that have none when vertices are rounded. Thin ones with some area stay.
+
     Parameters
     ----------
     surface : Surface
@@ -83,10 +86,12 @@ def normalise(
         vertices = _stretch(vertices, surface.faces, np.asarray(dimensions))
     scaled = Surface(_unit_size(vertices, surface.faces, name), surface.faces, surface.face_colours)
     cleaned = clean(scaled, merge_tolerance)
-    if not len(cleaned.faces):
-        raise MeshError(f"{name} has no area; a surface with at least one triangle is needed.")
     single = _unit_size(cleaned.vertices, cleaned.faces, name).astype(np.float32)
-    return Surface(single.astype(np.float64), cleaned.faces, cleaned.face_colours)
+    rounded = Surface(single.astype(np.float64), cleaned.faces, cleaned.face_colours)
+    ready = _kept(rounded, rounded.face_areas > 0)
+    if not len(ready.faces):
+        raise MeshError(f"{name} has no area; a surface with at least one triangle is needed.")
+    return ready
 
 
 def clean(surface: Surface, merge_tolerance: float) -> Surface:
@@ -105,7 +110,12 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     keep[kept] = True
     merged = Surface(surface.vertices, faces, surface.face_colours)
     keep &= whole & (merged.face_areas > 0)
-    used, renumbered = np.unique(faces[keep], return_inverse=True)
+    return _kept(merged, keep)
+
+
+def _kept(surface: Surface, keep: NDArray[np.bool_]) -> Surface:
+    """Leave out the other faces, and the vertices that only they name."""
+    used, renumbered = np.unique(surface.faces[keep], return_inverse=True)
     return Surface(
         surface.vertices[used],
         renumbered.reshape(-1, 3).astype(np.int64),

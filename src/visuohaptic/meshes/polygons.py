@@ -1,0 +1,136 @@
+"""Polygons that are not convex, cut into triangles that cover them and no more.
+
+trimesh cuts a polygon into a fan from its first corner, which is right for a convex one. Where a fan
+covers more than the polygon, a file's reader puts the triangles of `cuts` in its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import MeshError
+
+MOST_CORNERS_CUT = 1_000
+"""Corners of one polygon that is not convex; cutting one that crosses itself takes their square."""
+
+_AREA_TOLERANCE = 1e-6  # relative; text formats hold some six digits, so corners on a line are not
+_BLOCK_CORNERS = 1 << 18
+
+
+def cuts(
+    points: NDArray[np.float64], corners: NDArray[np.int64], counts: NDArray[np.int64]
+) -> dict[int, NDArray[np.int64]]:
+    """Cut each polygon that its fan does not cover exactly, by ear clipping (``mapbox_earcut``).
+
+    A polygon is seen along its area vector (Newell's normal), so one that is not flat is cut as its
+    projection. One without an area vector, or that crosses itself so that ear clipping comes no nearer
+    to its area, stays a fan.
+
+    Parameters
+    ----------
+    points : numpy.ndarray
+        Shape (v, 3), float64.
+    corners : numpy.ndarray
+        Shape (c,), int64; rows of `points`, polygon after polygon.
+    counts : numpy.ndarray
+        Shape (p,), int64; corners of each polygon.
+
+    Returns
+    -------
+    dict of int to numpy.ndarray
+        For each polygon that needs it, triangles of shape (t, 3), int64: places among its own
+        corners, in its own winding.
+
+    Raises
+    ------
+    MeshError
+        With the reason alone, if such a polygon has more than `MOST_CORNERS_CUT` corners.
+    """
+    starts = np.cumsum(counts) - counts
+    found: dict[int, NDArray[np.int64]] = {}
+    for count in np.unique(counts[counts > 3]):
+        places = np.flatnonzero(counts == count)
+        for block in np.array_split(places, -(-len(places) * count // _BLOCK_CORNERS)):
+            polygons = points[corners[starts[block, None] + np.arange(count)]]
+            cut = _cut_block(polygons)
+            found |= {int(block[place]): triangles for place, triangles in cut.items()}
+    return found
+
+
+def fan(count: int) -> NDArray[np.int64]:
+    """Give the triangles, shape (count - 2, 3), of a polygon that is cut from its first corner."""
+    second = np.arange(1, max(count - 1, 1))
+    return np.column_stack([np.zeros_like(second), second, second + 1])
+
+
+def check_corners(corners: NDArray[np.int64], vertices: int, first: int = 0) -> None:
+    """Refuse, with the reason alone, corners that name no vertex; vertices are counted from `first`."""
+    wrong = corners[(corners < first) | (corners >= first + vertices)]
+    if len(wrong):
+        raise MeshError(
+            f"a face names vertex {wrong[0]}; {first} to {first + vertices - 1} are there"
+        )
+
+
+def _cut_block(polygons: NDArray[np.float64]) -> dict[int, NDArray[np.int64]]:
+    """Cut those of polygons (p, n, 3), in any unit, that their fans do not cover exactly."""
+    # A polygon of one point, or with a NaN, has no unit and fails no comparison.
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        units = np.abs(polygons).max(axis=(1, 2), keepdims=True)
+        polygons = polygons / units - polygons[:, :1] / units
+        crosses = np.cross(polygons[:, 1:-1], polygons[:, 2:])
+        vectors = crosses.sum(axis=1)
+        areas = np.linalg.norm(vectors, axis=1)
+        normals = vectors / areas[:, None]
+        covered = np.abs(np.einsum("ptk,pk->pt", crosses, normals)).sum(axis=1)
+        bad = np.flatnonzero(covered - areas > _AREA_TOLERANCE * areas)
+    if not len(bad):
+        return {}
+    return {
+        int(bad[place]): triangles
+        for place, triangles in _ear_clipped(_projected(polygons[bad], normals[bad]))
+    }
+
+
+def _ear_clipped(flats: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    """Give the triangles of each polygon of (p, n, 2) that they cover better than its fan does."""
+    from mapbox_earcut import triangulate_float64
+
+    count = flats.shape[1]
+    if count > MOST_CORNERS_CUT:
+        raise MeshError(
+            f"a polygon that is not convex has {count} corners; {MOST_CORNERS_CUT} are allowed: cut it "
+            "into triangles when exporting"
+        )
+    ring = np.array([count], dtype=np.uint32)
+    cut = [triangulate_float64(flat, ring).reshape(-1, 3) for flat in flats]
+    owners = np.repeat(np.arange(len(flats)), [len(triangles) for triangles in cut])
+    triangles = np.concatenate(cut).astype(np.int64)
+    first, second, third = flats[owners[:, None], triangles].transpose(1, 0, 2)
+    signed = _cross(second - first, third - first)
+    triangles[signed < 0] = triangles[signed < 0][:, ::-1]
+    covered = np.bincount(owners, np.abs(signed), minlength=len(flats))
+    fanned = _cross(flats[:, 1:-1], flats[:, 2:])
+    areas = fanned.sum(axis=1)
+    better = np.abs(covered - areas) < np.abs(fanned).sum(axis=1) - areas
+    ends = np.cumsum([len(one) for one in cut])
+    for place in np.flatnonzero(better):
+        yield int(place), triangles[ends[place] - len(cut[place]) : ends[place]]
+
+
+def _projected(polygons: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Project (p, n, 3) along normals, then leave out their largest axes; counter-clockwise stays so."""
+    along = np.einsum("pnk,pk->pn", polygons, normals)
+    flat = polygons - along[..., None] * normals[:, None]
+    axes = np.abs(normals).argmax(axis=1)
+    others = (axes[:, None] + [1, 2]) % 3
+    backwards = np.take_along_axis(normals, axes[:, None], axis=1)[:, 0] < 0
+    others[backwards] = others[backwards][:, ::-1]
+    return np.ascontiguousarray(np.take_along_axis(flat, others[:, None], axis=2))
+
+
+def _cross(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]

@@ -1,0 +1,158 @@
+"""Models made by a seed, written in each format as other programs write them, and what they are."""
+
+import itertools
+import json
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+
+@dataclass(frozen=True)
+class Prism:
+    """A prism over a polygon, its caps whole polygons, its sides quadrilaterals."""
+
+    points: np.ndarray
+    faces: list
+    area: float
+    volume: float
+
+
+def star(random, corners):
+    """A polygon around a point: corners at sorted angles, so that it never crosses itself."""
+    # Below half a turn between neighbours, so that the centre is inside.
+    steps = random.uniform(0.5, 1, corners)
+    angles = 2 * np.pi * np.cumsum(steps) / steps.sum()
+    radii = random.uniform(0.2, 1, corners)
+    return np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
+
+
+def prism(outline, height=1.0, turn=None, first=0):
+    """Stand a prism on an outline that runs counter-clockwise; caps begin at corner `first`."""
+    n = len(outline)
+    flat = np.column_stack([outline, np.zeros(n)])
+    points = np.concatenate([flat, flat + np.array([0, 0, height])])
+    points = points if turn is None else points @ turn.T
+    ring = np.roll(np.arange(n), -first)
+    sides = [[k, (k + 1) % n, (k + 1) % n + n, k + n] for k in range(n)]
+    faces = [ring[::-1].tolist(), (ring + n).tolist(), *sides]
+    x, y = outline.T
+    base = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+    around = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).sum()
+    return Prism(points, faces, 2 * base + height * around, base * height)
+
+
+def random_prism(seed):
+    random = np.random.default_rng(seed)
+    outline = star(random, int(random.integers(3, 12)))
+    turn = Rotation.random(random_state=int(random.integers(1 << 30))).as_matrix()
+    first = int(random.integers(len(outline)))
+    return prism(outline, random.uniform(0.1, 2), turn, first)
+
+
+def fans(faces):
+    """Triangles for formats without polygons; of convex faces only these are right."""
+    return [[face[0], a, b] for face in faces for a, b in itertools.pairwise(face[1:])]
+
+
+def as_obj(points, faces):
+    rows = ["v {!r} {!r} {!r}".format(*map(float, point)) for point in points]
+    rows += ["f " + " ".join(str(corner + 1) for corner in face) for face in faces]
+    return "\n".join([*rows, ""]).encode()
+
+
+def as_obj_backwards(points, faces):
+    """Each face by indices that count backwards from it, all vertices but its own below it."""
+    rows = []
+    for face in faces:
+        rows += ["v {!r} {!r} {!r}".format(*map(float, points[corner])) for corner in face]
+        rows.append("f " + " ".join(str(k - len(face)) for k in range(len(face))))
+    return "\n".join([*rows, ""]).encode()
+
+
+def as_off(points, faces):
+    rows = ["{!r} {!r} {!r}".format(*map(float, point)) for point in points]
+    rows += [" ".join(map(str, [len(face), *face])) for face in faces]
+    return "\n".join(["OFF", f"{len(points)} {len(faces)} 0", *rows, ""]).encode()
+
+
+def as_ply(points, faces, form="binary_little_endian"):
+    head = (
+        f"ply\nformat {form} 1.0\nelement vertex {len(points)}\nproperty double x\n"
+        f"property double y\nproperty double z\nelement face {len(faces)}\n"
+        "property list uchar int vertex_indices\nend_header\n"
+    ).encode()
+    if form == "ascii":
+        return head + as_off(points, faces).split(b"\n", 2)[2]
+    rows = [struct.pack(f"<B{len(face)}i", len(face), *face) for face in faces]
+    return head + np.asarray(points, "<f8").tobytes() + b"".join(rows)
+
+
+def as_stl(points, faces):
+    rows = np.zeros(len(faces), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
+    rows["corners"] = np.asarray(points)[np.asarray(faces)]
+    return bytes(80) + struct.pack("<I", len(faces)) + rows.tobytes()
+
+
+def as_text_stl(points, faces):
+    rows = ["solid vertex of a solid"]
+    for face in faces:
+        corners = ["vertex {!r} {!r} {!r}".format(*map(float, points[corner])) for corner in face]
+        rows += ["facet normal 0 0 0", "outer loop", *corners, "endloop", "endfacet"]
+    return "\n".join([*rows, "endsolid vertex of a solid", ""]).encode()
+
+
+def gltf_parts(points, faces):
+    data = np.asarray(points, "<f4").tobytes() + np.asarray(faces, "<u4").tobytes()
+    start = 12 * len(points)
+    document = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"byteLength": len(data)}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": start},
+            {"buffer": 0, "byteOffset": start, "byteLength": len(data) - start},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5125, "count": 3 * len(faces), "type": "SCALAR"},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+    }
+    return document, data
+
+
+def packed_glb(document, data):
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    data += bytes(-len(data) % 4)
+    body = struct.pack("<I4s", len(text), b"JSON") + text
+    body += struct.pack("<I4s", len(data), b"BIN\0") + data
+    return b"glTF" + struct.pack("<II", 2, 12 + len(body)) + body
+
+
+def as_glb(points, faces):
+    return packed_glb(*gltf_parts(points, faces))
+
+
+def as_dae(points, faces, kind="polylist"):
+    numbers = " ".join(repr(float(number)) for number in np.ravel(points))
+    texts = [" ".join(map(str, face)) for face in faces]
+    shape = '<input semantic="VERTEX" source="#v" offset="0"/>'
+    if kind == "polylist":
+        shape += f"<vcount>{' '.join(str(len(face)) for face in faces)}</vcount>"
+        texts = [" ".join(texts)]
+    shape += "".join(f"<p>{text}</p>" for text in texts)
+    return f"""<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="s">
+<float_array id="a" count="{3 * len(points)}">{numbers}</float_array><technique_common>
+<accessor source="#a" count="{len(points)}" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<{kind} count="{len(faces)}">{shape}</{kind}></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="w"><node id="n"><instance_geometry url="#g"/></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene>
+</COLLADA>""".encode()

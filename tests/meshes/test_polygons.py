@@ -1,0 +1,184 @@
+"""Polygons are cut into triangles that cover them and no more, whatever their first corner."""
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import generated
+from scipy.spatial.transform import Rotation
+
+from visuohaptic.errors import MeshError
+from visuohaptic.meshes import polygons
+from visuohaptic.meshes.model_files import read_model
+
+L_SHAPE = np.array([[0.0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]])
+PENTAGON = np.array([[0.0, 0], [4, 0], [4, 4], [2, 1], [0, 4]])
+WRITERS = {
+    "obj": generated.as_obj,
+    "off": generated.as_off,
+    "ply": generated.as_ply,
+    "text.ply": lambda points, faces: generated.as_ply(points, faces, "ascii"),
+    "dae": generated.as_dae,
+    "polygons.dae": lambda points, faces: generated.as_dae(points, faces, "polygons"),
+}
+
+
+def read(folder, name, data):
+    path = folder / f"model.{name}"
+    path.write_bytes(data)
+    return read_model(path)
+
+
+def volume(surface):
+    return np.linalg.det(surface.triangles).sum() / 6
+
+
+def needs_extra(name):
+    if name.endswith("dae"):
+        pytest.importorskip("collada")
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_an_l_shaped_prism_has_its_area_and_volume_from_any_corner(tmp_path, name):
+    needs_extra(name)
+    for first in range(6):
+        shape = generated.prism(L_SHAPE, first=first)
+        surface = read(tmp_path, name, WRITERS[name](shape.points, shape.faces))
+        assert surface.face_areas.sum() == pytest.approx(22, rel=1e-12)
+        assert volume(surface) == pytest.approx(5, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_flat_concave_pentagon_has_its_area(tmp_path, name):
+    needs_extra(name)
+    points = np.column_stack([PENTAGON, np.zeros(5)])
+    for first in range(5):
+        ring = np.roll(np.arange(5), -first).tolist()
+        surface = read(tmp_path, name, WRITERS[name](points, [ring]))
+        assert surface.face_areas.sum() == pytest.approx(10, rel=1e-12)
+        np.testing.assert_allclose(surface.face_normals, [[0, 0, 1]] * len(surface.faces))
+
+
+def cut(points, first=0):
+    points = np.asarray(points, dtype=np.float64)
+    ring = np.roll(np.arange(len(points)), -first)
+    found = polygons.cuts(points, ring, np.array([len(points)]))
+    return {place: ring[triangles] for place, triangles in found.items()}
+
+
+def area_vectors(points, triangles):
+    first, second, third = np.asarray(points, dtype=np.float64)[triangles].transpose(1, 0, 2)
+    return 0.5 * np.cross(second - first, third - first)
+
+
+def test_a_convex_polygon_is_left_to_the_reader():
+    angles = np.linspace(0, 2 * np.pi, 5000, endpoint=False)
+    assert cut(np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])) == {}
+    assert cut([[0, 0, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0]]) == {}
+
+
+def test_winding_is_kept_on_both_sides():
+    points = np.column_stack([PENTAGON, np.zeros(5)])
+    for order, up in ((slice(None), 1), (slice(None, None, -1), -1)):
+        for axes in ([0, 1, 2], [1, 2, 0], [2, 0, 1]):
+            turned = points[order][:, axes]
+            (triangles,) = cut(turned).values()
+            vectors = area_vectors(turned, triangles)
+            assert (vectors.sum(axis=1) * up > 0).all()
+            assert np.abs(vectors).sum() == pytest.approx(10)
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e-6, 1e6, 1e300])
+def test_the_unit_changes_no_cut(scale):
+    points = np.column_stack([PENTAGON, np.zeros(5)])
+    np.testing.assert_array_equal(cut(points * scale)[0], cut(points)[0])
+
+
+def test_a_polygon_that_is_not_flat_is_cut_as_seen_along_its_area_vector():
+    heights = np.array([0, 0.1, -0.1, 0.2, 0])
+    points = np.column_stack([PENTAGON, heights])
+    whole = area_vectors(points, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4]])).sum(axis=0)
+    for first in range(5):
+        for triangles in cut(points, first).values():
+            vectors = area_vectors(points, triangles)
+            np.testing.assert_allclose(vectors.sum(axis=0), whole, atol=1e-12)
+            assert (vectors @ whole > 0).all()
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [1.5, 0, 0]],
+        [[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0]],
+        [[1, 1, 1]] * 5,
+        [[0, 0, 0], [1, 0, 0], [np.nan, 1, 0], [0, 1, 0]],
+    ],
+    ids=["on a line", "crossing itself", "one point", "not a number"],
+)
+def test_a_polygon_without_an_area_vector_stays_a_fan(points):
+    assert cut(points) == {}
+
+
+def test_a_polygon_that_takes_too_long_to_cut_is_refused():
+    random = np.random.default_rng(0)
+    points = np.column_stack([random.random((3000, 2)), np.zeros(3000)])
+    with pytest.raises(MeshError, match="not convex has 3000 corners; 1000 are allowed"):
+        cut(points)
+
+
+def test_texture_and_colours_stay_with_the_corners_of_a_cut_polygon(tmp_path):
+    from PIL import Image
+
+    halves = np.zeros((8, 8, 3), np.uint8)
+    halves[:, :4], halves[:, 4:] = (200, 0, 0), (0, 0, 200)
+    Image.fromarray(halves).save(tmp_path / "t.png")
+    (tmp_path / "a.mtl").write_text("newmtl paint\nKd 1 1 1\nmap_Kd t.png\n")
+    spots = "vt 0.1 0.5\n" * 5 + "vt 0.9 0.5\n" * 5
+    rows = [f"v {x} {y} {z}" for z in (0, 1) for x, y in PENTAGON]
+    faces = ["f " + " ".join(f"{k}/{k}" for k in range(start, start + 5)) for start in (1, 6)]
+    text = "\n".join(["mtllib a.mtl", *rows, spots.strip(), "usemtl paint", *faces, ""])
+    (tmp_path / "a.obj").write_text(text)
+    surface = read_model(tmp_path / "a.obj")
+    low = surface.triangles[..., 2].max(axis=1) == 0
+    assert surface.face_areas[low].sum() == pytest.approx(10)
+    assert (surface.face_colours[low] == [200, 0, 0]).all()
+    assert (surface.face_colours[~low] == [0, 0, 200]).all()
+
+
+def test_a_ply_keeps_a_colour_for_each_polygon(tmp_path):
+    rows = [f"{x} {y} {z}" for z in (0, 1) for x, y in PENTAGON]
+    rows += ["5 0 1 2 3 4 9 8 7", "5 5 6 7 8 9 1 2 3"]
+    head = generated.as_ply(np.zeros((10, 3)), [[0]] * 2, "ascii").split(b"end_header")[0]
+    colours = b"".join(b"property uchar %s\n" % name for name in (b"red", b"green", b"blue"))
+    data = head + colours + b"end_header\n" + "\n".join([*rows, ""]).encode()
+    surface = read(tmp_path, "ply", data)
+    low = surface.triangles[..., 2].max(axis=1) == 0
+    assert surface.face_areas.sum() == pytest.approx(20)
+    assert (surface.face_colours[low] == [9, 8, 7]).all()
+    assert (surface.face_colours[~low] == [1, 2, 3]).all()
+
+
+@pytest.mark.parametrize("name", ["obj", "off", "text.ply"])
+def test_without_a_concave_polygon_faces_and_their_order_are_trimeshs(tmp_path, name):
+    shape = generated.prism(L_SHAPE[[0, 1, 4, 5]])
+    triangles = [[0, 1, 2], *shape.faces, [4, 5, 6]]
+    for faces in (shape.faces, triangles):
+        data = WRITERS[name](shape.points, faces)
+        surface = read(tmp_path, name, data)
+        other = trimesh.load(
+            trimesh.util.wrap_as_stream(data), file_type=name.split(".")[-1], process=False
+        )
+        np.testing.assert_array_equal(surface.triangles, other.triangles)
+
+
+def test_any_turn_of_a_random_outline_keeps_area_and_winding():
+    random = np.random.default_rng(7)
+    for _ in range(100):
+        outline = generated.star(random, int(random.integers(4, 30)))
+        flat = np.column_stack([outline, np.zeros(len(outline))]) + random.normal(size=3)
+        turn = Rotation.random(random_state=int(random.integers(1 << 30))).as_matrix()
+        x, y = outline.T
+        area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+        for triangles in cut(flat @ turn.T, int(random.integers(len(outline)))).values():
+            vectors = area_vectors(flat @ turn.T, triangles)
+            assert (vectors @ turn[:, 2] > -1e-12).all()
+            assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(area, rel=1e-9)
