@@ -1,7 +1,10 @@
-"""The lock files hold what pyproject.toml asks for, each package with its hashes."""
+"""The lock files hold what pyproject.toml asks for and what the code imports, each package with its hashes."""
 
+import ast
 import re
+import sys
 import tomllib
+from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
 import pytest
@@ -21,6 +24,33 @@ TO_DEVELOP = [
     *TO_RUN,
     *(wanted for name in ("crate", "s3", "dev") for wanted in EXTRAS[name]),
 ]
+OWN = {"visuohaptic", "visuohaptic_workflow", "sitecustomize"}
+# Files that import packages of an extra, and the file that refuses in a sentence without these.
+OF_AN_EXTRA = {
+    "src/visuohaptic/report/": ("report", "src/visuohaptic/cli/report.py"),
+    "src/visuohaptic/report/run_comparison.py": (
+        "workflow",
+        "src/visuohaptic/report/run_comparison.py",
+    ),
+    "src/visuohaptic/meshes/xml_claims.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),
+    "workflow/lib/visuohaptic_workflow/crate.py": (
+        "crate",
+        "workflow/lib/visuohaptic_workflow/crate.py",
+    ),
+}
+# What comes with a package that is asked for and is imported beside it: versions that fit are its business.
+BROUGHT_BY = {
+    "markupsafe": "jinja2",
+    "pydantic-core": "pydantic",
+    "snakemake-interface-logger-plugins": "snakemake",
+    "typing-extensions": "pydantic",
+}
+SOURCES = sorted(
+    path
+    for folder in ("src", "workflow")
+    for path in (ROOT / folder).rglob("*")
+    if path.suffix in {".py", ".pyi", ".smk"} or path.name == "Snakefile"
+)
 
 
 def pinned(lock):
@@ -56,3 +86,86 @@ def test_a_lock_names_packages_and_hashes_and_nothing_else(lock):
             assert re.fullmatch(
                 r"[\w.-]+==\S+( +; [^#]+?)?( +--hash=sha256:[0-9a-f]{64})+", line
             ), line
+
+
+def imported_packages(text, *, is_python=True):
+    """Give the packages of others that a file imports, at its top or late, by the name imported."""
+    if not is_python:
+        found = set(re.findall(r"^ *(?:import|from) (\w+)", text, re.M))
+        return found - sys.stdlib_module_names - OWN
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        match node:
+            case ast.Import():
+                found |= {name.name for name in node.names}
+            case ast.ImportFrom(level=0):
+                found.add(node.module)
+            case ast.Call(
+                func=ast.Attribute(attr="find_spec" | "import_module"),
+                args=[ast.Constant(value=str(name)), *_],
+            ):
+                found.add(name)
+    return {name.partition(".")[0] for name in found} - sys.stdlib_module_names - OWN
+
+
+def names_of(requirements):
+    return {canonicalize_name(Requirement(one).name) for one in requirements}
+
+
+def extras_of(path):
+    """Give the extras whose packages a file may import beside those of the core."""
+    place = path.relative_to(ROOT).as_posix()
+    extras = {extra for start, (extra, _) in OF_AN_EXTRA.items() if place.startswith(start)}
+    return extras | ({"workflow", "report"} if place.startswith("workflow/") else set())
+
+
+def imports_without_a_requirement(paths):
+    """List what files import and neither the core nor an extra that they may use asks for."""
+    distributions, missing = packages_distributions(), []
+    locked = set(pinned("requirements.lock"))
+    for path in paths:
+        extras = extras_of(path)
+        wanted = [PROJECT["project"]["dependencies"], *(EXTRAS[extra] for extra in extras)]
+        allowed = names_of(one for requirements in wanted for one in requirements)
+        if not extras & {"crate", "formats"}:
+            allowed &= locked
+        for name in imported_packages(path.read_text(), is_python=path.suffix in {".py", ".pyi"}):
+            # What isn't installed can only be looked for by the name imported.
+            own = {canonicalize_name(found) for found in distributions.get(name, [name])}
+            if not allowed & (own | {BROUGHT_BY.get(found) for found in own}):
+                missing.append(f"{path.relative_to(ROOT)} imports {name}")
+    return missing
+
+
+def test_every_import_is_of_a_package_that_is_asked_for_and_locked():
+    assert len(SOURCES) > 250
+    assert imports_without_a_requirement(SOURCES) == []
+
+
+def test_an_import_that_nothing_asks_for_is_found_wherever_it_is(tmp_path):
+    text = """
+import numpy, moto.server
+from . import beside
+def late():
+    from hypothesis import given
+    importlib.import_module("flask_cors.core")
+"""
+    assert imported_packages(text) == {"numpy", "moto", "hypothesis", "flask_cors"}
+    rule = "if True:\n    from yaml import safe_load\nimport os\n"
+    assert imported_packages(rule, is_python=False) == {"yaml"}
+
+
+@pytest.mark.parametrize(("extra", "refusing"), sorted(set(OF_AN_EXTRA.values())))
+def test_what_needs_an_extra_says_so(extra, refusing):
+    calls = [
+        node.args[0].value
+        for node in ast.walk(ast.parse((ROOT / refusing).read_text()))
+        if isinstance(node, ast.Call)
+        and getattr(node.func, "id", None) in {"require", "what_is_missing"}
+    ]
+    assert extra in calls
+
+
+@pytest.mark.parametrize(("name", "bringer"), BROUGHT_BY.items())
+def test_what_comes_with_another_package_is_asked_for_by_it(name, bringer):
+    assert name in names_of(requires(bringer))

@@ -11,7 +11,12 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.experiment import PAPER_FEATURES
 from visuohaptic.recognition.parameters import ProtocolParameters
 from visuohaptic.recognition.sequences import gather_sequences
-from visuohaptic.recognition.splits import grouped_folds, leave_one_out_a_class, make_splits
+from visuohaptic.recognition.splits import (
+    grouped_folds,
+    leave_one_out_a_class,
+    make_splits,
+    settled_protocol,
+)
 
 
 def splits_of(objects, viewpoints=2, seed=0, **settings):
@@ -32,7 +37,7 @@ def test_three_objects_of_four_classes_give_81_splits():
         assert classes.tolist() == [0, 1, 2, 3]
 
 
-@pytest.mark.parametrize("protocol", ["leave_one_object_a_class_out", "grouped_folds"])
+@pytest.mark.parametrize("protocol", ["auto", "leave_one_object_a_class_out", "grouped_folds"])
 @pytest.mark.parametrize("objects", [(2, 2), (3, 3, 3), (2, 5, 3), (4, 9)])
 def test_no_object_trains_and_is_tested(protocol, objects):
     sequences, splits = splits_of(objects, protocol=protocol)
@@ -55,6 +60,65 @@ def test_grouped_folds_test_every_object_once_and_are_even(objects):
     for objects_of_class in members:
         share = [len(set(fold) & set(objects_of_class)) for fold in folds]
         assert max(share) - min(share) <= 1
+
+
+def places_of_tests(splits):
+    return [split.test.tolist() for split in splits]
+
+
+@pytest.mark.parametrize("objects", [(3, 3, 3, 3), (2, 2), (9, 9)])
+def test_auto_takes_all_combinations_where_they_fit_and_draws_nothing(objects):
+    sequences = splits_of(objects)[0]
+    generator = np.random.default_rng(4)
+    before = generator.bit_generator.state
+    auto = make_splits(sequences, ProtocolParameters(), generator)
+    assert generator.bit_generator.state == before
+    named = splits_of(objects, protocol="leave_one_object_a_class_out")[1]
+    assert places_of_tests(auto) == places_of_tests(named)
+    assert len(auto) == np.prod(objects)
+
+
+# 142 objects in twelve classes, the paper's with one own object, and classes of uneven sizes.
+@pytest.mark.parametrize(
+    "objects", [(10, 8, 16, 11, 15, 12, 12, 12, 13, 10, 13, 10), (4, 3, 3, 3), (2, 41), (2,) * 7]
+)
+def test_auto_tests_every_object_of_larger_sets_equally_often(objects):
+    sequences, splits = splits_of(objects, viewpoints=1)
+    rounds = 3
+    assert len(splits) == rounds * min(5, max(objects))
+    assert [split.number for split in splits] == list(range(len(splits)))
+    tests = Counter(
+        place for split in splits for place in np.unique(sequences.object_index[split.test])
+    )
+    assert tests == dict.fromkeys(range(sum(objects)), rounds)
+    for split in splits:
+        assert set(sequences.labels[split.train]) == set(range(len(objects)))
+
+
+def test_rounds_of_folds_are_drawn_anew_and_the_first_is_that_of_grouped_folds():
+    objects = (10, 12, 20)
+    auto = places_of_tests(splits_of(objects, seed=3)[1])
+    first, second, third = (auto[start : start + 5] for start in (0, 5, 10))
+    assert first == places_of_tests(splits_of(objects, seed=3, protocol="grouped_folds")[1])
+    assert not {tuple(fold) for fold in first} & {tuple(fold) for fold in (*second, *third)}
+    assert places_of_tests(splits_of(objects, seed=3)[1]) == auto
+    assert places_of_tests(splits_of(objects, seed=4)[1]) != auto
+    assert len(splits_of(objects, fold_rounds=1)[1]) == 5
+
+
+@pytest.mark.parametrize(
+    ("sizes", "maximum", "settled"),
+    [
+        ((3, 3, 3, 3), 81, "leave_one_object_a_class_out"),
+        ((3, 3, 3, 3), 80, "grouped_folds"),
+        ((4, 3, 3, 3), 81, "grouped_folds"),
+        ((4, 3, 3, 3), 108, "leave_one_object_a_class_out"),
+    ],
+)
+def test_auto_turns_to_folds_above_the_most_combinations(sizes, maximum, settled):
+    assert settled_protocol(sizes, ProtocolParameters(maximum_splits=maximum)) == settled
+    named = ProtocolParameters(protocol="new_viewpoint", maximum_splits=maximum)
+    assert settled_protocol(sizes, named) == "new_viewpoint"
 
 
 def test_more_combinations_than_allowed_are_sampled_distinct_and_balanced():
@@ -101,9 +165,11 @@ def test_pairs_of_objects_of_two_classes_are_tested_together_in_many_ways():
 
 
 def test_same_generator_draws_the_same_splits_and_another_others():
-    first = splits_of((6, 6, 6), maximum_splits=10, seed=1)[1]
-    again = splits_of((6, 6, 6), maximum_splits=10, seed=1)[1]
-    other = splits_of((6, 6, 6), maximum_splits=10, seed=2)[1]
+    sampled = {"protocol": "leave_one_object_a_class_out", "maximum_splits": 10}
+    first = splits_of((6, 6, 6), **sampled, seed=1)[1]
+    again = splits_of((6, 6, 6), **sampled, seed=1)[1]
+    other = splits_of((6, 6, 6), **sampled, seed=2)[1]
+    assert len(first) == 10
     assert all(np.array_equal(a.test, b.test) for a, b in zip(first, again, strict=True))
     assert not all(np.array_equal(a.test, b.test) for a, b in zip(first, other, strict=True))
 

@@ -18,7 +18,7 @@ from visuohaptic.tables.phases import PREDICTIONS, SCORES
 from visuohaptic.tables.schema import build_table
 
 PARAMETERS = RecognitionParameters(
-    protocol=ProtocolParameters(maximum_splits=6),
+    protocol=ProtocolParameters(protocol="leave_one_object_a_class_out", maximum_splits=6),
     classifiers=("k_nearest_neighbours", "naive_bayes"),
 )
 

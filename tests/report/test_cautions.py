@@ -5,12 +5,15 @@ from types import SimpleNamespace
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.cautions import _objects_left_out, _unfitted_classifiers
 
+SAMPLED = ExperimentParameters.from_mapping(
+    {"recognition": {"protocol": {"protocol": "leave_one_object_a_class_out"}}}
+)
 BEST = ExperimentParameters().recognition.best.classifiers
 
 
 def test_an_object_alone_in_its_class_is_said_to_need_another():
     run = SimpleNamespace(
-        parameters=ExperimentParameters(),
+        parameters=SAMPLED,
         named_objects=("cup/mug", "ball/a", "ball/b"),
         objects=("cup/mug", "ball/a", "ball/b"),
         tested_objects=("ball/a",),
@@ -19,15 +22,15 @@ def test_an_object_alone_in_its_class_is_said_to_need_another():
     alone, untested = _objects_left_out(run)
     assert "1 object touched, but not tested, for each is alone in its class" in alone
     assert "recognition needs two objects of a class: cup/mug." in alone
-    assert untested.startswith(
-        "1 object touched, but never tested by recognition: ball/b. Protocol"
+    assert untested == (
+        "1 object touched, but never tested by recognition: ball/b. Protocol auto tests every object."
     )
 
 
 def test_of_thousands_of_objects_some_are_named_and_the_others_counted():
     keys = tuple(f"cup/{number:04d}" for number in range(3000))
     run = SimpleNamespace(
-        parameters=ExperimentParameters(),
+        parameters=SAMPLED,
         named_objects=keys,
         objects=keys[1000:],
         tested_objects=keys[:1],
@@ -38,7 +41,7 @@ def test_of_thousands_of_objects_some_are_named_and_the_others_counted():
     assert others.startswith("980 more objects left out: cup/0020, cup/0021")
     assert others.endswith("cup/0029 and 970 more.")
     assert "2,000 objects touched, but never tested by recognition: cup/1000, cup/1001" in untested
-    assert "cup/1009 and 1,990 more. Protocol" in untested
+    assert "cup/1009 and 1,990 more. Protocol auto" in untested
 
 
 def test_a_classifier_without_figures_is_named():

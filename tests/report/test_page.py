@@ -10,9 +10,15 @@ from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, STRATEGIES, write_run
 
 from visuohaptic.fixations.probing import STRATEGIES as STRATEGIES_OF_PACKAGE
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.page import make_environment, render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.report.sections import CHAPTERS, comparison_title
+from visuohaptic.report.sections import (
+    CHAPTERS,
+    ReportContext,
+    comparison_title,
+    methods_values,
+)
 from visuohaptic.report.wording import percent, strategy_name
 
 NASTY_CLASS = '<i onclick="alert(2)">&amp;'
@@ -182,6 +188,30 @@ def test_methods_text_holds_the_parameters(page):
     assert "48 × 48 pixels" in page.text
     assert "32 × 32 sensing points" in page.text
     assert "The seed was 2018." in page.text
+
+
+@pytest.mark.parametrize(
+    ("protocol", "sentence"),
+    [
+        ({}, "one object of each class was left out for testing, over 2 choices of them"),
+        (
+            {"maximum_splits": 1},
+            "(2 splits; folds were dealt 3 times, and each object was tested as often)",
+        ),
+        (
+            {"protocol": "grouped_folds"},
+            "on folds of whole objects, stratified by class (2 splits)",
+        ),
+        ({"protocol": "new_viewpoint"}, "on viewpoints that training never saw (2 splits)"),
+    ],
+)
+def test_methods_text_says_which_splits_were_taken(files, protocol, sentence):
+    asked = PARAMETERS.model_dump(mode="json")
+    asked["recognition"]["protocol"] |= protocol
+    parameters = ExperimentParameters.from_mapping(asked)
+    values = methods_values(ReportContext(read_run(files, parameters, OBJECTS), (), ()))
+    template = make_environment().get_template("methods.html.jinja")
+    assert sentence in template.render(parameters=parameters, **values)
 
 
 def test_seconds_are_summed_over_jobs(page):

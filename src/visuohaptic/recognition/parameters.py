@@ -27,6 +27,9 @@ ExtensionMode = Literal[
 Scaling = Literal["standardise", "none"]
 
 
+Protocol = Literal["auto", "leave_one_object_a_class_out", "grouped_folds", "new_viewpoint"]
+
+
 class _Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -91,20 +94,31 @@ class SequenceParameters(_Section):
 class ProtocolParameters(_Section):
     """Which objects train and which are tested."""
 
-    protocol: Literal["leave_one_object_a_class_out", "grouped_folds", "new_viewpoint"] = Field(
-        "leave_one_object_a_class_out",
-        description="`leave_one_object_a_class_out`: one object of each class is tested, in all "
-        "combinations; `grouped_folds`: folds of whole objects, stratified by class; "
+    protocol: Protocol = Field(
+        "auto",
+        description="`auto`: `leave_one_object_a_class_out` where it has at most `maximum_splits` "
+        "combinations, otherwise `grouped_folds`, `fold_rounds` times over; "
+        "`leave_one_object_a_class_out`: one object of each class is tested, in all combinations; "
+        "`grouped_folds`: folds of whole objects, stratified by class, each object tested once; "
         "`new_viewpoint`: known objects from viewpoints that training never saw",
     )
     maximum_splits: int = Field(
         81,
         ge=1,
         le=100_000,
-        description="Most combinations that are run; of more a seeded, balanced sample",
+        description="Most combinations that are run; of more `auto` takes folds, and "
+        "`leave_one_object_a_class_out` a seeded, balanced sample",
     )
     folds: int = Field(
-        5, ge=2, description="Folds of `grouped_folds` and of `new_viewpoint`, at most"
+        5,
+        ge=2,
+        description="Folds of `auto`, of `grouped_folds` and of `new_viewpoint`, at most",
+    )
+    fold_rounds: int = Field(
+        3,
+        ge=1,
+        le=1000,
+        description="How often `auto` deals the objects over folds anew, each object tested once a round",
     )
     turns: Literal["none", "vertical", "any"] = Field(
         "none",

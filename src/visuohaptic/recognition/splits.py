@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.parameters import ProtocolParameters
+from visuohaptic.recognition.parameters import Protocol, ProtocolParameters
 from visuohaptic.recognition.sequences import TouchSequences
 
 
@@ -44,7 +44,7 @@ def make_splits(
     parameters : ProtocolParameters
         The protocol.
     generator : numpy.random.Generator
-        Draws folds, and combinations where there are more than are run.
+        Draws the folds, each round anew, and combinations where there are more than are run.
 
     Returns
     -------
@@ -67,14 +67,41 @@ def make_splits(
                 f"Class {name} has one object ({sequences.objects[objects[0]][1]}); at least two "
                 f"are needed, one to train and one to test: add another or leave the class out."
             )
-    if parameters.protocol == "grouped_folds":
-        tested = grouped_folds(members, parameters.folds, generator)
+    if settled_protocol([len(objects) for objects in members], parameters) == "grouped_folds":
+        rounds = parameters.fold_rounds if parameters.protocol == "auto" else 1
+        tested = [
+            objects
+            for _ in range(rounds)
+            for objects in grouped_folds(members, parameters.folds, generator)
+        ]
     else:
         tested = leave_one_out_a_class(members, parameters.maximum_splits, generator)
     return [
         _split(number, np.isin(sequences.object_index, objects))
         for number, objects in enumerate(tested)
     ]
+
+
+def settled_protocol(sizes: Sequence[int], parameters: ProtocolParameters) -> Protocol:
+    """Give the protocol that is run: what `auto` takes for classes of so many objects.
+
+    Parameters
+    ----------
+    sizes : sequence of int
+        How many objects each class has.
+    parameters : ProtocolParameters
+        The protocol, and most combinations.
+
+    Returns
+    -------
+    str
+        All combinations of one test object a class where these are at most
+        ``maximum_splits``, otherwise grouped folds; any other protocol as it is.
+    """
+    if parameters.protocol != "auto":
+        return parameters.protocol
+    fit = math.prod(sizes) <= parameters.maximum_splits
+    return "leave_one_object_a_class_out" if fit else "grouped_folds"
 
 
 def check_two_classes(sequences: TouchSequences) -> None:

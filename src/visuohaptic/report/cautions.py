@@ -90,7 +90,7 @@ def _objects_left_out(run: Run) -> list[str]:
     if untested:
         protocol = run.parameters.recognition.protocol.protocol
         samples = protocol == "leave_one_object_a_class_out"
-        advice = " Protocol grouped_folds tests every object." if samples else ""
+        advice = " Protocol auto tests every object." if samples else ""
         warnings.append(
             f"{counted(len(untested), 'object')} touched, but never tested by recognition: "
             f"{listed_in_short(untested)}.{advice}"

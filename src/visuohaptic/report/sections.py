@@ -15,7 +15,9 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.gaze.stored import read_measured
+from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.published import PAPER
+from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.recognition.summary import Confusion, confusion, select
 from visuohaptic.report.certainty import certainty_figures
 from visuohaptic.report.charts import interval_chart
@@ -81,7 +83,8 @@ from visuohaptic.tables.schema import matrix
 
 Values = Mapping[str, Any]
 
-UNSEEN = {
+UNSEEN: Mapping[Protocol, str] = {
+    "auto": "an object that was not in training",
     "leave_one_object_a_class_out": "an object that was not in training",
     "grouped_folds": "an object that was not in training",
     "new_viewpoint": "a known object from viewpoints that were not in training",
@@ -351,8 +354,10 @@ def objects_values(context: ReportContext) -> Values:
 def methods_values(context: ReportContext) -> Values:
     """Give the parameters that the methods text is made of."""
     weights = context.run.parameters.attention.weights.model_dump()
+    sizes = Counter(key.split("/")[0] for key in context.run.tested_objects).values()
     return {
         "table": context.run.pipelines[0],
+        "protocol": settled_protocol(list(sizes), context.run.parameters.recognition.protocol),
         "objects": len(context.run.objects),
         "classes": context.run.classes,
         "elevations": [

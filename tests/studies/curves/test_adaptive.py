@@ -14,7 +14,12 @@ from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 
 SMALL = ExperimentParameters.from_mapping(
-    {"recognition": {"protocol": {"maximum_splits": 6}, "best": {"waves": 20}}}
+    {
+        "recognition": {
+            "protocol": {"protocol": "leave_one_object_a_class_out", "maximum_splits": 6},
+            "best": {"waves": 20},
+        }
+    }
 )
 PLANNED = plan_study(curve_study(SMALL), SMALL).conditions
 TABLE = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)

@@ -135,7 +135,7 @@ CHOICES: tuple[Choice, ...] = (
         "protocol", "What is tested", "recognition", "not equivalent",
         "two of which are used for training the classifiers and the third one for testing (section 3)",
         {
-            "new_object": {"recognition.protocol.protocol": "leave_one_object_a_class_out"},
+            "new_object": {"recognition.protocol.protocol": "auto"},
             "new_viewpoint": {"recognition.protocol.protocol": "new_viewpoint"},
         },
     ),
