@@ -13,9 +13,17 @@ from numpy.typing import NDArray
 
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.fixations.visual_effects import VisualPlan, plan_visual, seen_colours
+from visuohaptic.fixations.visual_effects import (
+    VisualPlan,
+    plan_visual,
+    seen_colours,
+    seen_texture,
+)
 from visuohaptic.geometry.curvature import SurfaceShape, measure_shape
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.texture import Texture
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic.scene.records import EffectRecord
 
@@ -97,15 +105,23 @@ def render_views(
     -----
     One ray goes through the centre of each pixel. The light is fixed to
     the camera, so rotating the object is the same as rotating the camera.
+    A pixel that meets an image has the mean light of the part of the image that it covers, on
+    the plane of the face that its ray meets (`Texture.light`).
     """
     modes = modes or EffectModes()
-    log = _EffectLog(plan_visual(modes, caster.surface.face_colours, parameters.ambient))
-    colours = _seen_colours(caster, modes, log) / 255.0
+    surface = caster.surface
+    log = _EffectLog(plan_visual(modes, surface.stored_colours(), parameters.ambient))
+    with log.clock("texture" if modes.texture == "never" else "colour"):
+        colours = seen_colours(surface.face_colours, surface.face_areas, modes) / 255.0
+        texture = surface.texture if log.simulates("texture") else None
+        texture = None if texture is None else seen_texture(texture, modes)
     linear = decode_srgb(colours)
     shape = measure_shape(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
     views = _background(len(cameras), parameters)
     for number, camera in enumerate(cameras):
-        pixels, seen = _seen_surface(caster, shape, colours, linear, camera, parameters, log)
+        pixels, seen = _seen_surface(
+            caster, shape, colours, linear, texture, camera, parameters, log
+        )
         for name, values in seen.items():
             view = views[name][number]
             view.reshape(-1, *view.shape[2:])[pixels] = values
@@ -132,16 +148,6 @@ def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[
     right, up, back = camera.axes
     level = np.sin(azimuth) * right + np.cos(azimuth) * back
     return np.cos(elevation) * level + np.sin(elevation) * up
-
-
-def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Encode linear light, 0 to 1, as sRGB (IEC 61966-2-1)."""
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-
-
-def decode_srgb(encoded: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Decode sRGB to linear light, 0 to 1 (IEC 61966-2-1)."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
 class _EffectLog:
@@ -178,11 +184,6 @@ class _EffectLog:
         )
 
 
-def _seen_colours(caster: RayCaster, modes: EffectModes, log: _EffectLog) -> NDArray[np.uint8]:
-    with log.clock("texture" if modes.texture == "never" else "colour"):
-        return seen_colours(caster.surface.face_colours, caster.surface.face_areas, modes)
-
-
 def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArray[Any]]:
     shape = (views, parameters.resolution, parameters.resolution)
     return {
@@ -202,6 +203,7 @@ def _seen_surface(
     shape: SurfaceShape,
     face_colours: NDArray[np.float64],
     face_linear: NDArray[np.float64],
+    texture: Texture | None,
     camera: Camera,
     parameters: RenderingParameters,
     log: _EffectLog,
@@ -216,14 +218,21 @@ def _seen_surface(
     normals = _normals_towards(shape, caster, faces, weights, directions[seen])
 
     light = light_direction(camera, parameters)
-    colours = face_colours.take(faces, axis=0)
+    colours, linear = face_colours.take(faces, axis=0), face_linear.take(faces, axis=0)
+    if texture is not None:
+        with log.clock("texture"):
+            on = np.flatnonzero(texture.textured.take(faces))
+            depths = _dot(camera.eye - points[on], camera.axes[2][None])
+            sides = camera.pixel_sides(parameters.resolution, depths)
+            steps = _weight_steps(caster.surface, faces[on], directions[seen[on]], sides)
+            linear[on] = texture.light(faces[on], weights[on], steps)
+            colours[on] = encode_srgb(linear[on])
     lit = np.ones(len(seen), dtype=bool)
     if log.simulates("cast_shadows"):
         with log.clock("cast_shadows"):
             lit = _lit(caster, points, normals, light)
     if log.simulates("shading"):
         with log.clock("shading"):
-            linear = face_linear.take(faces, axis=0)
             colours = _shade(colours, linear, normals, lit, light, parameters.ambient)
     return pixels[seen], {
         "colour": colours,
@@ -251,6 +260,37 @@ def _normals_towards(
     beyond = np.einsum("nd,nd->n", normals, directions) >= 0.0
     normals[beyond] = away[beyond] * flat[beyond]
     return normals
+
+
+def _weight_steps(
+    surface: Surface,
+    faces: NDArray[np.int64],
+    directions: NDArray[np.float64],
+    sides: tuple[NDArray[np.float64], NDArray[np.float64]],
+) -> NDArray[np.float64]:
+    """Give how the second and third weight change along both sides of a pixel, shape (n, 2, 2).
+
+    The pixel's sides at the depth of the face, shape (n, 3) each, are carried along the ray on to the
+    face's plane.
+    """
+    corners, normals = surface.triangles[faces], surface.face_crosses[faces]
+    # Each is square to the two edges along which its weight is 0.
+    second = np.cross(corners[:, 2] - corners[:, 0], normals)
+    third = np.cross(normals, corners[:, 1] - corners[:, 0])
+    towards, square = _dot(normals, directions), _dot(normals, normals)
+    # Only a ray within the face's plane would divide by zero, and such a ray meets no face.
+    towards[towards == 0.0] = np.inf
+    steps = np.empty((len(faces), 2, 2))
+    for number, side in enumerate(sides):
+        on_plane = side - (_dot(normals, side) / towards)[:, None] * directions
+        steps[:, number, 0] = _dot(on_plane, second) / square
+        steps[:, number, 1] = _dot(on_plane, third) / square
+    return steps
+
+
+def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Dot products of rows; written out, for the order of sums is then the same everywhere."""
+    return first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1] + first[:, 2] * second[:, 2]
 
 
 def _lit(

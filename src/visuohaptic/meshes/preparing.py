@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -81,12 +82,12 @@ def normalise(
         vertices = vertices @ rotation.T
     if dimensions is not None:
         vertices = _stretch(vertices, surface.faces, np.asarray(dimensions))
-    scaled = Surface(_unit_size(vertices, surface.faces, name), surface.faces, surface.face_colours)
+    scaled = replace(surface, vertices=_unit_size(vertices, surface.faces, name))
     cleaned = clean(scaled, merge_tolerance)
     if not len(cleaned.faces):
         raise MeshError(f"{name} has no area; a surface with at least one triangle is needed.")
     single = _unit_size(cleaned.vertices, cleaned.faces, name).astype(np.float32)
-    return Surface(single.astype(np.float64), cleaned.faces, cleaned.face_colours)
+    return replace(cleaned, vertices=single.astype(np.float64))
 
 
 def clean(surface: Surface, merge_tolerance: float) -> Surface:
@@ -103,13 +104,13 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     _, kept = np.unique(corners, axis=0, return_index=True)
     keep = np.zeros(len(faces), dtype=bool)
     keep[kept] = True
-    merged = Surface(surface.vertices, faces, surface.face_colours)
-    keep &= whole & (merged.face_areas > 0)
+    keep &= whole & (replace(surface, faces=faces).face_areas > 0)
     used, renumbered = np.unique(faces[keep], return_inverse=True)
     return Surface(
         surface.vertices[used],
         renumbered.reshape(-1, 3).astype(np.int64),
         surface.face_colours[keep],
+        None if surface.texture is None else surface.texture.take(keep),
     )
 
 

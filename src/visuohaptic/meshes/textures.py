@@ -1,0 +1,149 @@
+"""The images of a trimesh mesh or scene, made ready for a surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import MeshError
+from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
+from visuohaptic.geometry.texture import NO_IMAGE, REPEAT, Texture, halve
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+MOST_PIXELS = 8192 * 8192
+"""An image of more is refused: packed, it may be a small file."""
+
+MOST_PIXELS_TOGETHER = 16 * MOST_PIXELS
+"""All images of a model with more are refused."""
+
+MOST_TEXELS = 4096 * 4096
+"""Texels of all images of a surface: larger images are halved until they fit."""
+
+# An image that is repeated more often than this across a face has one colour from anywhere.
+_FARTHEST = 2.0**20
+
+
+@dataclass(frozen=True)
+class _Painted:
+    """An image as a material shows it: its number among the distinct ones, and what it is multiplied by."""
+
+    image: Image
+    tint: tuple[float, float, float]
+    linear: bool
+
+    @property
+    def key(self) -> tuple[int, tuple[float, float, float], bool]:
+        return id(self.image), self.tint, self.linear
+
+
+def texture_of(parts: Sequence[Any]) -> Texture | None:
+    """Give the images upon the faces of parts, one after another; None if no part has one.
+
+    Parameters
+    ----------
+    parts : sequence
+        Each with `vertices`, `faces` and a trimesh `visual`.
+
+    Returns
+    -------
+    Texture or None
+        Images are multiplied by their material's colour: glTF's base colour as light, an MTL's `Kd` as
+        stored, unless it is black, as some programs write it beside an image. Transparency is
+        left out.
+
+    Raises
+    ------
+    MeshError
+        If an image can't be read or is too large.
+    """
+    painted = [_painted(part) for part in parts]
+    distinct = {one.key: one for one in painted if one is not None}
+    if not distinct:
+        return None
+    numbers = {key: number for number, key in enumerate(distinct)}
+    images = _read_images(list(distinct.values()))
+    return Texture(
+        np.concatenate([_corners(*pair) for pair in zip(parts, painted, strict=True)]),
+        np.concatenate(
+            [
+                np.full(len(part.faces), NO_IMAGE if one is None else numbers[one.key], np.int32)
+                for part, one in zip(parts, painted, strict=True)
+            ]
+        ),
+        images,
+        np.full((len(images), 2), REPEAT, dtype=np.uint8),
+    )
+
+
+def _painted(part: Any) -> _Painted | None:
+    if part.visual.kind != "texture":
+        return None
+    material: Any = part.visual.material
+    places: Any = part.visual.uv
+    image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
+    if image is None or np.shape(places) != (len(part.vertices), 2):
+        return None
+    base = getattr(material, "baseColorFactor", None)
+    if base is not None:
+        return _Painted(image, _triple(np.asarray(base) / 255.0), linear=True)
+    # trimesh gives a diffuse colour to a material that has none: what the file says is beside it.
+    diffuse = getattr(material, "kwargs", {}).get("kd")
+    if np.shape(diffuse) != (3,) or not np.any(diffuse):
+        diffuse = (1.0, 1.0, 1.0)
+    return _Painted(image, _triple(diffuse), linear=False)
+
+
+def _triple(values: Any) -> tuple[float, float, float]:
+    red, green, blue = np.clip(np.nan_to_num(np.asarray(values, dtype=np.float64)[:3]), 0, 1)
+    return float(red), float(green), float(blue)
+
+
+def _corners(part: Any, painted: _Painted | None) -> NDArray[np.float32]:
+    if painted is None:
+        return np.zeros((len(part.faces), 3, 2), dtype=np.float32)
+    places = np.nan_to_num(np.asarray(part.visual.uv, dtype=np.float64))
+    corners = np.clip(places, -_FARTHEST, _FARTHEST)[np.asarray(part.faces)]
+    # Moved by whole images, near 0, where float32 is finest.
+    return (corners - np.floor(corners.min(axis=1, keepdims=True))).astype(np.float32)
+
+
+def _read_images(painted: Sequence[_Painted]) -> tuple[NDArray[np.uint8], ...]:
+    sizes = np.array([one.image.size for one in painted], dtype=np.int64)
+    for width, height in sizes:
+        if width * height > MOST_PIXELS:
+            raise MeshError(f"A texture has {width} × {height} pixels; {MOST_PIXELS} are allowed.")
+    if sizes.prod(axis=1).sum() > MOST_PIXELS_TOGETHER:
+        raise MeshError(
+            f"Textures have {sizes.prod(axis=1).sum()} pixels together; "
+            f"{MOST_PIXELS_TOGETHER} are allowed."
+        )
+    halvings = 0
+    while np.maximum(sizes >> halvings, 1).prod(axis=1).sum() > MOST_TEXELS:
+        halvings += 1
+    return tuple(_read_image(one, halvings) for one in painted)
+
+
+def _read_image(painted: _Painted, halvings: int) -> NDArray[np.uint8]:
+    try:
+        image = np.asarray(painted.image.convert("RGB"))
+    # A broken image may fail in any way.
+    except Exception as error:
+        raise MeshError(f"A texture can't be read: {error}.") from error
+    if painted.tint != (1.0, 1.0, 1.0):
+        image = _tinted(image, painted)
+    for _ in range(halvings):
+        image = halve(image)
+    return image
+
+
+def _tinted(image: NDArray[np.uint8], painted: _Painted) -> NDArray[np.uint8]:
+    stored, tint = np.arange(256)[:, None] / 255.0, np.array(painted.tint)
+    seen = encode_srgb(decode_srgb(stored) * tint) if painted.linear else stored * tint
+    table = np.rint(255.0 * seen).astype(np.uint8)
+    return np.stack([table[:, channel][image[..., channel]] for channel in range(3)], axis=-1)
