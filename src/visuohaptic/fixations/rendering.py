@@ -273,18 +273,20 @@ def _weight_steps(
     The pixel's sides at the depth of the face, shape (n, 3) each, are carried along the ray on to the
     face's plane.
     """
-    corners, normals = surface.triangles[faces], surface.face_crosses[faces]
-    # Each is square to the two edges along which its weight is 0.
-    second = np.cross(corners[:, 2] - corners[:, 0], normals)
-    third = np.cross(normals, corners[:, 1] - corners[:, 0])
-    towards, square = _dot(normals, directions), _dot(normals, normals)
+    # A weight's gradient on the plane is square to the edge along which the weight is 0.
+    seen, place = np.unique(faces, return_inverse=True)
+    corners, normals = surface.triangles[seen], surface.face_crosses[seen]
+    second = np.cross(corners[:, 2] - corners[:, 0], normals) / _dot(normals, normals)[:, None]
+    third = np.cross(normals, corners[:, 1] - corners[:, 0]) / _dot(normals, normals)[:, None]
+    normals, second, third = (one.take(place, axis=0) for one in (normals, second, third))
+    towards = _dot(normals, directions)
     # Only a ray within the face's plane would divide by zero, and such a ray meets no face.
     towards[towards == 0.0] = np.inf
     steps = np.empty((len(faces), 2, 2))
     for number, side in enumerate(sides):
         on_plane = side - (_dot(normals, side) / towards)[:, None] * directions
-        steps[:, number, 0] = _dot(on_plane, second) / square
-        steps[:, number, 1] = _dot(on_plane, third) / square
+        steps[:, number, 0] = _dot(on_plane, second)
+        steps[:, number, 1] = _dot(on_plane, third)
     return steps
 
 

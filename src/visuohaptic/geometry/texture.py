@@ -115,7 +115,8 @@ class Texture:
     def _patch_light(self, faces: Integers, weights: Floats, steps: Floats) -> Floats:
         corners, image = self.corners.take(faces, axis=0).astype(np.float64), self.image.take(faces)
         place = _at(weights.T[:, :, None], corners)
-        edges = (corners[:, 1:] - corners[:, :1]) * self._pyramid.sizes[image, None]
+        size = self._pyramid.sizes.take(image, axis=0)
+        edges = (corners[:, 1:] - corners[:, :1]) * size[:, None]
         steps = np.clip(np.nan_to_num(steps), -_LONGEST, _LONGEST)
         first, second = (
             steps[:, side, 0, None] * edges[:, 0] + steps[:, side, 1, None] * edges[:, 1]
@@ -128,12 +129,14 @@ class Texture:
 
         patch = np.repeat(np.arange(len(faces)), count)
         start = np.cumsum(count) - count
-        along = (np.arange(len(patch)) - start[patch] + 0.5) / count[patch] - 0.5
-        middles = place[patch] + along[:, None] * (longer / self._pyramid.sizes[image])[patch]
+        along = (np.arange(len(patch)) - start.take(patch) + 0.5) / count.take(patch) - 0.5
+        middles = (longer / size).take(patch, axis=0) * along[:, None]
+        middles += place.take(patch, axis=0)
         width = np.maximum(wide, long / count)
-        squares = self._squares(image[patch], middles, width[patch])
-        one = squares[start]
-        squares -= one[patch]  # so that equal colours have exactly their own mean
+        squares = self._squares(image.take(patch), middles, width.take(patch))
+        one = squares.take(start, axis=0)
+        # So that equal colours have exactly their own mean.
+        squares -= one.take(patch, axis=0)
         for channel in range(3):
             one[:, channel] += np.bincount(patch, squares[:, channel], len(faces)) / count
         return one
@@ -151,12 +154,13 @@ class Texture:
         """Give the light of squares by their middles, shape (n, 2), and widths in texels."""
         # A number is a fraction, 1/2 to 1, times a power of two: exactly, on every processor.
         fraction, power = np.frexp(np.maximum(width, 1.0))
-        level, upper = power.astype(np.int64) - 1, (2.0 * fraction - 1.0)[:, None]
+        level, upper = power.astype(np.int64) - 1, 2.0 * fraction - 1.0
         light = self._four_texels(image, level, middles, width)
         between = np.flatnonzero(upper)
-        finer = light[between]
-        coarser = self._four_texels(image[between], level[between] + 1, middles[between])
-        light[between] = finer + upper[between] * (coarser - finer)
+        coarser = self._four_texels(
+            image.take(between), level.take(between) + 1, middles.take(between, axis=0)
+        )
+        light[between] = _mixed(light.take(between, axis=0), coarser, upper.take(between)[:, None])
         return light
 
     def _four_texels(
@@ -167,12 +171,13 @@ class Texture:
         width: Floats | None = None,
     ) -> Floats:
         pyramid = self._pyramid
-        level = np.minimum(level, pyramid.first.shape[1] - 1)
+        levels = pyramid.first.shape[1]
+        one = image * levels + np.minimum(level, levels - 1)
         first, columns, rows = (
-            table[image, level] for table in (pyramid.first, pyramid.columns, pyramid.rows)
+            table.take(one) for table in (pyramid.first, pyramid.columns, pyramid.rows)
         )
         width = np.ones(1) if width is None else np.clip(width, _LEAST_WIDTH, 1.0)
-        wraps = self.wraps[image]
+        wraps = self.wraps.take(image, axis=0)
         column, next_column, across = _neighbours(middles[:, 0], columns, width, wraps[:, 0])
         row, next_row, up = _neighbours(middles[:, 1], rows, width, wraps[:, 1])
         start, next_start = (first + (rows - 1 - one) * columns for one in (row, next_row))
@@ -304,7 +309,10 @@ def _wrapped(places: Integers, size: Integers, wrap: NDArray[np.uint8]) -> Integ
 
 
 def _mixed(first: Floats, second: Floats, share: Floats) -> Floats:
-    return first + share * (second - first)
+    mixed = second - first
+    mixed *= share
+    mixed += first
+    return mixed
 
 
 def _stored(light: Floats) -> NDArray[np.uint8]:

@@ -37,7 +37,7 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
     if there are no faces, or an image can't be read.
     """
     from visuohaptic.meshes.face_colours import face_colours
-    from visuohaptic.meshes.textures import texture_of
+    from visuohaptic.meshes.textures import add_textures
 
     parts = [part for part in _checked_parts(mesh, name) if len(part.faces)]
     if not parts:
@@ -53,12 +53,11 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
         for part, offset in zip(parts, offsets, strict=True)
     ]
     try:
-        texture = texture_of(parts)
+        colours, texture = add_textures(
+            parts, np.concatenate([face_colours(part) for part in parts])
+        )
     except MeshError as error:
         raise MeshError(f"{name}: {error}") from error
-    colours = np.concatenate([face_colours(part) for part in parts])
-    if texture is not None:
-        colours = np.where(texture.textured[:, None], texture.face_colours(), colours)
     return Surface(
         np.concatenate([np.asarray(part.vertices, dtype=np.float64) for part in parts]),
         np.concatenate(faces),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,18 +42,24 @@ class _Painted:
         return id(self.image), self.tint, self.linear
 
 
-def texture_of(parts: Sequence[Any]) -> Texture | None:
-    """Give the images upon the faces of parts, one after another; None if no part has one.
+def add_textures(
+    parts: Sequence[Any], colours: NDArray[np.uint8]
+) -> tuple[NDArray[np.uint8], Texture | None]:
+    """Give the colours and images of the faces of parts, one part after another.
 
     Parameters
     ----------
     parts : sequence
         Each with `vertices`, `faces` and a trimesh `visual`.
+    colours : numpy.ndarray
+        Shape (f, 3), uint8, sRGB: what faces without image have.
 
     Returns
     -------
-    Texture or None
-        Images are multiplied by their material's colour: glTF's base colour as light, an MTL's `Kd` as
+    colours : numpy.ndarray
+        The same, but of faces with an image the mean of it.
+    texture : Texture or None
+        None if there is no image of more than one colour. Images are multiplied by their material's colour: glTF's base colour as light, an MTL's `Kd` as
         stored, unless it is black, as some programs write it beside an image. Transparency is
         left out.
 
@@ -62,6 +68,14 @@ def texture_of(parts: Sequence[Any]) -> Texture | None:
     MeshError
         If an image can't be read or is too large.
     """
+    texture = _texture_of(parts)
+    if texture is None:
+        return colours, None
+    colours = np.where(texture.textured[:, None], texture.face_colours(), colours)
+    return colours, _without_plain_images(texture)
+
+
+def _texture_of(parts: Sequence[Any]) -> Texture | None:
     painted = [_painted(part) for part in parts]
     distinct = {one.key: one for one in painted if one is not None}
     if not distinct:
@@ -93,7 +107,7 @@ def _painted(part: Any) -> _Painted | None:
     if base is not None:
         return _Painted(image, _triple(np.asarray(base) / 255.0), linear=True)
     # trimesh gives a diffuse colour to a material that has none: what the file says is beside it.
-    diffuse = getattr(material, "kwargs", {}).get("kd")
+    diffuse: Any = getattr(material, "kwargs", {}).get("kd")
     if np.shape(diffuse) != (3,) or not np.any(diffuse):
         diffuse = (1.0, 1.0, 1.0)
     return _Painted(image, _triple(diffuse), linear=False)
@@ -131,7 +145,7 @@ def _read_images(painted: Sequence[_Painted]) -> tuple[NDArray[np.uint8], ...]:
 
 def _read_image(painted: _Painted, halvings: int) -> NDArray[np.uint8]:
     try:
-        image = np.asarray(painted.image.convert("RGB"))
+        image = _pixels(painted.image)
     # A broken image may fail in any way.
     except Exception as error:
         raise MeshError(f"A texture can't be read: {error}.") from error
@@ -142,8 +156,28 @@ def _read_image(painted: _Painted, halvings: int) -> NDArray[np.uint8]:
     return image
 
 
+def _pixels(image: Image) -> NDArray[np.uint8]:
+    if not image.mode.startswith("I;16"):
+        return np.asarray(image.convert("RGB"))
+    # Pillow would cut 16 bits off at 255.
+    grey = np.rint(np.asarray(image) / 257.0).astype(np.uint8)
+    return np.repeat(grey[..., None], 3, axis=-1)
+
+
 def _tinted(image: NDArray[np.uint8], painted: _Painted) -> NDArray[np.uint8]:
     stored, tint = np.arange(256)[:, None] / 255.0, np.array(painted.tint)
     seen = encode_srgb(decode_srgb(stored) * tint) if painted.linear else stored * tint
     table = np.rint(255.0 * seen).astype(np.uint8)
     return np.stack([table[:, channel][image[..., channel]] for channel in range(3)], axis=-1)
+
+
+def _without_plain_images(texture: Texture) -> Texture | None:
+    """Leave out images of one colour, such as trimesh has for a material that it doesn't find."""
+    kept = [number for number, image in enumerate(texture.images) if (image != image[0, 0]).any()]
+    if not kept:
+        return None
+    numbers = np.full(len(texture.images) + 1, NO_IMAGE, dtype=np.int32)
+    numbers[kept] = np.arange(len(kept))
+    images = tuple(texture.images[number] for number in kept)
+    # The last number stands for `NO_IMAGE`, which is -1.
+    return replace(texture, image=numbers[texture.image], images=images, wraps=texture.wraps[kept])
