@@ -1,6 +1,8 @@
 """Images of model files lie upon the faces where the file puts them, in the colours it says."""
 
 import io
+import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from trimesh.visual.material import PBRMaterial
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
-from visuohaptic.geometry.texture import NO_IMAGE
+from visuohaptic.geometry.texture import CLAMP, MIRROR, NO_IMAGE, REPEAT
 from visuohaptic.meshes import textures as module
 from visuohaptic.meshes.in_memory import surface_of_trimesh
 from visuohaptic.meshes.model_files import read_model
@@ -167,6 +169,39 @@ def test_what_is_transparent_is_shown_in_its_colour():
     image = np.dstack([BOARD, np.zeros((8, 8), np.uint8)])
     surface = surface_of_trimesh(square_of(Image.fromarray(image)), "square")
     np.testing.assert_array_equal(surface.texture.images[0], BOARD)
+
+
+@pytest.mark.parametrize(
+    ("code", "wrap"),
+    [(None, REPEAT), (10497, REPEAT), (33071, CLAMP), (33648, MIRROR), (7, REPEAT)],
+)
+def test_gltf_says_how_an_image_goes_on(tmp_path, code, wrap):
+    scene = trimesh.Scene([trimesh.creation.box(), square_of(places=3 * PLACES - 1.2)])
+    for name, data in trimesh.exchange.gltf.export_gltf(scene).items():
+        (tmp_path / name).write_bytes(data)
+    path = tmp_path / "model.gltf"
+    document = json.loads(path.read_text())
+    document["samplers"] = [{} if code is None else {"wrapS": code}]
+    for texture in document["textures"]:
+        texture["sampler"] = 0
+    path.write_text(json.dumps(document))
+    surface = read_model(path)
+    np.testing.assert_array_equal(surface.texture.wraps, [[wrap, REPEAT]])
+    square = replace(
+        surface,
+        faces=surface.faces[surface.texture.textured],
+        texture=surface.texture.take(surface.texture.textured),
+    )
+    points = np.random.default_rng(0).uniform(0, 1, (200, 2))
+    column, row = np.floor(8 * (3 * points - 1.2)).astype(int).T
+    column = {
+        REPEAT: column % 8,
+        CLAMP: column.clip(0, 7),
+        MIRROR: np.concatenate([np.arange(8), np.arange(8)[::-1]])[column % 16],
+    }[wrap]
+    expected = BOARD[7 - row % 8, column]
+    same = (colours_at(square, points) == expected).all(axis=1)
+    assert same.mean() > 0.97  # but for points within 1e-4 of a border
 
 
 def test_places_far_off_are_moved_by_whole_images():

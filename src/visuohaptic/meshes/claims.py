@@ -85,7 +85,7 @@ def _check_parts(count: int, what: str, name: str) -> None:
 
 def _check_gltf(data: bytes, name: str, kind: str) -> None:
     try:
-        document = json.loads(_gltf_json(data) if kind == "glb" else data)
+        document = json.loads(gltf_json(data, kind))
         nodes, corners = len(document.get("nodes", ())), sum(_corners(document))
         parts = max(nodes, sum(len(mesh["primitives"]) for mesh in document.get("meshes", ())))
         held = sum(_accessor_bytes(one) for one in document.get("accessors", ()))
@@ -105,10 +105,13 @@ def _check_gltf(data: bytes, name: str, kind: str) -> None:
         )
 
 
-def _gltf_json(data: bytes) -> bytes:
-    length, kind = struct.unpack("<I4s", data[12:20])
-    if data[:4] != b"glTF" or kind != b"JSON":
-        raise ValueError(kind)
+def gltf_json(data: bytes, kind: str) -> bytes:
+    """Give the JSON of a glTF file; raises `ValueError` or `struct.error` if there is none."""
+    if kind == "gltf":
+        return data
+    length, chunk = struct.unpack("<I4s", data[12:20])
+    if data[:4] != b"glTF" or chunk != b"JSON":
+        raise ValueError(chunk)
     return data[20 : 20 + length]
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
-from visuohaptic.geometry.texture import NO_IMAGE, REPEAT, Texture, halve
+from visuohaptic.geometry.texture import CLAMP, NO_IMAGE, REPEAT, Texture, halve
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -31,15 +31,16 @@ _FARTHEST = 2.0**20
 
 @dataclass(frozen=True)
 class _Painted:
-    """An image as a material shows it: its number among the distinct ones, and what it is multiplied by."""
+    """An image as a material shows it: how it goes on, and the colour that multiplies it, as light or stored."""
 
     image: Image
-    tint: tuple[float, float, float]
-    linear: bool
+    wraps: tuple[int, int]
+    tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    linear: bool = False
 
     @property
-    def key(self) -> tuple[int, tuple[float, float, float], bool]:
-        return id(self.image), self.tint, self.linear
+    def key(self) -> tuple[object, ...]:
+        return id(self.image), self.wraps, self.tint, self.linear
 
 
 def add_textures(
@@ -91,7 +92,7 @@ def _texture_of(parts: Sequence[Any]) -> Texture | None:
             ]
         ),
         images,
-        np.full((len(images), 2), REPEAT, dtype=np.uint8),
+        np.array([one.wraps for one in distinct.values()], dtype=np.uint8),
     )
 
 
@@ -103,14 +104,15 @@ def _painted(part: Any) -> _Painted | None:
     image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
     if image is None or np.shape(places) != (len(part.vertices), 2):
         return None
+    wraps = getattr(material, "wraps", (REPEAT, REPEAT))
     base = getattr(material, "baseColorFactor", None)
     if base is not None:
-        return _Painted(image, _triple(np.asarray(base) / 255.0), linear=True)
+        return _Painted(image, wraps, _triple(np.asarray(base) / 255.0), linear=True)
     # trimesh gives a diffuse colour to a material that has none: what the file says is beside it.
     diffuse: Any = getattr(material, "kwargs", {}).get("kd")
     if np.shape(diffuse) != (3,) or not np.any(diffuse):
-        diffuse = (1.0, 1.0, 1.0)
-    return _Painted(image, _triple(diffuse), linear=False)
+        return _Painted(image, wraps)
+    return _Painted(image, wraps, _triple(diffuse))
 
 
 def _triple(values: Any) -> tuple[float, float, float]:
@@ -123,8 +125,10 @@ def _corners(part: Any, painted: _Painted | None) -> NDArray[np.float32]:
         return np.zeros((len(part.faces), 3, 2), dtype=np.float32)
     places = np.nan_to_num(np.asarray(part.visual.uv, dtype=np.float64))
     corners = np.clip(places, -_FARTHEST, _FARTHEST)[np.asarray(part.faces)]
-    # Moved by whole images, near 0, where float32 is finest.
-    return (corners - np.floor(corners.min(axis=1, keepdims=True))).astype(np.float32)
+    # Where images are repeated or mirrored, an even number of them away is the same place, and near 0
+    # float32 is finest.
+    away = 2.0 * np.floor(corners.min(axis=1, keepdims=True) / 2.0)
+    return (corners - away * (np.array(painted.wraps) != CLAMP)).astype(np.float32)
 
 
 def _read_images(painted: Sequence[_Painted]) -> tuple[NDArray[np.uint8], ...]:
