@@ -67,12 +67,17 @@ def plan_visual(
     light = "part of the light has a direction" if slanted else "all light is ambient"
     shadow = light if shaded or not slanted else "without shading no light is blocked"
     plans = (
-        _plan(modes, "colour", coloured, "faces have hues" if coloured else "all faces are grey"),
+        _plan(
+            modes,
+            "colour",
+            coloured,
+            "faces or images have hues" if coloured else "all faces are grey",
+        ),
         _plan(
             modes,
             "texture",
             patterned,
-            "faces differ in colour" if patterned else "all faces have one colour",
+            "faces or images differ in colour" if patterned else "all faces have one colour",
         ),
         _plan(modes, "shading", slanted, light),
         _plan(modes, "cast_shadows", shaded, shadow),
