@@ -1,8 +1,10 @@
 """Images of model files lie upon the faces where the file puts them, in the colours it says."""
 
+import csv
 import io
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from trimesh.visual.material import PBRMaterial
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
+from visuohaptic.geometry.surface import read_surface
 from visuohaptic.geometry.texture import CLAMP, MIRROR, NO_IMAGE, REPEAT
 from visuohaptic.meshes import textures as module
 from visuohaptic.meshes.in_memory import surface_of_trimesh
@@ -278,6 +281,15 @@ def test_an_image_of_one_colour_is_a_colour():
     surface = surface_of_trimesh(scene, "scene")
     np.testing.assert_array_equal(surface.texture.image, [NO_IMAGE] * 2 + [0] * 2 + [NO_IMAGE] * 12)
     np.testing.assert_array_equal(surface.texture.images[0], BOARD)
+
+
+def test_the_papers_objects_are_packed_with_their_images():
+    root = Path(__file__).parents[2] / "meshes"
+    with (root / "catalogue.csv").open(newline="", encoding="utf-8") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["set"] == "paper"]
+    for row in rows:
+        packed = read_surface(root / f"paper/{row['class']}/{row['object']}.ply.gz")
+        assert (packed.texture is not None) == (row["textured"] == "y"), row["object"]
 
 
 COLLADA = """<?xml version="1.0"?>
