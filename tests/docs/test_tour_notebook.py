@@ -63,7 +63,8 @@ def test_every_cell_shows_what_it_promises(ran):
 
 def test_what_the_sentence_says_of_the_squares_is_so(ran):
     medians = ast.literal_eval(shown(ran[4], "text/plain")[0])
-    assert float(medians["random"]) < float(medians["fixation"]) == 0.3
+    rounded = {strategy: round(float(median), 1) for strategy, median in medians.items()}
+    assert rounded == {"fixation": 0.2, "random": 0.1}
 
 
 def test_no_object_is_named_that_the_model_learnt(tour):

@@ -1,17 +1,21 @@
 """A surface knows its areas and normals, and its file gives it back."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import (
     Surface,
+    as_stored,
     read_surface,
     set_aside_reason,
     usable_meshes,
     write_set_aside,
     write_surface,
 )
+from visuohaptic.geometry.texture import CLAMP, MIRROR, NO_IMAGE, REPEAT, Texture
 
 
 @pytest.fixture
@@ -105,3 +109,89 @@ def test_meshes_of_objects_that_were_set_aside_are_not_usable(tetrahedron, tmp_p
     write_surface(tetrahedron, tmp_path / "a.ply")
     write_set_aside(tmp_path / "b.ply", "b.obj has no faces.")
     assert usable_meshes([tmp_path / "b.ply", tmp_path / "a.ply"]) == [tmp_path / "a.ply"]
+
+
+@pytest.fixture
+def painted(tetrahedron):
+    generator = np.random.default_rng(0)
+    images = tuple(
+        generator.integers(0, 256, (*size, 3), dtype=np.uint8) for size in ((3, 5), (1, 1), (8, 2))
+    )
+    corners = generator.normal(size=(4, 3, 2)).astype(np.float32)
+    wraps = np.array([[REPEAT, CLAMP], [MIRROR, MIRROR], [CLAMP, REPEAT]], dtype=np.uint8)
+    texture = Texture(corners, np.array([2, NO_IMAGE, 0, 1], np.int32), images, wraps)
+    return replace(tetrahedron, texture=texture)
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.ply.gz"])
+def test_a_file_gives_images_back(painted, tmp_path, name):
+    write_surface(painted, tmp_path / name)
+    back, given = read_surface(tmp_path / name).texture, painted.texture
+    np.testing.assert_array_equal(back.corners, given.corners)
+    np.testing.assert_array_equal(back.image, given.image)
+    np.testing.assert_array_equal(back.wraps, given.wraps)
+    assert len(back.images) == len(given.images)
+    for one, other in zip(back.images, given.images, strict=True):
+        np.testing.assert_array_equal(one, other)
+    write_surface(read_surface(tmp_path / name), tmp_path / f"again_{name}")
+    assert (tmp_path / name).read_bytes() == (tmp_path / f"again_{name}").read_bytes()
+
+
+def test_images_are_as_exact_in_memory_as_in_a_file(painted):
+    assert as_stored(painted).texture is painted.texture
+
+
+def test_other_tools_read_a_file_with_images_as_one_with_colours(painted, tmp_path):
+    import trimesh
+
+    from visuohaptic.geometry.compiled_open3d import open3d
+
+    write_surface(painted, tmp_path / "a.ply")
+    mesh = trimesh.load_mesh(tmp_path / "a.ply", process=False)
+    np.testing.assert_array_equal(mesh.faces, painted.faces)
+    np.testing.assert_array_equal(mesh.visual.face_colors[:, :3], painted.face_colours)
+    other = open3d.io.read_triangle_mesh(str(tmp_path / "a.ply"))
+    np.testing.assert_array_equal(np.asarray(other.triangles), painted.faces)
+
+
+def test_a_file_without_images_has_nothing_of_them(tetrahedron, tmp_path):
+    write_surface(tetrahedron, tmp_path / "a.ply")
+    assert b"image" not in (tmp_path / "a.ply").read_bytes()
+    assert read_surface(tmp_path / "a.ply").texture is None
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda texture: replace(texture, image=texture.image + np.int32(1)), "none of the 3"),
+        (lambda texture: replace(texture, image=texture.image - np.int32(1)), "none of the 3"),
+        (lambda texture: replace(texture, wraps=texture.wraps + np.uint8(1)), "how it goes on"),
+        (lambda texture: replace(texture, corners=texture.corners * np.inf), "how it goes on"),
+    ],
+)
+def test_images_that_do_not_fit_are_refused_by_name(painted, tmp_path, spoil, says):
+    write_surface(replace(painted, texture=spoil(painted.texture)), tmp_path / "a.ply")
+    with pytest.raises(MeshError, match=rf"a\.ply is no coloured triangle mesh.*{says}"):
+        read_surface(tmp_path / "a.ply")
+
+
+@pytest.mark.parametrize(
+    ("place", "value"), [(0, 6), (0, -5), (0, 2**31 - 1), (4, 0), (4, -(2**31))]
+)
+def test_sizes_of_images_that_do_not_fit_the_texels_are_refused(painted, tmp_path, place, value):
+    path = tmp_path / "a.ply"
+    write_surface(painted, path)
+    data = bytearray(path.read_bytes())
+    start = data.index(b"\x05\x00\x00\x00\x03\x00\x00\x00\x00\x01")
+    data[start + place : start + place + 4] = value.to_bytes(4, "little", signed=True)
+    path.write_bytes(data)
+    with pytest.raises(MeshError, match="don't have 32 texels together"):
+        read_surface(path)
+
+
+def test_a_file_that_ends_within_an_image_is_refused(painted, tmp_path):
+    path = tmp_path / "a.ply"
+    write_surface(painted, path)
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(MeshError, match=r"a\.ply is no coloured triangle mesh"):
+        read_surface(path)

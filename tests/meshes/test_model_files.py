@@ -29,17 +29,6 @@ def test_a_material_gives_its_diffuse_colour(tmp_path):
     np.testing.assert_allclose(surface.face_colours, [[255, 128, 0]] * 2, atol=1)
 
 
-def test_a_texture_is_averaged_over_the_face(tmp_path):
-    Image.fromarray(np.full((8, 8, 3), (10, 200, 30), np.uint8)).save(tmp_path / "t.png")
-    path = write_square(
-        tmp_path,
-        "newmtl paint\nKd 1 0 0\nmap_Kd t.png\n",
-        "f 1/1 2/2 3/3 4/4\n",
-        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n",
-    )
-    np.testing.assert_array_equal(read_model(path).face_colours, [[10, 200, 30]] * 2)
-
-
 def test_a_missing_texture_leaves_the_diffuse_colour(tmp_path):
     path = write_square(
         tmp_path,

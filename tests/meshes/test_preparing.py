@@ -8,9 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.texture import Texture
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import clean, normalise, prepare_object
+from visuohaptic.meshes.preparing import UP_AXES, clean, normalise, prepare_object
 
 
 def surface_of(mesh):
@@ -118,6 +119,24 @@ def test_colours_stay_with_their_faces():
         np.concatenate([[[9, 9, 9]], box.face_colours]).astype(np.uint8),
     )
     np.testing.assert_array_equal(clean(spoiled, 1e-6).face_colours, box.face_colours)
+
+
+def test_images_stay_with_their_faces():
+    box = surface_of(trimesh.creation.box((1, 1, 1)))
+    count = len(box.faces) + 1
+    corners = np.arange(6.0 * count, dtype=np.float32).reshape(count, 3, 2)
+    numbers = (np.arange(count) % 3 - 1).astype(np.int32)
+    images = tuple(np.full((2, 3, 3), colour, np.uint8) for colour in (10, 20))
+    spoiled = Surface(
+        box.vertices,
+        np.concatenate([[[0, 0, 1]], box.faces]),
+        np.concatenate([[[9, 9, 9]], box.face_colours]).astype(np.uint8),
+        Texture(corners, numbers, images, np.zeros((2, 2), np.uint8)),
+    )
+    texture = normalise(spoiled, "box", UP_AXES["z"]).texture
+    np.testing.assert_array_equal(texture.corners, corners[1:])
+    np.testing.assert_array_equal(texture.image, numbers[1:])
+    assert texture.images is images
 
 
 TRIANGLE = np.array([[0, 1, 2]])

@@ -13,20 +13,23 @@ from numpy.typing import NDArray
 
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.fixations.visual_effects import VisualPlan, plan_visual, seen_colours
+from visuohaptic.fixations.visual_effects import (
+    VisualPlan,
+    plan_visual,
+    seen_colours,
+    seen_texture,
+)
 from visuohaptic.geometry.curvature import SurfaceShape, measure_shape
-from visuohaptic.geometry.elementary import power, sin_cos
+from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.srgb import dim_srgb, encode_srgb
+from visuohaptic.geometry.texture import Texture
+from visuohaptic.geometry.vectors import dot
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic.scene.records import EffectRecord
 
 # How far a shadow ray starts above the surface, object radii; float32 rays need some 1e-5.
 SHADOW_OFFSET = 1e-4
-# sRGB (IEC 61966-2-1): its power and offset, and the slope and end of its line for dark colours.
-SRGB_POWER = 2.4
-SRGB_OFFSET = 0.055
-DARK_SLOPE = 12.92
-DARK_SRGB = 0.04045
 
 
 @dataclass(frozen=True)
@@ -103,14 +106,20 @@ def render_views(
     -----
     One ray goes through the centre of each pixel. The light is fixed to
     the camera, so rotating the object is the same as rotating the camera.
+    A pixel that meets an image has the mean light of the part of the image that it covers, on
+    the plane of the face that its ray meets (`Texture.light`).
     """
     modes = modes or EffectModes()
-    log = _EffectLog(plan_visual(modes, caster.surface.face_colours, parameters.ambient))
-    colours = _seen_colours(caster, modes, log) / 255.0
+    surface = caster.surface
+    log = _EffectLog(plan_visual(modes, surface.stored_colours(), parameters.ambient))
+    with log.clock("texture" if modes.texture == "never" else "colour"):
+        colours = seen_colours(surface.face_colours, surface.face_areas, modes) / 255.0
+        texture = surface.texture if log.simulates("texture") else None
+        texture = None if texture is None else seen_texture(texture, modes)
     shape = measure_shape(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
     views = _background(len(cameras), parameters)
     for number, camera in enumerate(cameras):
-        pixels, seen = _seen_surface(caster, shape, colours, camera, parameters, log)
+        pixels, seen = _seen_surface(caster, shape, colours, texture, camera, parameters, log)
         for name, values in seen.items():
             view = views[name][number]
             view.reshape(-1, *view.shape[2:])[pixels] = values
@@ -136,12 +145,6 @@ def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[
     (aside, rise), (ahead, level) = sin_cos(np.radians(angles))
     right, up, back = camera.axes
     return level * (aside * right + ahead * back) + rise * up
-
-
-def decode_srgb(encoded: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Decode sRGB to linear light, 0 to 1 (IEC 61966-2-1)."""
-    bright = power((encoded + SRGB_OFFSET) / (1.0 + SRGB_OFFSET), SRGB_POWER)
-    return np.where(encoded <= DARK_SRGB, encoded / DARK_SLOPE, bright)
 
 
 class _EffectLog:
@@ -178,11 +181,6 @@ class _EffectLog:
         )
 
 
-def _seen_colours(caster: RayCaster, modes: EffectModes, log: _EffectLog) -> NDArray[np.uint8]:
-    with log.clock("texture" if modes.texture == "never" else "colour"):
-        return seen_colours(caster.surface.face_colours, caster.surface.face_areas, modes)
-
-
 def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArray[Any]]:
     shape = (views, parameters.resolution, parameters.resolution)
     return {
@@ -201,6 +199,7 @@ def _seen_surface(
     caster: RayCaster,
     shape: SurfaceShape,
     face_colours: NDArray[np.float64],
+    texture: Texture | None,
     camera: Camera,
     parameters: RenderingParameters,
     log: _EffectLog,
@@ -217,6 +216,13 @@ def _seen_surface(
 
     light = light_direction(camera, parameters)
     colours = face_colours.take(faces, axis=0)
+    if texture is not None:
+        with log.clock("texture"):
+            on = np.flatnonzero(texture.textured.take(faces))
+            depths = dot(camera.eye - points[on], camera.axes[2][None])
+            sides = camera.pixel_sides(parameters.resolution, depths)
+            steps = _weight_steps(caster, faces[on], directions[seen[on]], sides)
+            colours[on] = encode_srgb(texture.light(faces[on], weights[on], steps))
     lit = np.ones(len(seen), dtype=bool)
     if log.simulates("cast_shadows"):
         with log.clock("cast_shadows"):
@@ -252,6 +258,30 @@ def _normals_towards(
     return normals
 
 
+def _weight_steps(
+    caster: RayCaster,
+    faces: NDArray[np.int64],
+    directions: NDArray[np.float64],
+    sides: tuple[NDArray[np.float64], NDArray[np.float64]],
+) -> NDArray[np.float64]:
+    """Give how the second and third weight change along both sides of a pixel, shape (n, 2, 2).
+
+    The pixel's sides at the depth of the face, shape (n, 3) each, are carried along the ray on to the
+    face's plane.
+    """
+    normals = caster.surface.face_crosses.take(faces, axis=0)
+    second, third = np.moveaxis(caster.slopes.take(faces, axis=0), 1, 0)
+    towards = dot(normals, directions)
+    # Only a ray within the face's plane would divide by zero, and such a ray meets no face.
+    towards[towards == 0.0] = np.inf
+    steps = np.empty((len(faces), 2, 2))
+    for number, side in enumerate(sides):
+        on_plane = side - (dot(normals, side) / towards)[:, None] * directions
+        steps[:, number, 0] = dot(on_plane, second)
+        steps[:, number, 1] = dot(on_plane, third)
+    return steps
+
+
 def _lit(
     caster: RayCaster,
     points: NDArray[np.float64],
@@ -274,11 +304,4 @@ def _shade(
     ambient: float,
 ) -> NDArray[np.float64]:
     lambert = np.maximum(np.einsum("nd,d->n", normals, light), 0.0) * lit
-    irradiance = (ambient + (1.0 - ambient) * lambert)[:, None]
-    # The power that decodes is the inverse of the one that encodes, so the light's share needs one alone.
-    shaded = (colours + SRGB_OFFSET) * power(irradiance, 1 / SRGB_POWER) - SRGB_OFFSET
-    dark = np.minimum(colours, shaded) <= DARK_SRGB
-    light_of_dark = decode_srgb(colours[dark]) * np.broadcast_to(irradiance, dark.shape)[dark]
-    shaded[dark] = DARK_SLOPE * light_of_dark
-    # Full light leaves a colour as it is; the sum and back would move last digits.
-    return np.where(irradiance == 1.0, colours, shaded)
+    return dim_srgb(colours, ambient + (1.0 - ambient) * lambert)

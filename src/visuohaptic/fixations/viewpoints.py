@@ -121,6 +121,16 @@ class Camera:
             return self.eye + self.distance * plane, np.broadcast_to(-back, plane.shape)
         return np.broadcast_to(self.eye, plane.shape), plane - back
 
+    def pixel_sides(
+        self, resolution: int, depths: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Give a pixel's sides to the right and up where it is at some depths, shape (n, 3) each."""
+        size = self.view_height / (self.distance * resolution)
+        if self.projection == "orthographic":
+            depths = np.full_like(depths, self.distance)
+        right, up, _ = self.axes
+        return np.outer(size * depths, right), np.outer(size * depths, up)
+
     def _steps(self, resolution: int) -> NDArray[np.float64]:
         """Give the pixels' places along an edge, in the plane at depth 1."""
         steps = np.arange(resolution, dtype=np.float64) - 0.5 * (resolution - 1)

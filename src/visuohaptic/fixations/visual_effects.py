@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RegistryError
+from visuohaptic.geometry.texture import Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes, Mode
 
 
@@ -35,7 +36,7 @@ class VisualPlan:
 
 
 def plan_visual(
-    modes: EffectModes, face_colours: NDArray[np.uint8], ambient: float
+    modes: EffectModes, colours: NDArray[np.uint8], ambient: float
 ) -> tuple[VisualPlan, ...]:
     """Decide which visual effects the views of an object need.
 
@@ -43,8 +44,8 @@ def plan_visual(
     ----------
     modes : EffectModes
         When each effect may be simulated.
-    face_colours : numpy.ndarray
-        Shape (f, 3), uint8, sRGB.
+    colours : numpy.ndarray
+        Shape (n, 3), uint8, sRGB: those of all faces and images.
     ambient : float
         Share of light that comes evenly from everywhere, 0 to 1.
 
@@ -59,19 +60,24 @@ def plan_visual(
     RegistryError
         If an effect is declared and has no plan.
     """
-    coloured = bool((face_colours != face_colours[:, :1]).any())
-    patterned = bool((face_colours != face_colours[:1]).any())
+    coloured = bool((colours != colours[:, :1]).any())
+    patterned = bool((colours != colours[:1]).any())
     slanted = ambient < 1
     shaded = slanted and modes.shading != "never"
     light = "part of the light has a direction" if slanted else "all light is ambient"
     shadow = light if shaded or not slanted else "without shading no light is blocked"
     plans = (
-        _plan(modes, "colour", coloured, "faces have hues" if coloured else "all faces are grey"),
+        _plan(
+            modes,
+            "colour",
+            coloured,
+            "faces or images have hues" if coloured else "all faces are grey",
+        ),
         _plan(
             modes,
             "texture",
             patterned,
-            "faces differ in colour" if patterned else "all faces have one colour",
+            "faces or images differ in colour" if patterned else "all faces have one colour",
         ),
         _plan(modes, "shading", slanted, light),
         _plan(modes, "cast_shadows", shaded, shadow),
@@ -113,9 +119,23 @@ def seen_colours(
         mean = (colours * face_areas[:, None]).sum(axis=0) / face_areas.sum()
         colours = np.repeat(mean[None], len(colours), axis=0)
     if modes.colour == "never":
-        luma = np.einsum("fc,c->f", colours, np.array([0.299, 0.587, 0.114]))
-        colours = np.repeat(luma[:, None], 3, axis=1)
+        colours = _greys(colours)
     return np.round(colours).astype(np.uint8)
+
+
+def seen_texture(texture: Texture, modes: EffectModes) -> Texture:
+    """Give images as they are seen: without colour, each texel in the grey of its luma."""
+    if modes.colour != "never":
+        return texture
+    images = tuple(
+        np.round(_greys(image.astype(np.float64))).astype(np.uint8) for image in texture.images
+    )
+    return replace(texture, images=images)
+
+
+def _greys(colours: NDArray[np.float64]) -> NDArray[np.float64]:
+    luma = np.einsum("...c,c->...", colours, np.array([0.299, 0.587, 0.114]))
+    return np.repeat(luma[..., None], 3, axis=-1)
 
 
 def _plan(modes: EffectModes, effect: str, called_for: bool, reason: str) -> VisualPlan:  # noqa: FBT001

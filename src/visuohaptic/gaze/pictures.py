@@ -80,7 +80,9 @@ def draw_values(one: GazedObject, values: Sequence[NDArray[np.float64]]) -> byte
         top = max(float(np.quantile(value[one.gazed.seen], _TOP_QUANTILE)), 1e-30)
         levels = np.clip(np.rint(255 * value / top), 0, 255).astype(np.uint8)[:, None]
         colours = cv2.applyColorMap(levels, cv2.COLORMAP_VIRIDIS)[:, 0, ::-1]
-        painted = replace(one.surface, face_colours=np.ascontiguousarray(colours[nearest]))
+        painted = replace(
+            one.surface, face_colours=np.ascontiguousarray(colours[nearest]), texture=None
+        )
         rendering = RenderingParameters(resolution=RESOLUTION, background=1.0)
         (seen,) = render_views(RayCaster(painted), [camera], rendering).colour
         panels.append(np.clip(np.rint(seen[..., ::-1] * 255), 0, 255).astype(np.uint8))

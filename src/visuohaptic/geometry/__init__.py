@@ -1,1 +1,1 @@
-"""Surfaces, rays that meet them, and how they bend."""
+"""Surfaces, the images on them, rays that meet them, and how they bend."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.vectors import dot
 
 # Planes are told apart by their nearest points to this one, outside of surfaces of unit size: in general
 # position, so that hardly a plane goes through it.
@@ -123,9 +124,9 @@ def _overlaps_along(
     """
     start, end, across = (surface.triangles[one, (edge + step) % 3] for step in range(3))
     inwards = np.cross(surface.face_normals[one], end - start)
-    inwards /= np.sqrt(_dot(inwards, inwards))[:, None]
-    height = _dot(inwards, across - start)
-    there = [_dot(inwards, surface.triangles[other, corner] - start) for corner in range(3)]
+    inwards /= np.sqrt(dot(inwards, inwards))[:, None]
+    height = dot(inwards, across - start)
+    there = [dot(inwards, surface.triangles[other, corner] - start) for corner in range(3)]
     highest = np.maximum(np.maximum(there[0], there[1]), there[2])
     lowest = np.minimum(np.minimum(there[0], there[1]), there[2])
     return np.minimum(height, highest) - np.maximum(0.0, lowest)
@@ -137,10 +138,6 @@ def _heights(
     """Give the largest distance of the first faces' corners from the planes of the others, shape (p,)."""
     origins, normals = surface.triangles[other, 0], surface.face_normals[other]
     heights = [
-        np.abs(_dot(surface.triangles[one, corner] - origins, normals)) for corner in range(3)
+        np.abs(dot(surface.triangles[one, corner] - origins, normals)) for corner in range(3)
     ]
     return np.maximum(np.maximum(heights[0], heights[1]), heights[2])
-
-
-def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
-    return first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1] + first[:, 2] * second[:, 2]

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.geometry.overlaps import overlapping_faces
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.vectors import dot
 
 MISS = -1
 
@@ -186,17 +187,17 @@ class RayCaster:
         numpy.ndarray
             Shape (n, 3), float64: at least 0, their sum is 1.
         """
-        slopes = self._slopes.take(faces, axis=0)
+        slopes = self.slopes.take(faces, axis=0)
         offsets = points - self._corners[:, 0].take(faces, axis=0)
-        second, third = (_dot(slopes[:, edge], offsets) for edge in range(2))
+        second, third = (dot(slopes[:, edge], offsets) for edge in range(2))
         weights = np.maximum(np.stack([1.0 - second - third, second, third], axis=1), 0.0)
         return weights / weights.sum(axis=1, keepdims=True)
 
     @cached_property
-    def _slopes(self) -> NDArray[np.float64]:
+    def slopes(self) -> NDArray[np.float64]:
         """How the weights of each face's second and third corner grow in space, shape (f, 2, 3)."""
         crosses = self.surface.face_crosses
-        squares = _dot(crosses, crosses)
+        squares = dot(crosses, crosses)
         edges = self._corners[:, 1:] - self._corners[:, :1]
         slopes = np.stack([np.cross(edges[:, 1], crosses), np.cross(crosses, edges[:, 0])], axis=1)
         return np.divide(
@@ -229,7 +230,7 @@ class RayCaster:
         found = self._scene.list_intersections(self._tensor(rays))
         which = found["ray_ids"].numpy().astype(np.int64)
         faces = found["primitive_ids"].numpy().astype(np.int64)
-        leaving = np.sign(_dot(self._planes[faces], directions[which]))
+        leaving = np.sign(dot(self._planes[faces], directions[which]))
         return np.bincount(which, leaving, minlength=len(origins)).astype(np.int64)
 
     def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -261,13 +262,13 @@ class RayCaster:
         faces = faces.astype(np.int64)
         faces[~hit] = MISS
         planes = self._planes.take(faces, axis=0)
-        along = _dot(planes, directions)
+        along = dot(planes, directions)
         distance = np.full(len(faces), np.inf)
         met = hit & (along != 0)
-        np.divide(planes[:, 3] - _dot(planes, origins), along, out=distance, where=met)
+        np.divide(planes[:, 3] - dot(planes, origins), along, out=distance, where=met)
         second, third = answer["primitive_uvs"].numpy().T
         least_weight = np.minimum(np.minimum(second, third), 1 - second - third)
-        length = np.sqrt(_dot(directions, directions))
+        length = np.sqrt(dot(directions, directions))
         doubtful = hit & (least_weight * np.abs(along) < planes[:, 4] * length)
         return Hits(distance, faces), doubtful
 
@@ -361,12 +362,12 @@ class RayCaster:
         # Two faces at an edge have exactly opposite numbers for it, so no ray slips between;
         # at a vertex rounding alone decides, and every face that it may have cut off counts.
         sides = np.cross(corners, np.roll(corners, -1, axis=2))
-        sides = _dot(sides, directions[:, None, None])
-        farthest = _dot(corners, corners).max(axis=2, keepdims=True)
-        slack = _ROUNDING * farthest * np.sqrt(_dot(directions, directions))[:, None, None]
+        sides = dot(sides, directions[:, None, None])
+        farthest = dot(corners, corners).max(axis=2, keepdims=True)
+        slack = _ROUNDING * farthest * np.sqrt(dot(directions, directions))[:, None, None]
         planes = self._planes[candidates]
-        above = planes[..., 3] - _dot(planes, origins[:, None])
-        along = _dot(planes, directions[:, None])
+        above = planes[..., 3] - dot(planes, origins[:, None])
+        along = dot(planes, directions[:, None])
         inside = (sides >= -slack).all(axis=2) | (sides <= slack).all(axis=2)
         inside &= (candidates != MISS) & (along != 0)
         distances = np.divide(above, along, out=np.full(above.shape, np.inf), where=inside)
@@ -412,7 +413,7 @@ def _face_planes(surface: Surface) -> NDArray[np.float64]:
     """
     corners, crosses = surface.triangles, surface.face_crosses
     edges = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
-    offsets = _dot(crosses, corners[:, 0])
+    offsets = dot(crosses, corners[:, 0])
     return np.column_stack([crosses, offsets, LATERAL_ERROR * edges.max(axis=1)])
 
 
@@ -461,24 +462,15 @@ def _nearest_on(triangles: NDArray[np.float64], points: NDArray[np.float64]) -> 
     """Give the nearest point of triangle i, shape (n, 3, 3), to point i: on its face or an edge."""
     edges = np.roll(triangles, -1, axis=1) - triangles
     offsets = points[:, None] - triangles
-    squares = _dot(edges, edges)
-    along = np.divide(_dot(offsets, edges), squares, out=np.zeros_like(squares), where=squares > 0)
+    squares = dot(edges, edges)
+    along = np.divide(dot(offsets, edges), squares, out=np.zeros_like(squares), where=squares > 0)
     on_edges = triangles + np.clip(along, 0.0, 1.0)[..., None] * edges
     apart = on_edges - points[:, None]
     rows = np.arange(len(points))
-    found = on_edges[rows, _dot(apart, apart).argmin(axis=1)]
+    found = on_edges[rows, dot(apart, apart).argmin(axis=1)]
     crosses = np.cross(edges[:, 0], edges[:, 1])
-    sides = _dot(np.cross(edges, offsets), crosses[:, None])
-    above = (sides >= 0).all(axis=1) & (_dot(crosses, crosses) > 0)
-    squares = np.where(above, _dot(crosses, crosses), 1.0)
-    lowered = points - (_dot(offsets[:, 0], crosses) / squares)[:, None] * crosses
+    sides = dot(np.cross(edges, offsets), crosses[:, None])
+    above = (sides >= 0).all(axis=1) & (dot(crosses, crosses) > 0)
+    squares = np.where(above, dot(crosses, crosses), 1.0)
+    lowered = points - (dot(offsets[:, 0], crosses) / squares)[:, None] * crosses
     return np.where(above[:, None], lowered, found)
-
-
-def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Dot products along the last axis, of three; written out, for BLAS may order sums by the batch."""
-    return (
-        first[..., 0] * second[..., 0]
-        + first[..., 1] * second[..., 1]
-        + first[..., 2] * second[..., 2]
-    )

@@ -12,23 +12,29 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
+from visuohaptic.geometry.texture import NO_IMAGE, WRAPS, Texture
 
 _BLOCK_BYTES = 1 << 20
 
 _SET_ASIDE = "set aside: "
 _LONGEST_HEADER = 1 << 14  # bytes
 
+_CHANNELS = ("red", "green", "blue")
+_PLACES = ("u0", "v0", "u1", "v1", "u2", "v2")
+_COLOUR = [(name, "u1") for name in _CHANNELS]
+_IMAGE = [("width", "<i4"), ("height", "<i4"), ("wrap_u", "u1"), ("wrap_v", "u1")]
+
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A triangle mesh with one colour a face; it is equal to itself alone.
+    """A triangle mesh with colours and images on its faces; it is equal to itself alone.
 
     Attributes
     ----------
@@ -38,15 +44,24 @@ class Surface:
     faces : numpy.ndarray
         Shape (f, 3), int64; rows of `vertices`.
     face_colours : numpy.ndarray
-        Shape (f, 3), uint8, sRGB.
+        Shape (f, 3), uint8, sRGB; of a face that has an image, the mean.
+    texture : Texture, optional
+        Images of faces; None where no face has one.
     """
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
     face_colours: NDArray[np.uint8]
+    texture: Texture | None = None
 
     def __repr__(self) -> str:
         return f"<Surface: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"
+
+    def stored_colours(self) -> NDArray[np.uint8]:
+        """Give the colours of all faces and of all images, shape (n, 3)."""
+        if self.texture is None:
+            return self.face_colours
+        return np.concatenate([self.face_colours, self.texture.texels()])
 
     @cached_property
     def triangles(self) -> NDArray[np.float64]:
@@ -104,7 +119,9 @@ def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None
     """Write a surface as binary PLY, gzipped where the name ends in ``.gz``.
 
     Vertices are stored as float32 (the precision of the ray caster), colours a
-    byte a channel. The bytes depend on the surface alone.
+    byte a channel. Images are in the same file: each face has the number of its image and
+    its corners' places there, and elements `image` and `texel` follow; programs that don't know
+    these show the faces' colours. The bytes depend on the surface alone.
 
     Parameters
     ----------
@@ -122,18 +139,23 @@ def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None
         vertex[name] = surface.vertices[:, axis]
     face = np.zeros(
         len(surface.faces),
-        dtype=[("vertex_indices", "<i4", (3,)), ("red", "u1"), ("green", "u1"), ("blue", "u1")],
+        dtype=[("vertex_indices", "<i4", (3,)), *_COLOUR, *_face_columns(surface.texture)],
     )
     face["vertex_indices"] = surface.faces
-    for channel, name in enumerate(("red", "green", "blue")):
+    for channel, name in enumerate(_CHANNELS):
         face[name] = surface.face_colours[:, channel]
-    elements = [PlyElement.describe(vertex, "vertex"), PlyElement.describe(face, "face")]
+    images = {} if surface.texture is None else _image_elements(surface.texture, face)
+    elements = [
+        PlyElement.describe(rows, name)
+        for name, rows in {"vertex": vertex, "face": face, **images}.items()
+    ]
     comments = [comment] if comment else []
     header = PlyData(elements, byte_order="<", comments=comments).header
     # The library writes lists one by one; lists of one length are an array, each after its length.
     lists = np.zeros(len(face), dtype=[("length", "u1"), ("face", face.dtype)])
     lists["length"], lists["face"] = 3, face
-    data = f"{header}\n".encode() + vertex.tobytes() + lists.tobytes()
+    rows = (vertex, lists, *images.values())
+    data = f"{header}\n".encode() + b"".join(one.tobytes() for one in rows)
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(gzip.compress(data, 9, mtime=0) if path.suffix == ".gz" else data)
@@ -145,7 +167,7 @@ def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     Parameters
     ----------
     path : path
-        A ``.ply`` or ``.ply.gz`` file of triangles with face colours.
+        A ``.ply`` or ``.ply.gz`` file of triangles with face colours, and images where there are.
     largest_megabytes : float
         Files that are larger, unpacked, are refused, in 10⁶ bytes.
 
@@ -168,12 +190,57 @@ def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
         vertex, face = data["vertex"], data["face"]
         vertices = np.column_stack([vertex[name] for name in "xyz"]).astype(np.float64)
         faces = np.asarray(face["vertex_indices"], dtype=np.int64).reshape(-1, 3)
-        colours = np.column_stack([face[name] for name in ("red", "green", "blue")])
+        colours = np.column_stack([face[name] for name in _CHANNELS]).astype(np.uint8)
+        texture = _read_texture(data) if "image" in data else None
     except (OSError, EOFError, zlib.error, PlyParseError, KeyError, ValueError) as error:
         raise MeshError(
             f"{path} is no coloured triangle mesh of this workflow: {error}."
         ) from error
-    return Surface(vertices, faces, colours.astype(np.uint8))
+    return Surface(vertices, faces, colours, texture)
+
+
+def _face_columns(texture: Texture | None) -> list[tuple[str, str]]:
+    return [] if texture is None else [("image", "<i4"), *((name, "<f4") for name in _PLACES)]
+
+
+def _image_elements(texture: Texture, face: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """Fill in the faces' columns, and give the rows of the elements that hold the images."""
+    face["image"] = texture.image
+    for place, name in enumerate(_PLACES):
+        face[name] = texture.corners.reshape(-1, 6)[:, place]
+    image = np.array(
+        [
+            (*one.shape[1::-1], *wraps)
+            for one, wraps in zip(texture.images, texture.wraps, strict=True)
+        ],
+        dtype=_IMAGE,
+    )
+    return {"image": image, "texel": texture.texels().view(_COLOUR)[:, 0]}
+
+
+def _read_texture(data: Any) -> Texture:
+    """Give the images of a file; raises `ValueError` if they are none that `write_surface` writes."""
+    face, image, texel = data["face"], data["image"], data["texel"]
+    sizes = np.column_stack([image[name] for name in ("height", "width")]).astype(np.int64)
+    wraps = np.column_stack([image[name] for name in ("wrap_u", "wrap_v")]).astype(np.uint8)
+    numbers = np.asarray(face["image"], dtype=np.int32)
+    corners = np.column_stack([face[name] for name in _PLACES]).astype(np.float32)
+    texels = np.column_stack([texel[name] for name in _CHANNELS]).astype(np.uint8)
+    if sizes.min(initial=1) < 1 or sum(int(rows) * int(columns) for rows, columns in sizes) != len(
+        texels
+    ):
+        raise ValueError(f"its images don't have {len(texels)} texels together")
+    if not len(sizes):
+        raise ValueError("it has no image")
+    if numbers.min(initial=0) < NO_IMAGE or numbers.max(initial=NO_IMAGE) >= len(sizes):
+        raise ValueError(f"a face has an image that is none of the {len(sizes)}")
+    if wraps.max(initial=0) >= len(WRAPS) or not np.isfinite(corners).all():
+        raise ValueError("a place in an image, or how it goes on there, is no number that is known")
+    ends = np.cumsum(sizes.prod(axis=1))[:-1]
+    images = tuple(
+        part.reshape(*size, 3) for part, size in zip(np.split(texels, ends), sizes, strict=True)
+    )
+    return Texture(corners.reshape(-1, 3, 2), numbers, images, wraps)
 
 
 def _check_header(stream: BinaryIO) -> None:

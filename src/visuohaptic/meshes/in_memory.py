@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -33,12 +34,13 @@ def surface_of_arrays(vertices: ArrayLike, faces: ArrayLike, name: str) -> Surfa
 def surface_of_trimesh(mesh: Any, name: str) -> Surface:
     """Give the surface of a ``trimesh.Trimesh``, or of all parts of a ``trimesh.Scene``.
 
-    Materials, textures and vertex colours become a colour a face. Raises `MeshError` if there are
-    no faces.
+    Materials and vertex colours become a colour a face; images stay images. Raises `MeshError`
+    if there are no faces, or an image can't be read.
     """
     from visuohaptic.meshes.face_colours import face_colours
+    from visuohaptic.meshes.textures import add_textures
 
-    parts = [part for part in _parts(mesh, name) if len(part.faces)]
+    parts = [part for part in _checked_parts(mesh, name) if len(part.faces)]
     if not parts:
         raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
     flat = [part.vertices.shape for part in parts if part.vertices.shape[1:] != (3,)]
@@ -53,21 +55,51 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
         np.asarray(part.faces, dtype=np.int64) + offset
         for part, offset in zip(parts, offsets, strict=True)
     ]
+    try:
+        colours, texture = add_textures(
+            parts, np.concatenate([face_colours(part) for part in parts])
+        )
+    except MeshError as error:
+        raise MeshError(f"{name}: {error}") from error
     return Surface(
         np.concatenate([np.asarray(part.vertices, dtype=np.float64) for part in parts]),
         np.concatenate(faces),
-        np.concatenate([face_colours(part) for part in parts]),
+        colours,
+        texture,
     )
 
 
-def _parts(mesh: Any, name: str) -> Sequence[Any]:
+@dataclass(frozen=True)
+class _Part:
+    """A mesh where its scene puts it, with the colours and images of the one that it stands for."""
+
+    vertices: NDArray[Any]
+    faces: NDArray[Any]
+    visual: Any
+
+
+def _checked_parts(mesh: Any, name: str) -> list[_Part]:
     try:
-        found = mesh.dump() if hasattr(mesh, "geometry") else [mesh]
+        return list(_parts(mesh))
     # Parts that don't fit each other may fail in any way; the scene is what is wrong.
     except Exception as error:
         reason = " ".join(str(error).split())[:200].rstrip(".!") or type(error).__name__
         raise MeshError(f"{name} can't be read as one surface: {reason}.") from error
-    return [part for part in found if hasattr(part, "faces")]
+
+
+def _parts(mesh: Any) -> Iterator[_Part]:
+    if not hasattr(mesh, "geometry"):
+        if hasattr(mesh, "faces"):
+            yield _Part(mesh.vertices, mesh.faces, mesh.visual)
+        return
+    for node in mesh.graph.nodes_geometry:
+        transform, geometry = mesh.graph[node]
+        part = mesh.geometry[geometry]
+        if hasattr(part, "faces"):
+            # Images are not copied with it, which `Scene.dump` would do for each part.
+            moved = part.copy(include_visual=False)
+            moved.apply_transform(transform)
+            yield _Part(moved.vertices, moved.faces, part.visual)
 
 
 def _check_corners(part: Any, name: str) -> None:

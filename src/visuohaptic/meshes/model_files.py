@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import io
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,8 +14,9 @@ from zipfile import ZipFile
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
-from visuohaptic.meshes.claims import check_claims
+from visuohaptic.meshes.claims import check_claims, gltf_json
 from visuohaptic.meshes.gltf_files import check_gltf
+from visuohaptic.meshes.gltf_wraps import add_wraps
 from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
 from visuohaptic.meshes.obj_files import checked_obj
 from visuohaptic.meshes.off_files import checked_off
@@ -26,11 +28,11 @@ _LARGEST_TEXTURE_BYTES = 50 * 10**6
 
 
 def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
-    """Read a model file with trimesh, all its parts as one surface, a colour for each face.
+    """Read a model file with trimesh, all its parts as one surface, with its colours and textures.
 
-    Materials give a face its diffuse colour; a texture is averaged over the face;
-    vertex colours are averaged over the corners. Textures are looked for beside
-    the file and below, never elsewhere; a missing one leaves the diffuse colour.
+    Materials give a face its diffuse colour; vertex colours are averaged over the corners. Textures
+    stay images upon the faces. They are looked for beside the file and below, never
+    elsewhere; a missing one leaves the diffuse colour.
 
     Parameters
     ----------
@@ -163,9 +165,12 @@ def _load_scene(data: bytes, name: str, kind: str, resolver: Any) -> Any:
     import trimesh
 
     with _reading(name, kind):
-        return trimesh.load_scene(
+        scene = trimesh.load_scene(
             io.BytesIO(data), file_type=kind, resolver=resolver, process=False
         )
+        if kind in {"glb", "gltf"}:
+            add_wraps(scene, json.loads(gltf_json(data, kind)))
+        return scene
 
 
 @contextmanager

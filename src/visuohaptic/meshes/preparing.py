@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -84,10 +85,10 @@ def normalise(
         vertices = np.einsum("nd,kd->nk", vertices, rotation)
     if dimensions is not None:
         vertices = _stretch(vertices, surface.faces, np.asarray(dimensions))
-    scaled = Surface(_unit_size(vertices, surface.faces, name), surface.faces, surface.face_colours)
+    scaled = replace(surface, vertices=_unit_size(vertices, surface.faces, name))
     cleaned = clean(scaled, merge_tolerance)
     single = _unit_size(cleaned.vertices, cleaned.faces, name).astype(np.float32)
-    rounded = Surface(single.astype(np.float64), cleaned.faces, cleaned.face_colours)
+    rounded = replace(cleaned, vertices=single.astype(np.float64))
     ready = _kept(rounded, rounded.face_areas > 0)
     if not len(ready.faces):
         raise MeshError(f"{name} has no area; a surface with at least one triangle is needed.")
@@ -108,7 +109,7 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     _, kept = np.unique(corners, axis=0, return_index=True)
     keep = np.zeros(len(faces), dtype=bool)
     keep[kept] = True
-    merged = Surface(surface.vertices, faces, surface.face_colours)
+    merged = replace(surface, faces=faces)
     keep &= whole & (merged.face_areas > 0)
     return _kept(merged, keep)
 
@@ -120,6 +121,7 @@ def _kept(surface: Surface, keep: NDArray[np.bool_]) -> Surface:
         surface.vertices[used],
         renumbered.reshape(-1, 3).astype(np.int64),
         surface.face_colours[keep],
+        None if surface.texture is None else surface.texture.take(keep),
     )
 
 

@@ -1,0 +1,59 @@
+"""Colours as they are stored (sRGB, IEC 61966-2-1) and as light."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.geometry.elementary import power
+
+_POWER = 2.4
+_OFFSET = 0.055
+# Dark colours are on a line: its slope, and where it ends, as stored and as light.
+_SLOPE = 12.92
+_DARK = 0.04045
+_DARK_LIGHT = 0.0031308
+
+
+def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Encode linear light, 0 to 1, as sRGB."""
+    bright = (1.0 + _OFFSET) * power(linear, 1 / _POWER) - _OFFSET
+    return np.where(linear <= _DARK_LIGHT, _SLOPE * linear, bright)
+
+
+def decode_srgb(encoded: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Decode sRGB to linear light, 0 to 1."""
+    bright = power((encoded + _OFFSET) / (1.0 + _OFFSET), _POWER)
+    return np.where(encoded <= _DARK, encoded / _SLOPE, bright)
+
+
+def encode_bytes(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Encode linear light, 0 to 1, as the nearest of the 256 values of sRGB."""
+    return np.searchsorted(_BETWEEN_BYTES, linear, side="right").astype(np.uint8)
+
+
+def dim_srgb(encoded: NDArray[np.float64], irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give the colours of surfaces in less than full light.
+
+    Parameters
+    ----------
+    encoded : numpy.ndarray
+        Shape (n, 3), float64: sRGB in full light, 0 to 1.
+    irradiance : numpy.ndarray
+        Shape (n,), float64: share of full light, 0 to 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 3), float64: sRGB; in full light exactly what was given.
+    """
+    share = irradiance[:, None]
+    # The power that decodes is the inverse of the one that encodes, so the light needs one alone.
+    dimmed = (encoded + _OFFSET) * power(share, 1 / _POWER) - _OFFSET
+    dark = np.minimum(encoded, dimmed) <= _DARK
+    light = decode_srgb(encoded[dark]) * np.broadcast_to(share, dark.shape)[dark]
+    dimmed[dark] = _SLOPE * light
+    return np.where(share == 1.0, encoded, dimmed)
+
+
+_BETWEEN_BYTES = decode_srgb(np.arange(0.5, 255.0) / 255.0)

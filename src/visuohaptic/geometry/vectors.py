@@ -1,0 +1,15 @@
+"""Products of vectors whose sums have one order, on every processor and whatever is in the batch."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give the dot products of vectors of three, along the last axis; a BLAS may order the sums by the batch."""
+    return (
+        first[..., 0] * second[..., 0]
+        + first[..., 1] * second[..., 1]
+        + first[..., 2] * second[..., 2]
+    )

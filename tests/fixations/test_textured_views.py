@@ -1,0 +1,217 @@
+"""A view shows images as they lie upon the surface, pixel by pixel."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.texture import NO_IMAGE, REPEAT, Texture
+from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
+
+BOARD = np.where(
+    (np.indices((8, 8)).sum(axis=0) % 2 == 0)[..., None], (250, 240, 20), (10, 30, 120)
+).astype(np.uint8)
+HALF = 0.6  # of the square's side
+AHEAD = Camera(0.0, 0.0, 3.0, 40.0)
+ASIDE = Camera(63.0, 28.0, 3.0, 40.0, roll_degrees=17.0)
+GRAZING = Camera(84.0, 5.0, 3.0, 40.0)
+
+
+def square(image=BOARD, times=1.0, cells=1):
+    """Give an upright square that shows an image some times a side, cut into cells × cells squares."""
+    places = np.linspace(0.0, 1.0, cells + 1)
+    up, across = np.meshgrid(places, places, indexing="ij")
+    vertices = np.stack([across, up, np.zeros_like(up)], axis=-1).reshape(-1, 3)
+    first = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).reshape(-1, 1)
+    faces = (first + np.array([0, 1, cells + 2, 0, cells + 2, cells + 1])).reshape(-1, 3)
+    texture = Texture(
+        (times * vertices[faces][:, :, :2]).astype(np.float32),
+        np.zeros(len(faces), np.int32),
+        (np.ascontiguousarray(image),),
+        np.full((1, 2), REPEAT, np.uint8),
+    )
+    vertices = np.where([True, True, False], HALF * (2 * vertices - 1), 0.0)
+    return Surface(vertices, faces, texture.face_colours(), texture)
+
+
+def see(surface, camera=AHEAD, resolution=128, ambient=1.0, **modes):
+    parameters = RenderingParameters(resolution=resolution, ambient=ambient)
+    return render_views(RayCaster(surface), [camera], parameters, EffectModes(**modes))
+
+
+def place_in_image(views):
+    """Give where in the image each pixel's point lies, across and up."""
+    return (views.point[0][views.mask[0]][:, :2] / HALF + 1) / 2
+
+
+def stored(colours):
+    return np.rint(255 * colours).astype(int)
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+@pytest.mark.parametrize("camera", [AHEAD, ASIDE])
+@pytest.mark.parametrize("behind", [False, True])
+def test_a_board_of_eight_texels_shows_squares_of_its_colours(projection, camera, behind):
+    camera = replace(camera, projection=projection)
+    if behind:
+        camera = replace(camera, azimuth_degrees=camera.azimuth_degrees + 180.0)
+    views = see(square(), camera)
+    texel = 8 * place_in_image(views)
+    column, row = np.floor(texel).astype(int).T
+    expected = BOARD[7 - np.clip(row, 0, 7), np.clip(column, 0, 7)]
+    found = stored(views.colour[views.mask])
+    # A pixel is at most a third of a texel wide; from aside it is longer.
+    inside = (
+        np.abs(texel - np.rint(texel)) > (0.2 if camera.azimuth_degrees % 180 == 0 else 0.4)
+    ).all(axis=1)
+    assert inside.sum() > 0.03 * len(inside)
+    np.testing.assert_array_equal(found[inside], expected[inside])
+    assert set(map(tuple, found[inside])) == {(250, 240, 20), (10, 30, 120)}
+    nearer_bright = found[:, 0] > 188
+    clear = (np.abs(texel - np.rint(texel)) > 0.1).all(axis=1)
+    if camera.azimuth_degrees % 180 == 0:
+        np.testing.assert_array_equal(nearer_bright[clear], expected[clear, 0] == 250)
+
+
+def test_a_pixel_has_the_mean_light_of_the_part_of_the_image_that_it_covers():
+    image = np.random.default_rng(0).integers(0, 256, (64, 64, 3), dtype=np.uint8)
+    for camera in (AHEAD, ASIDE, GRAZING):
+        views = see(square(image, times=1.0), camera, resolution=48)
+        # Each pixel cut into 16 × 16, each of which sees the texel that it meets.
+        fine = see(square(), camera, resolution=16 * 48)
+        texel = np.floor(64 * (fine.point[0][..., :2] / HALF + 1) / 2).astype(int).clip(0, 63)
+        light = decode_srgb(image[63 - texel[..., 1], texel[..., 0]] / 255.0)
+        parts = fine.mask[0].reshape(48, 16, 48, 16)
+        whole = parts.all(axis=(1, 3)) & views.mask[0]
+        light = light.reshape(48, 16, 48, 16, 3).mean(axis=(1, 3))[whole]
+        found = decode_srgb(views.colour[0][whole].astype(np.float64))
+        assert whole.sum() > 40
+        # The texel at each pixel's middle alone would be wrong by more than twice the deviation.
+        assert np.sqrt(np.mean((found - light) ** 2)) < 0.7 * light.std()
+        assert abs(found.mean() - light.mean()) < 0.005
+
+
+def test_a_pattern_finer_than_pixels_is_its_mean_and_does_not_flicker():
+    views = see(square(np.kron(BOARD[:2, :2], np.ones((4, 4, 1), np.uint8)), times=300.0))
+    light = decode_srgb(views.colour[views.mask].astype(np.float64))
+    mean = decode_srgb(BOARD / 255.0).mean(axis=(0, 1))
+    assert np.abs(light - mean).max() < 0.01
+
+
+def test_cutting_faces_smaller_moves_no_colour():
+    whole, cut = see(square(), ASIDE), see(square(cells=6), ASIDE)
+    np.testing.assert_array_equal(whole.mask, cut.mask)
+    # The caster's weights are float32, some 1e-6 of a face; a face is 8 texels, and from one texel to
+    # the next a pixel's light may change within a tenth of a texel.
+    light = (decode_srgb(one.colour.astype(np.float64)) for one in (whole, cut))
+    np.testing.assert_allclose(*light, atol=1e-4)
+
+
+def test_views_in_a_block_are_those_alone():
+    caster, parameters = RayCaster(square()), RenderingParameters(resolution=64)
+    together = render_views(caster, [AHEAD, ASIDE], parameters)
+    alone = render_views(caster, [ASIDE], parameters)
+    np.testing.assert_array_equal(together.colour[1], alone.colour[0])
+
+
+def half_painted():
+    """Give the board beside a square of one colour without image."""
+    board = square()
+    texture = replace(board.texture, image=np.array([0, 0, NO_IMAGE, NO_IMAGE], np.int32))
+    texture = replace(texture, corners=np.concatenate([board.texture.corners] * 2))
+    beside = np.array([HALF, 0.0, 0.0])
+    return Surface(
+        np.concatenate([board.vertices - beside, board.vertices + beside]),
+        np.concatenate([board.faces, board.faces + 4]),
+        np.concatenate([board.face_colours, np.uint8([[7, 200, 90]] * 2)]),
+        texture,
+    )
+
+
+def test_faces_without_image_are_seen_as_they_were():
+    surface = half_painted()
+    for ambient in (0.4, 1.0):
+        views = see(surface, ASIDE, ambient=ambient)
+        plain = see(replace(surface, texture=None), ASIDE, ambient=ambient)
+        beside = views.face >= 2
+        assert beside.any()
+        np.testing.assert_array_equal(views.colour[beside], plain.colour[beside])
+        assert not np.array_equal(views.colour, plain.colour)
+
+
+def test_shading_dims_the_light_of_an_image():
+    even, shaded = see(square(), ASIDE), see(square(), ASIDE, ambient=0.4)
+    light = [decode_srgb(one.colour[one.mask].astype(np.float64)) for one in (even, shaded)]
+    ratio = light[1] / light[0]
+    assert np.ptp(ratio) < 1e-4
+    assert ratio.max() < 0.9
+
+
+def every(mode):
+    return dict.fromkeys(VISUAL_EFFECTS, mode)
+
+
+PLAIN = np.full((4, 4, 3), (10, 137, 30), np.uint8)
+
+
+@pytest.mark.parametrize("image", [BOARD, PLAIN, np.repeat(BOARD[..., :1], 3, axis=-1)])
+def test_auto_sees_bit_for_bit_what_always_sees(image):
+    for ambient in (0.4, 1.0):
+        one = see(square(image), ASIDE, ambient=ambient, **every("auto"))
+        other = see(square(image), ASIDE, ambient=ambient, **every("always"))
+        np.testing.assert_array_equal(one.colour, other.colour)
+
+
+def test_images_call_for_texture_and_for_colour():
+    def called(image):
+        return {one.effect: one.called_for for one in see(square(image)).effects}
+
+    assert called(BOARD)["texture"] == called(BOARD)["colour"] == 1
+    grey = np.repeat(BOARD[..., :1], 3, axis=-1)
+    assert (called(grey)["texture"], called(grey)["colour"]) == (1, 0)
+    assert (called(PLAIN)["texture"], called(PLAIN)["colour"]) == (0, 1)
+
+
+def test_without_texture_an_image_is_its_mean():
+    views = see(square(), texture="never")
+    colour = np.unique(stored(views.colour[views.mask]), axis=0)
+    mean = 255 * encode_srgb(decode_srgb(BOARD / 255.0).mean(axis=(0, 1)))
+    assert len(colour) == 1
+    np.testing.assert_allclose(colour[0], mean, atol=2)
+
+
+def test_without_colour_an_image_has_the_greys_of_its_luma():
+    views = see(square(), colour="never")
+    assert np.ptp(views.colour[views.mask], axis=-1).max() == 0
+    found = set(stored(views.colour[views.mask])[:, 0])
+    assert {218, 34} <= found
+    assert (min(found), max(found)) == (34, 218)
+
+
+def test_the_time_of_images_is_in_the_books():
+    (record,) = (one for one in see(square()).effects if one.effect == "texture")
+    assert (record.runs, record.seconds > 0) == (1, True)
+
+
+def test_an_image_upon_a_round_body_is_seen_from_everywhere():
+    ball = trimesh.creation.icosphere(3, radius=0.8)
+    angles = np.arctan2(ball.vertices[:, 0], ball.vertices[:, 2]) / (2 * np.pi)
+    corners = np.stack([angles, ball.vertices[:, 1] / 2], axis=1)[ball.faces].astype(np.float32)
+    count = len(ball.faces)
+    texture = Texture(corners, np.zeros(count, np.int32), (BOARD,), np.zeros((1, 2), np.uint8))
+    surface = Surface(
+        np.asarray(ball.vertices), np.asarray(ball.faces), texture.face_colours(), texture
+    )
+    for camera in (AHEAD, ASIDE, GRAZING, Camera(10.0, 90.0, 3.0, 40.0)):
+        views = see(surface, camera)
+        seen = views.colour[views.mask]
+        assert np.isfinite(seen).all()
+        assert (seen >= np.float32(10 / 255)).all()
+        assert (seen <= np.float32(250 / 255)).all()

@@ -1,0 +1,322 @@
+"""Images of model files lie upon the faces where the file puts them, in the colours it says."""
+
+import csv
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+from trimesh.visual import TextureVisuals
+from trimesh.visual.material import PBRMaterial
+
+from visuohaptic.errors import MeshError
+from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
+from visuohaptic.geometry.surface import read_surface
+from visuohaptic.geometry.texture import CLAMP, MIRROR, NO_IMAGE, REPEAT
+from visuohaptic.meshes import textures as module
+from visuohaptic.meshes.in_memory import surface_of_trimesh
+from visuohaptic.meshes.model_files import read_model
+
+BOARD = np.where(
+    (np.indices((8, 8)).sum(axis=0) % 2 == 0)[..., None], (250, 240, 20), (10, 30, 120)
+).astype(np.uint8)
+# An upright square of two triangles that shows an image once.
+SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+FACES = np.array([[0, 1, 2], [0, 2, 3]])
+PLACES = SQUARE[:, :2]
+TEXT = """mtllib a.mtl
+v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
+usemtl paint\nf 1/1 2/2 3/3 4/4\n"""
+
+
+def write_obj(folder, image=BOARD, material="Kd 1 1 1\n", text=TEXT):
+    Image.fromarray(image).save(folder / "t.png")
+    (folder / "a.mtl").write_text(f"newmtl paint\n{material}map_Kd t.png\n")
+    (folder / "a.obj").write_text(text)
+    return folder / "a.obj"
+
+
+def square_of(image=BOARD, places=PLACES, factor=None, vertices=SQUARE):
+    material = PBRMaterial(
+        baseColorTexture=image if isinstance(image, Image.Image) else Image.fromarray(image),
+        baseColorFactor=factor,
+    )
+    visual = TextureVisuals(uv=np.array(places, dtype=float), material=material)
+    return trimesh.Trimesh(vertices, FACES, visual=visual, process=False)
+
+
+def colours_at(surface, points):
+    """Give the colours of points of the square, which is the face that each lies on."""
+    points = np.asarray(points, dtype=np.float64)
+    face = np.zeros(len(points), dtype=np.int64)
+    for number, triangle in enumerate(surface.triangles[:, :, :2]):
+        edges = np.linalg.solve(
+            np.column_stack([triangle[1] - triangle[0], triangle[2] - triangle[0]]),
+            (points - triangle[0]).T,
+        ).T
+        inside = (edges >= -1e-9).all(axis=1) & (edges.sum(axis=1) <= 1 + 1e-9)
+        face[inside] = number
+        weights = np.column_stack([1 - edges.sum(axis=1), edges])
+        if number == 0:
+            all_weights = weights
+        all_weights = np.where(inside[:, None], weights, all_weights)
+    light = surface.texture.light(face, all_weights, np.full((len(points), 2, 2), 1e-4))
+    return np.rint(255 * encode_srgb(light)).astype(np.uint8)
+
+
+def middles(image):
+    rows, columns = image.shape[:2]
+    row, column = np.indices((rows, columns)).reshape(2, -1)
+    return np.column_stack([(column + 0.5) / columns, 1 - (row + 0.5) / rows])
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".glb", ".gltf", ".ply", ".dae"])
+def test_every_texel_lies_where_the_file_puts_it(tmp_path, suffix):
+    image = np.random.default_rng(0).integers(0, 256, (5, 9, 3), dtype=np.uint8)
+    path = tmp_path / f"a{suffix}"
+    if suffix == ".obj":
+        write_obj(tmp_path, image)
+    elif suffix == ".ply":
+        Image.fromarray(image).save(tmp_path / "t.png")
+        path.write_text(
+            "ply\nformat ascii 1.0\ncomment TextureFile t.png\nelement vertex 4\n"
+            "property float x\nproperty float y\nproperty float z\nproperty float s\n"
+            "property float t\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+            "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2\n3 0 2 3\n"
+        )
+    elif suffix == ".dae":
+        pytest.importorskip("collada")
+        Image.fromarray(image).save(tmp_path / "t.png")
+        path.write_text(COLLADA)
+    elif suffix == ".glb":
+        square_of(image).export(path)
+    else:
+        files = trimesh.exchange.gltf.export_gltf(trimesh.Scene(square_of(image)))
+        for name, data in files.items():
+            (tmp_path / name.replace("model", "a")).write_bytes(data)
+    surface = read_model(path)
+    np.testing.assert_array_equal(colours_at(surface, middles(image)), image.reshape(-1, 3))
+
+
+def test_faces_without_an_image_keep_their_colours(tmp_path):
+    plain = trimesh.Trimesh(SQUARE + 2, FACES, process=False)
+    plain.visual.face_colors = [9, 8, 7, 255]
+    scene = trimesh.Scene([plain, square_of(), square_of()])
+    scene.export(tmp_path / "a.glb")
+    surface = read_model(tmp_path / "a.glb")
+    assert (surface.texture.image == NO_IMAGE).sum() == 2
+    of_plain = surface.face_colours[~surface.texture.textured]
+    np.testing.assert_array_equal(of_plain, np.tile([9, 8, 7], (2, 1)))
+    bare = read_model_without_images(tmp_path)
+    assert bare.texture is None
+
+
+def read_model_without_images(folder):
+    trimesh.creation.box().export(folder / "b.glb")
+    return read_model(folder / "b.glb")
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_instances_of_a_mesh_share_one_image_and_stand_where_the_scene_puts_them(mirrored):
+    scene = trimesh.Scene()
+    scene.add_geometry(square_of(), node_name="0", geom_name="square")
+    for place in (0, 3):
+        transform = trimesh.transformations.translation_matrix([place, 0, 0])
+        transform[0, 0] = -1 if mirrored else 1
+        scene.graph.update(str(place), matrix=transform, geometry="square")
+    surface = surface_of_trimesh(scene, "scene")
+    assert len(surface.texture.images) == 1
+    np.testing.assert_array_equal(surface.vertices[:4], scene.dump()[0].vertices)
+    np.testing.assert_array_equal(surface.faces[:2], scene.dump()[0].faces)
+    points = middles(BOARD) * ([-1, 1] if mirrored else [1, 1])
+    np.testing.assert_array_equal(colours_at(surface, points), BOARD.reshape(-1, 3))
+
+
+def test_an_mtl_multiplies_its_image_as_stored_by_its_diffuse_colour(tmp_path):
+    surface = read_model(write_obj(tmp_path, material="Kd 0.5 1 0\n"))
+    expected = np.rint(BOARD * [0.5, 1, 0])
+    np.testing.assert_array_equal(surface.texture.images[0], expected)
+
+
+@pytest.mark.parametrize("material", ["", "Kd 0 0 0\n", "Kd\n"])
+def test_an_mtl_without_a_diffuse_colour_shows_its_image_as_it_is(tmp_path, material):
+    surface = read_model(write_obj(tmp_path, material=material))
+    np.testing.assert_array_equal(surface.texture.images[0], BOARD)
+
+
+def test_gltf_multiplies_the_light_of_its_image_by_the_base_colour(tmp_path):
+    square_of(factor=[128, 255, 0, 255]).export(tmp_path / "a.glb")
+    surface = read_model(tmp_path / "a.glb")
+    expected = 255 * encode_srgb(decode_srgb(BOARD / 255.0) * [128 / 255, 1, 0])
+    np.testing.assert_allclose(surface.texture.images[0], expected, atol=0.5 + 1e-9)
+
+
+@pytest.mark.parametrize("mode", ["P", "L", "1", "RGBA", "LA", "CMYK", "I;16"])
+def test_images_of_every_kind_are_read(mode):
+    board = Image.fromarray(BOARD)
+    if mode == "I;16":
+        grey = np.asarray(board.convert("L"))
+        image, expected = Image.fromarray(grey.astype(np.uint16) * 257), grey[..., None]
+    else:
+        image = board.convert(mode)
+        expected = np.asarray(image.convert("RGB"))
+    surface = surface_of_trimesh(square_of(image), "square")
+    np.testing.assert_array_equal(surface.texture.images[0], np.broadcast_to(expected, BOARD.shape))
+
+
+def test_what_is_transparent_is_shown_in_its_colour():
+    image = np.dstack([BOARD, np.zeros((8, 8), np.uint8)])
+    surface = surface_of_trimesh(square_of(Image.fromarray(image)), "square")
+    np.testing.assert_array_equal(surface.texture.images[0], BOARD)
+
+
+@pytest.mark.parametrize(
+    ("code", "wrap"),
+    [(None, REPEAT), (10497, REPEAT), (33071, CLAMP), (33648, MIRROR), (7, REPEAT)],
+)
+def test_gltf_says_how_an_image_goes_on(tmp_path, code, wrap):
+    scene = trimesh.Scene([trimesh.creation.box(), square_of(places=3 * PLACES - 1.2)])
+    for name, data in trimesh.exchange.gltf.export_gltf(scene).items():
+        (tmp_path / name).write_bytes(data)
+    path = tmp_path / "model.gltf"
+    document = json.loads(path.read_text())
+    document["samplers"] = [{} if code is None else {"wrapS": code}]
+    for texture in document["textures"]:
+        texture["sampler"] = 0
+    path.write_text(json.dumps(document))
+    surface = read_model(path)
+    np.testing.assert_array_equal(surface.texture.wraps, [[wrap, REPEAT]])
+    square = replace(
+        surface,
+        faces=surface.faces[surface.texture.textured],
+        texture=surface.texture.take(surface.texture.textured),
+    )
+    points = np.random.default_rng(0).uniform(0, 1, (200, 2))
+    column, row = np.floor(8 * (3 * points - 1.2)).astype(int).T
+    column = {
+        REPEAT: column % 8,
+        CLAMP: column.clip(0, 7),
+        MIRROR: np.concatenate([np.arange(8), np.arange(8)[::-1]])[column % 16],
+    }[wrap]
+    expected = BOARD[7 - row % 8, column]
+    same = (colours_at(square, points) == expected).all(axis=1)
+    assert same.mean() > 0.97  # but for points within 1e-4 of a border
+
+
+def test_places_far_off_are_moved_by_whole_images():
+    far = surface_of_trimesh(square_of(places=PLACES + np.array([70_000, -3000])), "far")
+    near = surface_of_trimesh(square_of(), "near")
+    np.testing.assert_array_equal(far.texture.corners, near.texture.corners)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300])
+def test_places_that_are_no_places_give_no_nan(value):
+    places = PLACES.copy()
+    places[1] = value
+    surface = surface_of_trimesh(square_of(places=places), "square")
+    assert np.isfinite(surface.texture.corners).all()
+    assert np.isfinite(colours_at(surface, [[0.3, 0.4]])).all()
+
+
+def test_places_that_do_not_fit_the_vertices_leave_the_material():
+    mesh = square_of(factor=[200, 100, 50, 255])
+    mesh.visual.vertex_attributes["uv"] = np.zeros((3, 2))
+    surface = surface_of_trimesh(mesh, "square")
+    assert surface.texture is None
+    np.testing.assert_array_equal(surface.face_colours, np.tile([200, 100, 50], (2, 1)))
+
+
+def test_a_broken_image_is_named(tmp_path):
+    path = write_obj(tmp_path)
+    packed = io.BytesIO()
+    Image.fromarray(np.random.default_rng(0).integers(0, 255, (90, 90, 3), np.uint8)).save(
+        packed, "PNG"
+    )
+    (tmp_path / "t.png").write_bytes(packed.getvalue()[:2000])
+    with pytest.raises(MeshError, match=r"a\.obj: A texture can't be read: ") as caught:
+        read_model(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_image_of_too_many_pixels_is_refused_before_it_is_unpacked(tmp_path):
+    path = write_obj(tmp_path)
+    Image.new("L", (8193, 8192)).save(tmp_path / "t.png")
+    with pytest.raises(MeshError, match=r"a\.obj: A texture has 8193 × 8192 pixels; 67108864 are"):
+        read_model(path)
+
+
+def test_images_of_too_many_pixels_together_are_refused(monkeypatch):
+    monkeypatch.setattr(module, "MOST_PIXELS_TOGETHER", 127)
+    with pytest.raises(MeshError, match="Textures have 128 pixels together; 127 are allowed"):
+        surface_of_trimesh(trimesh.Scene([square_of(), square_of(BOARD[::-1])]), "scene")
+
+
+def test_images_of_too_many_texels_together_are_halved(monkeypatch):
+    monkeypatch.setattr(module, "MOST_TEXELS", 40)
+    image = np.kron(BOARD[:4, :4], np.ones((2, 2, 1), np.uint8))
+    scene = trimesh.Scene([square_of(image), square_of(image[:, ::-1])])
+    images = surface_of_trimesh(scene, "scene").texture.images
+    np.testing.assert_array_equal(images[0], BOARD[:4, :4])
+    np.testing.assert_array_equal(images[1], BOARD[:4, 3::-1])
+
+
+def test_a_faces_colour_is_the_mean_light_of_its_image(tmp_path):
+    image = np.zeros((64, 64, 3), np.uint8)
+    image[::2] = 255
+    surface = read_model(write_obj(tmp_path, image))
+    half = 255 * encode_srgb(np.full((2, 3), 0.5))
+    np.testing.assert_allclose(surface.face_colours, half, atol=2)
+
+
+def test_an_image_of_one_colour_is_a_colour():
+    plain = np.full((8, 8, 3), (10, 200, 30), np.uint8)
+    surface = surface_of_trimesh(square_of(plain), "square")
+    np.testing.assert_array_equal(surface.face_colours, [[10, 200, 30]] * 2)
+    assert surface.texture is None
+    scene = trimesh.Scene([square_of(plain), square_of(), trimesh.creation.box()])
+    surface = surface_of_trimesh(scene, "scene")
+    np.testing.assert_array_equal(surface.texture.image, [NO_IMAGE] * 2 + [0] * 2 + [NO_IMAGE] * 12)
+    np.testing.assert_array_equal(surface.texture.images[0], BOARD)
+
+
+def test_the_papers_objects_are_packed_with_their_images():
+    root = Path(__file__).parents[2] / "meshes"
+    with (root / "catalogue.csv").open(newline="", encoding="utf-8") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["set"] == "paper"]
+    for row in rows:
+        packed = read_surface(root / f"paper/{row['class']}/{row['object']}.ply.gz")
+        assert (packed.texture is not None) == (row["textured"] == "y"), row["object"]
+
+
+COLLADA = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><up_axis>Y_UP</up_axis></asset>
+<library_images><image id="i"><init_from>t.png</init_from></image></library_images>
+<library_effects><effect id="e"><profile_COMMON>
+<newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>
+<newparam sid="p"><sampler2D><source>s</source></sampler2D></newparam>
+<technique sid="c"><lambert><diffuse><texture texture="p" texcoord="UV"/></diffuse></lambert></technique>
+</profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries><geometry id="g"><mesh>
+<source id="v"><float_array id="va" count="12">0 0 0 1 0 0 1 1 0 0 1 0</float_array>
+<technique_common><accessor source="#va" count="4" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
+</accessor></technique_common></source>
+<source id="t"><float_array id="ta" count="8">0 0 1 0 1 1 0 1</float_array>
+<technique_common><accessor source="#ta" count="4" stride="2">
+<param name="S" type="float"/><param name="T" type="float"/></accessor></technique_common></source>
+<vertices id="vs"><input semantic="POSITION" source="#v"/></vertices>
+<triangles material="paint" count="2"><input semantic="VERTEX" source="#vs" offset="0"/>
+<input semantic="TEXCOORD" source="#t" offset="1" set="0"/>
+<p>0 0 1 1 2 2 0 0 2 2 3 3</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="z"><node><instance_geometry url="#g"><bind_material>
+<technique_common><instance_material symbol="paint" target="#m"/></technique_common>
+</bind_material></instance_geometry></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#z"/></scene>
+</COLLADA>"""
