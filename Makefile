@@ -2,8 +2,8 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report check test test-all test-hard test-slurm meshes bench readme params format lock clean
-.PHONY: lint lint-types lint-code lint-workflow
+.PHONY: report check test test-all test-hard test-slurm test-installed meshes bench readme params format lock clean
+.PHONY: lint lint-types lint-code lint-workflow installed-tests installed-readme
 
 PYTHON ?= python3
 JOBS ?= all
@@ -14,6 +14,9 @@ READY := $(VENV)/.ready
 DEVELOP := $(VENV)/.ready-to-develop
 # Snakemake with a short screen; its log is in a file.
 RUN := $(VENV)/bin/python -P -m visuohaptic_workflow.screen
+# Without the extra `dev`: what `make` sets up, and pytest.
+INSTALLED := .venv-run
+OUTER_PATH := $(PATH)
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/workflow/lib
 
@@ -31,6 +34,18 @@ test: lint
 # Also what takes long: kills, pulls and reruns of whole workflows; continuous integration runs it.
 test-all: lint
 	pytest -n 2 --dist loadfile --no-loadscope-reorder
+
+# The quick tests, and the README's commands on a small experiment, with the packages that users have.
+# Both take one processor, so they run at a time.
+test-installed: $(INSTALLED)/.ready
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target installed-tests installed-readme
+
+installed-tests installed-readme: export PATH := $(CURDIR)/$(INSTALLED)/bin:$(OUTER_PATH)
+installed-tests installed-readme: export PYTHONPATH :=
+installed-tests:
+	python -m pytest -m "not slow and not workflow" --ignore tests/browser --ignore tests/numerics
+installed-readme:
+	python -m pytest tests/installed/readme_commands.py --durations 0
 
 # Hard cases at their full counts; some 17 minutes on two cores.
 test-hard: $(DEVELOP)
@@ -90,6 +105,10 @@ clean:
 
 $(PACKAGES): requirements.lock
 	@PYTHON=$(PYTHON) ./set_up.sh packages
+	@touch $@
+
+$(INSTALLED)/.ready: requirements.lock requirements-dev.lock pyproject.toml set_up.sh
+	@for step in packages package pytest; do VENV=$(INSTALLED) PYTHON=$(PYTHON) ./set_up.sh $$step; done
 	@touch $@
 
 $(READY): $(PACKAGES) pyproject.toml

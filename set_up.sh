@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# Makes .venv for the Makefile: `set_up.sh packages` from requirements.lock, `set_up.sh package` adds this project,
-# `set_up.sh develop` adds what tests need.
+# Makes .venv, or the folder that VENV names, for the Makefile: `set_up.sh packages` from requirements.lock,
+# `set_up.sh package` adds this project, `set_up.sh develop` what tests need, `set_up.sh pytest` pytest alone.
 #
 # uv installs where it is on PATH, otherwise pip. All packages are pinned with their hashes, dependencies among them,
 # so nothing has to be resolved. Bytecode is left to each module's first import.
 set -euo pipefail
 cd "$(dirname "$0")"
 PYTHON=${PYTHON:-python3}
-IN_VENV=.venv/bin/python
+VENV=${VENV:-.venv}
+IN_VENV=$VENV/bin/python
 
 stop() {
   echo "$1" >&2
@@ -40,13 +41,18 @@ show_progress() {
   done
 }
 
+# The lines of a lock file that pin a package.
+pin() {
+  sed -n "/^$1==/,/[^\\]\$/p" "$2"
+}
+
 install() {
   if command -v uv >/dev/null; then
     uv pip install --python "$IN_VENV" --no-deps --require-hashes --requirement "$1" && return
     echo "uv can't install the packages; pip tries."
   fi
   # The pip that comes with Python 3.11 takes twice as long as the pinned one.
-  run_pip --quiet --require-hashes --requirement <(sed -n '/^pip==/,/[^\\]$/p' requirements.lock) &&
+  run_pip --quiet --require-hashes --requirement <(pin pip requirements.lock) &&
     run_pip --require-hashes --requirement "$1" | show_progress ||
     stop "The packages can't be installed: is the package registry reachable from here?"
 }
@@ -54,8 +60,8 @@ install() {
 case $1 in
   packages)
     check_python
-    echo "Setting up .venv from requirements.lock: about a minute, and 400 MB to download, the first time."
-    "$PYTHON" -m venv --clear .venv
+    echo "Setting up $VENV from requirements.lock: about a minute, and 400 MB to download, the first time."
+    "$PYTHON" -m venv --clear "$VENV"
     install requirements.lock
     ;;
   package)
@@ -64,7 +70,14 @@ case $1 in
       stop "Open3D can't be loaded: install the libraries that the line above names (Debian, Ubuntu: apt install libegl1 libgl1 libgomp1)."
     ;;
   develop)
-    echo "Adding what tests need to .venv from requirements-dev.lock."
+    echo "Adding what tests need to $VENV from requirements-dev.lock."
     install requirements-dev.lock
+    ;;
+  pytest)
+    # What else pytest asks for is in requirements.lock.
+    run_pip --quiet --require-hashes --requirement <(
+      pin pytest requirements-dev.lock
+      pin iniconfig requirements-dev.lock
+    )
     ;;
 esac

@@ -7,6 +7,10 @@ from pathlib import Path
 import yaml
 
 ROOT = Path(__file__).parents[1]
+COPIED = (
+    "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
+    "workflow", "src", "meshes/paper", "meshes/own", "profiles", "studies",
+)  # fmt: skip
 # A frontier of a few settings in one job.
 FEW_SETTINGS = {
     "workflow": {"conditions_per_job": 100},

@@ -1,7 +1,6 @@
 """Every random thing has a generator of its own."""
 
-from hypothesis import given
-from hypothesis import strategies as st
+from properties import given, st
 
 from visuohaptic.seeds import spawn_generator
 

@@ -8,7 +8,6 @@ this test does not know fails it.
 
 import re
 import runpy
-import shlex
 import tomllib
 from importlib.metadata import metadata
 from importlib.util import find_spec
@@ -17,6 +16,7 @@ from pathlib import Path
 import pytest
 import trimesh
 import typer
+from docs.shell_commands import block_commands, blocks
 from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
@@ -45,21 +45,10 @@ def test_prose_is_wrapped_at_100_columns(page):
     assert [line for line in lines if len(line) > 100] == []
 
 
-def blocks(page, kind):
-    return [
-        text
-        for found, text in re.findall(r"^```(\w+)\n(.*?)^```", page.read_text(), re.M | re.DOTALL)
-        if found == kind
-    ]
-
-
 def commands():
     for page in PAGES:
-        for text in blocks(page, "sh"):
-            for line in text.splitlines():
-                words = shlex.split(line, comments=True)
-                if words:
-                    yield pytest.param(words, id=f"{page.name}: {' '.join(words)[:60]}")
+        for words in block_commands(page):
+            yield pytest.param(words, id=f"{page.name}: {' '.join(words)[:60]}")
 
 
 def read_make(arguments):

@@ -4,11 +4,15 @@ import ast
 import os
 from pathlib import Path
 
-import nbformat
 import pytest
 from cli.models import fit_on_nonsense
-from nbclient import NotebookClient
 
+nbformat = pytest.importorskip(
+    "nbformat", reason="nbformat is not installed: pip install -e '.[dev]'"
+)
+nbclient = pytest.importorskip(
+    "nbclient", reason="nbclient is not installed: pip install -e '.[dev]'"
+)
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.slow
 NOTEBOOK = ROOT / "docs" / "tour.ipynb"
@@ -27,7 +31,9 @@ def ran(tour, tmp_path_factory):
     for name in ("meshes", "params.yaml"):
         (folder / name).symlink_to(ROOT / name)
     fit_on_nonsense(folder / "results" / "models")
-    client = NotebookClient(tour, timeout=120, resources={"metadata": {"path": str(folder)}})
+    client = nbclient.NotebookClient(
+        tour, timeout=120, resources={"metadata": {"path": str(folder)}}
+    )
     ran = client.execute(env={**os.environ, "PYTHONPATH": str(ROOT / "src")})
     return [cell for cell in ran.cells if cell.cell_type == "code"]
 

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
+from properties import arrays, given, st
 
 from visuohaptic.fixations.outline import follow_outline, outline_pixels
 

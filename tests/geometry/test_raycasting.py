@@ -200,7 +200,7 @@ def test_a_face_without_area_is_harmless():
 
 
 def test_distances_agree_with_embreex():
-    pytest.importorskip("embreex")
+    pytest.importorskip("embreex", reason="embreex is not installed: pip install -e '.[dev]'")
     from trimesh.ray.ray_pyembree import RayMeshIntersector
 
     generator = np.random.default_rng(5)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from properties import given, settings, st
 from scipy.spatial.transform import Rotation
 
 from visuohaptic.errors import MeshError

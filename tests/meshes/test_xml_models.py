@@ -150,8 +150,8 @@ HOSTILE = {
 @pytest.fixture
 def extra():
     """The packages of the extra."""
-    pytest.importorskip("lxml")
-    pytest.importorskip("collada")
+    for name in ("lxml", "collada"):
+        pytest.importorskip(name, reason=f"{name} is not installed: pip install -e '.[formats]'")
 
 
 def put(folder, name, content):

@@ -5,8 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import pywt
-from hypothesis import given
-from hypothesis import strategies as st
+from properties import given, st
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import SequenceParameters

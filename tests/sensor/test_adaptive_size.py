@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from properties import given, settings, st
 from sensor.shapes import box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.geometry.raycasting import RayCaster

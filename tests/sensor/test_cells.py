@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from properties import given, st
 
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 

@@ -3,8 +3,7 @@ import tracemalloc
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from properties import given, settings, st
 from sensor.scenes import (
     always,
     parameter_sets,

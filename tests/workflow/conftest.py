@@ -11,12 +11,8 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-from small_experiment import SMALL_OBJECTS, copy_experiment, set_parameters
+from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_parameters
 
-COPIED = (
-    "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "meshes/paper", "meshes/own", "profiles", "studies",
-)  # fmt: skip
 SMALL = {
     "viewpoints": {"count": 2},
     "rendering": {"resolution": 64},

@@ -1,0 +1,140 @@
+"""Every command of the README runs, in its order, on a small experiment: `make test-installed`.
+
+The environment is that of `make` and pytest, without the packages of the extra `dev`. A command is run as
+it stands, is run in another form, or is left out; the last two have a reason, which the test shows.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import trimesh
+from docs.shell_commands import block_commands, line_commands
+from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_parameters
+
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+SCREEN = "PYTHONPATH=$PWD/src:$PWD/workflow/lib python -P -m visuohaptic_workflow.screen --cores 2"
+# Three classes, so that one can be unknown, and two of them with a test object and two to train.
+OBJECTS = (
+    "bs0_yogurtBottle", "bsby_beer_bottle", "sc_com_bath2_jabon_pijo",
+    "bs0_chair2", "bsby_chair3", "sc_plastic_chair",
+    "bsby_horse", "sc_dog",
+)  # fmt: skip
+SMALL = {
+    "viewpoints": {"count": 2},
+    "rendering": {"resolution": 64},
+    "workflow": {"views_per_job": 2, "objects_per_job": 4},
+    "recognition": {
+        "classifiers": ["k_nearest_neighbours", "support_vector_machine"],
+        # More combinations than this: folds of whole objects.
+        "protocol": {"maximum_splits": 1, "fold_rounds": 1},
+        "intervals": {"bootstrap_samples": 200},
+        "best": {"waves": 20, "classifiers": ["support_vector_machine"]},
+    },
+    "cost": {
+        "touches": [1, 5], "viewpoints": [1, 2], "imprint_resolutions": [16], "view_resolutions": [64],
+        "frontier_touches": [5], "frontier_viewpoints": [1], "objects": 1, "rounds": 1,
+        "lean_view_resolution": 64,
+    },
+}  # fmt: skip
+
+IN_ANOTHER_FORM = {
+    "make": (SCREEN, "`make` makes .venv and then runs this"),
+    "snakemake -j2 readings_all": (
+        "snakemake -n -- readings_all && snakemake -j2 -- results/reading/r017.json",
+        "684 readings take minutes even here: what would run, and one of them",
+    ),
+    "dvc exp run --queue -S recognition.touches=1,2,3,4 -S recognition.classifier.svm_kernel=linear,rbf": (
+        "dvc exp run --queue -S recognition.touches=1 -S recognition.classifier.svm_kernel=linear",
+        "one experiment instead of eight",
+    ),
+    "dvc remote add --default team s3://bucket/visuohaptic": (
+        "dvc remote add --default team ../storage",
+        "S3 needs a network and a key; a folder is the README's other example",
+    ),
+    "visuohaptic recognise mug.obj": (
+        "snakemake -j2 -- model_all && visuohaptic recognise mug.obj",
+        "the README's next command makes the model that this one needs",
+    ),
+    "dvc pull": (
+        "git clone -q ../origin ../colleague && cd ../colleague && dvc pull",
+        "a colleague pulls, in a clone",
+    ),
+    "dvc checkout": (
+        "cd ../colleague && dvc checkout",
+        "here a model was made since, which it would refuse to remove",
+    ),
+    "visuohaptic compare A B": (
+        "visuohaptic compare reports/metrics.json reports/metrics.json",
+        "A and B stand for runs",
+    ),
+}
+LEFT_OUT = {
+    "make test": "it needs the extra dev",
+    "make test-hard": "it needs the extra dev",
+    "make bench": "it needs the extra dev",
+    "make meshes SET=benchmark": "it downloads 120 MB",
+    "source .venv/bin/activate": "it is for the reader's shell; this environment is on PATH",
+    "dvc remote modify team endpointurl https://…": "it is for S3, which needs a network and a key",
+}
+
+
+def readme_commands():
+    found = [" ".join(words) for words in (*block_commands(README), *line_commands(README))]
+    return list(dict.fromkeys(found))
+
+
+@pytest.fixture(scope="module")
+def of_studies(tmp_path_factory):
+    """An experiment with objects enough for every study."""
+    folder = tmp_path_factory.mktemp("studies") / "experiment"
+    copy_experiment(folder, COPIED, OBJECTS, SMALL)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def of_dvc(tmp_path_factory):
+    """A git repository with the smallest experiment and somewhere to push to."""
+    folder = tmp_path_factory.mktemp("dvc") / "experiment"
+    copy_experiment(folder, COPIED, SMALL_OBJECTS, SMALL)
+    set_parameters(folder, {"recognition": {"pipelines": ["paper"]}})
+    trimesh.creation.annulus(0.8, 1, 2).export(folder / "mug.obj")
+    run(folder, "git init -q && git add --all && git commit -qm Start")
+    run(folder, "git init -q --bare ../origin && git remote add origin ../origin")
+    run(folder, "git config push.autoSetupRemote true")
+    return folder
+
+
+def run(folder, command):
+    environment = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith(("GIT_", "PYTEST_", "DVC_", "PYTHONPATH"))
+    }
+    person = {"NAME": "Reader", "EMAIL": "reader@example.org"}
+    for role in ("AUTHOR", "COMMITTER"):
+        environment |= {f"GIT_{role}_{name}": value for name, value in person.items()}
+    environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", command], cwd=folder, env=environment, check=False,
+        text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600,
+    )  # fmt: skip
+    assert not done.returncode, f"{command} failed:\n{done.stdout[-5000:]}"
+    return done.stdout
+
+
+@pytest.mark.parametrize("command", readme_commands())
+def test_a_command_of_the_readme_runs(command, request):
+    if command in LEFT_OUT:
+        pytest.skip(LEFT_OUT[command])
+    commands = readme_commands()
+    is_later = commands.index(command) >= commands.index("dvc repro")
+    folder = request.getfixturevalue("of_dvc" if is_later else "of_studies")
+    run(folder, IN_ANOTHER_FORM.get(command, (command, ""))[0])
+
+
+def test_every_exception_is_a_command_of_the_readme():
+    assert {*IN_ANOTHER_FORM, *LEFT_OUT} <= set(readme_commands())
