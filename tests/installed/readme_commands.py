@@ -63,6 +63,10 @@ IN_ANOTHER_FORM = {
         "git clone -q ../origin ../colleague && cd ../colleague && dvc pull",
         "a colleague pulls, in a clone",
     ),
+    "dvc checkout": (
+        "cd ../colleague && dvc checkout",
+        "here a model was made since, which it would refuse to remove",
+    ),
     "visuohaptic compare A B": (
         "visuohaptic compare reports/metrics.json reports/metrics.json",
         "A and B stand for runs",
@@ -70,7 +74,6 @@ IN_ANOTHER_FORM = {
 }
 LEFT_OUT = {
     "make test": "it needs the extra dev",
-    "make test-all": "it needs the extra dev",
     "make test-hard": "it needs the extra dev",
     "make bench": "it needs the extra dev",
     "make meshes SET=benchmark": "it downloads 120 MB",
