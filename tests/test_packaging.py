@@ -32,6 +32,7 @@ OF_AN_EXTRA = {
         "workflow",
         "src/visuohaptic/report/run_comparison.py",
     ),
+    "src/visuohaptic/meshes/collada.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),
     "src/visuohaptic/meshes/xml_claims.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),
     "workflow/lib/visuohaptic_workflow/crate.py": (
         "crate",
