@@ -18,13 +18,16 @@ from visuohaptic.fixations import probing
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
-# A thread sends the signal, for it knows when the command has started, which a clock does not.
+# A thread sends the signal, for it knows when the command takes signals, which a clock does not.
 PROGRAM = """
-import os, signal, sys, threading
+import os, signal, sys, threading, time
 from visuohaptic.cli.main import main
-sender = threading.Timer({after}, os.kill, (os.getpid(), signal.SIGINT))
-sender.daemon = True
-sender.start()
+def send():
+    while signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        time.sleep(0.001)
+    time.sleep({after})
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=send, daemon=True).start()
 sys.argv[1:] = {arguments}
 main()
 """

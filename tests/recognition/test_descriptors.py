@@ -98,6 +98,15 @@ def test_products_of_embeddings_tend_to_the_gaussian_kernel():
     np.testing.assert_allclose(embedded @ embedded.T / 5000, expected, atol=0.1)
 
 
+def test_points_of_a_plane_have_no_extent_across_it_not_even_by_rounding():
+    generator = np.random.default_rng(0)
+    plane = generator.normal(size=(200, 2, 3))
+    points = np.einsum("sti,sij->stj", generator.normal(size=(200, 5, 2)), plane)
+    extents = describe_relations(points, np.broadcast_to([0.0, 1.0, 0.0], points.shape))[:, -3:]
+    assert (extents[:, 0] == 0).all()
+    assert (extents[:, 1:] > 1e-3).all()
+
+
 def test_relations_of_an_equilateral_triangle():
     angle = 2 * np.pi * np.arange(3) / 3
     points = np.stack([np.cos(angle), np.zeros(3), np.sin(angle)], axis=-1)[None]

@@ -68,6 +68,16 @@ def test_touches_that_are_all_alike_are_so_after_reduction_even_where_a_groups_m
     assert np.ptp(cancelling.reduce(alike), axis=1).max() == 0
 
 
+def test_touches_that_are_all_alike_have_one_distance_from_a_unit():
+    touch = np.random.default_rng(0).normal(size=(6, 22))
+    alike = np.repeat(touch[:, None], 5, axis=1)
+    alike *= 1 + 1e-15 * np.random.default_rng(1).uniform(-1, 1, alike.shape)
+    chosen = RecognitionParameters(self_organising_map={"output": "unit_distances"})
+    fitted = fit_sequence_encoder(alike, chosen, np.random.default_rng(0))
+    assert np.ptp(fitted.reduction.distances(fitted.touch_scaling.apply(alike[0]))).max() > 0
+    assert np.ptp(fitted.reduce(alike), axis=1).max() == 0
+
+
 def test_a_groups_mean_that_is_rounding_alone_is_0():
     values = np.random.default_rng(0).normal(size=(6, 5, 22))
     values[..., 1] = -values[..., 0] * (1 + 1e-15)

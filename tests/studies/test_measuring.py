@@ -36,29 +36,29 @@ from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 
-# Share of each object's sequences that was named correctly before all studies had one engine: boxes, then rings.
-# Those of pipeline paper are newer: columns of skewnesses that are rounding counted as features before.
+# Share of each object's sequences that was classified correctly: boxes, then rings. The same with OpenBLAS's kernels
+# for SkylakeX, Haswell and Prescott and NumPy's for AVX-512, AVX2 and older. "cutaneous_only" of pipeline paper is
+# left out: two of three touches on a box are alike, and the skewness of such a sequence is the same for all objects,
+# so that rounding alone tells them apart.
 EARLIER = {
     ("whole_method", "paper"): [0.75, 0.75, 0.8333, 0.8333, 1.0, 1.0],
-    ("whole_method", "best"): [1.0, 0.75, 0.75, 1.0, 0.75, 1.0],
-    ("cutaneous_only", "paper"): [0.9167, 0.6667, 0.75, 0.5833, 1.0, 1.0],
-    ("cutaneous_only", "best"): [1.0, 0.8333, 1.0, 1.0, 1.0, 1.0],
+    ("whole_method", "best"): [1.0, 0.75, 0.75, 1.0, 1.0, 1.0],
+    ("cutaneous_only", "best"): [1.0, 0.8333, 1.0, 1.0, 1.0, 0.8333],
     ("kinesthetic_only", "paper"): [0.75, 0.5, 0.6667, 0.9167, 0.9167, 0.6667],
     ("kinesthetic_only", "best"): [1.0, 0.8333, 1.0, 1.0, 1.0, 1.0],
     ("contourlet_only", "paper"): [0.75, 0.75, 0.8333, 0.8333, 1.0, 1.0],
-    ("contourlet_only", "best"): [1.0, 0.75, 0.8333, 1.0, 0.75, 1.0],
+    ("contourlet_only", "best"): [1.0, 0.75, 0.8333, 1.0, 1.0, 1.0],
     ("nonsubsampled_contourlet", "paper"): [0.8333, 0.8333, 0.5, 0.6667, 1.0, 1.0],
-    ("nonsubsampled_contourlet", "best"): [1.0, 0.75, 1.0, 1.0, 0.75, 1.0],
+    ("nonsubsampled_contourlet", "best"): [1.0, 0.75, 1.0, 1.0, 1.0, 1.0],
     ("wavelet", "paper"): [0.75, 0.75, 0.5833, 0.8333, 0.8333, 0.9167],
-    ("wavelet", "best"): [1.0, 0.8333, 0.8333, 1.0, 0.9167, 1.0],
-    # Boxes have columns of rounding alone, which no longer count as features.
-    ("image_statistics", "paper"): [0.8333, 0.5, 0.4167, 0.8333, 1.0, 0.6667],
+    ("wavelet", "best"): [1.0, 0.8333, 0.75, 1.0, 1.0, 1.0],
+    ("image_statistics", "paper"): [0.9167, 0.5, 0.3333, 0.8333, 1.0, 0.1667],
     ("image_statistics", "best"): [1.0, 0.9167, 1.0, 1.0, 1.0, 1.0],
     ("fixed_sensor_size", "paper"): [1.0, 0.75, 0.8333, 0.8333, 1.0, 1.0],
-    ("fixed_sensor_size", "best"): [1.0, 0.8333, 0.75, 1.0, 0.75, 1.0],
-    ("without_map", "paper"): [1.0, 1.0, 1.0, 1.0, 0.6667, 0.8333],
+    ("fixed_sensor_size", "best"): [1.0, 0.8333, 0.75, 1.0, 1.0, 1.0],
+    ("without_map", "paper"): [1.0, 1.0, 1.0, 0.6667, 0.6667, 0.8333],
     ("fsr400", "paper"): [1.0, 1.0, 0.75, 1.0, 1.0, 1.0],
-    ("fsr400", "best"): [1.0, 0.8333, 0.8333, 1.0, 0.75, 1.0],
+    ("fsr400", "best"): [1.0, 0.8333, 0.8333, 1.0, 1.0, 1.0],
     ("without_colour", "paper"): [0.8333, 0.75, 0.8333, 0.6667, 1.0, 1.0],
     ("without_colour", "best"): [1.0, 0.8333, 0.75, 1.0, 1.0, 1.0],
     ("without_edge", "paper"): [0.8333, 0.75, 0.6667, 0.5, 1.0, 1.0],

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.encoding import ROUNDING
 from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.tables.phases import KINESTHETIC_FEATURES
 
@@ -204,7 +205,10 @@ def describe_relations(
     touches = points.shape[1]
     centred = points - points.mean(axis=1, keepdims=True)
     scatter = np.einsum("sti,stj->sij", centred, centred) / touches
-    extents = np.sqrt(np.maximum(np.linalg.eigvalsh(scatter), 0))
+    squares = np.linalg.eigvalsh(scatter)
+    # Of points in a plane the least is rounding, whose root is far larger.
+    squares[squares <= ROUNDING * squares[:, -1:]] = 0.0
+    extents = np.sqrt(squares)
     if touches == 1:
         return np.zeros((len(points), 27))
     first, second = np.triu_indices(touches, 1)

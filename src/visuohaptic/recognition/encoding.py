@@ -97,16 +97,20 @@ class SequenceEncoder:
     def reduce(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
         """Reduce each touch to m numbers: (s, t, k) to (s, t, m).
 
-        Features of a group may cancel each other, so what rounding alone tells apart within a
-        sequence of group means is made equal.
+        Features of a group may cancel each other, and touches that are alike have distances from a
+        unit that only rounding tells apart: within a sequence, such numbers are made equal.
         """
         touches = sequences.reshape(-1, sequences.shape[-1])
         scaled = self.touch_scaling.apply(touches)
         reduced = _reduce_touches(scaled, self.reduction, self.map_parameters)
         reduced = reduced.reshape(*sequences.shape[:2], -1)
-        if not isinstance(self.reduction, FeatureGroups):
+        sizes = self.touch_scaling.sizes(touches)
+        if isinstance(self.reduction, FeatureGroups):
+            sizes = sizes @ np.abs(self.reduction.weights)
+        elif self.map_parameters.output == "unit_distances":
+            sizes = _lengths(sizes)[:, None] + _lengths(self.reduction.weights)
+        else:
             return reduced
-        sizes = self.touch_scaling.sizes(touches) @ np.abs(self.reduction.weights)
         return _without_rounding(reduced, sizes.reshape(reduced.shape))
 
     def _unscaled(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -286,6 +290,11 @@ def _fit_map(
 def _group_features(fitted: SelfOrganisingMap, features: NDArray[np.float64]) -> FeatureGroups:
     member = np.eye(len(fitted.weights))[fitted.nearest(features)]
     return FeatureGroups(member / np.maximum(member.sum(axis=0), 1))
+
+
+def _lengths(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    lengths: NDArray[np.float64] = np.linalg.norm(rows, axis=1)
+    return lengths
 
 
 def _without_rounding(
