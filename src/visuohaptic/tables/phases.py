@@ -78,6 +78,9 @@ SENSOR_SIZE = Column("sensor_size", REAL, "edge of the sensor's square", "object
 CONTACT_STATES = ("full", "shrunk", "at_minimum", "blocked", "partial")
 """States of the sensor's contact."""
 
+OUT_OF_REACH = ("at_minimum", "blocked")
+"""Those that occur, where the size adapts, at places that the sensor can't reach alone."""
+
 CONTACT_STATE = Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked or partial")
 
 VIEWS = Schema(

@@ -312,6 +312,11 @@ READING_CHOICES = (
     "imprint_stretch",
     "contourlet_filters",
     "imprint_extension",
+    "focus_radius",
+    "reach",
+    "unreachable",
+    "order",
+    "random_probing",
 )
 """What the paper leaves open, a column each; `studies.readings.choices` describes them."""
 
@@ -328,8 +333,8 @@ READINGS = Schema(
         Column("place", COUNT, "place of the reading in the design", minimum=0),
         *(Column(name, TEXT, "option of this choice") for name in READING_CHOICES),
         *(
-            Column(f"{strategy}{end}", REAL, f"{text} by {strategy}", "1", 0, 1, nullable=True)
-            for strategy in ("fixation", "random")
+            Column(f"{strategy}{end}", REAL, f"{text} by {words}", "1", 0, 1, nullable=True)
+            for strategy, words in (("fixation", "fixation"), ("random", "option random_probing"))
             for end, text in (
                 ("", "share of test sequences correctly classified, touches"),
                 ("_low", "lower end of its interval over objects, touches"),
@@ -338,7 +343,15 @@ READINGS = Schema(
                 ("_splits_reaching", "share of splits at or above the paper's figure, touches"),
             )
         ),
-        Column("ahead", REAL, "fixation less random", "1", -1, 1, nullable=True),
+        Column(
+            "ahead",
+            REAL,
+            "fixation less random, by option random_probing",
+            "1",
+            -1,
+            1,
+            nullable=True,
+        ),
         Column("ahead_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
         Column("ahead_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
         Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
@@ -347,7 +360,7 @@ READINGS = Schema(
         SECONDS,
         ERROR,
     ),
-    names_of(READING_KEYS),
+    ("reading", "random_probing", "classifier"),
 )
 
 STUDIES = (
