@@ -10,11 +10,12 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.errors import RegistryError
 from visuohaptic.fixations.locations import Standpoint, candidate_table, locate, look
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.probing import STRATEGIES, spread_far
+from visuohaptic.fixations.probing import STRATEGIES, draw_by_area, face_outwards, spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import EffectModes
+from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import FIXATIONS, SPARE
 from visuohaptic.tables.schema import check_table, matrix
 
@@ -87,6 +88,18 @@ def test_fewer_touches_are_the_first_of_more(caster, strategy):
     few, many = locate(again, strategy, shorter, 3), locate(one, strategy, ATTENTION, 3)
     assert few.num_rows > 3
     assert few.equals(many.slice(0, 3 + SPARE))
+
+
+def test_random_probing_anywhere_is_what_random_probing_was(caster):
+    """Earlier figures come from these draws: uniform by area, by a generator named random."""
+    one = looks_of(caster)[1]
+    generator = spawn_generator(3, "random", "box/brick", 1)
+    expected = face_outwards(caster, draw_by_area(caster.surface, 6, generator))
+    table = locate(one, "random_anywhere", ATTENTION, 3).slice(0, 6)
+    np.testing.assert_array_equal(matrix(table, ["x", "y", "z"]), expected.points)
+    normals = matrix(table, ["normal_x", "normal_y", "normal_z"])
+    np.testing.assert_array_equal(normals, expected.normals)
+    assert set(table.column("chance").to_pylist()) == {"random"}
 
 
 def test_random_probing_anywhere_draws_what_random_probing_draws(caster):

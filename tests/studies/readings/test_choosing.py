@@ -11,9 +11,12 @@ import pytest
 from recognition.synthetic import features_table, with_column
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.figures import Cell
+from visuohaptic.studies.readings import choosing
 from visuohaptic.studies.readings.choosing import (
     ENOUGH,
     FORMER_DEFAULT,
@@ -23,14 +26,18 @@ from visuohaptic.studies.readings.choosing import (
     choose_options,
     readings_of_option,
     scored_choices,
+    write_choice,
 )
 from visuohaptic.studies.readings.design import (
     PARTS_ON_OTHERS,
     STRATEGIES,
     all_readings,
     is_default,
+    make_readings_study,
 )
 from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import write_table
 
 READINGS = [reading for reading in all_readings() if reading.part == "recognition"]
 OBJECTS = tuple(("cup", f"{place:02d}") for place in range(40))
@@ -219,3 +226,31 @@ def test_touches_are_acquired_where_they_are_made_in_reach():
     missing = whole.filter(pc.less(whole.column("touch"), 4))
     assert acquired_share(missing, 2, 5) == pytest.approx(0.4)
     assert acquired_share(pa.concat_tables(parts[:2] + parts[3:]), 2, 5) == pytest.approx(0.6)
+
+
+def test_the_command_reads_shares_and_writes_what_both_rules_say(tmp_path, monkeypatch):
+    run = ExperimentParameters()
+    outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": "outside"})})
+    plan = plan_study(make_readings_study(outside), outside)
+    whole = pa.concat_tables([features_table(name, (2, 2), viewpoints=16) for name in STRATEGIES])
+    kept = plan.conditions[
+        [one.condition.name for one in plan.conditions].index(
+            readings_of_option("unreachable", "keep")[0]
+        )
+    ]
+    states = ["blocked", "full"] * (whole.num_rows // 2)
+    for key in plan.remakes:
+        table = with_column(whole, "contact_state", states) if key == kept.key else whole
+        write_table(FEATURES, table, tmp_path / f"{key}.parquet")
+    for held, rules in ((ON_OTHERS, 2), (READINGS, 1)):
+        found = cells(lambda options: 0.5, readings=held)
+        monkeypatch.setattr(choosing, "read_cells", lambda _, found=found: found)
+        write_choice([], tmp_path / "chosen.json", tmp_path)
+        said = json.loads((tmp_path / "chosen.json").read_text())
+        assert said["chosen"]["changed"] == {}
+        assert ("options" in said) == (rules == 2)
+        if rules == 2:
+            by_name = {one["choice"]: one for one in said["options"]}
+            assert by_name["unreachable"]["acquired"] == {"replace": 1.0, "keep": 0.5}
+            assert by_name["unreachable"]["chosen"] == "replace"
+            assert by_name["reach"]["acquired"] == {"0.1": 1.0, "0.5": 1.0, "none": 1.0}
