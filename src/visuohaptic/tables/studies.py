@@ -322,6 +322,7 @@ READING_CHOICES = (
 
 READING_KEYS = (
     Column("reading", TEXT, "name of the reading"),
+    Column("random_probing", TEXT, "random touches that fixation is compared with, as an option"),
     Column("classifier", TEXT, "the classifier"),
 )
 
@@ -331,7 +332,11 @@ READINGS = Schema(
         *READING_KEYS,
         Column("part", TEXT, "part of the design that it belongs to"),
         Column("place", COUNT, "place of the reading in the design", minimum=0),
-        *(Column(name, TEXT, "option of this choice") for name in READING_CHOICES),
+        *(
+            Column(name, TEXT, "option of this choice")
+            for name in READING_CHOICES
+            if name not in names_of(READING_KEYS)
+        ),
         *(
             Column(f"{strategy}{end}", REAL, f"{text} by {words}", "1", 0, 1, nullable=True)
             for strategy, words in (("fixation", "fixation"), ("random", "option random_probing"))
@@ -360,7 +365,7 @@ READINGS = Schema(
         SECONDS,
         ERROR,
     ),
-    ("reading", "random_probing", "classifier"),
+    names_of(READING_KEYS),
 )
 
 STUDIES = (
