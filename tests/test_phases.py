@@ -23,8 +23,9 @@ from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, TOUCHES, VIEWS
+from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, SPARE, TOUCHES, VIEWS
 from visuohaptic.tables.schema import matrix, read_table
+from visuohaptic.touches.choosing import Wanted, touched_places
 from visuohaptic.touches.files import make_touches
 
 VIEWPOINTS = ViewpointParameters(count=3)
@@ -41,7 +42,7 @@ def look(folder, block, seed=7, name="fixations", modes=None):
         viewpoints=VIEWPOINTS,
         rendering=RenderingParameters(resolution=64),
         attention=AttentionParameters(fixations=4),
-        probing=ProbingParameters(),
+        strategies=ProbingParameters().strategies,
         modes=modes or EffectModes(),
         seed=seed,
     )
@@ -67,7 +68,8 @@ def folder(tmp_path_factory):
         folder / "effects.parquet",
         SensorParameters(resolution=32),
         Scene(),
-        seed=7,
+        7,
+        Wanted(4),
     )
     make_features(folder / "touches.parquet", folder / "features.parquet", FeatureParameters())
     return folder
@@ -75,7 +77,11 @@ def folder(tmp_path_factory):
 
 def test_every_viewpoint_and_strategy_gives_its_sequence(folder):
     table = read_table(FIXATIONS, folder / "fixations.parquet")
-    assert table.num_rows == 3 * 2 * 4
+    frame = table.to_pandas()
+    found = frame.groupby(["viewpoint", "strategy"]).touch.agg(["count", "max"])
+    assert len(found) == 3 * 2
+    assert (found["count"] == found["max"] + 1).all()
+    assert found["count"].between(4, 4 + SPARE).all()
     assert set(table.column("strategy").to_pylist()) == {"fixation", "random"}
 
 
@@ -141,7 +147,9 @@ def test_views_are_pictures_and_say_what_ran(folder):
 
 
 def test_touches_and_features_keep_the_keys_of_the_fixations(folder):
-    fixations = read_table(FIXATIONS, folder / "fixations.parquet")
+    touches = read_table(TOUCHES, folder / "touches.parquet")
+    fixations = touched_places(read_table(FIXATIONS, folder / "fixations.parquet"), touches)
+    assert touches.num_rows == 3 * 2 * 4
     for schema, name in ((TOUCHES, "touches"), (FEATURES, "features")):
         table = read_table(schema, folder / f"{name}.parquet")
         for key in schema.keys:
@@ -201,6 +209,7 @@ def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder):
             SensorParameters(),
             Scene(preset="worn_fsr"),
             seed,
+            Wanted(4),
         )
     one, two, three = (
         read_table(TOUCHES, folder / f"{name}.parquet") for name in ("one", "two", "three")

@@ -12,7 +12,8 @@ from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.touches.touching import touch_tables
+from visuohaptic.touches.choosing import Wanted
+from visuohaptic.touches.touching import acquire_touches
 
 VIEWS_AT_ONCE = 4
 """Viewpoints that are looked from together; it changes no result."""
@@ -56,22 +57,28 @@ def find_locations(
         Rows of `tables.FIXATIONS`, the same as the workflow finds.
     """
     numbers = range(parameters.viewpoints.total) if viewpoints is None else viewpoints
-    probing, attention = parameters.probing, parameters.attention
-    if not any(STRATEGIES[name].looks for name in probing.strategies):
+    strategies, attention = parameters.probing.strategies, parameters.attention
+    if not any(STRATEGIES[name].looks for name in strategies):
         placed = place_cameras(parameters.viewpoints)
         stands = [Standpoint(key, number, caster, placed[number]) for number in numbers]
-        return locate_all(stands, probing, attention, parameters.seed).combine_chunks()
+        return locate_all(stands, strategies, attention, parameters.seed).combine_chunks()
     parts = []
     for start in range(0, len(numbers), VIEWS_AT_ONCE):
         looks = looking(caster, key, parameters, numbers[start : start + VIEWS_AT_ONCE])
-        parts.append(locate_all(looks, probing, attention, parameters.seed))
+        parts.append(locate_all(looks, strategies, attention, parameters.seed))
     return pa.concat_tables(parts).combine_chunks()
 
 
 def touch_at(caster: RayCaster, locations: pa.Table, parameters: ExperimentParameters) -> pa.Table:
-    """Touch an object at rows of `tables.FIXATIONS`: rows of `tables.TOUCHES`, in the same order."""
-    sensor, scene = parameters.sensor, parameters.scene
-    return touch_tables(caster, locations, sensor, scene, parameters.seed)[0]
+    """Touch an object at those of its probing locations that are chosen: rows of `tables.TOUCHES`."""
+    sensor, scene, wanted = parameters.sensor, parameters.scene, wanted_of(parameters)
+    return acquire_touches(caster, locations, sensor, scene, parameters.seed, wanted)[0]
+
+
+def wanted_of(parameters: ExperimentParameters) -> Wanted:
+    """Give what an experiment wants of each sequence of touches."""
+    probing = parameters.probing
+    return Wanted(parameters.attention.fixations, probing.unreachable, probing.when_exhausted)
 
 
 def describe_at(

@@ -179,7 +179,7 @@ def test_learnt_weights_say_where_they_come_from():
 
 
 def test_other_names_of_weights_are_refused():
-    with pytest.raises(ValidationError, match="equal, human or a number a channel"):
+    with pytest.raises(ValidationError, match="equal, human, human_channels or a number a channel"):
         AttentionParameters(weights="animal")
     with pytest.raises(ValidationError, match="leave terms out"):
         AttentionParameters(weights="human", terms={"centre": 1.0})
@@ -193,3 +193,11 @@ def test_two_terms_of_one_name_are_refused():
 def test_every_term_names_its_source():
     assert all(term.source and term.description for term in TERMS.values())
     assert {term.kind for term in TERMS.values()} == {"view", "place", "shape"}
+
+
+def test_fitted_channels_may_be_taken_without_the_terms():
+    fitted = AttentionParameters(weights="human_channels")
+    assert fitted.weights == AttentionParameters(weights="human").weights
+    assert not fitted.is_exponential
+    assert sum(weight > 0 for weight in fitted.weights.model_dump().values()) == 5
+    assert AttentionParameters(weights="human_channels", terms={"centre": 1.0}).is_exponential

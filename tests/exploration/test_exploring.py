@@ -17,6 +17,7 @@ from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.phases import wanted_of
 from visuohaptic.recognition import select
 from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES, VIEWS
 from visuohaptic.tables.schema import read_table
@@ -50,7 +51,7 @@ def tables_of_the_workflow(key, source, folder, parameters):
         viewpoints=parameters.viewpoints,
         rendering=parameters.rendering,
         attention=parameters.attention,
-        probing=parameters.probing,
+        strategies=parameters.probing.strategies,
         modes=parameters.scene.effects,
         seed=parameters.seed,
     )
@@ -62,6 +63,7 @@ def tables_of_the_workflow(key, source, folder, parameters):
         parameters.sensor,
         parameters.scene,
         parameters.seed,
+        wanted_of(parameters),
     )
     make_features(folder / "touches.parquet", folder / "features.parquet", parameters.features)
     schemas = (VIEWS, FIXATIONS, TOUCHES, FEATURES)

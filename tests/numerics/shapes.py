@@ -21,8 +21,11 @@ from visuohaptic.scene.parameters import EffectModes, Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES
 from visuohaptic.tables.schema import read_table
+from visuohaptic.touches.choosing import Wanted, touched_places
 from visuohaptic.touches.files import make_touches
 
+# Places out of reach are hard cases.
+KEEP = Wanted(AttentionParameters().fixations, unreachable="keep")
 VIEWPOINTS = ViewpointParameters(count=4)
 
 
@@ -142,7 +145,7 @@ def run_chain(source, folder, seed=7, resolution=64, block=(0, 1, 2, 3), name="m
         viewpoints=VIEWPOINTS,
         rendering=RenderingParameters(resolution=resolution),
         attention=AttentionParameters(),
-        probing=ProbingParameters(),
+        strategies=ProbingParameters().strategies,
         modes=EffectModes(),
         seed=seed,
     )
@@ -153,14 +156,17 @@ def run_chain(source, folder, seed=7, resolution=64, block=(0, 1, 2, 3), name="m
         folder / f"{name}-books.parquet",
         SensorParameters(),
         Scene(),
-        seed=seed,
+        seed,
+        KEEP,
     )
     make_features(
         folder / f"{name}-touches.parquet", folder / f"{name}-features.parquet", FeatureParameters()
     )
+    touches = read_table(TOUCHES, folder / f"{name}-touches.parquet")
+    located = read_table(FIXATIONS, folder / f"{name}-fixations.parquet")
     return {
-        "fixations": read_table(FIXATIONS, folder / f"{name}-fixations.parquet"),
-        "touches": read_table(TOUCHES, folder / f"{name}-touches.parquet"),
+        "fixations": touched_places(located, touches),
+        "touches": touches,
         "features": read_table(FEATURES, folder / f"{name}-features.parquet"),
     }
 

@@ -10,12 +10,13 @@ from recognition.synthetic import features_table, with_column
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import ClassifierParameters, fit_classifier
-from visuohaptic.recognition.experiment import PAPER_FEATURES
+from visuohaptic.recognition.experiment import PAPER_FEATURES, gather_pipeline
 from visuohaptic.recognition.parameters import (
     ProtocolParameters,
     RecognitionParameters,
     SelfOrganisingMapParameters,
 )
+from visuohaptic.recognition.sequences import shuffle_touches
 from visuohaptic.tables.phases import PREDICTIONS
 from visuohaptic.tables.schema import check_table
 
@@ -257,3 +258,16 @@ def test_best_pipeline_takes_the_smallest_set_and_constant_columns():
 def test_unknown_pipeline_is_refused_by_name():
     with pytest.raises(RecognitionError, match="no pipeline worst; paper and best"):
         recognition.run_pipeline(features_table(), SMALL, 1, "worst")
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "best"])
+def test_both_pipelines_take_the_order_that_is_asked_for(pipeline):
+    table = features_table(touches=5)
+    kept, shuffled = (
+        gather_pipeline(table, RecognitionParameters(order=order), pipeline, seed=4)
+        for order in ("kept", "shuffled")
+    )
+    np.testing.assert_array_equal(shuffled.features, shuffle_touches(kept, 4).features)
+    np.testing.assert_array_equal(
+        kept.features, gather_pipeline(table, RecognitionParameters(), pipeline, seed=5).features
+    )

@@ -12,6 +12,7 @@ from visuohaptic.recognition.sequences import (
     gather_any,
     gather_sequences,
     identical_objects,
+    shuffle_touches,
     whole_sequences,
 )
 from visuohaptic.tables.schema import matrix
@@ -149,3 +150,30 @@ def test_fewer_touches_may_be_enough():
 def test_a_table_without_rows_is_left_as_it_is():
     empty = features_table(objects=(1, 1)).slice(0, 0)
     assert whole_sequences(empty, 5) == (empty, ())
+
+
+def test_shuffled_touches_stay_whole_and_with_their_sequence():
+    kept = gather_sequences(features_table(touches=5), PAPER_FEATURES, 5)
+    shuffled = shuffle_touches(kept, 3)
+    assert not np.array_equal(shuffled.features, kept.features)
+    for before, after in zip(kept.features, shuffled.features, strict=True):
+        assert sorted(before.tolist()) == sorted(after.tolist())
+    orders = {
+        tuple(np.flatnonzero((before == touch).all(axis=1))[0] for touch in after)
+        for before, after in zip(kept.features, shuffled.features, strict=True)
+    }
+    assert len(orders) > 20
+
+
+def test_an_order_depends_on_the_seed_the_object_and_the_viewpoint_alone():
+    table = features_table(touches=5)
+    kept = gather_sequences(table, PAPER_FEATURES, 5)
+    whole = shuffle_touches(kept, 3)
+    some = kept.object_index % 2 == 1
+    np.testing.assert_array_equal(
+        shuffle_touches(kept.take(some), 3).features, whole.features[some]
+    )
+    np.testing.assert_array_equal(shuffle_touches(kept, 3).features, whole.features)
+    assert not np.array_equal(shuffle_touches(kept, 4).features, whole.features)
+    other = gather_sequences(features_table("random", touches=5), PAPER_FEATURES, 5)
+    np.testing.assert_array_equal(shuffle_touches(other, 3).features, whole.features)

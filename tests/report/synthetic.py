@@ -179,6 +179,8 @@ def _fixations(objects, strategies, generator):
             "pixel_column": [40 - 8 * row[3] if row[2] == "fixation" else None for row in rows],
             "saliency": [1.0 if row[2] == "fixation" else None for row in rows],
             "face": [0] * len(rows),
+            "unreachable": [None] * len(rows),
+            "chance": [row[2] for row in rows],
             **dict(zip("xyz", normals.T, strict=True)),
             **dict(zip(("normal_x", "normal_y", "normal_z"), normals.T, strict=True)),
         },
@@ -200,6 +202,7 @@ def _touches(fixations, generator):
             "sensor_size": generator.uniform(0.02, 0.3, count),
             "contact_state": ["full", "shrunk", "at_minimum", "blocked", "partial"] * (count // 5),
             "penetration": np.zeros(count),
+            "rank": fixations.column("touch"),
         },
     )
 

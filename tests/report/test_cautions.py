@@ -2,8 +2,15 @@
 
 from types import SimpleNamespace
 
+import pyarrow as pa
+
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.cautions import _objects_left_out, _unfitted_classifiers
+from visuohaptic.report.cautions import (
+    _objects_left_out,
+    _short_sequences,
+    _unfitted_classifiers,
+)
+from visuohaptic.report.sections import count_missing, count_passed_over
 
 SAMPLED = ExperimentParameters.from_mapping(
     {"recognition": {"protocol": {"protocol": "leave_one_object_a_class_out"}}}
@@ -52,3 +59,50 @@ def test_a_classifier_without_figures_is_named():
     (sentence,) = _unfitted_classifiers(run)
     assert sentence.startswith("1 classifier of pipeline best left out")
     assert sentence.endswith(f": {BEST[0].replace('_', ' ')}.")
+
+
+def run_of(ranks, distinct=5):
+    """Give a run of one object with touches of these ranks, by viewpoint and strategy."""
+    rows = [
+        {"class": "cup", "object": "mug", "viewpoint": viewpoint, "strategy": name, "rank": rank}
+        for (viewpoint, name), found in ranks.items()
+        for rank in found
+    ]
+    views = [
+        {"class": "cup", "object": "mug", "viewpoint": viewpoint, "distinct_fixations": distinct}
+        for viewpoint in sorted({viewpoint for viewpoint, _ in ranks})
+    ]
+    return SimpleNamespace(
+        parameters=ExperimentParameters(),
+        touches=pa.Table.from_pylist(rows),
+        views=pa.Table.from_pylist(views),
+    )
+
+
+def test_places_passed_over_and_missing_touches_are_counted_and_named():
+    run = run_of(
+        {
+            (0, "fixation"): [0, 1, 3, 4, 6],
+            (0, "random"): [2, 3, 4, 5, 6],
+            (1, "fixation"): [0, 1, 2, 3, 4],
+            (1, "random"): [0, 9],
+            (2, "fixation"): [0, 1, 2, 3, 4],
+            (2, "random"): [],
+        }
+    )
+    assert count_passed_over(run.touches) == {"fixation": 2, "random": 2 + 8}
+    assert count_missing(run) == {"fixation": 0, "random": 3 + 5}
+    (sentence,) = _short_sequences(run)
+    assert sentence.startswith("2 sequences with fewer than 5 places in reach")
+    assert sentence.endswith("cup/mug (view 1, random) and cup/mug (view 2, random).")
+
+
+def test_a_sequence_that_begins_again_passes_over_no_more():
+    run = run_of({(0, "fixation"): [1, 3, 1, 3, 1], (0, "random"): [0, 1, 2, 3, 4]})
+    assert count_passed_over(run.touches)["fixation"] == 2
+    assert _short_sequences(run) == []
+
+
+def test_views_that_are_named_for_their_few_fixations_are_not_named_again():
+    run = run_of({(0, "fixation"): [0, 1], (0, "random"): [0, 1, 2, 3, 4]}, distinct=2)
+    assert _short_sequences(run) == []

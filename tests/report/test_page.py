@@ -341,9 +341,9 @@ def test_the_contents_have_eight_chapters_at_most():
     assert len(CHAPTERS) <= 8
 
 
-def test_each_of_eight_strategies_has_a_mark_and_a_colour_of_its_own():
+def test_each_of_ten_strategies_has_a_mark_and_a_colour_of_its_own():
     draw = make_environment().get_template("macros.html.jinja").module
-    marks = [str(draw.shape(series)) for series in range(8)]
+    marks = [str(draw.shape(series)) for series in range(10)]
     classes, shapes = zip(*(mark.split(">", 1) for mark in marks), strict=True)
-    assert len(set(classes)) == len(set(shapes)) == 8
-    assert len(STRATEGIES_OF_PACKAGE.names) + 1 <= 8  # and the adaptive one
+    assert len(set(classes)) == len(set(shapes)) == 10
+    assert len(STRATEGIES_OF_PACKAGE.names) + 1 <= 10  # and the adaptive one

@@ -19,6 +19,7 @@ from visuohaptic.studies.readings.design import all_readings
 from visuohaptic.studies.readings.stored import (
     MeasuredReadings,
     Source,
+    kept_readings,
     read_readings,
     store_readings,
 )
@@ -74,25 +75,25 @@ def test_sentences_count_what_the_table_holds():
     own = [row for row in ROWS if row["part"] != "protocol" and row["classifier"] == BEST_OF_PAPER]
     ahead = sum(row["ahead"] > 0 for row in own)
     assert texts[0] == (
-        "Of 672 readings of the paper, the accuracy by fixation of its best classifier (support "
+        "Of 433 readings of the paper, the accuracy by fixation of its best classifier (support "
         "vector machine) lies between 55.0 % and 75.0 % (median 55.0 %; our default 75.0 %; "
         "published 93.45 %)."
     )
-    assert texts[1].startswith(f"{100 * ahead / 672:.0f} % of them put fixation ahead")
-    assert f"fixation is ahead in {5 * ahead} of 3360 cases" in texts[1]
-    assert texts[2].startswith("0 of the 672 reach the published figure as a mean")
+    assert texts[1].startswith(f"{100 * ahead / 433:.0f} % of them put fixation ahead")
+    assert f"fixation is ahead in {5 * ahead} of 2165 cases" in texts[1]
+    assert texts[2].startswith("0 of the 433 reach the published figure as a mean")
     assert f"in {ahead} at least one split does" in texts[2]
 
 
 def test_the_curve_is_sorted_and_every_reading_has_one_option_of_each_choice():
     chart = curve_chart(ROWS, BEST_OF_PAPER)
-    assert len(chart.dots) == 672
+    assert len(chart.dots) == 433
     assert [dot.x for dot in chart.dots] == sorted(dot.x for dot in chart.dots)
     assert [dot.y for dot in chart.dots] == sorted((dot.y for dot in chart.dots), reverse=True)
     assert sum(dot.is_default for dot in chart.dots) == 1
     ticks = [path.count("M") for _, _, path in chart.options]
-    assert sum(ticks) == 672 * len(chart.labels)
-    assert chart.random.count("M") == chart.whiskers.count("M") == 672
+    assert sum(ticks) == 433 * len(chart.labels)
+    assert chart.random.count("M") == chart.whiskers.count("M") == 433
     assert all(y <= chart.height for y, _, _ in chart.options)
 
 
@@ -100,9 +101,9 @@ def test_a_dot_says_its_figures_its_options_and_its_command():
     chart = curve_chart(ROWS, BEST_OF_PAPER)
     default = next(dot for dot in chart.dots if dot.is_default)
     assert "our default" in default.label
-    other = next(dot for dot in chart.dots if dot.name == READ[-20].name)
+    other = next(dot for dot in chart.dots if dot.name == READ[300].name)
     changed = {
-        choice.name for choice in CHOICES if READ[-20].options[choice.name] != choice.default
+        choice.name for choice in CHOICES if READ[300].options[choice.name] != choice.default
     }
     assert other.label.count(";") == len(changed) - 1
     assert COMMAND.format(other.name) in other.label
@@ -115,7 +116,7 @@ def test_the_page_stands_alone_and_names_failed_readings(table):
     html = render_readings_page(table)
     page = read_page(html)
     assert "12 readings could not be run" in page.text
-    assert html.count("<circle") == 5 * 660
+    assert html.count("<circle") == 5 * 421
     assert "://" not in html
     assert "Another question: known objects" in page.text
 
@@ -145,8 +146,8 @@ def test_the_first_screen_says_how_far_readings_differ():
     ahead = sum(row["ahead"] > 0 for row in own)
     text = readings_answer(MeasuredReadings(ROWS), MeasuredReadings(outside))
     text = text.replace("\N{NO-BREAK SPACE}", " ")
-    assert "Over 672 readings the support vector machine reaches 55.0 % to 75.0 %" in text
-    assert f"ahead of random probing in {100 * ahead / 672:.0f} % of them" in text
+    assert "Over 433 readings the support vector machine reaches 55.0 % to 75.0 %" in text
+    assert f"ahead of random probing in {100 * ahead / 433:.0f} % of them" in text
     assert text.endswith("on 130 objects outside the paper's set it is in 25 % of 288.")
     assert readings_answer(None) is None
 
@@ -180,3 +181,21 @@ def test_kept_readings_say_where_they_come_from(table, tmp_path):
     assert isinstance(source, Source)
     assert (source.command, source.machine) == ("snakemake -j2 readings_all", "a processor")
     assert stored._rows(kept) == measured.rows
+
+
+def test_readings_of_an_earlier_state_say_so_and_name_no_command():
+    earlier = [row | {"random_probing": "anywhere"} for row in ROWS]
+    found = readings_figures(MeasuredReadings(earlier), MeasuredReadings(earlier))
+    assert "earlier state" in found.earlier
+    assert "earlier state" in found.outside.earlier
+    assert not any("snakemake" in dot.label for dot in found.charts[BEST_OF_PAPER].dots)
+    assert "earlier state" in readings_answer(MeasuredReadings(earlier))
+    today = readings_figures(MeasuredReadings(ROWS), MeasuredReadings(ROWS))
+    assert today.earlier is None
+    assert today.outside.earlier is None
+    assert "earlier state" not in readings_answer(MeasuredReadings(ROWS))
+
+
+def test_the_readings_kept_with_the_package_are_of_an_earlier_state():
+    assert kept_readings("paper_set").is_earlier
+    assert kept_readings("outside").is_earlier

@@ -11,7 +11,18 @@ LIGHT, DARK = (
     for block in re.findall(r":root[^{]*\{(.*?)\}", STYLE, re.DOTALL)[:2]
 )
 TEXTS = ("ink", "quiet", "link")
-SERIES = ("fixation", "random", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
+SERIES = (
+    "fixation",
+    "random",
+    "third",
+    "fourth",
+    "fifth",
+    "sixth",
+    "seventh",
+    "eighth",
+    "ninth",
+    "tenth",
+)
 
 
 def luminance(colour):

@@ -310,3 +310,22 @@ def test_leaving_out_an_effect_moves_the_images_by_its_own_size():
     }
     assert 0.5 < shifts["elastic_cover"] < 1
     assert shifts["quantisation"] < 0.5 / 15
+
+
+def test_the_largest_depth_range_is_no_limit():
+    """Whatever lies below the sensor is felt; a taxel is 0 where nothing lies there at all."""
+    high = joined(
+        box((-0.05, -0.05, -0.9), (0.05, 0.05, 0.9)), box((-0.4, -0.4, -0.95), (0.4, 0.4, -0.9))
+    )
+    deep, shallow = (
+        touch_one(
+            high, (0.0, 0.0, 0.9), (0.0, 0.0, 1.0), depth_range=reach, normalisation="absolute"
+        )
+        for reach in (2.0, 0.1)
+    )
+    assert np.isfinite(deep.gaps).all()
+    assert (deep.images > 0).all()
+    np.testing.assert_allclose(deep.images.min(), 1 - 1.8 / 2.0, atol=1e-6)
+    assert deep.contact_state[0] == "full"
+    assert (shallow.images == 0).any()
+    assert shallow.contact_state[0] == "partial"

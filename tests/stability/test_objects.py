@@ -21,6 +21,7 @@ from visuohaptic.stability.shapes import of_trimesh
 from visuohaptic.tables.phases import FIXATIONS, TOUCHES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.stability import STABILITY
+from visuohaptic.touches.choosing import touched_places
 
 PARAMETERS = ExperimentParameters.from_mapping(
     {"viewpoints": {"count": 2}, "rendering": {"resolution": 64}}
@@ -33,6 +34,7 @@ def sensed():
     caster = RayCaster(surface)
     located = find_locations(caster, "ring/torus", PARAMETERS)
     touches = touch_at(caster, located, PARAMETERS)
+    located = touched_places(located, touches)
     attention, sensor, scene = PARAMETERS.attention, PARAMETERS.sensor, PARAMETERS.scene
     return SensedObject(surface, located, touches, attention, sensor, scene, PARAMETERS.seed)
 

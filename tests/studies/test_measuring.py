@@ -70,6 +70,7 @@ EARLIER_RUN = with_changes(
     {
         "recognition.self_organising_map.output": "unit_distances",
         "recognition.sequence.extension": "symmetric",
+        "probing.unreachable": "keep",
     },
 )
 SYNTHETIC = features_table(objects=(3, 3, 3), viewpoints=4, touches=3, separation=0.3)
@@ -81,8 +82,10 @@ def run(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def ablations(run):
-    sources, features = run
+def ablations(tmp_path_factory):
+    sources, features = write_sources(
+        tmp_path_factory.mktemp("earlier"), small_surfaces(), EARLIER_RUN
+    )
     plan = plan_study(ablation_study(EARLIER_RUN), EARLIER_RUN)
     made = {None: read_table(FEATURES, features)}
     made |= {key: remake_features(remake, sources) for key, remake in plan.remakes.items()}

@@ -30,6 +30,8 @@ def fixation_columns(count=5, viewpoint=0):
         "pixel_column": np.arange(count),
         "face": np.arange(count),
         "saliency": np.linspace(1, 0.5, count),
+        "unreachable": [None] * count,
+        "chance": "fixation",
         **{axis: points[:, i] for i, axis in enumerate("xyz")},
         **{f"normal_{axis}": points[:, i] for i, axis in enumerate("xyz")},
     }

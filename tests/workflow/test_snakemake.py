@@ -20,7 +20,8 @@ TOUCHES = 4 * 2 * 2 * 5  # objects, viewpoints, strategies, touches in a sequenc
 def test_pandas_reads_each_table_whole(finished):
     for name in ("fixations", "touches", "features"):
         frame = pd.read_parquet(finished.folder / "results" / name)
-        assert len(frame) == TOUCHES
+        # Views also list places to touch where others are out of reach.
+        assert len(frame) > TOUCHES if name == "fixations" else len(frame) == TOUCHES
         keys = ["class", "object", "viewpoint", "strategy", "touch"]
         assert list(frame.columns[:5]) == keys
         assert not frame.duplicated(keys).any()

@@ -82,6 +82,12 @@ for file in workflow.configfiles if IS_MAIN else []:
     or_stop(refuse_repeated_names, file)
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
+# Of each sequence of touches.
+WANTED = {
+    "touches": PARAMETERS.attention.fixations,
+    "unreachable": PARAMETERS.probing.unreachable,
+    "when_exhausted": PARAMETERS.probing.when_exhausted,
+}
 CATALOGUED = {
     model.key: model
     for model in or_stop(

@@ -31,7 +31,7 @@ rule fixations:
         viewpoints=PARAMETERS.viewpoints.model_dump(),
         rendering=PARAMETERS.rendering.model_dump(),
         attention=PARAMETERS.attention.model_dump(),
-        probing=PARAMETERS.probing.model_dump(),
+        strategies=PARAMETERS.probing.strategies,
         # Only visual effects are passed, so a sensor effect does not re-render views.
         modes=PARAMETERS.scene.effects.model_dump(include=set(VISUAL_EFFECTS)),
         seed=PARAMETERS.seed,

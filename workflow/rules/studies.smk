@@ -389,6 +389,7 @@ rule effect_influence:
         sensor=PARAMETERS.sensor.model_dump(),
         scene=PARAMETERS.scene.model_dump(),
         seed=PARAMETERS.seed,
+        wanted=WANTED,
     message:
         "measuring what each effect costs, and how far it moves images"
     script:

@@ -29,6 +29,7 @@ rule touches:
         sensor=PARAMETERS.sensor.model_dump(),
         scene=PARAMETERS.scene.model_dump(),
         seed=PARAMETERS.seed,
+        wanted=WANTED,
     message:
         "touching {wildcards.object} from viewpoints {wildcards.views}"
     script:

@@ -4,6 +4,7 @@ from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParam
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.studies.effects.influence import make_effect_influence
+from visuohaptic.touches.choosing import Wanted
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.object_blocks import files_of
 
@@ -17,4 +18,5 @@ with job(snakemake):
         sensor=SensorParameters(**snakemake.params.sensor),
         scene=Scene(**snakemake.params.scene),
         seed=snakemake.params.seed,
+        wanted=Wanted(**snakemake.params.wanted),
     )

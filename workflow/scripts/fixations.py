@@ -2,11 +2,7 @@
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.files import make_fixations
-from visuohaptic.fixations.parameters import (
-    ProbingParameters,
-    RenderingParameters,
-    ViewpointParameters,
-)
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic_workflow.jobs import job
 
@@ -21,7 +17,7 @@ with job(snakemake):
         viewpoints=ViewpointParameters(**snakemake.params.viewpoints),
         rendering=RenderingParameters(**snakemake.params.rendering),
         attention=AttentionParameters(**snakemake.params.attention),
-        probing=ProbingParameters(**snakemake.params.probing),
+        strategies=snakemake.params.strategies,
         modes=EffectModes(**snakemake.params.modes),
         seed=snakemake.params.seed,
     )

@@ -2,6 +2,7 @@
 
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.touches.choosing import Wanted
 from visuohaptic.touches.files import make_touches
 from visuohaptic_workflow.jobs import job
 
@@ -14,4 +15,5 @@ with job(snakemake):
         sensor=SensorParameters(**snakemake.params.sensor),
         scene=Scene(**snakemake.params.scene),
         seed=snakemake.params.seed,
+        wanted=Wanted(**snakemake.params.wanted),
     )

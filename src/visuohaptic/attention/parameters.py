@@ -18,6 +18,9 @@ from .term_registry import TERMS
 
 CHANNELS = tuple(ENTRIES)
 
+NAMED_WEIGHTS = ("equal", "human", "human_channels")
+"""Names that stand for a set of weights, see `AttentionParameters`."""
+
 
 class _Weights(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -94,7 +97,7 @@ else:
 
 def _or_a_name(schema: dict[str, Any]) -> None:
     """Let editors take the names that stand for a set of weights."""
-    schema["anyOf"] = [{"$ref": schema.pop("$ref")}, {"enum": ["equal", "human"]}]
+    schema["anyOf"] = [{"$ref": schema.pop("$ref")}, {"enum": list(NAMED_WEIGHTS)}]
 
 
 class AttentionParameters(BaseModel):
@@ -103,6 +106,11 @@ class AttentionParameters(BaseModel):
     Scales are counted in levels of a dyadic pyramid over a working image of 128
     pixels along the view's longer edge: level n averages over about 2^n / 128 of
     the view, independent of the view's own resolution.
+
+    `weights` may be a name. ``equal``: 1 for every channel. ``human``: the channels and the terms as
+    they were fitted together to where people looked (docs/gaze.md). ``human_channels``: the eight
+    channel weights of that fit alone, three of which are 0, without its terms; they were not fitted
+    again without terms, for the recordings are not part of this package.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -160,14 +168,18 @@ class AttentionParameters(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _named_weights(cls, values: Any) -> Any:
-        """Take `weights: equal` and `weights: human` for the weights that they stand for."""
+        """Take a name among `NAMED_WEIGHTS` for the weights that it stands for."""
         if not isinstance(values, dict) or not isinstance(values.get("weights"), str):
             return values
         name = values["weights"]
-        if name not in ("equal", "human"):
-            raise ValueError(f"weights is {name!r}; equal, human or a number a channel is allowed.")
+        if name not in NAMED_WEIGHTS:
+            raise ValueError(
+                f"weights is {name!r}; {', '.join(NAMED_WEIGHTS)} or a number a channel is allowed."
+            )
         if name == "equal":
             return {**values, "weights": ChannelWeights()}
+        if name == "human_channels":
+            return {**values, "weights": read_learnt()["channels"]}
         if any(dict(values.get("terms") or {}).values()):
             raise ValueError("weights is 'human', which sets the terms too; leave terms out.")
         learnt = read_learnt()

@@ -20,6 +20,7 @@ from visuohaptic.cli.printing import (
     show_progress,
 )
 from visuohaptic.exploration.recognising import DEFAULT_MODEL
+from visuohaptic.fixations.probing import STRATEGIES
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, TouchableObject
@@ -27,17 +28,6 @@ if TYPE_CHECKING:
     from visuohaptic.parameters import ExperimentParameters
 
 Made = TypeVar("Made")
-
-STRATEGIES = (
-    "fixation",
-    "random",
-    "random_visible",
-    "farthest_point",
-    "curvature",
-    "contour",
-    "human",
-)
-"""Those of `visuohaptic.fixations.probing`, which would take too long to import for `--help`."""
 
 _TOUCH_COLUMNS = ("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z")
 
@@ -50,11 +40,11 @@ class UpAxis(StrEnum):
 
 
 def _strategy(name: str) -> str:
-    if name in STRATEGIES:
+    if name in STRATEGIES.names:
         return name
     why = ", for it is for curves only (`curves_all`)" if name == "adaptive" else ""
     raise typer.BadParameter(
-        f"{name!r} is no strategy of touch{why}; {', '.join(STRATEGIES)} are allowed."
+        f"{name!r} is no strategy of touch{why}; {', '.join(STRATEGIES.names)} are allowed."
     )
 
 
@@ -68,8 +58,8 @@ StrategyOption = Annotated[
     str,
     typer.Option(
         parser=_strategy,
-        metavar=f"[{'|'.join(STRATEGIES)}]",
-        autocompletion=lambda: list(STRATEGIES),
+        metavar=f"[{'|'.join(STRATEGIES.names)}]",
+        autocompletion=lambda: list(STRATEGIES.names),
         help="How to choose where to touch.",
     ),
 ]

@@ -118,8 +118,8 @@ class TouchableObject:
         tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
         if not tables["touches"].num_rows:
             raise MeshError(
-                f"{self.key} shows no viewpoint a place to touch, for it is thinner than a pixel of the "
-                "view; a larger rendering.resolution or strategy random touches it."
+                f"{self.key} shows no viewpoint a place to touch: it is thinner than a pixel of the "
+                "view, or no sensor comes there; a larger rendering.resolution or strategy random touches it."
             )
         seconds = {"prepare": self.seconds, **seconds}
         return Exploration(self.key, self.surface, chosen, strategy, seconds, **tables)

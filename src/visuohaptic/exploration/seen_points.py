@@ -81,15 +81,21 @@ class _Work:
         chosen = self._parameters
         looks = look_from(self._caster, self._key, chosen, block)
         views, effects = view_tables(looks)
-        located = locate_all(looks, chosen.probing, chosen.attention, chosen.seed)
+        located = locate_all(looks, chosen.probing.strategies, chosen.attention, chosen.seed)
         return {"views": views, "effects": effects, "fixations": located}
 
     def _touch(self) -> dict[str, pa.Table]:
-        from visuohaptic.touches.touching import touch_tables
+        from visuohaptic.phases import wanted_of
+        from visuohaptic.touches.touching import acquire_touches
 
         chosen, located = self._parameters, self._parts["fixations"][-1]
-        touches, effects = touch_tables(
-            self._caster, located, chosen.sensor, chosen.scene, chosen.seed
+        touches, effects = acquire_touches(
+            self._caster,
+            located,
+            chosen.sensor,
+            chosen.scene,
+            chosen.seed,
+            wanted_of(chosen),
         )
         return {"touches": touches, "effects": effects}
 

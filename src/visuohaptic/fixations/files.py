@@ -11,11 +11,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.locations import Look, locate_all, look
-from visuohaptic.fixations.parameters import (
-    ProbingParameters,
-    RenderingParameters,
-    ViewpointParameters,
-)
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface, set_aside_reason
@@ -38,7 +34,7 @@ def make_fixations(
     viewpoints: ViewpointParameters,
     rendering: RenderingParameters,
     attention: AttentionParameters,
-    probing: ProbingParameters,
+    strategies: Sequence[str],
     modes: EffectModes,
     seed: int,
 ) -> None:
@@ -54,7 +50,7 @@ def make_fixations(
     pictures, log = view_tables(looks)
     write_table(VIEWS, pictures, views)
     write_table(EFFECTS, log, effects)
-    write_table(FIXATIONS, locate_all(looks, probing, attention, seed), fixations)
+    write_table(FIXATIONS, locate_all(looks, strategies, attention, seed), fixations)
 
 
 def view_tables(looks: Sequence[Look]) -> tuple[pa.Table, pa.Table]:

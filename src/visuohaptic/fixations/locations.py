@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -12,7 +12,7 @@ import pyarrow as pa
 from visuohaptic.attention.model import Attention, attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
-from visuohaptic.fixations.parameters import ProbingParameters, RenderingParameters
+from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.probing import (
     STRATEGIES,
     ProbingLocations,
@@ -24,7 +24,7 @@ from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, owner_columns
+from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, SPARE, owner_columns
 from visuohaptic.tables.schema import build_table
 
 
@@ -143,16 +143,18 @@ def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed:
     Returns
     -------
     pyarrow.Table
-        Rows of `tables.FIXATIONS`: as many as fixations are asked for, or fewer where
-        the view has no more.
+        Rows of `tables.FIXATIONS`: `SPARE` more than fixations are asked for, or fewer where
+        the view has no more. Fewer are the first of more.
 
     Raises
     ------
     RegistryError
         If there is no such strategy.
     """
-    generator = spawn_generator(seed, strategy, one.key, one.viewpoint)
-    chosen = STRATEGIES[strategy].choose(cast("Look", one), attention, generator)
+    entry = STRATEGIES[strategy]
+    generator = spawn_generator(seed, entry.chance or strategy, one.key, one.viewpoint)
+    more = attention.model_copy(update={"fixations": attention.fixations + SPARE})
+    chosen = entry.choose(cast("Look", one), more, generator)
     if isinstance(chosen, ProbingLocations):
         return location_table(one.key, one.viewpoint, strategy, chosen)
     return _path_table(one, strategy, chosen)
@@ -160,28 +162,13 @@ def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed:
 
 def locate_all(
     looks: Iterable[Standpoint],
-    probing: ProbingParameters,
+    strategies: Sequence[str],
     attention: AttentionParameters,
     seed: int,
 ) -> pa.Table:
     """Choose where to touch from viewpoints, at least one, by every strategy: `tables.FIXATIONS`."""
-    tables = [
-        locate(one, strategy, attention, seed) for one in looks for strategy in probing.strategies
-    ]
-    if probing.when_exhausted == "begin_again":
-        tables = [begin_again(table, attention.fixations) for table in tables]
+    tables = [locate(one, strategy, attention, seed) for one in looks for strategy in strategies]
     return pa.concat_tables(tables)
-
-
-def begin_again(sequence: pa.Table, touches: int) -> pa.Table:
-    """Make a sequence as long as asked for by starting again at its first location."""
-    if not sequence.num_rows:
-        return sequence
-    again = sequence.take([number % sequence.num_rows for number in range(touches)])
-    place = again.schema.get_field_index("touch")
-    return again.set_column(
-        place, again.schema.field("touch"), pa.array(range(touches), pa.int32())
-    )
 
 
 def candidate_table(one: Standpoint, crowd: ProbingLocations) -> pa.Table:
@@ -202,6 +189,7 @@ def location_table(
     looked: Mapping[str, object] | None = None,
 ) -> pa.Table:
     """Give locations as rows of `tables.FIXATIONS`; those not chosen by pixel have no `looked`."""
+    entry = STRATEGIES[strategy] if strategy in STRATEGIES.names else None
     if looked is None:
         looked = dict.fromkeys(
             ("pixel_row", "pixel_column", "saliency"), [None] * len(locations.faces)
@@ -213,6 +201,8 @@ def location_table(
         "touch": np.arange(len(locations.points)),
         "face": locations.faces,
         **looked,
+        "unreachable": [entry and entry.unreachable] * len(locations.points),
+        "chance": (entry and entry.chance) or strategy,
     }
     columns |= dict(zip(POINT_NAMES, locations.points.T, strict=True))
     columns |= dict(zip(NORMAL_NAMES, locations.normals.T, strict=True))

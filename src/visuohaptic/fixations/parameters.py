@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from visuohaptic.fixations.probing import StrategyName
+from visuohaptic.fixations.probing import StrategyName, Unreachable
 
 
 class ViewpointParameters(BaseModel):
@@ -118,6 +118,12 @@ class ProbingParameters(BaseModel):
 
     strategies: tuple[StrategyName, ...] = Field(
         ("fixation", "random"), min_length=1, description="Strategies to compare"
+    )
+    unreachable: Unreachable = Field(
+        "replace",
+        description="What is done with a place that the sensor can't reach: the view's next one is touched "
+        "instead, with at most 16 passed over (`replace`), or it is touched as far as it goes (`keep`); "
+        "`random` always replaces, `random_anywhere` never",
     )
     when_exhausted: Literal["stop", "begin_again"] = Field(
         "stop",

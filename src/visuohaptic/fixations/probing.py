@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from visuohaptic.registry import Registry
 
@@ -38,6 +38,9 @@ FRUITLESS_BATCHES = 64
 SMALLEST_PEAK = 1e-30
 """A view of flat faces alone has no curvature; its map stays zero."""
 
+Unreachable = Literal["replace", "keep"]
+"""What is done with a place that the sensor can't reach."""
+
 
 @dataclass(frozen=True)
 class Strategy:
@@ -58,6 +61,12 @@ class Strategy:
         Whether the generator changes the places.
     looks : bool
         Whether it needs the view and its saliency; one that does not takes any `Standpoint`.
+    unreachable : {"replace", "keep"}, optional
+        What is done with its places out of reach, whatever `probing.unreachable` says; without it
+        as that says.
+    chance : str, optional
+        Name of its generators, also of the sensor's noise; without it its own name. Strategies
+        with one name draw the same.
     """
 
     name: str
@@ -65,6 +74,8 @@ class Strategy:
     choose: Callable[[Look, AttentionParameters, np.random.Generator], Scanpath | ProbingLocations]
     random: bool = True
     looks: bool = True
+    unreachable: Unreachable | None = None
+    chance: str | None = None
 
 
 @dataclass(frozen=True)
@@ -275,26 +286,32 @@ def _join(parts: Sequence[ProbingLocations]) -> ProbingLocations:
     )
 
 
-def _follow_the_eye(one: Look, *_: object) -> Scanpath:
-    return one.attended.scanpath
-
-
-def _follow_curvature(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
-    """Let the eye follow curvature alone, with the same inhibition of return."""
-    import numpy as np
-
+def _scan(one: Look, saliency: NDArray[np.float32], attention: AttentionParameters) -> Scanpath:
     from visuohaptic.attention.scanpath import scan
 
     seen, place = one.seen, one.place
-    peak = max(float(seen.curvature[place].max()), SMALLEST_PEAK)
     return scan(
-        seen.curvature[place] / np.float32(peak),
+        saliency,
         seen.mask[place],
         seen.point[place],
         seen.normal[place],
         seen.face[place],
         attention,
     )
+
+
+def _follow_the_eye(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Let the eye go on from where the look ended."""
+    return _scan(one, one.attended.saliency, attention)
+
+
+def _follow_curvature(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Let the eye follow curvature alone, with the same inhibition of return."""
+    import numpy as np
+
+    curvature = one.seen.curvature[one.place]
+    peak = max(float(curvature.max()), SMALLEST_PEAK)
+    return _scan(one, curvature / np.float32(peak), attention)
 
 
 def _look_as_people(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
@@ -304,7 +321,7 @@ def _look_as_people(one: Look, attention: AttentionParameters, *_: object) -> Sc
     from visuohaptic.attention.model import attend
     from visuohaptic.attention.parameters import AttentionParameters
 
-    settings = attention.model_dump(exclude={"weights", "terms"})
+    human = AttentionParameters.model_validate({"weights": "human"})
     part = slice(one.place, one.place + 1)
     seen = one.seen
     (found,) = attend(
@@ -314,7 +331,7 @@ def _look_as_people(one: Look, attention: AttentionParameters, *_: object) -> Sc
         seen.normal[part],
         seen.face[part],
         seen.curvature[part],
-        AttentionParameters(**settings, weights="human"),
+        attention.model_copy(update={"weights": human.weights, "terms": human.terms}),
         np.array([one.camera.eye]),
     )
     return found.scanpath
@@ -364,16 +381,34 @@ def _probe_far_apart(
     return face_outwards(one.caster, spread)
 
 
+def _walk(
+    one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
+) -> ProbingLocations:
+    from visuohaptic.fixations.walking import walk
+
+    return walk(one.caster, attention.fixations, generator)
+
+
 STRATEGIES = Registry(
     "probing strategy",
     Strategy("fixation", "eye fixations", _follow_the_eye, random=False),
-    Strategy("random", "random probing", _probe_anywhere, looks=False),
+    Strategy("random", "random probing", _probe_anywhere, looks=False, unreachable="replace"),
+    Strategy(
+        "random_anywhere",
+        "random probing, out of reach too",
+        _probe_anywhere,
+        looks=False,
+        unreachable="keep",
+        chance="random",
+    ),
     Strategy("random_visible", "random probing of what is seen", _probe_what_is_seen, looks=False),
+    Strategy("random_walk", "a random walk over the surface", _walk, looks=False),
     Strategy("farthest_point", "farthest points", _probe_far_apart, looks=False),
     Strategy("curvature", "the most curved places", _follow_curvature, random=False),
     Strategy("contour", "places along the outline", _follow_the_contour, random=False),
     Strategy("human", "where people are predicted to look", _look_as_people, random=False),
 )
 """Every strategy that places touches from a view or the surface, in the order of reports."""
+
 
 StrategyName = Annotated[str, STRATEGIES]

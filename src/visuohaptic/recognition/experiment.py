@@ -22,6 +22,7 @@ from visuohaptic.recognition.sequences import (
     TouchSequences,
     gather_sequences,
     identical_objects,
+    shuffle_touches,
     spread_contact_states,
     turn_objects,
 )
@@ -105,7 +106,7 @@ def run_pipeline(
         If the features don't allow the experiment; the sentence says why.
     """
     strategy = features.column("strategy")[0].as_py() if len(features) else ""
-    sequences = gather_pipeline(features, parameters, pipeline)
+    sequences = gather_pipeline(features, parameters, pipeline, seed)
     return run_sequences(sequences, strategy, parameters, seed, pipeline)
 
 
@@ -159,12 +160,12 @@ def answer_splits(
 
 
 def gather_pipeline(
-    features: pa.Table, parameters: RecognitionParameters, pipeline: str
+    features: pa.Table, parameters: RecognitionParameters, pipeline: str, seed: int = 0
 ) -> TouchSequences:
     """Gather the columns that a pipeline uses from rows of one strategy.
 
     ``paper`` takes the paper's 22 features; ``best`` also columns ``imprint_…``, ``sensor_size``
-    and ``contact_state`` where there are any. Raises `RecognitionError` if there is no such
+    and ``contact_state`` where there are any. The seed is for a shuffled order. Raises `RecognitionError` if there is no such
     pipeline, or the features don't allow it.
     """
     bands = _described(features)
@@ -172,16 +173,18 @@ def gather_pipeline(
     if pipeline == "paper":
         cues = {"cutaneous": bands, "kinesthetic": KINESTHETIC_FEATURES}
         names = [name for cue, names in cues.items() if cue in parameters.cues for name in names]
-        return gather_sequences(features, names, parameters.touches)
-    if pipeline != "best":
+    elif pipeline == "best":
+        features = spread_contact_states(features)
+        extra = [
+            name
+            for name in features.column_names
+            if name.startswith(("imprint_", "contact_")) or name == "sensor_size"
+        ]
+        names = [*bands, *KINESTHETIC_FEATURES, *extra]
+    else:
         raise RecognitionError(f"There is no pipeline {pipeline}; paper and best are allowed.")
-    features = spread_contact_states(features)
-    extra = [
-        name
-        for name in features.column_names
-        if name.startswith(("imprint_", "contact_")) or name == "sensor_size"
-    ]
-    return gather_sequences(features, (*bands, *KINESTHETIC_FEATURES, *extra), parameters.touches)
+    sequences = gather_sequences(features, names, parameters.touches)
+    return sequences if parameters.order == "kept" else shuffle_touches(sequences, seed)
 
 
 def _described(features: pa.Table) -> tuple[str, ...]:

@@ -245,6 +245,9 @@ class RecognitionModel:
         parts = gather_any(spread_contact_states(features), self.feature_names, self.touches)
         if self.pipeline == "paper":  # its wavelet needs whole sequences
             parts = [part for part in parts if part.shape[1] == self.touches]
+        if self.parameters.order == "shuffled":
+            order = spawn_generator(0, "order")
+            parts = [np.stack([order.permutation(one) for one in part]) for part in parts]
         if not parts:
             raise RecognitionError(
                 f"No viewpoint has {self.touches} touches, which the model needs: the object is too "
@@ -287,7 +290,7 @@ def fit_model(
     """
     from threadpoolctl import threadpool_limits
 
-    sequences = gather_pipeline(features, parameters, pipeline)
+    sequences = gather_pipeline(features, parameters, pipeline, seed)
     check_two_classes(sequences)
     fitters: dict[str, Callable[..., _Fit]] = {
         "paper": _fit_paper,

@@ -249,6 +249,11 @@ class RecognitionParameters(_Section):
         le=16,
         description="Touches of a sequence that are used, the first ones; null for all",
     )
+    order: Literal["kept", "shuffled"] = Field(
+        "kept",
+        description="Order of a sequence's touches, in training and test alike: as they were made, or drawn "
+        "for each sequence by the random seed, the object and the viewpoint, the same for every strategy",
+    )
     touch_scaling: Scaling = Field(
         "standardise", description="Scaling of the 22 features before the map"
     )

@@ -115,6 +115,21 @@ def gather_sequences(
     )
 
 
+def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
+    """Draw a new order of each sequence's touches by the seed, its object and its viewpoint alone."""
+    from visuohaptic.seeds import spawn_generator
+
+    orders = [
+        spawn_generator(seed, "order", *sequences.objects[owner], viewpoint)
+        for owner, viewpoint in zip(sequences.object_index, sequences.viewpoint, strict=True)
+    ]
+    features = [
+        order.permutation(touches)
+        for order, touches in zip(orders, sequences.features, strict=True)
+    ]
+    return replace(sequences, features=np.reshape(features, sequences.features.shape))
+
+
 def gather_any(
     features: pa.Table, feature_names: Sequence[str], touches: int
 ) -> list[NDArray[np.float64]]:

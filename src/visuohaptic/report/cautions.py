@@ -28,6 +28,7 @@ def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
     return [
         *_objects_left_out(run),
         *_poor_views(run),
+        *_short_sequences(run),
         *_unfitted_classifiers(run),
         *_missing_models(run),
         *_broken_tolerances(run),
@@ -109,6 +110,34 @@ def _poor_views(run: Run) -> list[str]:
         owners.setdefault(key_of(row), []).append(str(row["viewpoint"]))
     places = [f"{key} (view {listed(views)})" for key, views in sorted(owners.items())]
     found = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
+    return [
+        f"{found}, which recognition leaves out where it needs more touches: {listed_in_short(places)}."
+    ]
+
+
+def _short_sequences(run: Run) -> list[str]:
+    """Name objects of which the sensor reaches too little from some views."""
+    asked = run.parameters.attention.fixations
+    sequence = ["class", "object", "viewpoint", "strategy"]
+    counts = run.touches.group_by(sequence).aggregate([([], "count_all")])
+    views = run.views.select(["class", "object", "viewpoint", "distinct_fixations"]).to_pylist()
+    enough = {
+        (key_of(row), row["viewpoint"]) for row in views if row["distinct_fixations"] >= asked
+    }
+    made = {
+        (key_of(row), row["viewpoint"], row["strategy"]): row["count_all"]
+        for row in counts.to_pylist()
+    }
+    short = sorted(
+        (key, viewpoint, strategy)
+        for key, viewpoint in enough
+        for strategy in run.parameters.probing.strategies
+        if made.get((key, viewpoint, strategy), 0) < asked
+    )
+    if not short:
+        return []
+    places = [f"{key} (view {viewpoint}, {strategy})" for key, viewpoint, strategy in short]
+    found = f"{counted(len(short), 'sequence')} with fewer than {asked} places in reach"
     return [
         f"{found}, which recognition leaves out where it needs more touches: {listed_in_short(places)}."
     ]

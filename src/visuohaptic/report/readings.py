@@ -20,6 +20,7 @@ from visuohaptic.studies.readings.figures import summarise_readings
 from visuohaptic.studies.readings.leads import (
     Lead,
     PairLead,
+    against_main,
     leads_by_option,
     strongest_pair,
     sum_up,
@@ -110,6 +111,7 @@ class OutsideFigures:
     options: tuple[OptionLead, ...]
     objects: int
     source: Source | None
+    earlier: str | None
 
 
 @dataclass(frozen=True)
@@ -130,6 +132,8 @@ class ReadingsFigures:
         All of them.
     source : Source or None
         Where the readings come from; None where they are of this run.
+    earlier : str or None
+        That they are of an earlier state, where they are.
     outside : OutsideFigures or None
         The same on objects outside the paper's set, where they were measured.
     """
@@ -140,6 +144,7 @@ class ReadingsFigures:
     shares: Mapping[str, Sequence[Row]]
     choices: tuple[Choice, ...]
     source: Source | None
+    earlier: str | None
     outside: OutsideFigures | None
 
 
@@ -167,6 +172,7 @@ def readings_figures(
         shares={name: _largest(summary["classifiers"][name]["choices"]) for name in shown},
         choices=CHOICES,
         source=measured.source,
+        earlier=earlier_sentence(measured),
         outside=outside_figures(measured.rows, outside) if outside else None,
     )
 
@@ -175,7 +181,9 @@ def readings_answer(
     measured: MeasuredReadings | None, outside: MeasuredReadings | None = None
 ) -> str | None:
     """Say in one sentence how far the paper's readings differ; None without readings."""
-    run = [] if measured is None else _of_the_papers_question(measured.rows, BEST_OF_PAPER)
+    if measured is None:
+        return None
+    run = _of_the_papers_question(measured.rows, BEST_OF_PAPER)
     if not run:
         return None
     reached = [row["fixation"] for row in run]
@@ -188,11 +196,12 @@ def readings_answer(
             f"; on {max(row['objects'] for row in own)} objects outside the paper's set it is in "
             f"{percent(there.ahead / there.cases, 0)} of {there.cases}"
         )
+    earlier = ", measured with an earlier state of the touches" if measured.is_earlier else ""
     return (
         f"This is one reading of what the paper leaves open. Over {len(run)} readings the "
         f"{classifier_name(BEST_OF_PAPER)} reaches {percent(min(reached))} to "
         f"{percent(max(reached))}, and fixation is ahead of random probing in "
-        f"{percent(leads.ahead / leads.cases, 0)} of them{elsewhere}."
+        f"{percent(leads.ahead / leads.cases, 0)} of them{elsewhere}{earlier}."
     )
 
 
@@ -211,12 +220,16 @@ def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> OutsideFi
     )
     objects = max(row["objects"] or 0 for row in outside.rows)
     return OutsideFigures(
-        tuple(_outside_sentences(outside.rows, objects)), options, objects, outside.source
+        tuple(_outside_sentences(outside.rows, objects)),
+        options,
+        objects,
+        outside.source,
+        earlier_sentence(outside),
     )
 
 
 def _outside_sentences(rows: Sequence[Row], objects: int) -> Iterator[str]:
-    found = sum_up([row for row in rows if row["ahead"] is not None])
+    found = sum_up([row for row in against_main(rows) if row["ahead"] is not None])
     yield (
         f"On {objects} objects outside the paper's set, fixation is ahead of random probing in "
         f"{found.ahead} of {found.cases} cases (a reading with one classifier), in "
@@ -289,7 +302,7 @@ def _of_the_papers_question(rows: Sequence[Row], classifier: str) -> list[Row]:
     """Give one classifier's readings that could be run, without those of another question."""
     return [
         row
-        for row in rows
+        for row in against_main(rows)
         if row["classifier"] == classifier and row["error"] is None and row["part"] != "protocol"
     ]
 
@@ -302,6 +315,16 @@ def describe_options(row: Row) -> str:
         if row[choice.name] != choice.default
     ]
     return "; ".join(changed) or "our default"
+
+
+def earlier_sentence(readings: MeasuredReadings) -> str | None:
+    """Say that readings are of a state with other random touches; None where they are not."""
+    if not readings.is_earlier:
+        return None
+    return (
+        "These readings are of an earlier state: random touches were also made where no sensor can "
+        "come, and fixations out of reach were not replaced."
+    )
 
 
 def _panel(
@@ -328,9 +351,11 @@ def _panel(
 
 def _label(row: Row) -> str:
     interval = f"{percent(row['fixation_low'])} to {percent(row['fixation_high'])}"
+    # The main kind of random touches is `anywhere` in an earlier design alone, with names of its own.
+    command = f" {COMMAND.format(row['reading'])}" if row["random_probing"] != "anywhere" else ""
     return (
         f"{row['reading']}: fixation {percent(row['fixation'])} ({interval}), random "
-        f"{percent(row['random'])}. {describe_options(row)}. {COMMAND.format(row['reading'])}"
+        f"{percent(row['random'])}. {describe_options(row)}.{command}"
     )
 
 

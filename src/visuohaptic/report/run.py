@@ -27,6 +27,7 @@ from visuohaptic.tables.phases import (
     key_of,
 )
 from visuohaptic.tables.schema import read_table
+from visuohaptic.touches.choosing import touched_places
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,7 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
     Raises `ReportError` if the metrics can't be read, and `TableError` if a table is missing or
     breaks its schema.
     """
+    touches = read_table(TOUCHES, files.touches)
     return Run(
         files=files,
         parameters=parameters,
@@ -145,8 +147,8 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
         metrics=_read_metrics(Path(files.metrics)),
         predictions=read_table(PREDICTIONS, files.predictions),
         views=read_table(VIEWS, files.views),
-        fixations=read_table(FIXATIONS, files.fixations),
-        touches=read_table(TOUCHES, files.touches),
+        fixations=touched_places(read_table(FIXATIONS, files.fixations), touches),
+        touches=touches,
         features=read_table(FEATURES, files.features),
         effects=read_table(EFFECTS, files.effects) if files.effects else None,
     )

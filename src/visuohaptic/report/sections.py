@@ -334,8 +334,25 @@ def count_states(touches: pa.Table) -> dict[str, Counter[str]]:
     return found
 
 
+def count_passed_over(touches: pa.Table) -> Counter[str]:
+    """Count the places that were passed over for being out of reach, by strategy."""
+    sequence = ["class", "object", "viewpoint", "strategy"]
+    found = touches.group_by(sequence).aggregate([("rank", "max"), ("rank", "count_distinct")])
+    counts: Counter[str] = Counter()
+    for row in found.to_pylist():
+        counts[row["strategy"]] += row["rank_max"] + 1 - row["rank_count_distinct"]
+    return counts
+
+
+def count_missing(run: Run) -> Counter[str]:
+    """Count the touches that were asked for and not made, by strategy."""
+    asked = run.views.num_rows * run.parameters.attention.fixations
+    made = Counter(run.touches.column("strategy").to_pylist())
+    return Counter({strategy: asked - count for strategy, count in made.items()})
+
+
 def objects_values(context: ReportContext) -> Values:
-    """Give every object, and how often each kind of contact was met."""
+    """Give every object, how often each kind of contact was met, and what was out of reach."""
     states = count_states(context.run.touches)
     return {
         "pages": context.pages,
@@ -344,6 +361,8 @@ def objects_values(context: ReportContext) -> Values:
         "classes": context.run.classes,
         "strategies": sorted(states),
         "states": states,
+        "passed_over": count_passed_over(context.run.touches),
+        "missing": count_missing(context.run),
         "objects": len(context.run.objects),
         "meanings": CONTACT_STATES,
         "checks": {} if context.run.stability is None else context.run.stability.objects,

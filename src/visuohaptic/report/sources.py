@@ -237,8 +237,8 @@ def _one_view(run: Run, shown: tuple[str, int]) -> Source:
 def _places(run: Run, shown: tuple[str, int]) -> Source:
     return Source(
         "Places touched in each scene",
-        _of_object(run, run.files.fixations, shown[0]),
-        "fixations",
+        _of_object(run, run.files.touches, shown[0]),
+        "touches",
         ("x", "y", "z", "normal_x", "normal_y", "normal_z"),
         ("touch",),
         _rows_of_view(shown),
@@ -267,7 +267,7 @@ def _objects(run: Run) -> Iterator[Source]:
         view,
     )
     yield Source(
-        "Fixations",
+        "Fixations, the touched ones by the touches' rank",
         _pattern(run, run.files.fixations),
         "fixations",
         ("pixel_row", "pixel_column"),

@@ -32,7 +32,10 @@ class SensorParameters(BaseModel):
         description="How far the object may stand above the sensor's plane (object radii)",
     )
     depth_range: float = Field(
-        0.1, gt=0, le=2, description="How deep below its plane the sensor feels (object radii)"
+        0.1,
+        gt=0,
+        le=2,
+        description="How deep below its plane the sensor feels (object radii); 2 is no limit, as no two points of an object are farther apart",
     )
     clearance: float = Field(
         0.1,

@@ -100,19 +100,59 @@ def touch(
     ParameterError
         If the scene is random and no fields are given.
     """
-    if parameters.normal == "face" and faces is not None:
-        normals = touched_normals(caster, normals, faces)
+    poses = stand(caster, points, normals, parameters, faces)
     parts = [
         _touch_part(
             caster,
-            stand_on(points[rows], normals[rows], parameters.orientation),
+            poses[rows],
             parameters,
             scene,
             None if fields is None else fields.select(rows),
         )
-        for rows in _batches(len(points))
+        for rows in batches(len(points))
     ]
     return _join(parts)
+
+
+def stand(
+    caster: RayCaster,
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    parameters: SensorParameters,
+    faces: NDArray[np.int64] | None = None,
+) -> Poses:
+    """Place sensors on an object, with the normal that the parameters ask for.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    points, normals : numpy.ndarray
+        Shape (n, 3) each, float64, object frame: probing locations and outward unit normals.
+    parameters : SensorParameters
+        The sensor's measures.
+    faces : numpy.ndarray, optional
+        Shape (n,), int64: the face under each probing location, for the normal `face`. Without
+        them the given normals are taken.
+
+    Returns
+    -------
+    Poses
+        n sensors, each independent of the others.
+    """
+    if parameters.normal == "face" and faces is not None:
+        normals = touched_normals(caster, normals, faces)
+    poses = stand_on(points, normals, parameters.orientation)
+    if parameters.normal != "smoothed":
+        return poses
+    size, clearance = parameters.largest_size, parameters.clearance
+    smooth = [smooth_normals(caster, poses[rows], size, clearance) for rows in batches(len(poses))]
+    return stand_on(points, np.concatenate(smooth), parameters.orientation)
+
+
+def batches(count: int) -> list[NDArray[np.intp]]:
+    """Divide touches, by their numbers, into parts that fit into memory."""
+    return np.split(np.arange(count), range(TOUCHES_AT_A_TIME, count, TOUCHES_AT_A_TIME))
 
 
 def _join(parts: Sequence[Touches]) -> Touches:
@@ -128,10 +168,6 @@ def _join(parts: Sequence[Touches]) -> Touches:
     )
 
 
-def _batches(count: int) -> list[NDArray[np.intp]]:
-    return np.split(np.arange(count), range(TOUCHES_AT_A_TIME, count, TOUCHES_AT_A_TIME))
-
-
 def _touch_part(
     caster: RayCaster,
     poses: Poses,
@@ -139,9 +175,6 @@ def _touch_part(
     scene: Scene,
     fields: RandomFields | None,
 ) -> Touches:
-    if parameters.normal == "smoothed":
-        smooth = smooth_normals(caster, poses, parameters.largest_size, parameters.clearance)
-        poses = stand_on(poses.points, smooth, parameters.orientation)
     placement = place(caster, poses, parameters, scene.effects.adaptive_size)
     states = contact_states(placement.heights, placement.sizes, placement.blocked, parameters)
     highest = placement.heights.max(axis=(1, 2))

@@ -15,6 +15,7 @@ from visuohaptic.stability.rows import result_table
 from visuohaptic.tables.phases import FIXATIONS, TOUCHES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.stability import STABILITY
+from visuohaptic.touches.choosing import touched_places
 
 
 def make_object_stability(
@@ -28,12 +29,13 @@ def make_object_stability(
     scene: Scene,
     seed: int,
 ) -> None:
-    """Make the checks on one object, and write the table; of an object set aside it has no rows."""
+    """Make the checks on one object, and write the table; of an object set aside, or that was not touched, it has no rows."""
     located = read_table(FIXATIONS, fixations)
-    if not located.num_rows:
+    felt = read_table(TOUCHES, touches)
+    if not felt.num_rows:
         write_table(STABILITY, STABILITY.arrow.empty_table(), output)
         return
-    felt = read_table(TOUCHES, touches)
+    located = touched_places(located, felt)
     sensed = SensedObject(read_surface(mesh), located, felt, attention, sensor, scene, seed)
     found = check_object(sensed, spawn_generator(seed, "stability", key))
     write_table(STABILITY, result_table(found.values(), "reduced", key), output)

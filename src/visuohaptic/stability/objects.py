@@ -37,7 +37,7 @@ class SensedObject:
     surface : Surface
         Its mesh.
     fixations, touches : pyarrow.Table
-        n rows of `tables.FIXATIONS` and of `tables.TOUCHES`, in one order.
+        n rows of `tables.FIXATIONS` and of `tables.TOUCHES`, in one order: the places touched.
     attention, sensor, scene : AttentionParameters, SensorParameters, Scene
         What it was looked at and touched with.
     seed : int
@@ -193,7 +193,8 @@ def repeated_touches(sensed: SensedObject, generator: np.random.Generator) -> It
     rows = np.sort(generator.choice(len(sensed.fixations), count, replace=False))
     located, before = sensed.fixations.take(rows), sensed.touches.take(rows)
     caster = RayCaster(sensed.surface)
-    again, _ = touch_tables(caster, located, sensed.sensor, sensed.scene, sensed.seed)
+    ranks = before.column("rank").to_numpy()
+    again, _ = touch_tables(caster, located, sensed.sensor, sensed.scene, sensed.seed, ranks)
     yield Finding(
         "objects/touches by themselves",
         [not again.slice(row, 1).equals(before.slice(row, 1)) for row in range(count)],

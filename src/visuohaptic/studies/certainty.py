@@ -69,7 +69,7 @@ def measure_certainty(
     from visuohaptic.recognition.sequences import take_strategy
 
     table, _ = take_strategy(features, strategy, parameters.touches)
-    sequences = gather_pipeline(table, parameters, "best")
+    sequences = gather_pipeline(table, parameters, "best", seed)
     if len(sequences.classes) < 3:
         raise RecognitionError(
             f"There are {len(sequences.classes)} classes; at least three are needed to leave one out."

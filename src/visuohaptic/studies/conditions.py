@@ -39,13 +39,16 @@ _VIEWS: Any = {
     "viewpoints": True,
     "rendering": True,
     "attention": True,
-    "probing": {"when_exhausted"},
     "scene": {"effects": set(VISUAL_EFFECTS)},
 }
 _SECTIONS: dict[Phase, Any] = {
     "views": {"include": _VIEWS, "exclude": {"attention": {"fixations"}}},
     "touches": {
-        "include": {"sensor": True, "scene": True},
+        "include": {
+            "sensor": True,
+            "scene": True,
+            "probing": {"unreachable", "when_exhausted"},
+        },
         "exclude": {"scene": {"effects": set(VISUAL_EFFECTS)}},
     },
     "features": {"include": {"features"}},

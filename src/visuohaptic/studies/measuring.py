@@ -207,7 +207,7 @@ def _name_condition(
 
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
-    sequences = gather_pipeline(rows, recognition, pipeline)
+    sequences = gather_pipeline(rows, recognition, pipeline, seed)
     answer_split: AnswerSplit | None = None
     if pipeline == "paper":
         answer_split = lambda split, generator: run_paper_split(  # noqa: E731

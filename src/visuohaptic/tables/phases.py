@@ -46,7 +46,7 @@ VIEW_KEYS = (
 TOUCH_KEYS = (
     *VIEW_KEYS,
     Column("strategy", TEXT, "how the probing locations were chosen"),
-    Column("touch", COUNT, "place in the sequence of touches, 0 first", minimum=0),
+    Column("touch", COUNT, "place in the sequence, 0 first", minimum=0),
 )
 
 POINT = tuple(
@@ -78,6 +78,9 @@ SENSOR_SIZE = Column("sensor_size", REAL, "edge of the sensor's square", "object
 CONTACT_STATES = ("full", "shrunk", "at_minimum", "blocked", "partial")
 """States of the sensor's contact."""
 
+OUT_OF_REACH = ("at_minimum", "blocked")
+"""Those that occur, where the size adapts, at places that the sensor can't reach alone."""
+
 CONTACT_STATE = Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked or partial")
 
 VIEWS = Schema(
@@ -102,6 +105,9 @@ VIEWS = Schema(
     names_of(VIEW_KEYS),
 )
 
+SPARE = 16
+"""Probing locations beyond the touches asked for, where the sensor can't reach some of them."""
+
 FIXATIONS = Schema(
     "fixations",
     (
@@ -122,6 +128,13 @@ FIXATIONS = Schema(
             1,
             nullable=True,
         ),
+        Column(
+            "unreachable",
+            TEXT,
+            "what is done if the sensor can't reach it, replace or keep; none: as probing.unreachable says",
+            nullable=True,
+        ),
+        Column("chance", TEXT, "the strategy whose random numbers it has"),
     ),
     names_of(TOUCH_KEYS),
 )
@@ -141,6 +154,13 @@ TOUCHES = Schema(
         SENSOR_SIZE,
         CONTACT_STATE,
         Column("penetration", REAL, "deepest penetration left", "object radii", 0),
+        Column(
+            "rank",
+            COUNT,
+            "its place among the view's probing locations, 0 first; more than touch by those passed over, "
+            "which are out of reach",
+            minimum=0,
+        ),
         *POINT,
         *NORMAL,
         *TANGENT,

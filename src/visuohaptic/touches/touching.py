@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.effect_log import effect_table
@@ -20,6 +22,7 @@ from visuohaptic.tables.phases import (
     key_of,
 )
 from visuohaptic.tables.schema import build_table, matrix
+from visuohaptic.touches.choosing import Wanted, choose_places
 
 
 def touch_locations(
@@ -45,7 +48,8 @@ def touch_locations(
     Touches
         n touches.
     """
-    keys = [fixations.column(name).to_pylist() for name in FIXATIONS.keys]
+    names = ["chance" if name == "strategy" else name for name in FIXATIONS.keys]
+    keys = [fixations.column(name).to_pylist() for name in names]
     return touch(
         caster,
         matrix(fixations, POINT_NAMES),
@@ -57,10 +61,34 @@ def touch_locations(
     )
 
 
+def acquire_touches(
+    caster: RayCaster,
+    fixations: pa.Table,
+    sensor: SensorParameters,
+    scene: Scene,
+    seed: int,
+    wanted: Wanted,
+) -> tuple[pa.Table, pa.Table]:
+    """Touch an object at those of its probing locations that `choose_places` gives.
+
+    Gives `tables.TOUCHES` and `tables.EFFECTS` as `touch_tables` does.
+    """
+    places, ranks = choose_places(caster, fixations, sensor, wanted)
+    return touch_tables(caster, places, sensor, scene, seed, ranks)
+
+
 def touch_tables(
-    caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, scene: Scene, seed: int
+    caster: RayCaster,
+    fixations: pa.Table,
+    sensor: SensorParameters,
+    scene: Scene,
+    seed: int,
+    ranks: NDArray[np.int64] | None = None,
 ) -> tuple[pa.Table, pa.Table]:
     """Touch an object at its probing locations, if there are any, as `touch_locations` does.
+
+    `ranks`, shape (n,), are their places among the view's; without them these are as column
+    ``touch`` says.
 
     Returns
     -------
@@ -74,10 +102,11 @@ def touch_tables(
     felt = touch_locations(caster, fixations, sensor, scene, seed)
     first = fixations.slice(0, 1).to_pylist()[0]
     log = effect_table(key_of(first), first["viewpoint"], scene.preset, felt.effects)
-    return _touch_table(fixations, felt), log
+    numbers = fixations.column("touch").to_numpy() if ranks is None else ranks
+    return _touch_table(fixations, felt, numbers), log
 
 
-def _touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
+def _touch_table(fixations: pa.Table, felt: Touches, ranks: NDArray[np.int64]) -> pa.Table:
     columns: dict[str, object] = {
         name: fixations.column(name) for name in (*TOUCHES.keys, *POINT_NAMES)
     }
@@ -88,5 +117,6 @@ def _touch_table(fixations: pa.Table, felt: Touches) -> pa.Table:
         "sensor_size": felt.size,
         "contact_state": felt.contact_state.tolist(),
         "penetration": felt.penetration,
+        "rank": ranks,
     }
     return build_table(TOUCHES, columns)

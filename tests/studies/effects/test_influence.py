@@ -21,6 +21,7 @@ from visuohaptic.studies.effects.influence import (
 from visuohaptic.tables.phases import FIXATIONS
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
+from visuohaptic.touches.choosing import Wanted
 
 SENSOR = SensorParameters(resolution=16)
 RENDERING = RenderingParameters(resolution=32)
@@ -45,6 +46,7 @@ def fixations(surface):
     nothing = [None] * COUNT
     columns |= {"class": "ring", "object": "torus", "viewpoint": [0, 0, 0, 1, 1, 1]}
     columns |= {"strategy": "random", "touch": [0, 1, 2] * 2, "face": faces}
+    columns |= {"unreachable": nothing, "chance": "random"}
     columns |= {"pixel_row": nothing, "pixel_column": nothing, "saliency": nothing}
     return build_table(FIXATIONS, columns)
 
@@ -118,6 +120,7 @@ def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):
         SENSOR,
         Scene(),
         7,
+        Wanted(5),
     )
     rows = read_table(EFFECT_INFLUENCE, output).to_pylist()
     assert {row["effect"] for row in rows if row["scene"] == "any"} == set(VISUAL_EFFECTS)

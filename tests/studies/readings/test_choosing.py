@@ -1,28 +1,53 @@
 """The default is the nearest reading to the former one that is not significantly behind the best."""
 
 import json
+from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
 import pytest
+from recognition.synthetic import features_table, with_column
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.figures import Cell
-from visuohaptic.studies.readings.choosing import FORMER_DEFAULT, choose_default
-from visuohaptic.studies.readings.design import STRATEGIES, all_readings, is_default
+from visuohaptic.studies.readings import choosing
+from visuohaptic.studies.readings.choosing import (
+    ENOUGH,
+    FORMER_DEFAULT,
+    TODAYS_DEFAULT,
+    acquired_share,
+    choose_default,
+    choose_options,
+    readings_of_option,
+    scored_choices,
+    write_choice,
+)
+from visuohaptic.studies.readings.design import (
+    PARTS_ON_OTHERS,
+    STRATEGIES,
+    all_readings,
+    is_default,
+    make_readings_study,
+)
 from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import write_table
 
 READINGS = [reading for reading in all_readings() if reading.part == "recognition"]
 OBJECTS = tuple(("cup", f"{place:02d}") for place in range(40))
 INTERVALS = IntervalParameters(bootstrap_samples=200, permutations=2000)
 
 
-def cells(accuracy, failed=()):
+def cells(accuracy, failed=(), readings=READINGS):
     """Give cells in which a reading has the accuracy that `accuracy` gives for its options."""
     found = {}
-    for reading in READINGS:
+    for reading in readings:
         for strategy in STRATEGIES:
             for classifier in TABLE_1:
                 key = (reading.name, "paper", strategy, classifier)
@@ -36,7 +61,10 @@ def cells(accuracy, failed=()):
 
 def test_a_clear_winner_is_chosen():
     chosen = choose_default(
-        cells(lambda options: 0.5 + 0.2 * (options["map_output"] == "feature_groups")), INTERVALS, 1
+        cells(lambda options: 0.5 + 0.2 * (options["map_output"] == "feature_groups")),
+        INTERVALS,
+        1,
+        FORMER_DEFAULT,
     )
     assert chosen.chosen.changed == {"map_output": "feature_groups"}
     assert chosen.chosen.score == pytest.approx(0.7)
@@ -45,7 +73,7 @@ def test_a_clear_winner_is_chosen():
 
 
 def test_equal_readings_keep_the_former_default():
-    chosen = choose_default(cells(lambda options: 0.5), INTERVALS, 1)
+    chosen = choose_default(cells(lambda options: 0.5), INTERVALS, 1, FORMER_DEFAULT)
     assert chosen.chosen == chosen.former
     assert chosen.candidates == chosen.readings == len(READINGS)
 
@@ -53,7 +81,10 @@ def test_equal_readings_keep_the_former_default():
 def test_a_lead_that_only_scatters_keeps_the_former_default():
     scatter = np.tile([0.1, -0.0999], len(OBJECTS) // 2)
     chosen = choose_default(
-        cells(lambda options: 0.5 + scatter * (options["map_output"] == "one_hot")), INTERVALS, 1
+        cells(lambda options: 0.5 + scatter * (options["map_output"] == "one_hot")),
+        INTERVALS,
+        1,
+        FORMER_DEFAULT,
     )
     assert chosen.best.changed["map_output"] == "one_hot"
     assert chosen.chosen.changed == {}
@@ -62,7 +93,10 @@ def test_a_lead_that_only_scatters_keeps_the_former_default():
 def test_of_readings_equally_near_the_better_is_chosen():
     gains = {"feature_groups": 0.3, "lattice": 0.2999}
     chosen = choose_default(
-        cells(lambda options: 0.5 + gains.get(options["map_output"], 0.0)), INTERVALS, 1
+        cells(lambda options: 0.5 + gains.get(options["map_output"], 0.0)),
+        INTERVALS,
+        1,
+        FORMER_DEFAULT,
     )
     assert chosen.chosen.changed == {"map_output": "feature_groups"}
 
@@ -95,10 +129,128 @@ def test_the_kept_readings_give_the_scores_that_the_rule_saw():
     rows = kept_readings(OUTSIDE).rows
     for name in ("chosen", "best", "former"):
         own = [row for row in rows if row["reading"] == kept[name]["reading"]]
-        figures = [row[strategy] for row in own for strategy in STRATEGIES]
+        figures = [row[strategy] for row in own for strategy in ("fixation", "random")]
         assert len(figures) == 10
         assert np.mean(figures) == pytest.approx(kept[name]["score"], abs=1e-3)
 
 
 def test_the_former_default_is_a_reading():
     assert any(reading.options == FORMER_DEFAULT for reading in READINGS)
+
+
+ON_OTHERS = [reading for reading in all_readings() if reading.part in PARTS_ON_OTHERS]
+ALL_ACQUIRED = {
+    (choice.name, option): 1.0 for choice in scored_choices() for option in choice.options
+}
+
+
+def options_of(accuracy, acquired=ALL_ACQUIRED):
+    found = choose_options(cells(accuracy, readings=ON_OTHERS), acquired, INTERVALS, 1)
+    return {one.choice: one for one in found}
+
+
+def test_an_option_that_is_surely_better_becomes_the_default():
+    gains = {"0.5": 0.2, "none": 0.1}
+    found = options_of(lambda options: 0.5 + gains.get(options["reach"], 0.0))
+    assert (found["reach"].former, found["reach"].chosen) == ("0.1", "0.5")
+    assert found["reach"].scores == pytest.approx({"0.1": 0.5, "0.5": 0.7, "none": 0.6})
+    assert {name: one.chosen for name, one in found.items() if name != "reach"} == {
+        name: TODAYS_DEFAULT[name] for name in found if name != "reach"
+    }
+
+
+def test_an_option_that_is_better_by_chance_does_not():
+    scatter = np.tile([0.11, -0.1], len(OBJECTS) // 2)
+    found = options_of(lambda options: 0.5 + scatter * (options["reach"] == "0.5"))
+    assert found["reach"].scores["0.5"] > found["reach"].scores["0.1"]
+    assert found["reach"].chosen == "0.1"
+
+
+def test_an_option_with_too_few_touches_acquired_is_out_however_good():
+    def better_kept(options):
+        return 0.5 + 0.2 * (options["unreachable"] == "keep")
+
+    assert options_of(better_kept)["unreachable"].chosen == "keep"
+    few = ALL_ACQUIRED | {("unreachable", "keep"): ENOUGH - 0.01}
+    assert options_of(better_kept, few)["unreachable"].chosen == "replace"
+    lost = few | {("unreachable", "keep"): 1.0, ("unreachable", "replace"): ENOUGH - 0.01}
+    assert options_of(lambda _: 0.5, lost)["unreachable"].chosen == "keep"
+    none = ALL_ACQUIRED | {("unreachable", option): 0.5 for option in ("replace", "keep")}
+    assert options_of(better_kept, none)["unreachable"].chosen == "replace"
+
+
+def test_no_rule_sees_who_leads_or_touches_out_of_reach():
+    """Each strategy's accuracy moved by as much as another's moves back changes no score."""
+    held = cells(lambda options: 0.5 + 0.1 * (options["reach"] == "0.5"), readings=ON_OTHERS)
+    moved = {"fixation": 0.05, "random": -0.05, "random_anywhere": 0.3}
+    shifted = {
+        key: replace(cell, accuracy=cell.accuracy + moved.get(key[2], 0.0))
+        for key, cell in held.items()
+    }
+    for rule in (
+        lambda found: choose_options(found, ALL_ACQUIRED, INTERVALS, 1),
+        lambda found: [choose_default(found, INTERVALS, 1)],
+    ):
+        before, after = rule(held), rule(shifted)
+        for one, other in zip(before, after, strict=True):
+            assert getattr(one.chosen, "reading", one.chosen) == getattr(
+                other.chosen, "reading", other.chosen
+            )
+
+
+def test_what_asks_another_question_is_not_chosen_by_scores():
+    assert not {"order", "random_probing", "protocol"} & {one.name for one in scored_choices()}
+    assert {"reach", "unreachable", "channels", "focus_radius"} <= {
+        one.name for one in scored_choices()
+    }
+
+
+def test_every_option_that_is_scored_has_readings_on_other_objects():
+    measured = {one.name for one in ON_OTHERS}
+    for choice in scored_choices():
+        for option in choice.options:
+            names = readings_of_option(choice.name, option)
+            assert len(names) == 4
+            assert set(names) <= measured
+
+
+def test_touches_are_acquired_where_they_are_made_in_reach():
+    states = ["full", "blocked", "partial", "at_minimum", "shrunk"] * 8
+    parts = [
+        with_column(features_table(name, (2, 2), viewpoints=2), "contact_state", states)
+        for name in STRATEGIES
+    ]
+    whole = pa.concat_tables(parts)
+    assert acquired_share(whole, 2, 5) == pytest.approx(0.6)
+    # Touches that are missing were not acquired; those anywhere are not counted.
+    missing = whole.filter(pc.less(whole.column("touch"), 4))
+    assert acquired_share(missing, 2, 5) == pytest.approx(0.4)
+    assert acquired_share(pa.concat_tables(parts[:2] + parts[3:]), 2, 5) == pytest.approx(0.6)
+
+
+def test_the_command_reads_shares_and_writes_what_both_rules_say(tmp_path, monkeypatch):
+    run = ExperimentParameters()
+    outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": "outside"})})
+    plan = plan_study(make_readings_study(outside), outside)
+    whole = pa.concat_tables([features_table(name, (2, 2), viewpoints=16) for name in STRATEGIES])
+    kept = plan.conditions[
+        [one.condition.name for one in plan.conditions].index(
+            readings_of_option("unreachable", "keep")[0]
+        )
+    ]
+    states = ["blocked", "full"] * (whole.num_rows // 2)
+    for key in plan.remakes:
+        table = with_column(whole, "contact_state", states) if key == kept.key else whole
+        write_table(FEATURES, table, tmp_path / f"{key}.parquet")
+    for held, rules in ((ON_OTHERS, 2), (READINGS, 1)):
+        found = cells(lambda options: 0.5, readings=held)
+        monkeypatch.setattr(choosing, "read_cells", lambda _, found=found: found)
+        write_choice([], tmp_path / "chosen.json", tmp_path)
+        said = json.loads((tmp_path / "chosen.json").read_text())
+        assert said["chosen"]["changed"] == {}
+        assert ("options" in said) == (rules == 2)
+        if rules == 2:
+            by_name = {one["choice"]: one for one in said["options"]}
+            assert by_name["unreachable"]["acquired"] == {"replace": 1.0, "keep": 0.5}
+            assert by_name["unreachable"]["chosen"] == "replace"
+            assert by_name["reach"]["acquired"] == {"0.1": 1.0, "0.5": 1.0, "none": 1.0}

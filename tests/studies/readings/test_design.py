@@ -10,10 +10,13 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import AS_RUN, plan_study, with_changes
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES
 from visuohaptic.studies.readings.design import (
-    CROSSED,
+    CROSSED_SINGLY,
     FACTORIAL,
+    PARTS_ON_OTHERS,
+    STRATEGIES,
     all_readings,
     is_default,
+    is_literal,
     make_readings_study,
 )
 from visuohaptic.tables.studies import READING_CHOICES
@@ -33,10 +36,12 @@ def test_no_reading_stands_twice():
     assert len({reading.name for reading in READINGS}) == len(READINGS)
     assert Counter(reading.part for reading in READINGS) == {
         "recognition": 288,
-        "upstream": 372,
+        "upstream": 124,
         "training": 12,
         "protocol": 12,
-        "single": 48,
+        "further": 8,
+        "literal": 1,
+        "single": 64,
     }
 
 
@@ -50,8 +55,8 @@ def test_a_run_on_other_objects_has_each_other_choice_by_itself_and_folds_of_who
     run = with_set("outside")
     plan = plan_study(make_readings_study(run), run)
     names = {one.condition.name for one in plan.conditions}
-    assert names == {one.name for one in READINGS if one.part in {"recognition", "single"}}
-    assert len(plan.remakes) == 11
+    assert names == {one.name for one in READINGS if one.part in PARTS_ON_OTHERS}
+    assert len(plan.remakes) == 18
     protocols = {one.parameters.recognition.protocol.protocol for one in plan.conditions}
     assert protocols == {"grouped_folds"}
 
@@ -77,6 +82,8 @@ def test_the_table_has_a_column_for_each_choice():
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice.name)
 def test_every_option_is_a_change_of_parameters_and_is_run(choice):
     used = {reading.options[choice.name] for reading in READINGS}
+    if choice.where == "opponent":  # in every reading
+        used |= set(choice.options)
     assert used == set(choice.options)
     varied = [with_changes(RUN, changes) for changes in choice.options.values()]
     assert varied[list(choice.options).index(choice.default)] == RUN
@@ -99,13 +106,12 @@ def test_main_effects_of_the_fraction_are_clear_of_each_other_and_of_interaction
         for reading in READINGS
         if reading.part in {"upstream", "recognition"}
         and reading.options["map_output"] == "unit_distances"
-        and reading.options["classifier_settings"] == "scikit_learn"
         and (
             reading.part == "upstream"
             or all(
                 reading.options[choice.name] == choice.base
                 for choice in CHOICES
-                if choice.name not in CROSSED
+                if choice.name not in CROSSED_SINGLY
             )
         )
     ]
@@ -126,13 +132,18 @@ def test_main_effects_of_the_fraction_are_clear_of_each_other_and_of_interaction
 
 def test_touches_are_shared_by_all_readings_of_the_recognition():
     plan = plan_study(make_readings_study(RUN), RUN)
-    assert len(plan.remakes) == 31
+    assert len(plan.remakes) == 35
     keys = {one.condition.name: one.key for one in plan.conditions}
-    assert {
+    shared = {
         keys[reading.name]
         for reading in READINGS
         if reading.part in {"recognition", "training", "protocol"}
-    } == {None}
+    }
+    # They have the run's parameters, and more strategies than the run.
+    assert len(shared) == 1
+    everything = with_changes(RUN, {"probing.strategies": STRATEGIES})
+    own = plan_study(make_readings_study(everything), everything)
+    assert len(own.remakes) == 34
     assert AS_RUN not in keys
 
 
@@ -152,4 +163,30 @@ def test_every_choice_of_the_paper_quotes_it_or_says_that_it_is_silent():
     assert {choice.name for choice in CHOICES} - {choice.name for choice in quoting} == {
         "touch_scaling"
     }
-    assert all("(section 3" in choice.sentence for choice in quoting)
+    assert all("(section " in choice.sentence for choice in quoting)
+
+
+def test_two_level_choices_have_a_column_each_and_further_options_a_part_of_their_own():
+    further = [reading for reading in READINGS if reading.part == "further"]
+    assert {(one.options["reach"], one.options["channels"]) for one in further} == {
+        ("none", "eight_equal"),
+        ("0.1", "five_named"),
+    }
+    for option in ("reach", "unreachable", "channels", "focus_radius", "order"):
+        counts = Counter(one.options[option] for one in READINGS if one.part == "upstream")
+        assert sorted(counts.values()) == [60, 64]
+
+
+def test_the_most_literal_reading_is_run():
+    (literal,) = [one for one in READINGS if one.part == "literal"]
+    assert is_literal({**literal.options, "random_probing": "walk"})
+    assert not is_literal(literal.options)
+
+
+def test_every_reading_touches_by_fixation_and_by_all_kinds_of_random_probing():
+    plan = plan_study(make_readings_study(RUN), RUN)
+    assert {one.parameters.probing.strategies for one in plan.conditions} == {STRATEGIES}
+    options = BY_NAME["random_probing"].options.values()
+    assert {strategy for one in options for strategy in one["probing.strategies"]} == set(
+        STRATEGIES
+    )

@@ -16,14 +16,20 @@ from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.conditions import Plan, Study, describe_conditions, plan_study
 from visuohaptic.studies.files import make_study_block
-from visuohaptic.studies.readings.design import all_readings, is_default, make_readings_study
+from visuohaptic.studies.readings.choices import OPPONENTS
+from visuohaptic.studies.readings.design import (
+    STRATEGIES,
+    all_readings,
+    is_default,
+    make_readings_study,
+)
 from visuohaptic.studies.readings.figures import make_readings, summarise_readings, weigh_choices
 from visuohaptic.studies.readings.files import make_reading
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES, KINESTHETIC_FEATURES
 from visuohaptic.tables.schema import matrix, read_table, write_table
 from visuohaptic.tables.studies import READINGS
 
-RUN = ExperimentParameters()
+RUN = ExperimentParameters.model_validate({"probing": {"strategies": STRATEGIES}})
 INTERVALS = IntervalParameters(bootstrap_samples=200)
 OBJECTS = (3, 3, 2)
 
@@ -33,7 +39,7 @@ def features(tmp_path_factory):
     path = tmp_path_factory.mktemp("features") / "features.parquet"
     parts = [
         features_table(strategy, OBJECTS, separation=0.3, seed=place)
-        for place, strategy in enumerate(("fixation", "random"))
+        for place, strategy in enumerate(STRATEGIES)
     ]
     write_table(FEATURES, pa.concat_tables(parts), path)
     return path
@@ -198,7 +204,10 @@ def test_a_reading_is_what_scikit_learn_and_pywavelets_give(
 ):
     expected = by_hand(features, strategy, *how)
     row = next(
-        row for row in made[0] if (row["reading"], row["classifier"]) == (reading, classifier)
+        row
+        for row in made[0]
+        if (row["reading"], row["classifier"], row["random_probing"])
+        == (reading, classifier, "reachable")
     )
     assert row["splits"] == len(expected) == 18
     assert row[strategy] == pytest.approx(expected.mean(), abs=1e-9)
@@ -212,6 +221,15 @@ def test_the_lead_of_fixation_is_that_of_its_accuracy(made):
         if row["error"] is None:
             assert row["ahead"] == pytest.approx(row["fixation"] - row["random"], abs=1e-12)
             assert row["ahead_low"] <= row["ahead"] <= row["ahead_high"]
+
+
+def test_each_reading_is_compared_with_each_kind_of_random_touches(made):
+    rows = [
+        row for row in made[0] if (row["reading"], row["classifier"]) == (DEFAULT, "naive_bayes")
+    ]
+    assert sorted(row["random_probing"] for row in rows) == sorted(OPPONENTS)
+    assert len({row["fixation"] for row in rows}) == 1
+    assert len({row["random"] for row in rows}) > 1
 
 
 def test_a_reading_that_fails_stays_in_the_table_with_its_reason(made):

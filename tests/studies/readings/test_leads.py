@@ -1,7 +1,13 @@
 """An option's lead is that of the readings that vary its choice, and of no others."""
 
 from visuohaptic.studies.readings.design import all_readings, is_base_but_for
-from visuohaptic.studies.readings.leads import Lead, leads_by_option, strongest_pair, sum_up
+from visuohaptic.studies.readings.leads import (
+    Lead,
+    leads_by_option,
+    main_opponent,
+    strongest_pair,
+    sum_up,
+)
 
 
 def row_of(reading, ahead, p_value=0.5):
@@ -39,14 +45,15 @@ def test_upstream_options_have_as_many_readings_each():
     leads = leads_by_option(
         rows({"recognition", "upstream", "training", "protocol"}, lambda _: 0.1)
     )
-    assert {leads["channels", option].cases for option in ("eight_equal", "five_named")} == {192}
+    assert {leads["channels", option].cases for option in ("eight_equal", "eight_fitted")} == {64}
+    assert {leads["reach", option].cases for option in ("0.1", "0.5")} == {64}
     assert [leads["map_training", option].cases for option in ("batch", "online")] == [12, 12]
     assert ("protocol", "new_object") not in leads
 
 
 def test_a_choice_varied_alone_is_compared_with_the_base_of_the_design():
     table = rows(
-        {"recognition", "single"},
+        {"recognition", "further", "single"},
         lambda one: 0.3 if one.options["channels"] == "five_named" else 0.1,
     )
     leads = leads_by_option(table)
@@ -76,3 +83,30 @@ def test_the_pair_that_decides_who_leads_is_found():
 def test_readings_that_all_lead_alike_have_no_pair():
     assert strongest_pair(rows({"recognition"}, lambda _: 0.1)) is None
     assert strongest_pair([]) is None
+
+
+def test_leads_are_over_the_main_kind_of_random_touches_and_each_kind_has_its_own():
+    table = [
+        row | {"random_probing": option, "ahead": lead}
+        for row in rows({"recognition", "upstream"}, lambda _: 0.0)
+        for option, lead in (("reachable", -0.1), ("anywhere", 0.2))
+    ]
+    leads = leads_by_option(table)
+    assert leads["map_output", "lattice"].middle == -0.1
+    assert leads["random_probing", "reachable"] == Lead(412, 0, 0, 0, -0.1)
+    assert leads["random_probing", "anywhere"] == Lead(412, 412, 0, 0, 0.2)
+    former = [row for row in table if row["random_probing"] == "anywhere"]
+    assert main_opponent(former) == "anywhere"
+    assert leads_by_option(former)["map_output", "lattice"].middle == 0.2
+
+
+def test_an_earlier_design_is_judged_by_what_it_crossed():
+    """Its part upstream had every classifier setting; the base of the design then has, too."""
+    table = [
+        row | {"classifier_settings": setting}
+        for row in rows({"upstream"}, lambda _: 0.1)
+        for setting in ("scikit_learn", "matlab", "matlab_polynomial")
+    ]
+    table += rows({"recognition"}, lambda _: 0.1)
+    leads = leads_by_option(table)
+    assert {leads["channels", option].cases for option in ("eight_equal", "eight_fitted")} == {192}

@@ -32,6 +32,8 @@ class StoredFrontier:
         Objects that were tested.
     machine, date, command, version : str
         Processor, day of the measurement (UTC), what was run, and the package's version.
+    replaced : bool
+        Whether places out of reach were replaced; not so in an earlier state of the touches.
     """
 
     rows: list[Row]
@@ -40,6 +42,7 @@ class StoredFrontier:
     date: str
     command: str
     version: str
+    replaced: bool = False
 
 
 def stored_frontier() -> StoredFrontier | None:
@@ -73,6 +76,7 @@ def store_frontier(table: str | Path, output: str | Path, command: str, machine:
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "command": command,
         "version": visuohaptic.__version__,
+        "replaced": True,
         "rows": [round_numbers(row) for row in rows],
     }
     Path(output).write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")

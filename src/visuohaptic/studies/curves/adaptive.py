@@ -25,6 +25,7 @@ from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
 
 if TYPE_CHECKING:
+    from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.recognition.adaptive import Candidates
     from visuohaptic.recognition.experiment import Answer
     from visuohaptic.recognition.sequences import TouchSequences
@@ -43,7 +44,7 @@ def make_candidates(
     from visuohaptic.geometry.orientation import orient_outwards
     from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.geometry.surface import read_surface, usable_meshes
-    from visuohaptic.phases import describe_at, look_from
+    from visuohaptic.phases import look_from
     from visuohaptic.seeds import spawn_generator
 
     parts = []
@@ -55,8 +56,24 @@ def make_candidates(
         places = ProbingLocations(crowd.points, outwards, crowd.faces)
         looks = look_from(caster, key, parameters, range(parameters.viewpoints.total))
         located = pa.concat_tables([candidate_table(one, places) for one in looks])
-        parts.append(describe_at(caster, located.combine_chunks(), parameters))
+        parts.append(_describe_candidates(caster, located.combine_chunks(), parameters))
     write_table(FEATURES, pa.concat_tables(parts), output)
+
+
+def _describe_candidates(
+    caster: RayCaster, located: pa.Table, parameters: ExperimentParameters
+) -> pa.Table:
+    """Touch candidates; where places out of reach are replaced, only those in reach."""
+    from visuohaptic.features.describing import describe_touches
+    from visuohaptic.touches.choosing import in_reach
+    from visuohaptic.touches.touching import touch_tables
+
+    sensor, scene, seed = parameters.sensor, parameters.scene, parameters.seed
+    if parameters.probing.unreachable == "replace":
+        located = located.filter(pa.array(in_reach(caster, located, sensor)))
+    return describe_touches(
+        touch_tables(caster, located, sensor, scene, seed)[0], parameters.features
+    )
 
 
 def make_adaptive_rows(

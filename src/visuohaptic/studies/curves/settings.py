@@ -12,13 +12,17 @@ LONGEST_SEQUENCE = 16
 
 
 def curve_study(_run: ExperimentParameters) -> Study:
-    """Give the conditions: one touch, two touches, and so on, by all strategies but `adaptive`."""
+    """Give the conditions: one touch, two touches, and so on, by all strategies but `adaptive`.
+
+    One that touches places out of reach, whatever the parameters say, is left out.
+    """
+    strategies = tuple(entry.name for entry in STRATEGIES if entry.unreachable != "keep")
     conditions = tuple(
         Condition(
             touches_name(count),
             {
                 **ALONE,
-                "probing.strategies": STRATEGIES.names,
+                "probing.strategies": strategies,
                 "probing.when_exhausted": "begin_again",
                 "recognition.touches": count,
             },

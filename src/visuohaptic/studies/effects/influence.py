@@ -27,6 +27,7 @@ from visuohaptic.sensor.touching import Touches
 from visuohaptic.tables.phases import FIXATIONS
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
+from visuohaptic.touches.choosing import Wanted, choose_places
 from visuohaptic.touches.touching import touch_locations
 
 ROUNDS = 3
@@ -168,6 +169,7 @@ def make_effect_influence(
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
+    wanted: Wanted,
 ) -> None:
     """Measure the effects on a sample of objects, under every preset."""
     parts: list[Influence] = []
@@ -176,6 +178,9 @@ def make_effect_influence(
         if not table.num_rows:  # set aside, or too slender for any view
             continue
         caster = RayCaster(read_surface(mesh))
+        table, _ = choose_places(caster, table, sensor, wanted)
+        if not table.num_rows:
+            continue
         seen_from = sorted(set(table.column("viewpoint").to_pylist()))
         placed = place_cameras(viewpoints)
         cameras = [placed[number] for number in seen_from[:VIEWS]]

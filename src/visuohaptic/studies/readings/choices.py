@@ -14,12 +14,13 @@ from functools import cached_property
 from operator import attrgetter
 from typing import Literal
 
+from visuohaptic.attention.learnt import read_learnt
 from visuohaptic.attention.parameters import CHANNELS
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import Changes
 
 Kind = Literal["equivalent", "uncertain", "not equivalent"]
-Where = Literal["upstream", "recognition"]
+Where = Literal["upstream", "recognition", "opponent"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,8 @@ class Choice:
     name, label : str
         What tables and what pages call it.
     where : str
-        Whether it concerns touches (`upstream`) or `recognition` from them.
+        Whether it concerns touches (`upstream`), `recognition` from them, or the `opponent` of
+        touches by fixation.
     kind : str
         Whether its options are `equivalent`, `uncertain` to be so, or `not equivalent`.
     sentence : str
@@ -68,6 +70,11 @@ _SEQUENCE = "recognition.sequence"
 _CLASSIFIER = "recognition.classifier"
 _SOM = "a self-organizing map (SOM) is trained, resulting in five-dimensional feature vectors (section 3)"
 _WAVELET = "we take advantage of daubechies 2 wavelet to decompose each sequence into 3 levels (section 3.5)"
+_SALIENCY = "we have adopted the enhanced model of visual attention presented in [10] (section 3.1)"
+_DISTANCE = (
+    "distance between points on a tangential plane (representing the surface of the sensor) and the "
+    "object (section 3.2)"
+)
 _NAMED_CHANNELS = {"colour", "contrast", "curvature", "intensity", "orientation"}
 _SCIKIT_LEARN: Changes = {
     f"{_CLASSIFIER}.neighbours": 5,
@@ -79,6 +86,14 @@ _MATLAB: Changes = {
     f"{_CLASSIFIER}.svm_kernel": "linear",
     f"{_CLASSIFIER}.discriminant_regularisation": "pseudo_inverse",
 }
+
+OPPONENTS: Mapping[str, str] = {
+    "reachable": "random",
+    "anywhere": "random_anywhere",
+    "visible": "random_visible",
+    "walk": "random_walk",
+}
+"""The strategies that fixation is compared with, by the option's name."""
 
 CHOICES: tuple[Choice, ...] = (
     Choice(
@@ -164,6 +179,10 @@ CHOICES: tuple[Choice, ...] = (
         "curvature, intensity, orientation etc. (section 3.1)",
         {
             "eight_equal": {f"attention.weights.{name}": 1.0 for name in CHANNELS},
+            "eight_fitted": {
+                f"attention.weights.{name}": weight
+                for name, weight in read_learnt()["channels"].items()
+            },
             "five_named": {
                 f"attention.weights.{name}": float(name in _NAMED_CHANNELS) for name in CHANNELS
             },
@@ -171,7 +190,7 @@ CHOICES: tuple[Choice, ...] = (
     ),
     Choice(
         "saliency_operator", "How maps are promoted before they are added", "upstream", "equivalent",
-        "we have adopted the enhanced model of visual attention presented in [10] (section 3.1)",
+        _SALIENCY,
         {name: {"attention.normalisation": name} for name in ("local_maxima", "iterative")},
     ),
     Choice(
@@ -191,8 +210,7 @@ CHOICES: tuple[Choice, ...] = (
     ),
     Choice(
         "sensor_normal", "What the sensor is tangent to", "upstream", "equivalent",
-        "distance between points on a tangential plane (representing the surface of the sensor) and "
-        "the object (section 3.2)",
+        _DISTANCE,
         {name: {"sensor.normal": name} for name in ("face", "smoothed")},
     ),
     Choice(
@@ -221,6 +239,37 @@ CHOICES: tuple[Choice, ...] = (
         "a 16 directional contourlet transform [12] is first applied to each tactile image "
         "(section 3.3)",
         {name: {"features.extension": name} for name in ("periodic", "symmetric")},
+    ),
+    Choice(
+        "focus_radius", "Radius of the eye's focus", "upstream", "uncertain", _SALIENCY,
+        {f"{radius:g}": {"attention.focus_radius": radius} for radius in (0.2, 0.3)},
+    ),
+    Choice(
+        "reach", "How deep the sensor feels", "upstream", "uncertain", _DISTANCE,
+        {
+            "0.1": {"sensor.depth_range": 0.1},
+            "0.5": {"sensor.depth_range": 0.5},
+            "none": {"sensor.depth_range": 2.0},  # no two points of an object are farther apart
+        },
+    ),
+    Choice(
+        "unreachable", "What is done with places out of reach", "upstream", "uncertain",
+        "data cannot be acquired in reality (section 3.2)",
+        {name: {"probing.unreachable": name} for name in ("replace", "keep")},
+    ),
+    Choice(
+        "order", "Order of a sequence's touches", "recognition", "not equivalent",
+        "a sequences of eye fixations can be retrieved for each viewpoint of the object in order of "
+        "importance (section 3.1)",
+        {name: {"recognition.order": name} for name in ("kept", "shuffled")},
+    ),
+    Choice(
+        "random_probing", "Which random touches", "opponent", "uncertain",
+        "randomly moving the sensor over the object surface (section 4)",
+        {
+            option: {"probing.strategies": ("fixation", strategy)}
+            for option, strategy in OPPONENTS.items()
+        },
     ),
 )  # fmt: skip
 """All open choices that are varied, those of recognition first."""

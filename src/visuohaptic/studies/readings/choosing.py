@@ -1,17 +1,37 @@
-"""Which reading is the package's default: the rule, applied to objects outside the paper's set.
+"""Which reading is the package's default: the rules, applied to objects outside the paper's set.
 
-The rule was written down before it was applied. It looks at readings of the part ``recognition``:
+They were written down before they were applied, and are applied once. They never look at how far one
+strategy is ahead of another. The first looks at readings of the part ``recognition``:
 
 1. The score of a reading is the mean over objects of the share of an object's sequences that are
-   correctly classified, averaged over the paper's five classifiers and both strategies, so that no
-   classifier and no strategy is favoured. A reading in which one of these ten can't be run has none.
+   correctly classified, averaged over the paper's five classifiers and the strategies that touch
+   places in reach (`SCORED`), so that no classifier and no strategy is favoured. A reading in which one
+   of these can't be run has none.
 2. The best reading has the highest score. A reading stays a candidate unless its score is
    significantly lower than the best one's (paired over objects, sign changes, at 0.05).
 3. Of the candidates, the default is the one that differs from the default of before in the fewest
    choices; of these, the one with the highest score.
 
+The first application, to the readings that had both strategies of that time, is kept in `chosen.json`
+and `FORMER_DEFAULT`.
+
+The second rule looks at the choices of touches, which are varied alone (parts ``further`` and
+``single``), one choice after the other:
+
+1. The score of an option is that of its readings, averaged over the four map outputs.
+2. An option whose share of touches acquired is below `ENOUGH` is out: of the touches asked for, over
+   all objects, viewpoints and scored strategies, those made at a place in reach.
+3. The default of before stays, unless it is out or an option has a significantly higher score (paired over
+   objects, sign changes, at 0.05 after Holm's correction for all options that are compared). Of such
+   options the one with the highest score is the default; if the default of before is out, the option with
+   the highest score that is not. If all are out, it stays.
+
+Which random touches fixation is compared with, the order of touches and what is tested are no matter of
+scores: `NOT_SCORED` keep their options.
+
 `python -m visuohaptic.studies.readings.choosing chosen.json results/study_blocks/readings/*.parquet`
-applies it.
+applies the first rule, and the second where its readings are among the blocks; the shares of touches
+acquired are then read from `results/study_features/readings/`.
 """
 
 from __future__ import annotations
@@ -22,20 +42,47 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.intervals import compare_paired
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.intervals import compare_paired, holm
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
-from visuohaptic.studies.readings.choices import CHOICES
-from visuohaptic.studies.readings.design import STRATEGIES, Options, all_readings
+from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, OPPONENTS, Choice
+from visuohaptic.studies.readings.design import (
+    CROSSED_SINGLY,
+    STRATEGIES,
+    VARIED_ALONE,
+    Options,
+    all_readings,
+    is_base_but_for,
+    make_readings_study,
+)
 from visuohaptic.studies.readings.leads import SIGNIFICANT
+from visuohaptic.studies.readings.stored import OUTSIDE
+from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH, owners_of
+from visuohaptic.tables.schema import read_table
 
 FORMER_DEFAULT: Options = {choice.name: choice.base for choice in CHOICES}
-"""The default before the rule was applied."""
+"""The default before the first rule was applied for the first time."""
+
+TODAYS_DEFAULT: Options = {choice.name: choice.default for choice in CHOICES}
+"""The default of before, for another application."""
+
+SCORED = tuple(name for name in STRATEGIES if name != OPPONENTS["anywhere"])
+"""The strategies that touch places in reach."""
+
+ENOUGH = 0.95
+"""Share of the touches asked for that must be acquired."""
+
+NOT_SCORED = ("order", "random_probing", "protocol")
+"""Choices that ask another question than how well touches name objects."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +132,9 @@ def choose_default(
     cells: Mapping[CellKey, Cell],
     intervals: IntervalParameters,
     seed: int,
-    former: Options = FORMER_DEFAULT,
+    former: Options = TODAYS_DEFAULT,
 ) -> Chosen:
-    """Apply the rule to the cells of study `readings`, as `read_cells` gives them.
+    """Apply the first rule to the cells of study `readings`, as `read_cells` gives them.
 
     Raises `RecognitionError` if a reading of the part ``recognition`` is missing: the rule compares
     all of them.
@@ -135,22 +182,200 @@ def choose_default(
     )
 
 
-def _cells_of_reading(cells: Mapping[CellKey, Cell], name: str) -> list[Cell]:
-    keys = [
-        (name, "paper", strategy, classifier) for strategy in STRATEGIES for classifier in TABLE_1
+@dataclass(frozen=True)
+class ChosenOption:
+    """What the second rule says of a choice.
+
+    Attributes
+    ----------
+    choice, former, chosen : str
+        Its name, its option of before, and the default.
+    scores, acquired : dict of str to float
+        Accuracy, and share of touches acquired, of each option.
+    p_values : dict of str to float
+        Of each other option against that of before, after Holm's correction over all choices.
+    """
+
+    choice: str
+    former: str
+    chosen: str
+    scores: dict[str, float]
+    acquired: dict[str, float]
+    p_values: dict[str, float]
+
+
+def choose_options(
+    cells: Mapping[CellKey, Cell],
+    acquired: Mapping[tuple[str, str], float],
+    intervals: IntervalParameters,
+    seed: int,
+    former: Options = TODAYS_DEFAULT,
+) -> list[ChosenOption]:
+    """Apply the second rule.
+
+    Parameters
+    ----------
+    cells : mapping
+        Of study `readings`, as `read_cells` gives them.
+    acquired : mapping of (str, str) to float
+        Share of touches acquired by choice and option.
+    intervals, seed
+        As for the first rule.
+    former : mapping of str to str
+        The default of before.
+
+    Returns
+    -------
+    list of ChosenOption
+        One for each choice of touches that is scored, in order.
+
+    Raises
+    ------
+    RecognitionError
+        If a reading is missing or can't be run, or readings have different objects.
+    """
+    scores: dict[tuple[str, str], NDArray[np.float64]] = {}
+    for choice in scored_choices():
+        for option in choice.options:
+            names = readings_of_option(choice.name, option)
+            scores[choice.name, option] = np.mean([_score(cells, name) for name in names], axis=0)
+    if len({len(values) for values in scores.values()}) != 1:
+        raise RecognitionError(
+            "The readings were tested on different sets of objects; the rule compares readings on "
+            "the same ones."
+        )
+    others = [(name, option) for name, option in scores if option != former[name]]
+    weights = np.ones(len(next(iter(scores.values()))))
+    p_values = []
+    for name, option in others:
+        own = scores[name, former[name]]
+        generator = spawn_generator(seed, "studies", "comparison")
+        compared = compare_paired(scores[name, option], own, weights, intervals, generator)
+        p_values.append(compared.p_value)
+    adjusted = dict(zip(others, holm(p_values), strict=True))
+    return [
+        _choose_option(choice, scores, acquired, adjusted, former) for choice in scored_choices()
     ]
+
+
+def scored_choices() -> list[Choice]:
+    """Give the choices of which the second rule chooses an option."""
+    varied = [BY_NAME[name] for name in VARIED_ALONE]
+    return [choice for choice in varied if choice.name not in NOT_SCORED]
+
+
+def readings_of_option(choice: str, option: str) -> list[str]:
+    """Name the readings that have an option, the base of every other choice, and any map output."""
+    return [
+        one.name
+        for one in all_readings()
+        if one.options[choice] == option and is_base_but_for(one.options, (choice, *CROSSED_SINGLY))
+    ]
+
+
+def acquired_share(features: pa.Table, viewpoints: int, touches: int) -> float:
+    """Give the share of touches acquired, of those asked for by the scored strategies.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES`.
+    viewpoints, touches : int
+        How many viewpoints of each object, and touches from each by each strategy, were asked for.
+
+    Returns
+    -------
+    float
+        Touches at places in reach over touches asked for.
+    """
+    scored = features.filter(pc.is_in(features.column("strategy"), pa.array(SCORED)))
+    first = scored.filter(pc.less(scored.column("touch"), touches))
+    out = pc.is_in(first.column("contact_state"), pa.array(OUT_OF_REACH))
+    asked = len(set(owners_of(features))) * viewpoints * touches * len(SCORED)
+    return (first.num_rows - (pc.sum(out).as_py() or 0)) / asked
+
+
+def _choose_option(
+    choice: Choice,
+    scores: Mapping[tuple[str, str], NDArray[np.float64]],
+    acquired: Mapping[tuple[str, str], float],
+    p_values: Mapping[tuple[str, str], float],
+    former: Options,
+) -> ChosenOption:
+    name, own = choice.name, former[choice.name]
+    means = {option: float(scores[name, option].mean()) for option in choice.options}
+    shares = {option: acquired[name, option] for option in choice.options}
+    adjusted = {option: p_values[name, option] for option in choice.options if option != own}
+    admitted = [option for option in choice.options if shares[option] >= ENOUGH]
+    better = [
+        option
+        for option in admitted
+        if option == own or (means[option] > means[own] and adjusted[option] < SIGNIFICANT)
+    ]
+    candidates = better if own in admitted else admitted
+    chosen = max(candidates, key=lambda option: means[option]) if candidates else own
+    return ChosenOption(name, own, chosen, means, shares, adjusted)
+
+
+def _score(cells: Mapping[CellKey, Cell], name: str) -> NDArray[np.float64]:
+    found = _cells_of_reading(cells, name)
+    if failed := [cell.error for cell in found if cell.error is not None]:
+        raise RecognitionError(f"Reading {name} can't be run, so it has no score: {failed[0]}")
+    if len({cell.objects for cell in found}) > 1:
+        raise RecognitionError(f"Reading {name} was tested on other objects by some strategies.")
+    return np.mean([cell.accuracy for cell in found], axis=0)
+
+
+def _cells_of_reading(cells: Mapping[CellKey, Cell], name: str) -> list[Cell]:
+    keys = [(name, "paper", strategy, classifier) for strategy in SCORED for classifier in TABLE_1]
     if missing := [key for key in keys if key not in cells]:
         raise RecognitionError(f"Reading {name} has no result for {' '.join(missing[0][2:])}.")
     return [cells[key] for key in keys]
 
 
-def write_choice(parts: Iterable[str | Path], output: str | Path) -> None:
-    """Write what the rule says of a study's blocks as JSON."""
-    from visuohaptic.parameters import ExperimentParameters
+def write_choice(
+    parts: Iterable[str | Path],
+    output: str | Path,
+    features: str | Path = "results/study_features/readings",
+) -> None:
+    """Write what the rules say of a study's blocks as JSON.
 
+    The second rule is left out where its readings are not among the blocks. `features` is the folder
+    of the features that the study made again.
+    """
     run = ExperimentParameters()
-    chosen = choose_default(read_cells(parts), run.recognition.intervals, run.seed)
-    write_json(asdict(chosen), output)
+    cells, intervals = read_cells(parts), run.recognition.intervals
+    chosen = asdict(choose_default(cells, intervals, run.seed))
+    measured = {key[0] for key in cells}
+    needed = {
+        name
+        for choice in scored_choices()
+        for option in choice.options
+        for name in readings_of_option(choice.name, option)
+    }
+    if needed <= measured:
+        acquired = _acquired(Path(features), run)
+        options = choose_options(cells, acquired, intervals, run.seed)
+        chosen["options"] = [asdict(one) for one in options]
+    write_json(chosen, output)
+
+
+def _acquired(folder: Path, run: ExperimentParameters) -> dict[tuple[str, str], float]:
+    """Read the share of touches acquired by each option of each scored choice."""
+    outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": OUTSIDE})})
+    plan = plan_study(make_readings_study(outside), outside)
+    planned = {one.condition.name: one for one in plan.conditions}
+    found = {}
+    for choice in scored_choices():
+        for option in choice.options:
+            one = planned[readings_of_option(choice.name, option)[0]]
+            table = read_table(FEATURES, folder / f"{one.key}.parquet")
+            viewpoints, touches = (
+                one.parameters.viewpoints.total,
+                one.parameters.recognition.touches,
+            )
+            found[choice.name, option] = acquired_share(table, viewpoints, touches or 0)
+    return found
 
 
 if __name__ == "__main__":

@@ -1,15 +1,20 @@
 """Which readings are run: all combinations of some choices, and a fraction of the others.
 
-Parts on the paper's set:
+Every reading touches by fixation and by all kinds of random probing, so which random touches fixation
+is compared with is crossed with every other choice. Parts on the paper's set:
 
 - ``recognition``: every combination of the recognition choices that matter, on the same touches.
 - ``upstream``: the other choices in 32 runs of a two-level design of resolution IV (main effects are
-  clear of all interactions of two), each with every kind of map output and classifier settings, so
-  that the interactions of these two with any other choice are clear as well.
+  clear of all interactions of two), each with every kind of map output, so that the interactions of
+  the map output with any other choice are clear as well.
 - ``training``: the map trained touch by touch, with every kind of map output and classifier settings.
 - ``protocol``: known objects from new viewpoints, which is another question.
+- ``further``: options for which the two-level design has no column, each varied alone, with every
+  kind of map output.
+- ``literal``: the reading that is nearest to the paper's words in every choice.
 
-Larger sets, where views and touches take long, have the part ``recognition`` and
+Larger sets, where views and touches take long, have the parts ``recognition``, ``further``,
+``literal`` and
 
 - ``single``: every other choice varied alone, each with every kind of map output.
 """
@@ -25,15 +30,16 @@ from typing import Any, Literal
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.conditions import Changes, Condition, Study
-from visuohaptic.studies.readings.choices import BY_NAME, CHOICES
+from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, OPPONENTS
 
-Part = Literal["recognition", "upstream", "training", "protocol", "single"]
+Part = Literal["recognition", "upstream", "training", "protocol", "further", "literal", "single"]
 Options = Mapping[str, str]
 """An option of every choice, by the choice's name."""
 
 NAME = "readings"
 TITLE = "The paper under all its readings"
-STRATEGIES = ("fixation", "random")
+STRATEGIES = ("fixation", *OPPONENTS.values())
+"""What every reading touches by, on the same viewpoints."""
 
 FACTORIAL = (
     "map_output",
@@ -44,12 +50,19 @@ FACTORIAL = (
     "classifier_settings",
 )
 CROSSED = ("map_output", "classifier_settings")
-"""What is crossed with every run of the other parts on the paper's set."""
+"""What is crossed with the parts ``training`` and ``protocol``."""
 CROSSED_SINGLY = ("map_output",)
-"""What is crossed with the part ``single``."""
+"""What is crossed with the parts ``upstream``, ``further`` and ``single``."""
 
-PARTS_ON_PAPER_SET: tuple[Part, ...] = ("recognition", "upstream", "training", "protocol")
-PARTS_ON_OTHERS: tuple[Part, ...] = ("recognition", "single")
+PARTS_ON_PAPER_SET: tuple[Part, ...] = (
+    "recognition",
+    "upstream",
+    "training",
+    "protocol",
+    "further",
+    "literal",
+)
+PARTS_ON_OTHERS: tuple[Part, ...] = ("recognition", "further", "literal", "single")
 # All combinations of a test object a class are too many on larger sets.
 _FOLDS: Changes = {"recognition.protocol.protocol": "grouped_folds"}
 
@@ -63,13 +76,37 @@ _COLUMNS: Mapping[str, str] = {
     "contourlet_filters": "ACD",
     "imprint_extension": "ACE",
     "deviation": "ADE",
+    "focus_radius": "BCD",
+    "reach": "BCE",
+    "unreachable": "BDE",
+    "order": "CDE",
 }
 """Each choice's column in the two-level design: the product of these basic columns.
 
 Products of an odd number of five basic columns make a design of resolution IV in 32 runs (G. Box,
 W. Hunter and J. Hunter, Statistics for Experimenters, chapter 6). The four options of the
 viewpoints take two basic columns and their product AB. No other choice has that column, but
-interactions such as that of the channels and the sensor's size have (C times ABC).
+interactions such as that of the channels and the sensor's size have (C times ABC). Of choices with
+more than two options the first two are in the design.
+"""
+
+VARIED_ALONE = ("viewpoints", *_COLUMNS)
+"""What part ``single`` varies."""
+
+LITERAL: dict[str, str] = {
+    "map_output": "one_hot",
+    "touch_scaling": "none",
+    "sequence_scaling": "none",
+    "classifier_settings": "matlab",
+    "channels": "eight_fitted",
+    "reach": "none",
+    "random_probing": "walk",
+}
+"""Where the most literal reading differs from the base of the design.
+
+A map of five units, as Matlab's, gives 1 for the nearest and 0 for the others; the paper names no
+scaling of features and no limit of depth; it used Matlab; its reference 10 weighs channels by people's
+points; its random sensor moves over the surface. Elsewhere the base is what the words say.
 """
 
 
@@ -103,6 +140,17 @@ class Reading:
 def is_default(options: Mapping[str, Any]) -> bool:
     """Whether options, of all choices, are those of the package's own parameters."""
     return all(options[choice.name] == choice.default for choice in CHOICES)
+
+
+def is_literal(options: Mapping[str, Any]) -> bool:
+    """Whether options, of all choices, are those of the most literal reading."""
+    return all(options[name] == option for name, option in (_base() | LITERAL).items())
+
+
+def crossed_with(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """Name what is crossed with part ``upstream`` in a table; an earlier design had more."""
+    upstream = [row for row in rows if row["part"] == "upstream"]
+    return tuple(name for name in CROSSED if len({row[name] for row in upstream}) > 1)
 
 
 def is_base_but_for(options: Mapping[str, Any], names: Sequence[str]) -> bool:
@@ -139,7 +187,7 @@ def make_readings_study(run: ExperimentParameters) -> Study:
     new_objects = {} if on_paper_set else _FOLDS
     parts = PARTS_ON_PAPER_SET if on_paper_set else PARTS_ON_OTHERS
     conditions = (
-        Condition(reading.name, same | _differing(run, {**reading.values, **new_objects}))
+        Condition(reading.name, {**_differing(run, {**reading.values, **new_objects}), **same})
         for reading in all_readings()
         if reading.part in parts
     )
@@ -172,7 +220,7 @@ def _fraction() -> Iterator[Options]:
         for name, column in _COLUMNS.items():
             # With odd products, the run of all zeros has the base of every choice.
             run[name] = list(BY_NAME[name].options)[sum(basic[letter] for letter in column) % 2]
-        yield from _combinations(CROSSED, run)
+        yield from _combinations(CROSSED_SINGLY, run)
 
 
 def _training() -> Iterator[Options]:
@@ -183,12 +231,21 @@ def _protocol() -> Iterator[Options]:
     return _combinations(CROSSED, _base() | {"protocol": "new_viewpoint"})
 
 
+def _further() -> Iterator[Options]:
+    for name in _COLUMNS:
+        for option in list(BY_NAME[name].options)[2:]:
+            yield from _combinations(CROSSED_SINGLY, _base() | {name: option})
+
+
+def _literal() -> Iterator[Options]:
+    # Its random touches, as all kinds, are in every reading.
+    yield _base() | LITERAL | {"random_probing": BY_NAME["random_probing"].base}
+
+
 def _single() -> Iterator[Options]:
-    for choice in CHOICES:
-        if choice.name in {*FACTORIAL, "map_training", "protocol"}:
-            continue
-        for option in choice.options:
-            yield from _combinations(CROSSED_SINGLY, _base() | {choice.name: option})
+    for name in VARIED_ALONE:
+        for option in BY_NAME[name].options:
+            yield from _combinations(CROSSED_SINGLY, _base() | {name: option})
 
 
 _PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {
@@ -196,5 +253,7 @@ _PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {
     "upstream": _fraction,
     "training": _training,
     "protocol": _protocol,
+    "further": _further,
+    "literal": _literal,
     "single": _single,
 }

@@ -24,17 +24,16 @@ from visuohaptic.studies.figures import (
     rows_by_cell,
     write_json,
 )
-from visuohaptic.studies.readings.choices import BY_NAME, CHOICES
+from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, OPPONENTS
 from visuohaptic.studies.readings.design import (
-    CROSSED,
     FACTORIAL,
-    STRATEGIES,
     Reading,
     all_readings,
+    crossed_with,
     is_base_but_for,
     is_default,
 )
-from visuohaptic.studies.readings.leads import SAME, SIGNIFICANT
+from visuohaptic.studies.readings.leads import SAME, SIGNIFICANT, against_main, main_opponent
 from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
 from visuohaptic.tables.studies import READINGS, STUDY
 
@@ -67,13 +66,21 @@ def reading_figures(
         cells, splits = cells_of(table), split_accuracies(table)
         for name, classifier in dict.fromkeys((key[0], key[3]) for key in cells):
             place = places[name]
-            rows.append(
+            rows += [
                 {
-                    **_identity(order[place], place, classifier),
-                    **_figures(name, classifier, cells, splits, intervals, seed),
+                    **_identity(order[place], place, classifier, option),
+                    **_figures(name, classifier, opponent, cells, splits, intervals, seed),
                 }
-            )
-    rows.sort(key=lambda row: (row["place"], list(TABLE_1).index(row["classifier"])))
+                for option, opponent in OPPONENTS.items()
+            ]
+    opponents, classifiers = list(OPPONENTS), list(TABLE_1)
+    rows.sort(
+        key=lambda row: (
+            row["place"],
+            opponents.index(row["random_probing"]),
+            classifiers.index(row["classifier"]),
+        )
+    )
     names = [column.name for column in READINGS.columns]
     return build_table(READINGS, {name: [row[name] for row in rows] for name in names})
 
@@ -96,26 +103,29 @@ def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
     return found
 
 
-def _identity(reading: Reading, place: int, classifier: str) -> Row:
+def _identity(reading: Reading, place: int, classifier: str, opponent: str) -> Row:
     return {
         "reading": reading.name,
         "classifier": classifier,
         "part": reading.part,
         "place": place,
         **reading.options,
+        "random_probing": opponent,
     }
 
 
 def _figures(
     name: str,
     classifier: str,
+    opponent: str,
     cells: Mapping[CellKey, Cell],
     splits: Mapping[CellKey, NDArray[np.float64]],
     intervals: IntervalParameters,
     seed: int,
 ) -> Row:
     row: Row = dict.fromkeys(column.name for column in READINGS.columns[4 + len(CHOICES) :])
-    found = {strategy: (name, "paper", strategy, classifier) for strategy in STRATEGIES}
+    strategies = {"fixation": "fixation", "random": opponent}
+    found = {column: (name, "paper", own, classifier) for column, own in strategies.items()}
     errors = [cells[key].error if key in cells else "no result" for key in found.values()]
     if reasons := [error for error in errors if error is not None]:
         return row | {"error": reasons[0]}
@@ -152,13 +162,15 @@ def _figures(
 def summarise_readings(rows: Sequence[Row]) -> dict[str, Any]:
     """Say what the readings of the paper's own question show together, classifier by classifier.
 
-    `rows` are those of `tables.READINGS`. The part ``protocol`` asks another question and is summed
+    `rows` are those of `tables.READINGS`; random touches are those of the main kind. The part ``protocol`` asks another question and is summed
     up by itself.
     """
+    rows = against_main(rows)
     own = [row for row in rows if row["part"] != "protocol"]
     other = [row for row in rows if row["part"] == "protocol"]
     return {
         "readings": len({row["reading"] for row in own}),
+        "random_probing": main_opponent(rows) if rows else None,
         "failed": sorted({row["reading"] for row in own if row["error"] is not None}),
         "classifiers": _by_classifier(own),
         "known_objects": _by_classifier(other),
@@ -175,7 +187,7 @@ def _by_classifier(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any]:
-    fixation, random = (np.array([row[name] for row in rows]) for name in STRATEGIES)
+    fixation, random = (np.array([row[name] for row in rows]) for name in ("fixation", "random"))
     ahead = np.array([np.nan if row["ahead"] is None else row["ahead"] for row in rows])
     significant = np.array([(row["p_value"] or 1.0) < SIGNIFICANT for row in rows])
     reaching = np.array([row["fixation_splits_reaching"] for row in rows])
@@ -217,15 +229,16 @@ def weigh_choices(rows: Sequence[Row]) -> list[dict[str, Any]]:
     complete = [row for row in rows if row["part"] == "recognition"]
     found += _shares(complete, FACTORIAL, "recognition")
     fraction = [row for row in rows if row["part"] == "upstream"]
+    crossed = crossed_with(fraction)
     if fraction:
         # The runs of the fraction with the base of every other choice belong to the full factorial.
-        fraction += [row for row in complete if is_base_but_for(row, CROSSED)]
+        fraction += [row for row in complete if is_base_but_for(row, crossed)]
     others = tuple(
         choice.name
         for choice in CHOICES
         if choice.name not in FACTORIAL and len({row[choice.name] for row in fraction}) > 1
     )
-    found += _shares(fraction, (*others, *CROSSED), "upstream")
+    found += _shares(fraction, (*others, *crossed), "upstream")
     return sorted(found, key=lambda row: (row["part"], -row["share"]))
 
 
@@ -249,7 +262,7 @@ def _shares(rows: Sequence[Row], names: Sequence[str], part: str) -> list[dict[s
     # Interactions are clear between the crossed choices and any other, and in the full factorial.
     pairs = itertools.combinations(names, 2)
     for first, second in pairs:
-        if part == "upstream" and not {first, second} & set(CROSSED):
+        if part == "upstream" and not {first, second} & set(crossed_with(rows)):
             continue
         fitted, _ = _group_means(accuracy, [(row[first], row[second]) for row in rows])
         both = float(np.square(fitted - accuracy.mean()).sum())

@@ -12,6 +12,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.files import make_study_block
 from visuohaptic.studies.readings.design import NAME
 from visuohaptic.studies.readings.figures import reading_figures
+from visuohaptic.tables.studies import READINGS
 from visuohaptic.whole_files import write_whole
 
 
@@ -32,5 +33,6 @@ def make_reading(
         block = Path(folder, "reading.parquet")
         make_study_block(NAME, [condition], features, made, block, run)
         table = reading_figures([block], run.recognition.intervals, run.seed)
-    rows = table.sort_by("classifier").drop_columns("seconds").to_pylist()
+    ordered = table.sort_by([(key, "ascending") for key in READINGS.keys])
+    rows = ordered.drop_columns("seconds").to_pylist()
     write_whole(output, json.dumps(rows, indent=2, ensure_ascii=False) + "\n")

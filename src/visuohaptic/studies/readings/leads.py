@@ -10,11 +10,12 @@ from statistics import median
 import numpy as np
 
 from visuohaptic.studies.figures import Row
-from visuohaptic.studies.readings.choices import CHOICES, Choice
+from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, Choice
 from visuohaptic.studies.readings.design import (
     CROSSED,
     CROSSED_SINGLY,
     FACTORIAL,
+    crossed_with,
     is_base_but_for,
 )
 
@@ -42,17 +43,34 @@ class Lead:
     middle: float
 
 
+def main_opponent(rows: Sequence[Row]) -> str:
+    """Name the first kind of random touches that a table, with a row at least, compares with."""
+    found = {row["random_probing"] for row in rows}
+    return next(option for option in BY_NAME["random_probing"].options if option in found)
+
+
+def against_main(rows: Sequence[Row]) -> list[Row]:
+    """Take the rows in which fixation is compared with the main kind of random touches."""
+    main = main_opponent(rows) if rows else ""
+    return [row for row in rows if row["random_probing"] == main]
+
+
 def leads_by_option(rows: Sequence[Row]) -> dict[tuple[str, str], Lead]:
     """Sum up the leads by choice and option, for rows of `tables.READINGS`.
+
+    Leads are those over the main kind of random touches; which kind is a choice of its own, judged
+    on all readings.
 
     A recognition choice is judged on the part ``recognition``, which has all its combinations; any
     other on the part that varies it, beside the base of the design. What asks another question, and
     choices without two options in the table, are left out.
     """
-    run = [row for row in rows if row["ahead"] is not None and row["part"] != "protocol"]
+    compared = [row for row in rows if row["ahead"] is not None and row["part"] != "protocol"]
+    run = against_main(compared)
     found: dict[tuple[str, str], Lead] = {}
     for choice in CHOICES:
-        leads = {option: sum_up(list(part)) for option, part in _by_option(choice, run) if part}
+        judged = compared if choice.where == "opponent" else run
+        leads = {option: sum_up(list(part)) for option, part in _by_option(choice, judged) if part}
         if len(leads) > 1:
             found |= {(choice.name, option): lead for option, lead in leads.items()}
     return found
@@ -74,10 +92,12 @@ def sum_up(rows: Sequence[Row]) -> Lead:
 def _by_option(choice: Choice, rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:
     name = _part_of(choice, rows)
     part = [row for row in rows if row["part"] == name]
-    if choice.name not in FACTORIAL:
+    if choice.where == "opponent":
+        part = list(rows)
+    elif choice.name not in FACTORIAL:
         # Options are compared over the same other choices.
-        singly = any(row["part"] == "single" for row in rows)
-        others = CROSSED_SINGLY if singly else CROSSED
+        others: tuple[str, ...] = CROSSED if choice.name == "map_training" else CROSSED_SINGLY
+        others = crossed_with(rows) if name == "upstream" else others
         part += [
             row
             for row in rows
@@ -117,6 +137,7 @@ class PairLead:
 def strongest_pair(rows: Sequence[Row]) -> PairLead | None:
     """Find the pair of recognition choices on which the lead depends most; None without readings."""
     run = [row for row in rows if row["ahead"] is not None and row["part"] == "recognition"]
+    run = against_main(run)
     leads = np.array([row["ahead"] for row in run])
     if not run or np.ptp(leads) < SAME:
         return None

@@ -10,20 +10,31 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.resources import as_file, files
 from pathlib import Path
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 
 from visuohaptic.studies.figures import Row
-from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.schema import check_table, read_table
 from visuohaptic.tables.studies import READINGS
 
 PAPER_SET = "paper_set"
 OUTSIDE = "outside"
 _SOURCE = b"source"
+
+EARLIER_OPTIONS: Mapping[str, str] = {
+    "focus_radius": "0.2",
+    "reach": "0.1",
+    "unreachable": "keep",
+    "order": "kept",
+    "random_probing": "anywhere",
+}
+"""What readings had that were measured before these were choices."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +59,11 @@ class MeasuredReadings:
 
     rows: list[Row]
     source: Source | None = None
+
+    @property
+    def is_earlier(self) -> bool:
+        """Whether they are of a state in which random touches were made where no sensor can come."""
+        return {row["random_probing"] for row in self.rows} == {"anywhere"}
 
 
 def read_readings(path: str | Path | None) -> MeasuredReadings | None:
@@ -86,7 +102,14 @@ def _source_of(path: str | Path) -> Source:
 
 
 def _rows(path: str | Path) -> list[Row]:
-    rows: list[Row] = read_table(READINGS, path).to_pylist()
+    table = pq.read_table(path)
+    for place, column in enumerate(READINGS.columns):
+        if column.name in EARLIER_OPTIONS and column.name not in table.column_names:
+            values = pa.array([EARLIER_OPTIONS[column.name]] * table.num_rows, column.dtype)
+            table = table.add_column(place, READINGS.arrow.field(place), values)
+    table = table.cast(READINGS.arrow)
+    check_table(READINGS, table)
+    rows: list[Row] = table.sort_by([(key, "ascending") for key in READINGS.keys]).to_pylist()
     return sorted(rows, key=lambda row: int(row["place"]))
 
 

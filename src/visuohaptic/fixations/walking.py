@@ -1,0 +1,150 @@
+"""A random walk over a surface, as of a hand that never leaves the object."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.fixations.probing import (
+    BATCH,
+    FRUITLESS_BATCHES,
+    ProbingLocations,
+    draw_by_area,
+    face_outwards,
+)
+from visuohaptic.geometry.raycasting import RayCaster
+
+STEP = 0.3
+"""Way along the surface from a touch to the next, object radii: the largest sensor's edge."""
+
+MOVES = 8
+"""Straight moves that a step is made of."""
+
+ATTEMPTS = 64
+"""Directions that are tried from a place before the walk ends there."""
+
+_LIFT = 1e-4
+# A ray that looks for what lies one move away may fall short of it by rounding.
+_ROUNDING = 1e-6
+
+
+def walk(caster: RayCaster, count: int, generator: np.random.Generator) -> ProbingLocations:
+    """Walk over a surface at random.
+
+    The first place is drawn uniformly by area. Each next one lies a step of length `STEP` farther
+    along the surface, in a direction drawn uniformly about the normal, on the side of the surface
+    that the walk is on. A place whose way out along the normal is obstructed, as inside a bottle,
+    is drawn again.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    count : int
+        How many places; fewer places are the first of more.
+    generator : numpy.random.Generator
+        Where chance comes from.
+
+    Returns
+    -------
+    ProbingLocations
+        `count` places with outward normals, or fewer where no way leads on.
+
+    Notes
+    -----
+    A step is made of `MOVES` straight moves. A move ends where it meets a part that stands in its
+    way, else on what lies below its end; past an edge it turns down, and at the rim of a thin
+    sheet to the sheet's other side. The direction is carried along by the least rotation from
+    normal to normal (parallel transport; K. Polthier and M. Schmies, Straightest geodesics on
+    polyhedral surfaces, 1998), so that on a smooth closed surface the walk comes to every part
+    in proportion to its area. Rays find the way, so the mesh needs no connections between faces.
+    """
+    places = [_first(caster, generator)]
+    while places[-1] is not None and len(places) < count:
+        places.append(_next(caster, places[-1], generator))
+    found = [place for place in places if place is not None][:count]
+    points, normals, faces = zip(*found, strict=True) if found else ([], [], [])
+    return ProbingLocations(
+        np.array(points, dtype=np.float64).reshape(-1, 3),
+        np.array(normals, dtype=np.float64).reshape(-1, 3),
+        np.array(faces, dtype=np.int64),
+    )
+
+
+Vector = NDArray[np.float64]
+Place = tuple[Vector, Vector, int]
+"""A point, its outward normal, and its face."""
+
+
+def _first(caster: RayCaster, generator: np.random.Generator) -> Place | None:
+    for _ in range(FRUITLESS_BATCHES):
+        drawn = face_outwards(caster, draw_by_area(caster.surface, BATCH, generator))
+        free = np.flatnonzero(_is_open(caster, drawn.points, drawn.normals))
+        if len(free):
+            row = free[0]
+            return drawn.points[row], drawn.normals[row], int(drawn.faces[row])
+    return None
+
+
+def _next(caster: RayCaster, place: Place, generator: np.random.Generator) -> Place | None:
+    for angle in generator.uniform(0.0, 2.0 * np.pi, ATTEMPTS):
+        found = _step(caster, place, _tangent(place[1], angle))
+        if found is not None and _is_open(caster, found[0][None], found[1][None])[0]:
+            return found
+    return None
+
+
+def _step(caster: RayCaster, place: Place, direction: Vector) -> Place | None:
+    for _ in range(MOVES):
+        moved = _move(caster, place, direction)
+        if moved is None:
+            return None
+        place, direction = moved
+    return place
+
+
+def _move(caster: RayCaster, place: Place, direction: Vector) -> tuple[Place, Vector] | None:
+    """Move straight on; give the place and the direction there, or nothing where no way is found."""
+    point, normal, _ = place
+    length = STEP / MOVES
+    above = point + _LIFT * normal
+    below = point - length * normal
+    ahead = length * direction
+    origins = np.stack([above, above + ahead, below + ahead, below])
+    directions = np.stack([direction, -normal, -direction, normal])
+    farthest = np.array([length, length + _LIFT, length, length]) * (1.0 + _ROUNDING)
+    hits = caster.first_hits(origins, directions)
+    faces = np.where(hits.hit, hits.face, 0)
+    sides = np.einsum("nd,nd->n", caster.surface.face_normals[faces], directions)
+    met = np.flatnonzero(hits.hit & (hits.distance <= farthest) & (sides != 0.0))
+    if not len(met):
+        return None
+    row = met[0]
+    face = int(faces[row])
+    turned = -np.sign(sides[row]) * caster.surface.face_normals[face]
+    found = origins[row] + hits.distance[row] * directions[row]
+    return (found, turned, face), _carry(direction, normal, turned)
+
+
+def _carry(direction: Vector, before: Vector, after: Vector) -> Vector:
+    """Turn a tangent by the least rotation from a normal to another; right round, it goes back."""
+    half = 1.0 + before @ after
+    if half < _ROUNDING:
+        return -direction
+    turned = direction - (direction @ after) / half * (before + after)
+    turned -= (turned @ after) * after
+    return turned / np.linalg.norm(turned)
+
+
+def _tangent(normal: Vector, angle: float) -> Vector:
+    """Give the unit tangent at an angle from one that depends on the normal alone."""
+    axis = np.eye(3)[np.argmin(np.abs(normal))]
+    first = np.cross(normal, axis)
+    first /= np.linalg.norm(first)
+    return np.cos(angle) * first + np.sin(angle) * np.cross(normal, first)
+
+
+def _is_open(
+    caster: RayCaster, points: NDArray[np.float64], normals: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    return ~caster.first_hits(points + _LIFT * normals, normals).hit

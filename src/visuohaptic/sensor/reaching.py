@@ -1,0 +1,68 @@
+"""Which places of an object the sensor can reach."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.sensor.adaptive_size import approach_distances, box_heights
+from visuohaptic.sensor.imprints import Poses, cast_heights
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.sensor.touching import batches, stand
+
+
+def reachable(
+    caster: RayCaster,
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    parameters: SensorParameters,
+    faces: NDArray[np.int64] | None = None,
+) -> NDArray[np.bool_]:
+    """Find the places that the sensor can reach.
+
+    A place is in reach if the sensor at its smallest size, on its way along the outward normal
+    and turned about it as the touch is, meets nothing before its centre touches. What stands no
+    higher above the tangent plane than the penetration tolerance is not met.
+
+    Neither the depth range nor whether the size adapts matters. Where it does, a touch is in
+    state ``blocked`` or ``at_minimum`` at places out of reach alone.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object.
+    points, normals : numpy.ndarray
+        Shape (n, 3) each, float64, object frame: probing locations and outward unit normals.
+    parameters : SensorParameters
+        The sensor's measures.
+    faces : numpy.ndarray, optional
+        Shape (n,), int64: the face under each probing location, as `touch` takes it.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), bool; each independent of the others.
+    """
+    poses = stand(caster, points, normals, parameters, faces)
+    parts = [_reachable_part(caster, poses[rows], parameters) for rows in batches(len(poses))]
+    return np.concatenate(parts)
+
+
+def _reachable_part(
+    caster: RayCaster, poses: Poses, parameters: SensorParameters
+) -> NDArray[np.bool_]:
+    tolerance = parameters.penetration_tolerance
+    # What nothing of the object can stand above needs no rays; as in `place`, half is no rounding.
+    free = box_heights(caster, poses) <= 0.5 * tolerance
+    rest = np.flatnonzero(~free)
+    rest = rest[np.isinf(approach_distances(caster, poses[rest], tolerance))]
+    heights = cast_heights(
+        caster,
+        poses[rest],
+        np.full(len(rest), parameters.smallest_size),
+        np.full(len(rest), caster.reach),
+        parameters.resolution,
+    )
+    free[rest] = (heights <= tolerance).all(axis=(1, 2))
+    return free
