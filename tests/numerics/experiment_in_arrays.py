@@ -16,9 +16,12 @@ from visuohaptic.phases import look_from
 from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.tables.phases import IMPRINT_FEATURES
-from visuohaptic.touches.touching import touch_tables
+from visuohaptic.touches.choosing import Wanted
+from visuohaptic.touches.touching import acquire_touches
 
-STRATEGIES = ("fixation", "random", "random_visible", "farthest_point", "curvature", "human")
+STRATEGIES = (
+    "fixation", "random", "random_visible", "random_walk", "farthest_point", "curvature", "human",
+)  # fmt: skip
 VIEWPOINTS = 2
 RAYS = 30_000
 SEEN = ("mask", "face", "point", "normal", "depth", "curvature", "lit", "colour")
@@ -28,16 +31,17 @@ def object_arrays(path):
     """Give every phase's arrays of one object, by phase and column."""
     found = vh.load(path)
     surface = as_stored(found.surface)
-    chosen = as_parameters({"viewpoints.count": VIEWPOINTS, "probing.strategies": list(STRATEGIES)})
+    chosen = as_parameters({"viewpoints.count": VIEWPOINTS})
     caster = RayCaster(surface)
     yield "surface", {"vertices": surface.vertices, "faces": surface.faces}
     yield "rays", ray_arrays(caster)
     looks = look_from(caster, found.key, chosen, range(VIEWPOINTS))
     yield "views", {name: getattr(looks[0].seen, name) for name in SEEN}
     yield "saliency", {"saliency": np.stack([one.attended.saliency for one in looks])}
-    located = locate_all(looks, chosen.probing, chosen.attention, chosen.seed)
+    located = locate_all(looks, STRATEGIES, chosen.attention, chosen.seed)
     yield "fixations", columns_of(located)
-    touches, _ = touch_tables(caster, located, chosen.sensor, chosen.scene, chosen.seed)
+    wanted = Wanted(chosen.attention.fixations)
+    touches, _ = acquire_touches(caster, located, chosen.sensor, chosen.scene, chosen.seed, wanted)
     yield "touches", columns_of(touches)
     yield "features", columns_of(describe_touches(touches, chosen.features))
 

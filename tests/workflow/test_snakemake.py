@@ -211,7 +211,7 @@ def test_a_corrupt_mesh_is_named_and_spares_the_others(fresh, tmp_path):
     broken.write_text("v 0 0 0\nv 1 0 nonsense\nf 1 2 3\n")
     reason = "x/broken was left out: meshes/own/x/broken.obj can't be read as OBJ"
     assert reason in experiment.snakemake().stdout
-    for name in ("fixations", "touches", "features"):
+    for name in ("touches", "features"):
         assert len(pd.read_parquet(experiment.folder / "results" / name)) == TOUCHES
     page = experiment.folder / "reports/report.html"
     assert html.escape(reason, quote=True).replace("&#x27;", "&#39;") in page.read_text()

@@ -11,7 +11,7 @@ from visuohaptic.tables.stability import STABILITY
 
 pytestmark = pytest.mark.workflow
 
-RIGHT = "np.divide(planes[:, 3] - _dot(planes, origins), along, out=distance, where=exact)"
+RIGHT = "np.divide(planes[:, 3] - dot(planes, origins), along, out=distance, where=met)"
 TAMPERED = f"{RIGHT}\n        distance *= 1 + 1e-9"
 
 
