@@ -12,7 +12,10 @@ from visuohaptic.fixations.probing import (
     draw_by_area,
     face_outwards,
 )
+from visuohaptic.geometry.curvature import unit_vectors
+from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.vectors import dot
 
 STEP = 0.3
 """Way along the surface from a touch to the next, object radii: the largest sensor's edge."""
@@ -128,20 +131,20 @@ def _move(caster: RayCaster, place: Place, direction: Vector) -> tuple[Place, Ve
 
 def _carry(direction: Vector, before: Vector, after: Vector) -> Vector:
     """Turn a tangent by the least rotation from a normal to another; right round, it goes back."""
-    half = 1.0 + before @ after
+    half = 1.0 + dot(before, after)
     if half < _ROUNDING:
         return -direction
-    turned = direction - (direction @ after) / half * (before + after)
-    turned -= (turned @ after) * after
-    return turned / np.linalg.norm(turned)
+    turned = direction - dot(direction, after) / half * (before + after)
+    turned -= dot(turned, after) * after
+    return unit_vectors(turned)
 
 
 def _tangent(normal: Vector, angle: float) -> Vector:
     """Give the unit tangent at an angle from one that depends on the normal alone."""
     axis = np.eye(3)[np.argmin(np.abs(normal))]
-    first = np.cross(normal, axis)
-    first /= np.linalg.norm(first)
-    return np.cos(angle) * first + np.sin(angle) * np.cross(normal, first)
+    first = unit_vectors(np.cross(normal, axis))
+    sine, cosine = sin_cos(angle)
+    return cosine * first + sine * np.cross(normal, first)
 
 
 def _is_open(

@@ -121,7 +121,8 @@ class RayCaster:
     @property
     def reach(self) -> float:
         """A length that no two points of the surface are farther apart than."""
-        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
+        across = self.bounds[1] - self.bounds[0]
+        return float(np.sqrt(dot(across, across)))
 
     def first_hits(
         self,
