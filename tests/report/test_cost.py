@@ -143,6 +143,15 @@ def test_the_first_sentences_do_not_depend_on_an_order_that_timing_leaves_open()
     assert "2 touches" in sentences.pop()
 
 
+def test_where_the_quickest_setting_is_the_most_accurate_the_answer_names_it_once():
+    rows = cost_rows([("1 touch", 0.073, 0.0), ("5 touches", 0.15, 0.01)])
+    for place, row in enumerate(rows):
+        row |= {"as_quick": place == 0, "step": place == 0}
+    answer = cost_answer(cost_figures(rows, PARAMETERS))
+    assert answer.count("73 ms") == answer.count("at 0.0\N{NO-BREAK SPACE}% wrong") == 1
+    assert "least error of all settings" in answer
+
+
 def test_settings_of_a_group_are_one_row():
     rows = cost_rows([("a", 0.010, 0.30), ("b", 0.011, 0.31), ("c", 0.5, 0.3)], failed=["8 × 8"])
     rows[1]["group"] = rows[0]["group"]

@@ -187,11 +187,19 @@ def cost_answer(figures: CostFigures) -> str:
     if first is None:
         return "No setting could be both run and timed."
     last = min(figures.front, key=lambda row: float(row["error"]))
-    said = (
-        f"From {_duration(first['seconds'])} a recognition at {percent(first['error'])} wrong "
-        f"({_named(first)}; not significantly slower than the quickest) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
-        f"({_interval(last)}; {_named(last)})."
-    )
+    if first["error"] <= last["error"]:
+        last = first
+        said = (
+            f"A recognition takes {_duration(first['seconds'])} at {percent(first['error'])} wrong "
+            f"({_interval(first)}; {_named(first)}): the least error of all settings, and not "
+            "significantly slower than the quickest."
+        )
+    else:
+        said = (
+            f"From {_duration(first['seconds'])} a recognition at {percent(first['error'])} wrong "
+            f"({_named(first)}; not significantly slower than the quickest) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
+            f"({_interval(last)}; {_named(last)})."
+        )
     own = figures.reference
     if own is None or own in (first, last) or own["seconds"] is None:
         return said
