@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -38,9 +38,7 @@ def read_tables(run: Path) -> dict[str, pa.Table]:
 def _sorted(table: pa.Table) -> pa.Table:
     """Leave out seconds, and sort the rows by the text of all that can be sorted."""
     kept = [
-        name
-        for name in table.column_names
-        if "seconds" not in name and name not in FROM_SECONDS
+        name for name in table.column_names if "seconds" not in name and name not in FROM_SECONDS
     ]
     plain = [name for name in kept if not pa.types.is_nested(table.field(name).type)]
     order = [(name, "ascending") for name in plain if table.field(name).type != pa.binary()]
@@ -68,15 +66,11 @@ def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
 
 def main(old: str, new: str) -> int:
     """Print what differs, and give the exit status."""
-    found: list[str] = []
-    count = 0
-    for read in (read_tables, read_files):
-        reader: Callable[[Path], Mapping[str, Any]] = read
-        before, after = reader(Path(old)), reader(Path(new))
-        found += differences(before, after)
-        count += len(before)
-    print("\n".join(found) or f"equal: {count} tables, meshes and metrics")
-    return 1 if found or not count else 0
+    before, after = ({**read_tables(run), **read_files(run)} for run in (Path(old), Path(new)))
+    found = differences(before, after)
+    sys.stdout.write("\n".join(found) or f"equal: {len(before)} tables, meshes and metrics")
+    sys.stdout.write("\n")
+    return 1 if found or not before else 0
 
 
 if __name__ == "__main__":

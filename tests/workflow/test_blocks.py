@@ -1,6 +1,7 @@
 """Blocks hold objects of one class, and an object more or less changes one block."""
 
 import pytest
+
 from visuohaptic_workflow.blocks import divide
 
 OBJECTS = [f"{category}/{number:02d}" for category in ("cup", "chair") for number in range(23)]
