@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PICTURES = ROOT / "docs" / "pictures"
 
 # The rim of a chair's back, where a thin curve crosses the sensor.
-CHAIR = ROOT / "results" / "meshes" / "chair" / "bs0_chair2.ply"
+CHAIR = ROOT / "results" / "meshes" / "chair" / "bs0_chair2" / "bs0_chair2.ply"
 CHAIR_POINT = (0.12967612829, 0.63132528078, -0.25675551471)
 CHAIR_NORMAL = (0.0, 0.13924389843, 0.99025811623)
 
