@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report check test test-all test-hard test-slurm test-installed meshes bench readme params format lock clean
+.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes bench readme params format lock clean
 .PHONY: lint lint-types lint-code lint-workflow installed-tests installed-readme
 
 PYTHON ?= python3
@@ -22,6 +22,10 @@ export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/workflow/lib
 
 report: $(READY)
 	@$(RUN) --cores $(JOBS)
+
+# What would run now and why, and whether what is here is what today's parameters, code and sources give.
+why verify: $(READY)
+	@python -P -m visuohaptic_workflow.why $@
 
 # The quick loop: under a minute on two cores.
 check: lint

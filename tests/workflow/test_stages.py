@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic_workflow.code_inputs import code_inputs
+from visuohaptic_workflow.closure import code_of
 
 ROOT = Path(__file__).parents[2]
 STAGES = yaml.safe_load((ROOT / "dvc.yaml").read_text())["stages"]
@@ -25,7 +25,7 @@ def test_a_stage_depends_on_every_module_that_its_scripts_run(stage):
     files = {
         file.relative_to(ROOT)
         for script in SCRIPTS[stage]
-        for file in code_inputs(ROOT / script, [ROOT / "src", ROOT / "workflow/lib"])
+        for file in code_of(ROOT / script, (ROOT / "src", ROOT / "workflow/lib")).files
     }
     named = [Path(dependency) for dependency in STAGES[stage]["deps"]]
     missing = [file for file in files if not {file, *file.parents} & set(named)]
@@ -100,7 +100,7 @@ include: "Snakefile"
 
 import json
 
-print("PARAMETERS", json.dumps([[job.name, job.params] for job in planned_jobs()], default=str))
+print("PARAMETERS", json.dumps([[job.rule, job.find_params()] for job in planned_jobs()], default=str))
 """
 
 

@@ -46,8 +46,9 @@ VERSION = 0
 
 with job(snakemake):
     given = hashlib.sha256(f"{snakemake.rule} {VERSION}".encode())
-    given.update(json.dumps(dict(snakemake.params.items()), sort_keys=True).encode())
-    for file in sorted(set(map(str, snakemake.input)) - set(snakemake.input.code)):
+    parameters = {name: value for name, value in snakemake.params.items() if name != "key"}
+    given.update(json.dumps(parameters, sort_keys=True).encode())
+    for file in sorted(set(map(str, snakemake.input))):
         for part in [Path(file)] if Path(file).is_file() else sorted(Path(file).glob("*.ply")):
             given.update(str(part).encode() + part.read_bytes())
     record = snakemake.output.record

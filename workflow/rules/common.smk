@@ -1,6 +1,8 @@
 """Shared by all rules: parameters, objects, blocks of viewpoints, and code as input."""
 
+import json
 import os
+import platform
 import sys
 from functools import cache
 from pathlib import Path
@@ -35,21 +37,38 @@ from visuohaptic.parameters import (
     refuse_repeated_names,
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
+from visuohaptic.whole_files import write_whole
 from visuohaptic_workflow.blocks import divide
-from visuohaptic_workflow.brought_files import judge_brought_files
 from visuohaptic_workflow.closing import lines_at_end
-from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
+from visuohaptic_workflow.closure import code_of
+from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.jobs import set_job_environment
+from visuohaptic_workflow.keys import Keys, key_of, read_record
+from visuohaptic_workflow.leftovers import put_aside
+from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.one_run import (
     check_writable,
     claim_folder,
     is_claimed_by_another,
 )
-from visuohaptic_workflow.plan import plan_jobs, prune_files, runs_jobs
+from visuohaptic_workflow.planning import Declared, fill, plan_jobs
+from visuohaptic_workflow.records import PREFIX
+from visuohaptic_workflow.why import ASKED, answer
 
 set_job_environment(*SOURCES)
-IMPORTS = ".snakemake/imports.json"
-load_memory(IMPORTS)
+# A job on another machine parses this file, too, and takes over what the run was planned with.
+HERE = f"{platform.node()}:{os.getpid()}"
+IS_PLANNER = os.environ.setdefault("VISUOHAPTIC_RUN", HERE) == HERE
+# In a storage, where records can't be read at the start, and in another workflow, Snakemake's own memory decides.
+IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None
+if IS_KEYED and IS_PLANNER:
+    os.environ[PREFIX] = sys.prefix
+    if workflow.dag_settings and set(map(str, workflow.rerun_triggers)) != {"mtime"}:
+        raise WorkflowError(
+            "Keys decide what runs here, and Snakemake's other reasons would run it again for ever: "
+            "leave out --rerun-triggers, or say --rerun-triggers mtime."
+        )
+DIGESTS = Digests(".cache/digests.json")
 
 # Snakemake imports pandas, for half a second, to look for data frames among parameters; here are
 # none. A workflow that uses this one as a module may have some.
@@ -63,6 +82,10 @@ def or_stop(function, *arguments):
         return function(*arguments)
     except VisuohapticError as error:
         raise WorkflowError(str(error)) from None
+
+
+if IS_KEYED and IS_PLANNER and ASKED not in os.environ:
+    or_stop(check_writable)
 
 
 def shipped(path):
@@ -96,7 +119,7 @@ CATALOGUED = {
 OWN_MODELS = find_own_models("meshes/own", CATALOGUED)
 OWN = {model.key: path for model, path in OWN_MODELS.models.items()}
 COMPANIONS = companions(OWN.values())
-if workflow.is_main_process:
+if IS_PLANNER:
     for sentence in OWN_MODELS.set_aside.values():
         print(f"warning: {sentence}", file=sys.stderr)
 DOWNLOADED = {
@@ -207,10 +230,83 @@ def scores_of(table, suffix="parquet"):
     )
 
 
-def code_of(script):
-    """List a script and the modules that it runs: an edit in one of them reruns its jobs."""
-    file = ROOT / "workflow/scripts" / script
-    return in_clone(map(os.path.relpath, [file, *code_inputs(file, SOURCES)]))
+# What each rule runs and takes; planned_jobs() reads it.
+DECLARED = {}
+# Rules that list their jobs' wildcards.
+VALUES_OF_RULES = {}
+# Records of studies that are left as they are.
+KEPT_RECORDS = set()
+# What the jobs of this run are told: in the process that plans it, and in those of other machines, which read it.
+GIVEN_FILE = Path("logs/given.json")
+GIVEN = {}
+
+
+def takes(name, script, check=None, **inputs):
+    """Declare what a rule runs and takes, and give its input: files whose times count for nothing where its record fits."""
+    DECLARED[name] = Declared(ROOT / "workflow/scripts" / script, inputs)
+
+    def chosen(wildcards):
+        if check is not None:
+            check()
+        files = DECLARED[name].files(wildcards)
+        if not IS_KEYED:
+            return {**files, "code": code_of_rule(name)}
+        record = fill(str(getattr(rules, name).output.record), wildcards)
+        if not IS_PLANNER:
+            return files
+        reason = None if record in KEPT_RECORDS else keys().reason(record)
+        if reason is None:
+            return {part: keep_times_out(item) for part, item in files.items()}
+        GIVEN[record] = keys().given(record)
+        if is_another_run_at_work():  # which makes it, or will be waited for
+            return files
+        return {**files, "why": or_stop(mark_stale, record, reason)}
+
+    return unpack(chosen)
+
+
+@cache
+def is_another_run_at_work():
+    """Whether another process makes results in this folder, as at a dry run beside it."""
+    return is_claimed_by_another()
+
+
+def keep_times_out(item):
+    """Mark files whose times say nothing."""
+    return ancient(item) if isinstance(item, str) else [ancient(file) for file in item]
+
+
+def code_of_rule(name):
+    """List the files of code that a rule runs, as inputs."""
+    return in_clone(
+        os.path.relpath(file)
+        for file in code_of(DECLARED[name].script, tuple(SOURCES)).files
+    )
+
+
+def key_of_rule(name):
+    """Give what tells a job its key, and what it was planned with."""
+
+    def given(wildcards):
+        if not IS_KEYED:
+            return None
+        record = fill(str(getattr(rules, name).output.record), wildcards)
+        if not IS_PLANNER:
+            return json.loads(GIVEN_FILE.read_text(encoding="utf-8")).get(record)
+        return GIVEN.setdefault(record, keys().given(record))
+
+    return given
+
+
+@cache
+def keys():
+    """Give the keys of all jobs that today's parameters and objects ask for."""
+    return Keys(planned_jobs(), find_code, DIGESTS, ROOT, KEPT_RECORDS)
+
+
+def find_code(script):
+    """Find what a script runs."""
+    return code_of(script, tuple(SOURCES))
 
 
 def packed_code(wildcards):
@@ -233,10 +329,6 @@ def all_cores(wildcards):
     return workflow.cores if workflow.local_exec else 1
 
 
-# Rules whose wildcards stand for other values than in the rest, or that list their jobs' wildcards.
-VALUES_OF_RULES = {}
-
-
 @cache
 def planned_jobs():
     """List the jobs of all rules that today's parameters and objects ask for."""
@@ -246,60 +338,50 @@ def planned_jobs():
         "pipeline": PARAMETERS.recognition.pipelines,
         "strategy": PARAMETERS.probing.strategies,
     }
-    # In a workflow that uses this one as a module, workflow.rules has other rules and other names.
-    by_name = dict(rules._rules)
-    return plan_jobs(by_name, values, VALUES_OF_RULES)
-
-
-def check_folder():
-    """Allow one run at a time in this folder, and check files that were not made here."""
-    if not (IS_MAIN and workflow.is_main_process):
-        return
-    or_stop(check_writable)
-    if runs_jobs(sys.argv):
-        or_stop(claim_folder, ["results", "reports", "meshes/downloaded"])
-    elif is_claimed_by_another():
-        return
-    save_memory(IMPORTS)
-    outdated = judge_brought_files(
-        [
-            job
-            for job in planned_jobs()
-            if not any(belongs_to(job, study) for study in KEPT_STUDIES)
-        ]
-    )
-    if outdated:
-        print(
-            f"{len(outdated)} jobs have files that were brought here and made with other "
-            "parameters, code or inputs than today's; they run again.",
-            file=sys.stderr,
+    return [
+        job
+        for name, declared in DECLARED.items()
+        for job in plan_jobs(
+            name, declared, getattr(rules, name), VALUES_OF_RULES.get(name, values)
         )
+    ]
+
+
+def answer_why():
+    """Say why jobs would run, if `make why` or `make verify` asks."""
+    if IS_KEYED and IS_PLANNER:
+        answer(keys(), map(str, rules.all.input))
+
+
+def claim():
+    """Allow one run at a time in this folder, and say what its jobs were planned with."""
+    if IS_KEYED and IS_PLANNER:
+        or_stop(claim_folder, ["results", "reports", "meshes/downloaded"])
+        if not workflow.local_exec:
+            GIVEN.update(
+                {name: keys().given(name) for name in keys().jobs if name not in GIVEN}
+            )
+            write_whole(GIVEN_FILE, json.dumps(GIVEN))
+        DIGESTS.save()
 
 
 def check_recognition():
     """Stop before the first job where recognition is asked for and has no classes to tell apart."""
-    planned = getattr(getattr(workflow, "dag", None), "needrun_jobs", list)
-    if any(job.rule.name == "recognition" for job in planned()):
-        or_stop(check_classes, OBJECTS)
+    or_stop(check_classes, OBJECTS)
 
 
-def prune():
-    """Delete results and logs that today's parameters and objects no longer name, where the report is asked for.
-
-    The report takes all tables; a run with another target may be about another set of objects.
-    """
-    asked = getattr(getattr(workflow, "dag", None), "jobs", ())
-    if any(job.rule.name == "report" for job in asked):
-        prune_files(planned_jobs(), ["results", "logs"])
-
-
-def say_results():
-    """Say at the end of a run what was left out, and what the report holds if it was written."""
-    if "--logger" in sys.argv:  # it says so itself
+def close_run():
+    """Put aside what is no longer named, and say what was left out and what the report holds, once it is today's."""
+    if not (IS_KEYED and IS_PLANNER):
         return
-    finished = workflow.dag.finished_jobs
-    is_written = any(job.rule.name == "report" for job in finished)
-    for line in lines_at_end(report_is_current=is_written):
+    page = "results/records/report.json"
+    is_whole = read_record(page).get("key") == key_of(keys().parts(page))
+    named = {file for job in planned_jobs() for file in job.outputs}
+    moved = put_aside(named) if is_whole else None
+    for line in [
+        *([moved] if moved else []),
+        *lines_at_end(report_is_current=is_whole),
+    ]:
         print(line, file=sys.stderr)
 
 

@@ -6,9 +6,12 @@ Takes all results; gives reports/crate.zip. Not part of `all`: `snakemake -j2 cr
 
 rule crate:
     input:
-        results=[*rules.all.input, "results/frontier_seconds.parquet"],
-        packed=packed_code,
-        code=code_of("crate.py"),
+        takes(
+            "crate",
+            "crate.py",
+            results=[*rules.all.input, "results/frontier_seconds.parquet"],
+            packed=packed_code,
+        ),
     output:
         "reports/crate.zip",
         record="results/records/crate.json",
@@ -17,6 +20,7 @@ rule crate:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("crate"),
         root=os.path.relpath(ROOT),
         parameters=PARAMETERS.model_dump(exclude={"workflow"}),
         commit=packed_commit,

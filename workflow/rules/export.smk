@@ -22,9 +22,12 @@ rule export_all:
 
 rule export:
     input:
-        touches=parts_of("touches"),
-        credits=CREDITS,
-        code=code_of("export.py"),
+        takes(
+            "export",
+            "export.py",
+            touches=parts_of("touches"),
+            credits=CREDITS,
+        ),
     output:
         expand("results/export/{file}", file=EXPORTED),
         record="results/records/export.json",
@@ -33,6 +36,7 @@ rule export:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("export"),
         seed=PARAMETERS.seed,
     message:
         "exporting touches as a data set"

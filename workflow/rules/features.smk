@@ -12,8 +12,11 @@ rule features_all:
 
 rule features:
     input:
-        touches="results/touches/{objects}/{views}.parquet",
-        code=code_of("features.py"),
+        takes(
+            "features",
+            "features.py",
+            touches="results/touches/{objects}/{views}.parquet",
+        ),
     output:
         "results/features/{objects}/{views}.parquet",
         record="results/records/features/{objects}/{views}.json",
@@ -22,6 +25,7 @@ rule features:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("features"),
         features=PARAMETERS.features.model_dump(),
     message:
         "describing the imprints of {wildcards.objects} and others, viewpoints {wildcards.views}"

@@ -15,8 +15,11 @@ rule fixations_all:
 
 rule fixations:
     input:
-        meshes="results/meshes/{objects}",
-        code=code_of("fixations.py"),
+        takes(
+            "fixations",
+            "fixations.py",
+            meshes="results/meshes/{objects}",
+        ),
     output:
         fixations="results/fixations/{objects}/{views}.parquet",
         views="results/views/{objects}/{views}.parquet",
@@ -27,6 +30,7 @@ rule fixations:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("fixations"),
         viewpoints_of_block=viewpoints_of,
         viewpoints=PARAMETERS.viewpoints.model_dump(),
         rendering=PARAMETERS.rendering.model_dump(),

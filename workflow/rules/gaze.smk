@@ -14,9 +14,12 @@ rule gaze_all:
 
 rule gaze:
     input:
-        recordings=RECORDED_GAZE,
-        meshes=files_of_gaze((*MODEL_SUFFIXES, *COMPANION_SUFFIXES)),
-        code=code_of("gaze.py"),
+        takes(
+            "gaze",
+            "gaze.py",
+            recordings=RECORDED_GAZE,
+            meshes=files_of_gaze((*MODEL_SUFFIXES, *COMPANION_SUFFIXES)),
+        ),
     output:
         measured=GAZE_TABLES[0],
         pictures=GAZE_TABLES[1],
@@ -28,6 +31,7 @@ rule gaze:
         "../envs/visuohaptic.yaml"
     threads: all_cores
     params:
+        key=key_of_rule("gaze"),
         looking={
             "viewpoints": PARAMETERS.viewpoints.model_dump(),
             "rendering": PARAMETERS.rendering.model_dump(),

@@ -26,7 +26,10 @@ rule downloads_all:
 
 rule downloads:
     input:
-        code=code_of("downloads.py"),
+        takes(
+            "downloads",
+            "downloads.py",
+        ),
     output:
         models=expand("meshes/downloaded/{object}.ply.gz", object=sorted(DOWNLOADED)),
         record="results/records/downloads.json",
@@ -36,6 +39,7 @@ rule downloads:
         "../envs/visuohaptic.yaml"
     threads: 2
     params:
+        key=key_of_rule("downloads"),
         models=[
             {name: value for name, value in asdict(model).items() if name != "credit"}
             for _, model in sorted(DOWNLOADED.items())
@@ -49,7 +53,10 @@ rule downloads:
 
 rule credits:
     input:
-        code=code_of("credits.py"),
+        takes(
+            "credits",
+            "credits.py",
+        ),
     output:
         credits="meshes/downloaded/credits.csv",
         record="results/records/credits.json",
@@ -58,6 +65,7 @@ rule credits:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("credits"),
         models=[asdict(model) for _, model in sorted(DOWNLOADED.items())],
     message:
         "writing the credits of the downloaded models"
@@ -67,9 +75,12 @@ rule credits:
 
 rule meshes:
     input:
-        sources=sources_of,
-        companions=companions_of,
-        code=code_of("meshes.py"),
+        takes(
+            "meshes",
+            "meshes.py",
+            sources=sources_of,
+            companions=companions_of,
+        ),
     output:
         directory("results/meshes/{objects}"),
         record="results/records/meshes/{objects}.json",
@@ -78,6 +89,7 @@ rule meshes:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("meshes"),
         models=models_of,
         meshes=PARAMETERS.meshes.model_dump(exclude={"set"}),
     message:

@@ -28,8 +28,11 @@ rule certainty_all:
 
 rule certainty:
     input:
-        features=parts_of("features"),
-        code=code_of("certainty.py"),
+        takes(
+            "certainty",
+            "certainty.py",
+            features=parts_of("features"),
+        ),
     output:
         table="results/certainty.parquet",
         metrics="reports/certainty.json",
@@ -39,6 +42,7 @@ rule certainty:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("certainty"),
         classifier="support_vector_machine",
         strategies=PARAMETERS.probing.strategies,
         recognition=PARAMETERS.recognition.model_dump(exclude={"pipelines"}),
@@ -51,8 +55,11 @@ rule certainty:
 
 rule model:
     input:
-        features=parts_of("features"),
-        code=code_of("model.py"),
+        takes(
+            "model",
+            "model.py",
+            features=parts_of("features"),
+        ),
     output:
         model="results/models/best.skops",
         touching="results/models/best.yaml",
@@ -62,6 +69,7 @@ rule model:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("model"),
         pipeline="best",
         classifier="support_vector_machine",
         strategy=PARAMETERS.probing.strategies[0],

@@ -13,8 +13,12 @@ rule recognition_all:
 
 rule recognition:
     input:
-        features=parts_of("features"),
-        code=code_of("recognition.py"),
+        takes(
+            "recognition",
+            "recognition.py",
+            check=check_recognition,
+            features=parts_of("features"),
+        ),
     output:
         scores="results/scores/{pipeline}/{strategy}.parquet",
         predictions="results/predictions/{pipeline}/{strategy}.parquet",
@@ -24,6 +28,7 @@ rule recognition:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("recognition"),
         recognition=PARAMETERS.recognition.model_dump(
             exclude={"pipelines", "intervals"}
         ),

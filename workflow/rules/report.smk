@@ -24,9 +24,12 @@ rule report_all:
 
 rule metrics:
     input:
-        scores=scores_of("scores"),
-        predictions=scores_of("predictions"),
-        code=code_of("metrics.py"),
+        takes(
+            "metrics",
+            "metrics.py",
+            scores=scores_of("scores"),
+            predictions=scores_of("predictions"),
+        ),
     output:
         metrics=report(
             "reports/metrics.json",
@@ -49,6 +52,7 @@ rule metrics:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("metrics"),
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
@@ -59,30 +63,34 @@ rule metrics:
 
 rule report:
     input:
-        metrics="reports/metrics.json",
-        predictions=scores_of("predictions"),
-        views=parts_of("views"),
-        fixations=parts_of("fixations"),
-        touches=parts_of("touches"),
-        features=parts_of("features"),
-        effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
-        meshes=meshes_of(),
-        frontier="results/frontier.parquet",
-        influence="results/effect_influence.parquet",
-        stability=["results/stability.parquet", *files_by_block("stability")],
-        # Only where recordings are given.
-        gaze=GAZE_TABLES if RECORDED_GAZE else [],
-        # Not part of `all`; once present they are shown in the report.
-        measured=[
-            *(
-                file
-                for file, study in {**STUDY_FIGURES, **SPECIAL_FIGURES}.items()
-                if is_shown(file, study)
-            ),
-            *in_clone(filter(os.path.exists, CHECKS_AND_BENCHMARKS)),
-        ],
-        credits=CREDITS,
-        code=[*code_of("report.py"), *TEMPLATES],
+        takes(
+            "report",
+            "report.py",
+            metrics="reports/metrics.json",
+            predictions=scores_of("predictions"),
+            views=parts_of("views"),
+            fixations=parts_of("fixations"),
+            touches=parts_of("touches"),
+            features=parts_of("features"),
+            effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
+            meshes=meshes_of(),
+            frontier="results/frontier.parquet",
+            influence="results/effect_influence.parquet",
+            stability=["results/stability.parquet", *files_by_block("stability")],
+            # Only where recordings are given.
+            gaze=GAZE_TABLES if RECORDED_GAZE else [],
+            # Not part of `all`; once present they are shown in the report.
+            measured=[
+                *(
+                    file
+                    for file, study in {**STUDY_FIGURES, **SPECIAL_FIGURES}.items()
+                    if is_shown(file, study)
+                ),
+                *in_clone(filter(os.path.exists, CHECKS_AND_BENCHMARKS)),
+            ],
+            credits=CREDITS,
+            templates=TEMPLATES,
+        ),
     output:
         report("reports/report.html", caption="../report/page.rst", category="Report"),
         record="results/records/report.json",
@@ -92,6 +100,7 @@ rule report:
         "../envs/visuohaptic.yaml"
     threads: 2
     params:
+        key=key_of_rule("report"),
         parameters=PARAMETERS.model_dump(exclude={"workflow"}),
         objects=OBJECTS,
         studies=shown_studies,

@@ -16,7 +16,10 @@ rule stability_all:
 
 rule stability:
     input:
-        code=code_of("stability.py"),
+        takes(
+            "stability",
+            "stability.py",
+        ),
     output:
         "results/stability.parquet",
         record="results/records/stability.json",
@@ -25,6 +28,7 @@ rule stability:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("stability"),
         seed=PARAMETERS.seed,
     message:
         "trying hard cases with known answers"
@@ -34,10 +38,13 @@ rule stability:
 
 rule stability_of_object:
     input:
-        meshes="results/meshes/{objects}",
-        fixations=views_of("fixations"),
-        touches=views_of("touches"),
-        code=code_of("stability_object.py"),
+        takes(
+            "stability_of_object",
+            "stability_object.py",
+            meshes="results/meshes/{objects}",
+            fixations=views_of("fixations"),
+            touches=views_of("touches"),
+        ),
     output:
         "results/stability/{objects}.parquet",
         record="results/records/stability/{objects}.json",
@@ -46,6 +53,7 @@ rule stability_of_object:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("stability_of_object"),
         attention=PARAMETERS.attention.model_dump(),
         sensor=PARAMETERS.sensor.model_dump(),
         scene=PARAMETERS.scene.model_dump(),

@@ -46,8 +46,8 @@ RUN_AND_INTERVALS = PARAMETERS.model_dump(
 
 
 wildcard_constraints:
-    weighed="|".join({"frontier", "cost"} - KEPT_STUDIES),
-    study="|".join(sorted(set(STUDIES) - KEPT_STUDIES)) or "(?!)",
+    weighed="frontier|cost",
+    study="|".join(sorted(STUDIES)),
     key="[0-9a-f]+",
     reading="[a-z][0-9]+",
     block=r"\d+-\d+",
@@ -119,10 +119,13 @@ rule readings_all:
 
 rule features_of_study:
     input:
-        meshes=remade_from("meshes", {"views", "touches"}),
-        fixations=remade_from("fixations", {"touches"}),
-        touches=remade_from("touches", {"features"}),
-        code=code_of("study_features.py"),
+        takes(
+            "features_of_study",
+            "study_features.py",
+            meshes=remade_from("meshes", {"views", "touches"}),
+            fixations=remade_from("fixations", {"touches"}),
+            touches=remade_from("touches", {"features"}),
+        ),
     output:
         "results/study_features/{study}/{key}.parquet",
         record="results/records/features_of_study/{study}/{key}.json",
@@ -131,6 +134,7 @@ rule features_of_study:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("features_of_study"),
         phase=remade_phase,
         sample=sample_of_study,
         parameters=remake_parameters,
@@ -142,9 +146,12 @@ rule features_of_study:
 
 rule block_of_study:
     input:
-        features=own_features,
-        made=block_features,
-        code=code_of("study_block.py"),
+        takes(
+            "block_of_study",
+            "study_block.py",
+            features=own_features,
+            made=block_features,
+        ),
     output:
         "results/study_blocks/{study}/{block}.parquet",
         record="results/records/block_of_study/{study}/{block}.json",
@@ -153,6 +160,7 @@ rule block_of_study:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("block_of_study"),
         conditions=block_conditions,
         sample=sample_of_study,
         remade=block_keys,
@@ -165,8 +173,11 @@ rule block_of_study:
 
 rule figures_of_study:
     input:
-        parts=study_parts,
-        code=code_of("study_figures.py"),
+        takes(
+            "figures_of_study",
+            "study_figures.py",
+            parts=study_parts,
+        ),
     output:
         figures="results/studies/{study}.parquet",
         metrics="reports/studies/{study}.json",
@@ -176,6 +187,7 @@ rule figures_of_study:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("figures_of_study"),
         study=described_study,
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
@@ -187,8 +199,11 @@ rule figures_of_study:
 
 rule readings:
     input:
-        parts=study_blocks("readings"),
-        code=code_of("readings.py"),
+        takes(
+            "readings",
+            "readings.py",
+            parts=study_blocks("readings"),
+        ),
     output:
         readings="results/readings.parquet",
         metrics="reports/readings.json",
@@ -198,6 +213,7 @@ rule readings:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("readings"),
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
@@ -208,8 +224,12 @@ rule readings:
 
 rule readings_page:
     input:
-        readings="results/readings.parquet",
-        code=[*code_of("readings_page.py"), *TEMPLATES],
+        takes(
+            "readings_page",
+            "readings_page.py",
+            readings="results/readings.parquet",
+            templates=TEMPLATES,
+        ),
     output:
         "reports/readings.html",
         record="results/records/readings_page.json",
@@ -217,6 +237,8 @@ rule readings_page:
         "logs/readings_page.log",
     conda:
         "../envs/visuohaptic.yaml"
+    params:
+        key=key_of_rule("readings_page"),
     message:
         "writing the page of the paper's readings"
     script:
@@ -226,9 +248,12 @@ rule readings_page:
 # One dot of the page: `snakemake -j2 results/reading/r017.json`.
 rule reading:
     input:
-        features=features_of_reading,
-        made=made_of_reading,
-        code=code_of("reading.py"),
+        takes(
+            "reading",
+            "reading.py",
+            features=features_of_reading,
+            made=made_of_reading,
+        ),
     output:
         "results/reading/{reading}.json",
         record="results/records/reading/{reading}.json",
@@ -237,6 +262,7 @@ rule reading:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("reading"),
         condition=condition_of_reading,
         remade=keys_of_reading,
         parameters=RUN_AND_INTERVALS,
@@ -248,8 +274,11 @@ rule reading:
 
 rule candidates_of_study:
     input:
-        meshes=meshes_of(),
-        code=code_of("study_candidates.py"),
+        takes(
+            "candidates_of_study",
+            "study_candidates.py",
+            meshes=meshes_of(),
+        ),
     output:
         "results/study_candidates.parquet",
         record="results/records/candidates_of_study.json",
@@ -258,6 +287,7 @@ rule candidates_of_study:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("candidates_of_study"),
         parameters=PARAMETERS.model_dump(
             exclude={"workflow", "meshes", "cost", "gaze", "recognition", "probing"}
         ),
@@ -269,8 +299,11 @@ rule candidates_of_study:
 
 rule adaptive_of_study:
     input:
-        candidates="results/study_candidates.parquet",
-        code=code_of("study_adaptive.py"),
+        takes(
+            "adaptive_of_study",
+            "study_adaptive.py",
+            candidates="results/study_candidates.parquet",
+        ),
     output:
         "results/study_adaptive/{pipeline}.parquet",
         record="results/records/adaptive_of_study/{pipeline}.json",
@@ -279,6 +312,7 @@ rule adaptive_of_study:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("adaptive_of_study"),
         parameters=RUN,
     message:
         "naming objects after 1, 2 and more adaptive touches, pipeline {wildcards.pipeline}"
@@ -288,8 +322,11 @@ rule adaptive_of_study:
 
 rule touches_needed:
     input:
-        parts=study_blocks("curves"),
-        code=code_of("touches_needed.py"),
+        takes(
+            "touches_needed",
+            "touches_needed.py",
+            parts=study_blocks("curves"),
+        ),
     output:
         needed="results/touches_needed.parquet",
         metrics="reports/curves.json",
@@ -299,6 +336,7 @@ rule touches_needed:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("touches_needed"),
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
@@ -309,10 +347,13 @@ rule touches_needed:
 
 rule cost_seconds:
     input:
-        meshes=meshes_of(COST_SAMPLE),
-        features=parts_of("features", objects=SAMPLE),
-        made=all_made_features,
-        code=code_of("cost_seconds.py"),
+        takes(
+            "cost_seconds",
+            "cost_seconds.py",
+            meshes=meshes_of(COST_SAMPLE),
+            features=parts_of("features", objects=SAMPLE),
+            made=all_made_features,
+        ),
     output:
         "results/{weighed}_seconds.parquet",
         record="results/records/{weighed}_seconds.json",
@@ -324,6 +365,7 @@ rule cost_seconds:
     # job is in its way.
     threads: cores_for_timing
     params:
+        key=key_of_rule("cost_seconds"),
         study=weighed_study,
         timed=COST_SAMPLE,
         sample=None if SAMPLE == OBJECTS else SAMPLE,
@@ -342,9 +384,12 @@ rule cost_seconds:
 
 rule cost:
     input:
-        parts=weighed_blocks,
-        seconds="results/{weighed}_seconds.parquet",
-        code=code_of("cost.py"),
+        takes(
+            "cost",
+            "cost.py",
+            parts=weighed_blocks,
+            seconds="results/{weighed}_seconds.parquet",
+        ),
     output:
         "results/{weighed}.parquet",
         record="results/records/{weighed}.json",
@@ -353,6 +398,7 @@ rule cost:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("cost"),
         study=weighed_study,
         parameters=PARAMETERS.model_dump(exclude={"workflow", "meshes", "gaze"}),
     message:
@@ -363,9 +409,14 @@ rule cost:
 
 rule effect_influence:
     input:
-        meshes=meshes_of(EFFECT_SAMPLE),
-        fixations=parts_of("fixations", objects=EFFECT_SAMPLE, views=view_blocks()[:1]),
-        code=code_of("effect_influence.py"),
+        takes(
+            "effect_influence",
+            "effect_influence.py",
+            meshes=meshes_of(EFFECT_SAMPLE),
+            fixations=parts_of(
+                "fixations", objects=EFFECT_SAMPLE, views=view_blocks()[:1]
+            ),
+        ),
     output:
         "results/effect_influence.parquet",
         record="results/records/effect_influence.json",
@@ -374,6 +425,7 @@ rule effect_influence:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("effect_influence"),
         sample=EFFECT_SAMPLE,
         viewpoints=PARAMETERS.viewpoints.model_dump(),
         rendering=PARAMETERS.rendering.model_dump(),

@@ -7,11 +7,8 @@ from visuohaptic.studies.conditions import (
 )
 from visuohaptic.studies.declared import declared_studies, make_blocks
 from visuohaptic.studies.sampling import sample_objects
-from visuohaptic_workflow.kept_studies import (
-    RULES_OF_STUDY,
+from visuohaptic_workflow.studies_asked import (
     belongs_to,
-    expected_records,
-    given_arguments,
     names_rule,
     studies_asked_for,
 )
@@ -46,13 +43,15 @@ def figures_of(study):
 
 # What the report shows beside the run itself; certainty has no conditions.
 SHOWN_STUDIES = [*STUDIES, "certainty"]
-ARGUMENTS = given_arguments(is_main=workflow.is_main_process)
+if IS_PLANNER:
+    os.environ["VISUOHAPTIC_ARGUMENTS"] = json.dumps(sys.argv[1:])
+ARGUMENTS = json.loads(os.environ.get("VISUOHAPTIC_ARGUMENTS", "[]"))
 ASKED_STUDIES = studies_asked_for(ARGUMENTS, SHOWN_STUDIES)
-# Measured once, and left as they are: no rule makes them in this run.
+# Measured once, and left as they are.
 KEPT_STUDIES = {
     name
     for name in SHOWN_STUDIES
-    if IS_MAIN and workflow.is_main_process and name != "frontier"
+    if IS_KEYED and IS_PLANNER and name != "frontier"
     # The readings take half an hour, so only their own target brings them up to date.
     and (name == "readings" or not PARAMETERS.workflow.keep_studies_current)
     and name not in ASKED_STUDIES
@@ -227,23 +226,28 @@ def is_shown(file, study):
 
 
 def shown_studies(wildcards):
-    """Say by which records the report knows that a study is of today's state."""
-    return {
-        name: {
-            "figures": figures_of(name),
-            "records": expected_records(planned_jobs(), name),
-        }
-        for name in [*STUDY_FIGURES.values(), "readings", "certainty"]
-        if is_shown(figures_of(name), name)
+    """Say by which keys the report knows that a study is of today's state."""
+    figures = {
+        file: study for file, study in {**STUDY_FIGURES, **SPECIAL_FIGURES}.items()
     }
+    figures["results/studies/frontier.parquet"] = "frontier"
+    shown = {}
+    for file, study in figures.items() if IS_KEYED else []:
+        if is_shown(file, study):
+            found = shown.setdefault(study, {"figures": figures_of(study), "keys": {}})
+            found["keys"] |= {
+                record: keys().key(record) for record in keys().makers([file])
+            }
+    return shown
 
 
-def leave_kept_studies():
-    """Let no rule make what is kept; Snakemake then takes its files as they are."""
-    planned_jobs()  # of which records and logs stay
-    for study in KEPT_STUDIES:
-        for name in RULES_OF_STUDY.get(study, ()):
-            workflow._rules.pop(name)
+def keep_studies():
+    """Name the records of studies that are left as they are."""
+    KEPT_RECORDS.update(
+        job.record
+        for job in (planned_jobs() if KEPT_STUDIES else [])
+        if any(belongs_to(job, study) for study in KEPT_STUDIES)
+    )
 
 
 def report_of_study(wildcards):

@@ -14,9 +14,12 @@ rule touches_all:
 
 rule touches:
     input:
-        meshes="results/meshes/{objects}",
-        fixations="results/fixations/{objects}/{views}.parquet",
-        code=code_of("touches.py"),
+        takes(
+            "touches",
+            "touches.py",
+            meshes="results/meshes/{objects}",
+            fixations="results/fixations/{objects}/{views}.parquet",
+        ),
     output:
         touches="results/touches/{objects}/{views}.parquet",
         effects="results/effects/touches/{objects}/{views}.parquet",
@@ -26,6 +29,7 @@ rule touches:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        key=key_of_rule("touches"),
         sensor=PARAMETERS.sensor.model_dump(),
         scene=PARAMETERS.scene.model_dump(),
         seed=PARAMETERS.seed,

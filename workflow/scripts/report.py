@@ -8,7 +8,7 @@ from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
 from visuohaptic.report.run_folder import find_extras
 from visuohaptic_workflow.jobs import job
-from visuohaptic_workflow.kept_studies import find_earlier_studies
+from visuohaptic_workflow.studies_asked import find_earlier_studies
 
 with job(snakemake):
     # Where results are kept in a storage, it is not the working folder.

@@ -15,7 +15,7 @@ from visuohaptic.errors import VisuohapticError
 from visuohaptic.interrupts import CLEAR_LINE, STOPPED
 from visuohaptic.job_logs import SECONDS
 from visuohaptic_workflow.one_run import hold_job_lock
-from visuohaptic_workflow.records import write_record
+from visuohaptic_workflow.records import check_inputs, check_unchanged, write_record
 from visuohaptic_workflow.stopping import interrupts_tidy_up, is_interrupted
 
 
@@ -60,8 +60,13 @@ def job(snakemake: Any) -> Iterator[None]:
         _keep_pandas_out()
         started = time.time()
         imports = _seconds_since_start()
+        given = snakemake.params.get("key")
+        if given:
+            check_inputs(given)
         yield
-        write_record(snakemake)
+        if given:
+            check_unchanged(given)
+        write_record(snakemake, given)
     except KeyboardInterrupt:
         raise SystemExit(STOPPED) from None
     except VisuohapticError as error:

@@ -1,210 +1,99 @@
-"""Records: what made a file, written beside the results so that they travel with them.
-
-Snakemake remembers parameters in `.snakemake`, which neither git nor DVC carries. A job's record
-holds the same in a file: the parameters of its rule, and the SHA-256 of its code, its
-inputs and its outputs. So anyone who gets the files can check whether they are what the rules
-would make now.
-"""
+"""What a job checks before and after its work, and the record that it leaves."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-from collections.abc import Iterable, Mapping
-from functools import cache
+import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-TIMESTAMP = ".snakemake_timestamp"
-"""The file in a folder that is an output by whose time Snakemake judges it."""
+from visuohaptic.errors import VisuohapticError
+from visuohaptic.whole_files import write_whole
+from visuohaptic_workflow.closure import version_of
+from visuohaptic_workflow.digests import Digests, stamps_of
+from visuohaptic_workflow.keys import key_of, read_record
 
-
-class RecordedJob(Protocol):
-    """A job that keeps a record."""
-
-    @property
-    def params(self) -> Mapping[str, Any]:
-        """The rule's parameters for this job."""
-
-    @property
-    def code(self) -> list[str]:
-        """Files of the code that the job runs."""
-
-    @property
-    def inputs(self) -> list[str]:
-        """Files that the job reads, without the code."""
-
-    @property
-    def outputs(self) -> list[str]:
-        """Files that the job writes; its record is one of them."""
-
-    @property
-    def record(self) -> str:
-        """The file that says what made the outputs."""
+PREFIX = "VISUOHAPTIC_PREFIX"
+"""The variable of the environment that says which Python planned the run."""
 
 
-def write_record(snakemake: Any) -> None:
-    """Write the record of the job that runs now, once its outputs are there.
+class StateError(VisuohapticError):
+    """What a job works with is not what the run was planned for."""
+
+
+def check_inputs(given: Mapping[str, Any]) -> None:
+    """Refuse files of another state than the run's.
 
     Parameters
     ----------
-    snakemake : object
-        What Snakemake gives a script; without an output named `record` nothing is written.
+    given : mapping
+        What `Keys.given` gave to the job.
 
     Raises
     ------
-    TypeError
-        If a parameter is not made of built-in types; Snakemake would not remember it either.
+    StateError
+        If code or sources were changed since the run began, or what it takes from was made in another state.
     """
-    path = getattr(snakemake.output, "record", None)
-    if path is None:
+    check_versions(given)
+    check_unchanged(given)
+    digests = Digests()
+    for record, key in given["parts"]["from"].items():
+        kept = read_record(record)
+        if kept.get("key") != key:
+            raise StateError(f"{record} is of another state than this run's; run again.")
+        for file, digest in kept["tables"].items():
+            try:
+                is_whole = digests.of(file) == digest
+            except OSError:
+                is_whole = False
+            if not is_whole:
+                raise StateError(f"{file} is not what its record says; run again.")
+
+
+def check_versions(given: Mapping[str, Any]) -> None:
+    """Refuse other packages than those of the process that planned the run.
+
+    Raises
+    ------
+    StateError
+        If a version differs. An environment of its own (conda, a container) is left to its definition.
+    """
+    if os.environ.get(PREFIX) != sys.prefix:
         return
-    code = list(getattr(snakemake.input, "code", ()))
-    record = _record(
-        params=dict(snakemake.params.items()),
-        code=code,
-        inputs=set(map(str, snakemake.input)) - set(map(str, code)),
-        outputs=[str(file) for file in snakemake.output if str(file) != path],
-    )
-    text = json.dumps(record, indent=1, sort_keys=True) + "\n"
-    unfinished = Path(f"{path}.part")
-    unfinished.parent.mkdir(parents=True, exist_ok=True)
-    unfinished.write_text(text, encoding="utf-8")
-    unfinished.replace(path)
+    for module, planned in given["parts"]["packages"].items():
+        if (found := version_of(module)) != planned:
+            raise StateError(f"{module} is {found} here, and {planned} where the run was planned.")
 
 
-def is_current(job: RecordedJob) -> bool:
-    """Whether a job's files are what the job would make now, by the record beside them.
-
-    Parameters
-    ----------
-    job : RecordedJob
-        The job.
-
-    Returns
-    -------
-    bool
-        False also where a file or the record is missing, or the record can't be read.
-    """
-    try:
-        expected = expected_record(job)
-    except OSError:  # a file of its code is gone
-        return False
-    return fits_record(job.record, expected)
-
-
-def expected_record(job: RecordedJob) -> str:
-    """Sum up what a job's record would say, but for the contents of inputs and outputs.
-
-    Parameters
-    ----------
-    job : RecordedJob
-        The job.
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits.
+def check_unchanged(given: Mapping[str, Any]) -> None:
+    """Refuse code and sources that were changed, even if they were changed back, since the run began.
 
     Raises
     ------
-    OSError
-        If a file of its code can't be read.
+    StateError
+        If one has another content, inode, time of change or size.
     """
-    outputs = [file for file in job.outputs if file != job.record]
-    return _sum_up(
-        {
-            "params": job.params,
-            "code": _digest_of_code(job.code),
-            "inputs": sorted(set(job.inputs)),
-            "outputs": sorted(set(outputs)),
-        }
-    )
+    files, digests = given["files"], Digests()
+    for part in ("code", "sources"):
+        for file, (name, digest) in zip(files[part], given["parts"][part].items(), strict=True):
+            if not Path(file).exists() or digests.of(file) != digest:
+                raise StateError(f"{name} was changed while this run was at work; run again.")
+    if stamps_of([*files["code"], *files["sources"]]) != given["stamps"]:
+        raise StateError(
+            "a file of code or a source was written again while this run was at work; run again."
+        )
 
 
-def fits_record(path: str | Path, expected: str) -> bool:
-    """Whether a record says what is expected, and its files still have the contents it names.
-
-    Parameters
-    ----------
-    path : path
-        The record.
-    expected : str
-        What `expected_record` gave.
-
-    Returns
-    -------
-    bool
-        False also where a file or the record is missing, or the record can't be read.
-    """
-    try:
-        kept = json.loads(Path(path).read_text(encoding="utf-8"))
-        files = {**kept["inputs"], **kept["outputs"]}
-        names = {part: sorted(kept[part]) for part in ("inputs", "outputs")}
-        kept.pop("rule", None)  # in older records
-        if _sum_up({**kept, **names}) != expected:
-            return False
-        return all(digest(file) == found for file, found in files.items())
-    except (OSError, ValueError, KeyError, TypeError):
-        return False
-
-
-def _sum_up(record: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
-
-
-def digest(path: str | Path) -> str:
-    """Give the SHA-256 of a file, or of all files in a folder with their names.
-
-    Parameters
-    ----------
-    path : path
-        The file or folder.
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits. Remembered until the file's time or size changes.
-
-    Raises
-    ------
-    OSError
-        If it can't be read.
-    """
-    path = Path(path)
-    if not path.is_dir():
-        found = path.stat()
-        return _digest_of_version(os.fspath(path), found.st_mtime_ns, found.st_size)
-    files = sorted(file for file in path.rglob("*") if file.is_file() and file.name != TIMESTAMP)
-    return _digest_of_names({str(file.relative_to(path)): digest(file) for file in files})
-
-
-@cache
-def _digest_of_version(path: str, _modified_ns: int, _size: int) -> str:
-    with open(path, "rb") as stream:  # noqa: PTH123 - faster, for thousands of small files
-        return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
-def _digest_of_names(digests: Mapping[str, str]) -> str:
-    return hashlib.sha256(json.dumps(digests, sort_keys=True).encode()).hexdigest()
-
-
-def _digest_of_code(code: Iterable[str]) -> str:
-    # The code's own folder does not count: the workflow may be run from another one.
-    names = sorted((Path(file).name, digest(file)) for file in code)
-    return hashlib.sha256(json.dumps(names).encode()).hexdigest()
-
-
-def _record(
-    params: Mapping[str, Any],
-    code: Iterable[str],
-    inputs: Iterable[str],
-    outputs: Iterable[str],
-) -> dict[str, Any]:
-    return {
-        "params": params,
-        "code": _digest_of_code(code),
-        "inputs": {str(file): digest(file) for file in inputs},
-        "outputs": {str(file): digest(file) for file in outputs},
+def write_record(snakemake: Any, given: Mapping[str, Any] | None) -> None:
+    """Write the record of the job that runs now, once its tables are there; one without a key fits never."""
+    path = str(snakemake.output.record)
+    tables = [str(file) for file in snakemake.output if str(file) != path]
+    digests = Digests()
+    record = {
+        "key": key_of(given["parts"]) if given else None,
+        "parts": given["parts"] if given else {},
+        "tables": {file: digests.of(file) for file in tables},
     }
+    write_whole(path, json.dumps(record, indent=1, sort_keys=True) + "\n")

@@ -1,11 +1,8 @@
 """A command line asks for a study by its rules or its files, and by nothing else."""
 
-import os
-import sys
-
 import pytest
 
-from visuohaptic_workflow.kept_studies import given_arguments, studies_asked_for
+from visuohaptic_workflow.studies_asked import studies_asked_for
 
 STUDIES = ("cost", "curves", "readings", "certainty", "palm", "palm_size", "touches")
 
@@ -53,13 +50,3 @@ def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
 )
 def test_other_arguments_ask_for_no_study(line):
     assert studies_asked_for(line.split(), STUDIES) == set()
-
-
-def test_a_job_knows_the_command_line_of_its_run(monkeypatch):
-    monkeypatch.setattr(os, "environ", {})
-    monkeypatch.setattr(sys, "argv", ["snakemake", "--target-jobs", "report:"])
-    assert given_arguments(is_main=False) == []
-    monkeypatch.setattr(sys, "argv", ["snakemake", "-j2", "cost_all"])
-    assert given_arguments(is_main=True) == ["-j2", "cost_all"]
-    monkeypatch.setattr(sys, "argv", ["snakemake", "--target-jobs", "report:"])
-    assert given_arguments(is_main=False) == ["-j2", "cost_all"]

@@ -1,0 +1,68 @@
+"""The modules that a script runs are found without running it."""
+
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from visuohaptic_workflow.closure import code_of
+
+ROOT = Path(__file__).parents[2]
+FILES = {
+    "__init__.py": "",
+    "a.py": "from toyhand.b import x\nimport yaml\n",
+    "b.py": "def f():\n    from toyhand import c\n",
+    "c.py": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import toyhand.d\n",
+    "d.py": "import importlib.resources\n",
+    "figures.json": "{}",
+    "lazy/__init__.py": "import lazy_loader\nx = lazy_loader.attach_stub(__name__, __file__)\n",
+    "lazy/__init__.pyi": "from .one import x as x\n",
+    "lazy/one.py": "from .two import y\n",
+    "lazy/two.py": "from ..d import z\n",
+}
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    source = tmp_path_factory.mktemp("toy") / "src"
+    for name, text in FILES.items():
+        path = source / "toyhand" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    sys.path.insert(0, str(source))
+    yield source
+    sys.path.remove(str(source))
+
+
+def code(source, folder, text):
+    script = folder / "script.py"
+    script.write_text(text)
+    found = code_of(script, (source,))
+    names = {str(file.relative_to(source / "toyhand")) for file in found.files if file != script}
+    assert script in found.files
+    return names, found.versions
+
+
+def test_imports_are_followed_into_functions_but_not_for_the_type_checker(source, tmp_path):
+    names, versions = code(source, tmp_path, "import toyhand.a\n")
+    assert names == {"__init__.py", "a.py", "b.py", "c.py"}
+    assert versions["yaml"] == version("PyYAML")
+
+
+def test_figures_beside_a_module_that_reads_some_count(source, tmp_path):
+    names, _ = code(source, tmp_path, "from toyhand import d\n")
+    assert names == {"__init__.py", "d.py", "figures.json"}
+
+
+def test_a_lazy_package_brings_what_its_stub_names(source, tmp_path):
+    names, _ = code(source, tmp_path, "from toyhand.lazy import x\n")
+    assert names >= {"lazy/__init__.py", "lazy/one.py", "lazy/two.py", "d.py"}
+
+
+@pytest.mark.parametrize("name", ["features", "report"])
+def test_a_phase_runs_its_own_modules_and_not_what_runs_jobs(name):
+    sources = (ROOT / "src", ROOT / "workflow/lib")
+    files = {str(file) for file in code_of(ROOT / f"workflow/scripts/{name}.py", sources).files}
+    assert str(ROOT / f"src/visuohaptic/{name}/files.py") in files
+    assert str(ROOT / "workflow/lib/visuohaptic_workflow/jobs.py") not in files

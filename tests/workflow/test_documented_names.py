@@ -1,0 +1,48 @@
+"""Which names of Snakemake's own objects the workflow uses: those that are documented, and a few that are not."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+DOCUMENTED = {
+    # https://snakemake.readthedocs.io/en/stable/snakefiles/rules.html
+    "workflow": {"cores", "default_target"},
+    "rules": {"output", "input", "params"},
+    "snakemake": {"input", "output", "params", "wildcards", "log", "threads"},
+}
+NOT_DOCUMENTED = {
+    "main_snakefile",  # whether another workflow uses this one as a module
+    "configfiles",  # so that a name given twice in one is refused
+    "storage_settings",  # whether records can be read at the start
+    "dag_settings",
+    "rerun_triggers",  # so that others than `mtime` are refused
+    "is_main_process",  # for Ctrl-C
+    "local_exec",
+    "scheduler",
+}
+FILES = [ROOT / "Snakefile", *(ROOT / "workflow").rglob("*.smk"), ROOT / "workflow/Snakefile"]
+
+
+def names(pattern, files):
+    return {name for file in files for name in re.findall(pattern, file.read_text())}
+
+
+def test_names_of_the_workflow_are_documented_or_listed_here():
+    found = names(r"(?<![./])\bworkflow\.(\w+)", FILES) - {"keep_studies_current"}
+    found |= names(r'getattr\(workflow, "(\w+)"', FILES)
+    assert found == DOCUMENTED["workflow"] | NOT_DOCUMENTED
+
+
+def test_of_rules_and_jobs_only_documented_names_are_used():
+    found = names(r"\brules\.\w+\.(\w+)", FILES) | {"output", "params"}
+    assert found <= DOCUMENTED["rules"]
+    scripts = [*(ROOT / "workflow/scripts").glob("*.py")]
+    scripts += (ROOT / "workflow/lib/visuohaptic_workflow").glob("*.py")
+    found = names(r"(?<!/)\bsnakemake\.(\w+)", scripts)
+    assert found - {"cli", "rocrate"} <= DOCUMENTED["snakemake"]
+
+
+def test_nothing_is_read_or_written_among_snakemakes_own_notes_but_its_locks():
+    library = (ROOT / "workflow/lib/visuohaptic_workflow").glob("*.py")
+    users = {file.name for file in library if re.search(r"\.snakemake[/\"]", file.read_text())}
+    assert users <= {"one_run.py", "screen.py"}

@@ -1,0 +1,192 @@
+"""A record fits where code, packages, parameters, sources and tables are what they were, whatever any time says."""
+
+import os
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from visuohaptic_workflow.closure import Code
+from visuohaptic_workflow.digests import Digests
+from visuohaptic_workflow.keys import Job, Keys, read_record
+from visuohaptic_workflow.leftovers import put_aside
+from visuohaptic_workflow.markers import mark_stale
+from visuohaptic_workflow.records import StateError, check_inputs, check_unchanged, write_record
+
+LONG_AGO = (946_000_000, 946_000_000)
+
+
+class Run:
+    """Two jobs: a mesh from a model, a touch from the mesh."""
+
+    def __init__(self):
+        self.parameters = {"sensor": {"size": 0.3, "reach": 1}}
+        self.versions = {"numpy": "2.0"}
+        for name in ("model.obj", "look.py", "touch.py"):
+            Path(name).write_text(name)
+
+    def keys(self):
+        jobs = [
+            self.job("mesh", "look.py", ("model.obj",), ("mesh.ply",), {}),
+            self.job("touch", "touch.py", ("mesh.ply",), ("touch.parquet",), self.parameters),
+        ]
+        find_code = lambda script: Code((script,), self.versions)  # noqa: E731
+        return Keys(jobs, find_code, Digests(), Path.cwd())
+
+    @staticmethod
+    def job(rule, script, inputs, tables, parameters):
+        record = f"{rule}.json"
+        outputs = (*tables, record)
+        return Job(rule, {}, Path(script).absolute(), inputs, outputs, record, lambda: parameters)
+
+    def make(self, *rules):
+        keys = self.keys()
+        for record in [f"{rule}.json" for rule in rules or ("mesh", "touch")]:
+            given = keys.given(record)
+            check_inputs(given)
+            job = keys.jobs[record]
+            for table in job.tables:
+                Path(table).write_text(str(keys.parts(record)))
+            check_unchanged(given)
+
+            class Output(tuple):
+                pass
+
+            output = Output(job.outputs)
+            output.record = record
+            write_record(SimpleNamespace(output=output), given)
+
+    def reasons(self):
+        keys = self.keys()
+        return [keys.reason("mesh.json"), keys.reason("touch.json")]
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run = Run()
+    assert run.reasons() == ["new", "new"]
+    run.make()
+    assert run.reasons() == [None, None]
+    return run
+
+
+@pytest.mark.parametrize("turn", range(3))
+def test_a_parameter_is_named_each_time_that_it_changes(run, turn):
+    for size in (0.2, 0.3, 0.2)[: turn + 1]:
+        run.parameters = {"sensor": {"size": size + turn, "reach": 1}}
+        assert run.reasons() == [None, "parameters: sensor.size"]
+        run.make("touch")
+        assert run.reasons() == [None, None]
+
+
+def test_a_source_replaced_by_an_older_file_is_another_one(run):
+    Path("b.obj").write_text("of 1999")
+    os.utime("b.obj", LONG_AGO)
+    Path("b.obj").replace("model.obj")
+    assert run.reasons() == ["source: model.obj"] * 2
+
+
+def test_times_say_nothing(run):
+    for file in Path().iterdir():
+        os.utime(file, LONG_AGO)
+    assert run.reasons() == [None, None]
+
+
+def test_a_module_edited_and_set_back_to_its_time_is_named(run):
+    before = Path("look.py").stat()
+    Path("look.py").write_text("l00k.py")
+    os.utime("look.py", ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert run.reasons() == ["code: look.py"] * 2
+
+
+def test_another_version_of_a_package_is_named(run):
+    run.versions = {"numpy": "2.1"}
+    assert run.reasons() == ["packages: numpy"] * 2
+
+
+@pytest.mark.parametrize("damage", [lambda file: file.write_text("x"), Path.unlink])
+def test_a_table_edited_by_hand_or_lost_is_named_and_what_was_made_of_it_stays(run, damage):
+    damage(Path("mesh.ply"))
+    assert run.reasons() == ["table: mesh.ply", None]
+
+
+def test_a_record_of_another_version_does_not_fit(run):
+    Path("mesh.json").write_text('{"params": {}, "outputs": {}}')
+    assert run.reasons() == ["record: none of this version", None]
+
+
+def test_code_edited_while_a_job_runs_leaves_no_record(run):
+    given = run.keys().given("touch.json")
+    Path("touch.py").write_text("edited")
+    with pytest.raises(StateError, match=r"touch\.py was changed"):
+        check_unchanged(given)
+    Path("touch.py").write_text("touch.py")
+    with pytest.raises(StateError, match="written again"):
+        check_unchanged(given)
+
+
+def test_a_job_refuses_what_was_made_in_another_state_or_edited(run):
+    given = run.keys().given("touch.json")
+    Path("mesh.ply").write_text("edited")
+    with pytest.raises(StateError, match=r"mesh\.ply is not what its record says"):
+        check_inputs(given)
+    Path("model.obj").write_text("other")
+    run.make("mesh")
+    with pytest.raises(StateError, match=r"mesh\.json is of another state"):
+        check_inputs(given)
+
+
+def test_a_kept_study_is_taken_as_it_is_and_has_another_key(run):
+    run.versions = {"numpy": "2.1"}
+    keys = run.keys()
+    kept = Keys(keys.jobs.values(), keys._find_code, Digests(), Path.cwd(), {"mesh.json"})
+    old = read_record("mesh.json")["key"]
+    assert kept.parts("touch.json")["from"] == {"mesh.json": old}
+    assert kept.key("mesh.json") != old
+
+
+def test_a_stale_record_is_older_than_its_marker_whatever_happened_before(run):
+    for _ in range(3):
+        (marker,) = mark_stale("touch.json", "parameters: sensor.size")
+        assert Path(marker).is_dir()
+        assert Path("touch.json").stat().st_mtime < Path(marker).stat().st_mtime < 1e9
+    assert mark_stale("none.json", "new") == []
+
+
+def test_a_marked_record_that_is_a_link_becomes_a_file_of_its_own(run):
+    os.link("touch.json", "cached.json")
+    before = Path("cached.json").stat().st_mtime_ns
+    mark_stale("touch.json", "code: touch.py")
+    assert Path("cached.json").stat().st_mtime_ns == before
+    assert Path("touch.json").read_text() == Path("cached.json").read_text()
+
+
+def test_only_what_records_name_is_put_aside(run):
+    records = Path("results/records/touches/cup")
+    records.mkdir(parents=True)
+    for name in ("gone", "mine"):
+        Path(f"results/{name}.parquet").write_text(name)
+    (records / "gone.json").write_text('{"tables": {"results/gone.parquet": ""}}')
+    sentence = put_aside([])
+    assert sentence.startswith(
+        "2 files that today's run no longer names were put into .cache/aside/"
+    )
+    assert [file.name for file in Path("results").rglob("*.*")] == ["mine.parquet"]
+    assert len(list(Path(".cache/aside").rglob("gone.*"))) == 2
+    assert put_aside([]) is None
+
+
+def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_path):
+    import importlib.util
+
+    module = tmp_path / "module.py"
+    digests = Digests()
+    module.write_text("VALUE = 1")
+    digests.of(module)
+    bytecode = Path(importlib.util.cache_from_source(str(module)))
+    bytecode.parent.mkdir(exist_ok=True)
+    bytecode.write_bytes(b"of the first edit")
+    module.write_text("VALUE = 2")
+    digests.of(module)
+    assert not bytecode.exists()

@@ -1,0 +1,137 @@
+"""Which code a script runs: the modules that it imports, directly or through others, and their packages."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+MACHINERY = "visuohaptic_workflow.jobs"
+"""What every job has around its work; no number depends on it."""
+
+ALWAYS = ("numpy", "scipy")
+DISTRIBUTIONS = {
+    "PIL": ("pillow",),
+    "cv2": ("opencv-python-headless", "opencv-python"),
+    "open3d": ("open3d-cpu", "open3d"),
+    "pywt": ("PyWavelets",),
+    "skimage": ("scikit-image",),
+    "sklearn": ("scikit-learn",),
+    "yaml": ("PyYAML",),
+}
+"""Packages whose module has another name."""
+
+_DATA = (".json", ".parquet")
+
+
+@dataclass(frozen=True)
+class Code:
+    """The files of this project that a script runs, itself among them, and the versions of other packages by name."""
+
+    files: tuple[Path, ...]
+    versions: dict[str, str]
+
+
+@cache
+def code_of(script: Path, sources: tuple[Path, ...]) -> Code:
+    """Find what a script runs.
+
+    Parameters
+    ----------
+    script : path
+        A Python file.
+    sources : tuple of path
+        Folders that hold this project's packages; `sys.path` has them, too.
+
+    Returns
+    -------
+    Code
+        Imports anywhere count, those inside functions too; what only a type checker sees does not. Data beside a module
+        that imports `importlib.resources` counts, too.
+    """
+    packages = {
+        package.name: package
+        for source in sources
+        for package in source.iterdir()
+        if (package / "__init__.py").exists()
+    }
+    graph = _graph(tuple(sorted(packages)))
+    files, others = {script}, set(ALWAYS)
+    direct = set(_imports_of(script.read_text(encoding="utf-8"))) - {MACHINERY}
+    waiting = direct | {name for one in direct for name in _lazy_modules(one, packages)}
+    seen: set[str] = set()
+    while waiting:
+        module = waiting.pop()
+        top = module.partition(".")[0]
+        if module in seen or not graph.modules >= {module}:
+            continue
+        seen.add(module)
+        if top not in packages:
+            others |= {top} - sys.stdlib_module_names
+            continue
+        waiting |= {module.rpartition(".")[0]} - {""}
+        found = graph.find_modules_directly_imported_by(module)
+        file = _file_of(module, packages)
+        files |= {file, *(_data_beside(file) if "importlib" in found else ())}
+        waiting |= found | {name for one in found for name in _lazy_modules(one, packages)}
+    return Code(tuple(sorted(files)), {name: version_of(name) for name in sorted(others)})
+
+
+@cache
+def _graph(packages: tuple[str, ...]) -> Any:
+    import grimp
+
+    # Without its cache, which takes a file for unchanged by its time.
+    return grimp.build_graph(
+        *packages,
+        include_external_packages=True,
+        exclude_type_checking_imports=True,
+        cache_dir=None,
+    )
+
+
+def _imports_of(text: str, package: str = "") -> Iterator[str]:
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level:
+            yield f"{package}.{node.module}"
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module or ""
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def _file_of(module: str, packages: dict[str, Path]) -> Path:
+    top, _, rest = module.partition(".")
+    path = packages[top].joinpath(*rest.split(".")) if rest else packages[top]
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+def _data_beside(file: Path) -> list[Path]:
+    return [beside for beside in file.parent.iterdir() if beside.suffix in _DATA]
+
+
+def _lazy_modules(module: str, packages: dict[str, Path]) -> Sequence[str]:
+    """List what a package loads with the names that are taken of it, by the stub beside its `__init__`."""
+    if module.partition(".")[0] not in packages:
+        return ()
+    stub = _file_of(module, packages).with_suffix(".pyi")
+    if stub.name != "__init__.pyi" or not stub.exists():
+        return ()
+    return tuple(_imports_of(stub.read_text(encoding="utf-8"), module))
+
+
+@cache
+def version_of(module: str) -> str:
+    """Give the version of the package that brings a module, or "none"."""
+    for name in DISTRIBUTIONS.get(module, (module,)):
+        try:
+            return version(name)
+        except PackageNotFoundError:
+            continue
+    return "none"

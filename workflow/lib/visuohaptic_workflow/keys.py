@@ -1,0 +1,214 @@
+"""Keys: what made a job's files, in one digest, and whether the same would be made today.
+
+A key is the digest of a job's code, the versions of the packages that this imports, its parameters, the content of its
+sources, and the keys of the jobs that it takes from. A job's record is the last of its files: the parts of its key, and
+the digests of its tables. The record fits if its key is today's and each table has its digest. Times say nothing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from visuohaptic_workflow.closure import Code
+from visuohaptic_workflow.digests import Digests, stamps_of
+
+Parts = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One job of a rule.
+
+    Attributes
+    ----------
+    rule : str
+        Its rule's name.
+    wildcards : mapping of str
+        The value of each wildcard.
+    script : path
+        The script that it runs.
+    inputs, outputs : tuple of str
+        Its files; the record is one of the outputs.
+    record : str
+        The file that says what made the others.
+    find_params : callable
+        Gives the parameters that decide what its files hold, of built-in types.
+    """
+
+    rule: str
+    wildcards: Mapping[str, str]
+    script: Path
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    record: str
+    find_params: Callable[[], dict[str, Any]]
+
+    @cached_property
+    def tables(self) -> list[str]:
+        """Its files but the record."""
+        return [file for file in self.outputs if file != self.record]
+
+
+def key_of(parts: Mapping[str, Any]) -> str:
+    """Give the key of its parts: 64 hexadecimal digits."""
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+def read_record(path: str | Path) -> dict[str, Any]:
+    """Read a record; an empty one where it is missing, or is none."""
+    try:
+        record = json.loads(Path(path).read_text(encoding="utf-8"))
+        return record if {"key", "parts", "tables"} <= record.keys() else {}
+    except (OSError, ValueError, AttributeError):
+        return {}
+
+
+class Keys:
+    """The keys of all jobs of a run, each fixed when it is first asked for.
+
+    Parameters
+    ----------
+    jobs : iterable of Job
+        All that today's parameters and objects ask for.
+    find_code : callable of path
+        Gives what a script runs.
+    digests : Digests
+        What files hold.
+    root : path
+        The clone: its files have the same names wherever the run is.
+    kept : collection of str
+        Records of jobs that are left as they are: other jobs that take from them take what is there.
+    """
+
+    def __init__(
+        self,
+        jobs: Iterable[Job],
+        find_code: Callable[[Path], Code],
+        digests: Digests,
+        root: Path,
+        kept: Collection[str] = (),
+    ) -> None:
+        self.jobs = {job.record: job for job in jobs}
+        self._find_code, self._digests = find_code, digests
+        self._root, self._kept = root, frozenset(kept)
+        self._makers = {file: job.record for job in self.jobs.values() for file in job.outputs}
+        self._parts: dict[str, Parts] = {}
+        self._code: dict[Path, dict[str, str]] = {}
+        self._reasons: dict[str, str | None] = {}
+
+    def makers(self, files: Iterable[str]) -> dict[str, None]:
+        """Name the records of the jobs that make some files, each once."""
+        return {self._makers[file]: None for file in files if file in self._makers}
+
+    def parts(self, record: str) -> Parts:
+        """Give the parts of a job's key, by name.
+
+        Returns
+        -------
+        dict
+            ``code`` and ``sources``: digests by file; ``packages``: versions; ``parameters``; ``from``: the key of each
+            job that it takes from, by record.
+        """
+        if record not in self._parts:
+            job = self.jobs[record]
+            sources = [file for file in job.inputs if file not in self._makers]
+            self._parts[record] = {
+                "code": self._code_of(job.script),
+                "packages": self._find_code(job.script).versions,
+                "parameters": json.loads(json.dumps({**job.find_params(), **job.wildcards})),
+                "sources": {self._named(file): self._digest(file) for file in sources},
+                "from": {
+                    maker: self._key_taken(maker, record) for maker in self.makers(job.inputs)
+                },
+            }
+        return self._parts[record]
+
+    def key(self, record: str) -> str:
+        """Give a job's key."""
+        return key_of(self.parts(record))
+
+    def given(self, record: str) -> Parts:
+        """Give what a job is told: its key's parts, its files of code and sources, and what marks these today."""
+        job = self.jobs[record]
+        code = [os.path.relpath(file) for file in self._find_code(job.script).files]
+        sources = [file for file in job.inputs if file not in self._makers]
+        files = {"code": code, "sources": sources}
+        return {"parts": self.parts(record), "files": files, "stamps": stamps_of([*code, *sources])}
+
+    def reason(self, record: str) -> str | None:
+        """Say why a job's files are not what it would make today; None where they are."""
+        if record not in self._reasons:
+            self._reasons[record] = self._find_reason(record)
+        return self._reasons[record]
+
+    def needed_for(self, files: Iterable[str]) -> list[str]:
+        """Name the records of all jobs behind some files, in no order of work."""
+        found: dict[str, None] = {}
+        waiting = list(self.makers(files))
+        while waiting:
+            record = waiting.pop()
+            if record not in found:
+                found[record] = None
+                waiting += self.makers(self.jobs[record].inputs)
+        return list(found)
+
+    def _find_reason(self, record: str) -> str | None:
+        kept, today = read_record(record), self.parts(record)
+        if not kept:
+            return "new" if not Path(record).exists() else "record: none of this version"
+        if kept["key"] != key_of(today):
+            return self._difference(kept["parts"], today)
+        for file in self.jobs[record].tables:
+            if self._digest(file) != kept["tables"].get(file):
+                return f"table: {file}"
+        return None
+
+    def _difference(self, kept: Parts, today: Parts) -> str:
+        for name in ("parameters", "sources", "code", "packages"):
+            if (place := _first_difference(kept.get(name), today[name])) is not None:
+                return f"{name.removesuffix('s') if name == 'sources' else name}: {place}".rstrip(
+                    ": "
+                )
+        for maker, key in today["from"].items():
+            if kept.get("from", {}).get(maker) != key:
+                return self.reason(maker) or f"from: {self.jobs[maker].rule}"
+        return "from: other files"
+
+    def _key_taken(self, maker: str, taker: str) -> str:
+        if maker in self._kept and taker not in self._kept and (kept := read_record(maker)):
+            return str(kept["key"])
+        return key_of(self.parts(maker))
+
+    def _code_of(self, script: Path) -> dict[str, str]:
+        if script not in self._code:
+            files = self._find_code(script).files
+            self._code[script] = {self._named(file): self._digest(file) for file in files}
+        return self._code[script]
+
+    def _named(self, file: str | Path) -> str:
+        path = Path(os.path.abspath(file))  # noqa: PTH100 - links stay
+        return str(path.relative_to(self._root)) if path.is_relative_to(self._root) else str(file)
+
+    def _digest(self, file: str | Path) -> str:
+        try:
+            return self._digests.of(file)
+        except OSError:
+            return "missing"
+
+
+def _first_difference(kept: Any, today: Any, place: Sequence[str] = ()) -> str | None:
+    """Name the first place at which two values differ, such as ``sensor.largest_size``."""
+    if kept == today:
+        return None
+    if isinstance(kept, dict) and isinstance(today, dict):
+        for name in [*today, *kept]:
+            if kept.get(name) != today.get(name):
+                return _first_difference(kept.get(name), today.get(name), [*place, name])
+    return ".".join(place)

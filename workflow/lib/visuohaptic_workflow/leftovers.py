@@ -1,0 +1,61 @@
+"""What earlier runs made and today's parameters and objects no longer name."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Collection
+from contextlib import suppress
+from pathlib import Path
+
+RECORDS = Path("results/records")
+ASIDE = Path(".cache/aside")
+
+
+def put_aside(named: Collection[str]) -> str | None:
+    """Move what records of earlier jobs name to a folder beside the results, and say so; nothing else is touched.
+
+    A reader of a folder would meet an object's rows twice where blocks were other ones.
+
+    Parameters
+    ----------
+    named : collection of str
+        The files of all jobs of today, records among them.
+
+    Returns
+    -------
+    str or None
+        A sentence, if anything was moved.
+    """
+    wanted = set(named)
+    stale = []
+    for record in sorted(RECORDS.rglob("*.json")):
+        if str(record) not in wanted:
+            stale += [record, *(file for file in _files_of(record) if str(file) not in wanted)]
+    target = ASIDE / time.strftime("%Y-%m-%d-%H%M%S")
+    moved = 0
+    for file in stale:
+        with suppress(FileNotFoundError):
+            (target / file).parent.mkdir(parents=True, exist_ok=True)
+            file.rename(target / file)
+            moved += 1
+            _remove_empty(file.parent)
+    return (
+        f"{moved} files that today's run no longer names were put into {target}." if moved else None
+    )
+
+
+def _files_of(record: Path) -> list[Path]:
+    try:
+        kept = json.loads(record.read_text(encoding="utf-8"))
+        # Records of version 0.1 have the second name.
+        return [Path(file) for file in kept.get("tables", kept.get("outputs", {}))]
+    except (OSError, ValueError, AttributeError):
+        return []
+
+
+def _remove_empty(folder: Path) -> None:
+    with suppress(OSError):
+        while len(folder.parts) > 1:
+            folder.rmdir()
+            folder = folder.parent

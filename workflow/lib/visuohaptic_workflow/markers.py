@@ -1,0 +1,69 @@
+"""What makes Snakemake run a job whose record does not fit, and say why: an input that is newer than the record."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from visuohaptic.errors import VisuohapticError
+
+FOLDER = Path("logs/why")
+
+_OF_A_RECORD = 946684800  # 2000-01-01; 1970 breaks ZIP and FAT
+_OF_A_MARKER = _OF_A_RECORD + 86400  # of a time to come Snakemake would say that a clock is wrong
+
+
+class MarkError(VisuohapticError):
+    """A folder can't be written."""
+
+
+def mark_stale(record: str, reason: str) -> list[str]:
+    """Make a record older than all that its job takes, and give a folder that is named after the reason.
+
+    A folder, as Snakemake remembers what a small file holds and would skip it the second time. Nothing is done where there is
+    no record: its job runs anyway.
+
+    Parameters
+    ----------
+    record : str
+        The record of a job whose files are not what it would make today.
+    reason : str
+        Why.
+
+    Returns
+    -------
+    list of str
+        The folder, or nothing.
+
+    Raises
+    ------
+    MarkError
+        If this user may not write here.
+    """
+    path = Path(record)
+    if not path.exists():
+        return []
+    marker = FOLDER / reason.replace("../", "").replace("{", "(").replace("}", ")")
+    try:
+        marker.mkdir(parents=True, exist_ok=True)
+        os.utime(marker, (_OF_A_MARKER, _OF_A_MARKER))
+        if path.is_symlink() or path.stat().st_nlink > 1:
+            _replace_by_copy(path)  # a link leads to DVC's cache, whose times are its own
+        os.utime(path, (_OF_A_RECORD, _OF_A_RECORD))
+    except PermissionError:
+        with suppress(OSError):
+            _replace_by_copy(path)
+            os.utime(path, (_OF_A_RECORD, _OF_A_RECORD))
+            return [str(marker)]
+        raise MarkError(
+            f"{Path.cwd()} can't be written; `make why` says what would run here. To run the workflow, choose a folder of "
+            "your own: snakemake -s PATH/Snakefile -d FOLDER."
+        ) from None
+    return [str(marker)]
+
+
+def _replace_by_copy(path: Path) -> None:
+    copy = path.with_name(f".{path.name}-copy")
+    copy.write_bytes(path.read_bytes())
+    copy.replace(path)

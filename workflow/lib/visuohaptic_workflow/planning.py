@@ -1,0 +1,98 @@
+"""Which jobs the rules ask for today: rules' patterns, filled with the values of their wildcards."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from visuohaptic_workflow.keys import Job
+
+_WILDCARD = re.compile(r"{(\w+)}")
+
+Values = Mapping[str, Iterable[str]]
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What a rule's job runs and takes: patterns of files, or functions of wildcards that list them, by name."""
+
+    script: Path
+    inputs: Mapping[str, Any]
+
+    def files(self, wildcards: Any) -> dict[str, Any]:
+        """Give a job's files by name, a string or a list as they were declared."""
+        return {
+            name: _filled(item(wildcards) if callable(item) else item, wildcards)
+            for name, item in self.inputs.items()
+        }
+
+
+def plan_jobs(
+    rule: str, declared: Declared, made: Any, chosen: Values | Sequence[Mapping[str, str]]
+) -> Iterator[Job]:
+    """Give the jobs of a rule.
+
+    Parameters
+    ----------
+    rule : str
+        Its name.
+    declared : Declared
+        What they run and take.
+    made : object
+        The rule as Snakemake's `rules` gives it: `output` and `params` are read.
+    chosen : mapping of str to iterable of str, or sequence of mapping
+        What each wildcard stands for, or the wildcards of each job.
+
+    Yields
+    ------
+    Job
+        One for each choice of values.
+    """
+    record = str(made.output.record)
+    if isinstance(chosen, Mapping):
+        names = list(dict.fromkeys(_WILDCARD.findall(record)))
+        found = product(*(chosen[name] for name in names))
+        chosen = [dict(zip(names, values, strict=True)) for values in found]
+    for wildcards in chosen:
+        asked = SimpleNamespace(**wildcards)
+        yield Job(
+            rule=rule,
+            wildcards=wildcards,
+            script=declared.script,
+            inputs=tuple(map(str, _flat(declared.files(asked).values()))),
+            outputs=tuple(fill(str(file), asked) for file in made.output),
+            record=fill(record, asked),
+            find_params=_params_of(made, asked),
+        )
+
+
+def fill(pattern: str, wildcards: Any) -> str:
+    """Put the values of wildcards into a pattern."""
+    return _WILDCARD.sub(lambda match: str(getattr(wildcards, match[1])), pattern)
+
+
+def _filled(item: Any, wildcards: Any) -> Any:
+    if not isinstance(item, str):
+        return [_filled(one, wildcards) for one in item]
+    return fill(item, wildcards) if _WILDCARD.search(item) else item  # flags of Snakemake stay
+
+
+def _flat(items: Iterable[Any]) -> Iterator[str]:
+    for item in items:
+        yield from [item] if isinstance(item, str) else item
+
+
+def _params_of(made: Any, asked: Any) -> Callable[[], dict[str, Any]]:
+    def find() -> dict[str, Any]:
+        return {
+            name: value(asked) if callable(value) else value
+            for name, value in made.params.items()
+            if name != "key"
+        }
+
+    return find
