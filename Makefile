@@ -24,8 +24,10 @@ report: $(READY)
 	@$(RUN) --cores $(JOBS)
 
 # What would run now and why, and whether what is here is what today's parameters, code and sources give.
-why verify: $(READY)
-	@python -P -m visuohaptic_workflow.why $@
+why: $(READY)
+	@python -P -m visuohaptic_workflow.why
+verify: $(READY)
+	@python -P -m visuohaptic_workflow.why verify
 
 # The quick loop: under a minute on two cores.
 check: lint

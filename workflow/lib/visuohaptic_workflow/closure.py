@@ -14,6 +14,9 @@ from typing import Any
 MACHINERY = "visuohaptic_workflow.jobs"
 """What every job has around its work; no number depends on it."""
 
+FRONT_DOOR = "visuohaptic"
+"""What users import, for every name at once; of it this project itself takes the version alone."""
+
 ALWAYS = ("numpy", "scipy")
 DISTRIBUTIONS = {
     "PIL": ("pillow",),
@@ -118,7 +121,7 @@ def _data_beside(file: Path) -> list[Path]:
 
 def _lazy_modules(module: str, packages: dict[str, Path]) -> Sequence[str]:
     """List what a package loads with the names that are taken of it, by the stub beside its `__init__`."""
-    if module.partition(".")[0] not in packages:
+    if module == FRONT_DOOR or module.partition(".")[0] not in packages:
         return ()
     stub = _file_of(module, packages).with_suffix(".pyi")
     if stub.name != "__init__.pyi" or not stub.exists():

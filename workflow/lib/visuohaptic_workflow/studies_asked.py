@@ -16,6 +16,14 @@ RULES_OF_STUDY: Mapping[str, Sequence[str]] = {
 }
 """What is measured beside the conditions of a study, by the rules that do it."""
 
+_FOLDERS_BY_STUDY = frozenset(
+    [
+        *("studies", "study_blocks", "study_features"),
+        *("figures_of_study", "block_of_study", "features_of_study"),
+    ]
+)
+"""Folders, also of records, in which a study has a file or folder of its name."""
+
 _FILES_OF_STUDY: Mapping[str, Sequence[str]] = {
     "cost": ("cost_seconds",),
     "curves": ("study_candidates", "study_adaptive"),
@@ -44,9 +52,11 @@ def _is_file_of(study: str, file: str) -> bool:
     folder, *names = PurePosixPath(file).parts or ("",)
     if folder not in {"results", "reports"}:
         return False
-    parts = [PurePosixPath(name).stem for name in names if name != "records"]
+    first, *deeper = [PurePosixPath(name).stem for name in names if name != "records"] or [""]
+    if first in _FOLDERS_BY_STUDY:
+        return deeper[:1] == [study]
     others = (*_FILES_OF_STUDY.get(study, ()), *RULES_OF_STUDY.get(study, ()))
-    return study in parts[:2] or parts[:1] in [[other] for other in others]
+    return (first == study and not deeper) or first in others
 
 
 def belongs_to(job: Job, study: str) -> bool:
