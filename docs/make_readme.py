@@ -9,9 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.comparison import read_tables
+from visuohaptic.report.questions import fixation_answer, recognition_answer
+from visuohaptic.studies.readings.design import is_literal
+from visuohaptic.studies.readings.stored import OUTSIDE, PAPER_SET, kept_readings
 from visuohaptic_workflow.closing import REPORT, describe_results
 
 ROOT = Path(__file__).parents[1]
+UNSEEN = "an object that was not in training"
 LABELS = {
     "k_nearest_neighbours": "kNN",
     "support_vector_machine": "SVM",
@@ -42,9 +47,10 @@ def results_table(metrics: dict[str, Any]) -> str:
         A Markdown table.
     """
     lines = [
-        "| classifier | eye fixations | published | random probing | published | ours, fixations | ours, random |",
-        "|---|---|---|---|---|---|---|",
+        "| classifier | eye fixations | published | random probing | published | literal, fixations | literal, random walk | ours, fixations | ours, random |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
+    literal = literal_reading()
     strategies, best = metrics["results"]["paper"], metrics["results"]["best"]
     for classifier, label in LABELS.items():
         published = TABLE_1[classifier]
@@ -55,9 +61,18 @@ def results_table(metrics: dict[str, Any]) -> str:
         ]
         lines.append(
             f"| {label} | {figures[0]} | {100 * published['fixation']:.2f} % "
-            f"| {figures[1]} | {100 * published['random']:.2f} % | {figures[2]} | {figures[3]} |"
+            f"| {figures[1]} | {100 * published['random']:.2f} % "
+            f"| {literal[classifier]['fixation']:.1%} | {literal[classifier]['random']:.1%} "
+            f"| {figures[2]} | {figures[3]} |".replace("%", " %")
         )
     return "\n".join(lines)
+
+
+def literal_reading() -> dict[str, dict[str, Any]]:
+    """Give the row of the most literal reading by classifier, from the readings kept with the package."""
+    kept = kept_readings(PAPER_SET)
+    rows = kept.rows if kept else []
+    return {row["classifier"]: row for row in rows if is_literal(row)}
 
 
 def percent(interval: dict[str, float]) -> str:
@@ -76,6 +91,19 @@ def percent(interval: dict[str, float]) -> str:
     return f"{interval['mean']:.1%} ({100 * interval['low']:.1f}–{100 * interval['high']:.1f})".replace(
         "%", " %"
     )
+
+
+def answers(metrics: dict[str, Any]) -> str:
+    """Answer the two questions of the experiment from its figures and the kept readings."""
+    tables = read_tables(metrics)
+    kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
+    found = (
+        recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
+        fixation_answer(tables, {name: one.rows for name, one in kept.items() if one}),
+    )
+    sentences = [f"**{one.question}** {one.word}. {one.sentence}" for one in found if one]
+    text = "\n\n".join(textwrap.fill(sentence, 100, break_on_hyphens=False) for sentence in sentences)
+    return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def speed_table(results: dict[str, Any]) -> str:
@@ -156,6 +184,7 @@ def main() -> None:
     metrics = json.loads((ROOT / "reports" / "metrics.json").read_text(encoding="utf-8"))
     results = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))
     text = fill(readme.read_text(encoding="utf-8"), "results", results_table(metrics))
+    text = fill(text, "answers", answers(metrics))
     text = fill(text, "make", printed_lines(ROOT / "reports" / "metrics.json"))
     readme.write_text(fill(text, "speed", speed_table(results)), encoding="utf-8")
 

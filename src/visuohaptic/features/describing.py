@@ -47,7 +47,7 @@ def describe_imprints(
     if parameters.descriptor == "image_statistics":
         return describe_imprint_shape(imprints)
     if parameters.descriptor == "wavelet":
-        return wavelet_deviations(imprints, "db2", 3)
+        return wavelet_deviations(imprints, "db2", parameters.wavelet_levels)
     if parameters.descriptor == "nonsubsampled_contourlet":
         return nonsubsampled_deviations(imprints)
     try:

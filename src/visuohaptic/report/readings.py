@@ -12,6 +12,7 @@ from html import escape
 from typing import Any
 
 from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, Choice
@@ -27,7 +28,6 @@ from visuohaptic.studies.readings.leads import (
 )
 from visuohaptic.studies.readings.stored import MeasuredReadings, Source
 
-BEST_OF_PAPER = "support_vector_machine"
 COMMAND = "snakemake -j2 results/reading/{}.json"
 """Measures one reading again."""
 
@@ -177,9 +177,7 @@ def readings_figures(
     )
 
 
-def readings_answer(
-    measured: MeasuredReadings | None, outside: MeasuredReadings | None = None
-) -> str | None:
+def readings_answer(measured: MeasuredReadings | None) -> str | None:
     """Say in one sentence how far the paper's readings differ; None without readings."""
     if measured is None:
         return None
@@ -187,21 +185,11 @@ def readings_answer(
     if not run:
         return None
     reached = [row["fixation"] for row in run]
-    leads = sum_up([row for row in run if row["ahead"] is not None])
-    elsewhere = ""
-    if outside is not None:
-        own = _of_the_papers_question(outside.rows, BEST_OF_PAPER)
-        there = sum_up([row for row in own if row["ahead"] is not None])
-        elsewhere = (
-            f"; on {max(row['objects'] for row in own)} objects outside the paper's set it is in "
-            f"{percent(there.ahead / there.cases, 0)} of {there.cases}"
-        )
     earlier = ", measured with an earlier state of the touches" if measured.is_earlier else ""
     return (
         f"This is one reading of what the paper leaves open. Over {len(run)} readings the "
         f"{classifier_name(BEST_OF_PAPER)} reaches {percent(min(reached))} to "
-        f"{percent(max(reached))}, and fixation is ahead of random probing in "
-        f"{percent(leads.ahead / leads.cases, 0)} of them{elsewhere}{earlier}."
+        f"{percent(max(reached))}{earlier}."
     )
 
 

@@ -25,7 +25,7 @@ from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
     PipelineTable,
     agreement,
-    answer,
+    gain_sentence,
 )
 from visuohaptic.report.cost import (
     CostChart,
@@ -52,7 +52,8 @@ from visuohaptic.report.provenance import (
     find_commit,
     find_versions,
 )
-from visuohaptic.report.readings import BEST_OF_PAPER, readings_answer, readings_figures
+from visuohaptic.report.questions import BEST_OF_PAPER, fixation_answer, recognition_answer
+from visuohaptic.report.readings import readings_answer, readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import (
     describe_checks,
@@ -135,19 +136,22 @@ def answer_values(context: ReportContext) -> Values:
         run.parameters.attention.fixations,
     )
     cost = read_cost(run.files.extras.get("frontier"), run.parameters)
-    sentences = answer(
-        run.pipelines,
-        len(run.classes),
-        touches,
-        UNSEEN[recognition.protocol.protocol],
-        recognition.intervals.confidence,
+    unseen = UNSEEN[recognition.protocol.protocol]
+    measured, outside = _measured_readings(run), kept_readings(OUTSIDE)
+    readings = {
+        name: found.rows
+        for name, found in (("paper", measured), ("outside", outside))
+        if found is not None
+    }
+    answers = (
+        recognition_answer(run.pipelines, len(run.classes), touches, unseen),
+        fixation_answer(run.pipelines, readings),
     )
     preset = run.parameters.scene.preset
     return {
-        "sentences": [*sentences[:2], *(cue_sentences(cost.rows) if cost else ())],
-        "readings": readings_answer(_measured_readings(run), kept_readings(OUTSIDE)),
-        "touches": touches,
-        "compared": {"fixation"} < set(run.pipelines[0].strategies),
+        "answers": [one for one in answers if one is not None],
+        "sentences": [gain_sentence(run.pipelines[0]), *(cue_sentences(cost.rows) if cost else ())],
+        "readings": readings_answer(measured),
         "cost": cost,
         "cost_answer": cost_answer,
         "small_chart": _small_cost_chart,
