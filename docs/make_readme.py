@@ -62,17 +62,20 @@ def results_table(metrics: dict[str, Any]) -> str:
         lines.append(
             f"| {label} | {figures[0]} | {100 * published['fixation']:.2f} % "
             f"| {figures[1]} | {100 * published['random']:.2f} % "
-            f"| {literal[classifier]['fixation']:.1%} | {literal[classifier]['random']:.1%} "
-            f"| {figures[2]} | {figures[3]} |".replace("%", " %")
+            f"| {literal['fixation'][classifier]} | {literal['random'][classifier]} "
+            f"| {figures[2]} | {figures[3]} |"
         )
     return "\n".join(lines)
 
 
-def literal_reading() -> dict[str, dict[str, Any]]:
-    """Give the row of the most literal reading by classifier, from the readings kept with the package."""
+def literal_reading() -> dict[str, dict[str, str]]:
+    """Give the accuracies of the most literal reading, by strategy and classifier, as kept with the package."""
     kept = kept_readings(PAPER_SET)
-    rows = kept.rows if kept else []
-    return {row["classifier"]: row for row in rows if is_literal(row)}
+    rows = [row for row in kept.rows if is_literal(row)] if kept else []
+    return {
+        strategy: {row["classifier"]: f"{100 * row[strategy]:.1f} %" for row in rows}
+        for strategy in ("fixation", "random")
+    }
 
 
 def percent(interval: dict[str, float]) -> str:
@@ -102,7 +105,9 @@ def answers(metrics: dict[str, Any]) -> str:
         fixation_answer(tables, {name: one.rows for name, one in kept.items() if one}),
     )
     sentences = [f"**{one.question}** {one.word}. {one.sentence}" for one in found if one]
-    text = "\n\n".join(textwrap.fill(sentence, 100, break_on_hyphens=False) for sentence in sentences)
+    text = "\n\n".join(
+        textwrap.fill(sentence, 100, break_on_hyphens=False) for sentence in sentences
+    )
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
