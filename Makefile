@@ -66,6 +66,7 @@ bench: $(DEVELOP)
 # Its figures are of a default run, which is made first where it is not current.
 readme: $(DEVELOP) report
 	python docs/make_readme.py
+	python docs/make_readings.py
 	python docs/make_tables.py
 	python docs/make_overview_picture.py
 
