@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from make_readme import fill
@@ -43,7 +43,7 @@ def spread_table(tables: dict[str, list[Row]]) -> str:
             lines.append(
                 f"| {max(row['objects'] for row in run)} ({name}) | {OPPONENT_WORDS[option]} | {len(run)} "
                 f"| {share(reached[0])}, {share(middle)}, {share(reached[-1])} "
-                f"| {_lead(run, is_default, option)} | {_lead(run, is_literal, option)} "
+                f"| {_lead(run, is_default)} | {_lead(run, is_literal)} "
                 f"| {lead.ahead} | {lead.ahead_significantly} | {lead.behind_significantly} "
                 f"| {points(lead.middle)} | {word} |"
             )
@@ -96,7 +96,7 @@ def _pairs(tables: dict[str, list[Row]]) -> Iterator[str]:
         yield "\n".join(lines)
 
 
-def _lead(rows: Sequence[Row], is_one, option: str) -> str:
+def _lead(rows: Sequence[Row], is_one: Callable[[Row], bool]) -> str:
     own = "walk" if is_one is is_literal else "reachable"
     found = [row for row in rows if is_one(dict(row) | {"random_probing": own})]
     if len(found) != 1:
