@@ -10,13 +10,13 @@ from typing import Any
 
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.questions import fixation_answer, recognition_answer
+from visuohaptic.report.questions import fixation_answer, readings_sentence, recognition_answer
 from visuohaptic.studies.readings.design import is_literal
 from visuohaptic.studies.readings.stored import OUTSIDE, PAPER_SET, kept_readings
 from visuohaptic_workflow.closing import REPORT, describe_results
 
 ROOT = Path(__file__).parents[1]
-UNSEEN = "an object that was not in training"
+UNSEEN = "unseen objects"
 LABELS = {
     "k_nearest_neighbours": "kNN",
     "support_vector_machine": "SVM",
@@ -100,11 +100,15 @@ def answers(metrics: dict[str, Any]) -> str:
     """Answer the two questions of the experiment from its figures and the kept readings."""
     tables = read_tables(metrics)
     kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
+    readings = {name: one.rows for name, one in kept.items() if one}
     found = (
         recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
-        fixation_answer(tables, {name: one.rows for name, one in kept.items() if one}),
+        fixation_answer(tables, readings),
     )
-    sentences = [f"**{one.question}** {one.word}. {one.sentence}" for one in found if one]
+    sentences = [
+        f"**{one.question}** {one.word}: {one.number} {one.sentence}" for one in found if one
+    ]
+    sentences[-1] += f" {readings_sentence(readings)}"
     text = "\n\n".join(
         textwrap.fill(sentence, 100, break_on_hyphens=False) for sentence in sentences
     )

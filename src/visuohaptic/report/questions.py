@@ -32,11 +32,27 @@ WORDS: Mapping[Verdict, str] = {
 
 @dataclass(frozen=True)
 class Answer:
-    """A question, the verdict on it, and the figures that the verdict follows from, in a sentence."""
+    """A question of the experiment, and what its tables say.
+
+    Attributes
+    ----------
+    question : str
+        In plain words.
+    verdict : str
+        What the rule gives.
+    number : str
+        The figure that it rests on, with its interval.
+    sentence : str
+        What the number is of, in at most 25 words.
+    link : str
+        Anchor of the section that shows more.
+    """
 
     question: str
     verdict: Verdict
+    number: str
     sentence: str
+    link: str
 
     @property
     def word(self) -> str:
@@ -58,7 +74,7 @@ def recognition_answer(
     classes, touches : int
         How many classes there are, and how many touches a sequence has.
     unseen : str
-        What training had not met of what is tested, such as ``an object that was not in training``.
+        What training had not met of what is tested, such as ``objects that were not in training``.
     """
     found = [_row_of(table).accuracy[table.leading] for table in tables]
     chance = 1 / classes
@@ -67,16 +83,17 @@ def recognition_answer(
         word = "yes"
     elif all(figure.high is not None and figure.high < chance + GAIN for figure in found):
         word = "no"
-    shares = [
-        f"{percent(figure.mean)}{_span(figure, percent)} in pipeline {spaced(table.name)}"
-        for table, figure in zip(tables, found, strict=True)
+    others = [
+        f"pipeline {spaced(table.name)} reaches {percent(figure.mean)}"
+        for table, figure in zip(tables[1:], found[1:], strict=True)
     ]
     return Answer(
         "Can an object be recognised by touch?",
         word,
-        f"With the {_row_of(tables[0]).name}, sequences of {counted(touches, 'touch')} on {unseen} "
-        f"are classified correctly in {listed(shares)}; guessing among "
-        f"{counted(classes, 'class')} gives {percent(chance)}.",
+        f"{percent(found[0].mean)}{_span(found[0], percent)}",
+        f"of {touches}-touch sequences on {unseen} correctly classified by the "
+        f"{_row_of(tables[0]).name}; {', '.join([*others, f'chance is {percent(chance, 0)}'])}.",
+        "comparison",
     )
 
 
@@ -105,26 +122,60 @@ def fixation_answer(
     ]
     if not compared:
         return None
-    leads = [
-        f"by {points(found.difference.mean)} points{_span(found.difference, points)} in pipeline "
-        f"{spaced(table.name)}"
-        for table, found in compared
+    (first, main), *others = compared
+    further = [
+        f"; in pipeline {spaced(table.name)} {points(found.difference.mean)}"
+        f"{_span(found.difference, points)}"
+        for table, found in others
     ]
-    main = compared[0][1]
-    sentence = (
-        f"With the {_row_of(compared[0][0]).name} on {counted(main.objects, 'object')}, fixation is "
-        f"ahead of random places that the sensor can reach {listed(leads)}."
-    )
-    spread = [_spread(readings[name]) for name in SETS if readings.get(name)]
-    if any(spread):
-        sentence += (
-            " Over the readings of what the paper leaves open it is "
-            f"{listed([one for one in spread if one])}."
-        )
     return Answer(
         "Does it help to touch where the eye would fixate?",
         verdict(lead_evidence(readings, BEST_OF_PAPER)),
-        sentence,
+        f"{points(main.difference.mean)} points{_span(main.difference, points)}",
+        f"ahead of random places in reach, pipeline {spaced(first.name)}, {_row_of(first).name}, "
+        f"{counted(main.objects, 'object')}{''.join(further)}.",
+        "readings",
+    )
+
+
+def reproduction_answer(table: PipelineTable) -> Answer | None:
+    """Answer whether the published accuracies are found again; None where none is comparable.
+
+    Yes, if every published accuracy lies within the interval found here; no, if none does.
+    """
+    pairs = [
+        (row.accuracy[strategy], published)
+        for row in table.rows
+        for strategy, published in row.published.items()
+        if strategy in row.accuracy
+    ]
+    if not pairs:
+        return None
+    inside = sum(figure.holds(published) for figure, published in pairs)
+    word: Verdict = "yes" if inside == len(pairs) else "depends" if inside else "no"
+    row = _row_of(table)
+    number = ""
+    if table.leading in row.published:
+        here, published = row.accuracy[table.leading].mean, row.published[table.leading]
+        number = f"{percent(here)} here, {percent(published, 2)} published"
+    return Answer(
+        "Is the paper reproduced?",
+        word,
+        number,
+        f"by the {row.name}; {inside} of {len(pairs)} published accuracies lie within the intervals "
+        "found here, on other objects.",
+        "comparison",
+    )
+
+
+def readings_sentence(readings: Mapping[str, Sequence[Row]]) -> str:
+    """Say in how many readings of the paper fixation is ahead, by set; empty without readings."""
+    spread = [_spread(readings[name]) for name in SETS if readings.get(name)]
+    if not any(spread):
+        return ""
+    return (
+        "Over the readings of what the paper leaves open, fixation is "
+        f"{listed([one for one in spread if one])}."
     )
 
 

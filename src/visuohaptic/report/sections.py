@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import pyarrow as pa
@@ -28,10 +28,8 @@ from visuohaptic.report.comparison import (
     gain_sentence,
 )
 from visuohaptic.report.cost import (
-    CostChart,
-    cost_answer,
-    cost_chart,
     cost_figures,
+    cost_verdict,
     cue_sentences,
     read_cost,
     time_parts,
@@ -52,7 +50,13 @@ from visuohaptic.report.provenance import (
     find_commit,
     find_versions,
 )
-from visuohaptic.report.questions import BEST_OF_PAPER, fixation_answer, recognition_answer
+from visuohaptic.report.questions import (
+    BEST_OF_PAPER,
+    fixation_answer,
+    readings_sentence,
+    recognition_answer,
+    reproduction_answer,
+)
 from visuohaptic.report.readings import readings_answer, readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import (
@@ -71,7 +75,6 @@ from visuohaptic.report.studies import (
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
-from visuohaptic.studies.cost.pairs import Row
 from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.studies.readings.stored import (
     OUTSIDE,
@@ -85,10 +88,10 @@ from visuohaptic.tables.schema import matrix
 Values = Mapping[str, Any]
 
 UNSEEN: Mapping[Protocol, str] = {
-    "auto": "an object that was not in training",
-    "leave_one_object_a_class_out": "an object that was not in training",
-    "grouped_folds": "an object that was not in training",
-    "new_viewpoint": "a known object from viewpoints that were not in training",
+    "auto": "unseen objects",
+    "leave_one_object_a_class_out": "unseen objects",
+    "grouped_folds": "unseen objects",
+    "new_viewpoint": "known objects from unseen viewpoints",
 }
 """What is new to the classifier in a test, by protocol."""
 
@@ -146,18 +149,23 @@ def answer_values(context: ReportContext) -> Values:
     answers = (
         recognition_answer(run.pipelines, len(run.classes), touches, unseen),
         fixation_answer(run.pipelines, readings),
+        reproduction_answer(run.pipelines[0]),
+        cost_verdict(cost) if cost else None,
     )
-    preset = run.parameters.scene.preset
+    influence = influence_figures(
+        run.files.extras.get("effect_influence"), run.parameters.scene.preset
+    )
+    sentences = (
+        readings_sentence(readings),
+        readings_answer(measured),
+        gain_sentence(run.pipelines[0]),
+        *(cue_sentences(cost.rows) if cost else ()),
+    )
     return {
         "answers": [one for one in answers if one is not None],
-        "sentences": [gain_sentence(run.pipelines[0]), *(cue_sentences(cost.rows) if cost else ())],
-        "readings": readings_answer(measured),
-        "cost": cost,
-        "cost_answer": cost_answer,
-        "small_chart": _small_cost_chart,
-        "influence": influence_figures(run.files.extras.get("effect_influence"), preset),
-        "effects_answer": effects_answer,
-        "stability": None if run.stability is None else stability_answer(run.stability),
+        "sentences": [sentence for sentence in sentences if sentence],
+        "effects": effects_answer(influence) if influence else None,
+        "stability": None if run.stability is None else stability_answer(run.stability)[0],
     }
 
 
@@ -425,7 +433,10 @@ def credits_values(context: ReportContext) -> Values:
 
 
 CHAPTERS = {
-    "Question and answers": (Section("answer", "Question and answers", answer_values),),
+    "Answers": (
+        Section("answer", "Answers", answer_values),
+        Section("method", "The method on one object of this run", method_values),
+    ),
     "Probing strategies": (
         Section("comparison", comparison_title, comparison_values),
         Section("touches_needed", "Accuracy against touches", touches_needed_values),
@@ -446,10 +457,7 @@ CHAPTERS = {
         Section("ablations", "Ablations", ablations_values),
         Section("studies", "Own studies", studies_values),
     ),
-    "Objects": (
-        Section("method", "The method on one object of this run", method_values),
-        Section("objects", "The objects", objects_values),
-    ),
+    "Objects": (Section("objects", "The objects", objects_values),),
     "Methods and provenance": (
         Section("methods", "Methods text", methods_values),
         Section("parameters", "Parameters", parameters_values),
@@ -458,12 +466,6 @@ CHAPTERS = {
     ),
 }
 """The page's sections in order, by their entry in the table of contents."""
-
-
-def _small_cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None:
-    """Give a chart for a third of the page's width: every second tick has no room there."""
-    chart = cost_chart(rows, families, height=150)
-    return None if chart is None else replace(chart, x_ticks=chart.x_ticks[::2])
 
 
 def _scene_strips(run: Run, page: ObjectPage) -> Mapping[str, str]:
