@@ -17,8 +17,8 @@ from typing import Any
 import cv2
 import numpy as np
 
+from contourlets import Contourlet, contourlet_operator, directional_deviations
 from visuohaptic.attention import AttentionParameters, attend
-from visuohaptic.contourlet import Contourlet, contourlet_operator, directional_deviations
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras

@@ -5,9 +5,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from contourlet.definition import toolbox_bands
+from contourlet_definition import toolbox_bands
 
-from visuohaptic.contourlet import Contourlet, directional_deviations
+from contourlets import Contourlet, directional_deviations
 from visuohaptic.stability import drawings, oracles
 from visuohaptic.stability.images import SIDE, hard_images
 

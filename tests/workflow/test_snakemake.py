@@ -144,16 +144,16 @@ def test_a_changed_mesh_reruns_its_object_and_what_follows(experiment):
 @pytest.mark.parametrize(
     ("module", "first"),
     [
-        ("meshes/preparing.py", "meshes"),
-        ("attention/saliency.py", "fixations"),
-        ("sensor/placing.py", "touches"),
-        ("contourlet/directional.py", "features"),
-        ("recognition/classifiers.py", "recognition"),
-        ("recognition/metrics.py", "metrics"),
+        ("src/visuohaptic/meshes/preparing.py", "meshes"),
+        ("src/visuohaptic/attention/saliency.py", "fixations"),
+        ("src/visuohaptic/sensor/placing.py", "touches"),
+        ("packages/contourlets/src/contourlets/directional.py", "features"),
+        ("src/visuohaptic/recognition/classifiers.py", "recognition"),
+        ("src/visuohaptic/recognition/metrics.py", "metrics"),
     ],
 )
 def test_an_edited_module_reruns_the_phases_that_use_it(experiment, module, first):
-    with (experiment.folder / "src" / "visuohaptic" / module).open("a") as stream:
+    with (experiment.folder / module).open("a") as stream:
         stream.write("\n# edited\n")
     phases = ["meshes", "fixations", "touches", "features", "recognition", "metrics", "report"]
     planned = experiment.planned()

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contourlets import Contourlet, directional_deviations
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.contourlet import Contourlet, directional_deviations
 from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.recognition.sequence_features import summarise_signals

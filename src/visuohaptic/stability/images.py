@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.contourlet import directional_deviations
+from contourlets import directional_deviations
 from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.recognition.parameters import SequenceParameters
 from visuohaptic.recognition.sequence_features import summarise_signals, wavelet_levels

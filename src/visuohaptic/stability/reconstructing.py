@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.contourlet import Contourlet
+from contourlets import Contourlet
 
 Floats = NDArray[np.float64]
 

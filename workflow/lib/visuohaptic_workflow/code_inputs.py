@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-PACKAGES = ("visuohaptic", "visuohaptic_workflow")
+PACKAGES = ("contourlets", "visuohaptic", "visuohaptic_workflow")
 DATA_SUFFIXES = (".json", ".parquet")
 """Ends of files that hold figures which are kept with the package."""
 

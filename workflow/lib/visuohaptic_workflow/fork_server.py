@@ -39,7 +39,7 @@ from visuohaptic.interrupts import STOPPED, unblock_interrupts
 from visuohaptic_workflow.stopping import interrupts_tidy_up, is_interrupted
 from visuohaptic_workflow.warm_start import STARTED, THREADS, is_of_this_user, mount_namespace
 
-PACKAGES = ("visuohaptic", "visuohaptic_workflow")
+PACKAGES = ("contourlets", "visuohaptic", "visuohaptic_workflow")
 
 _FORK_SAFE_THREADS = {"jemalloc_bg_thd"}  # pyarrow's; jemalloc itself brings it through a fork
 _SECONDS_TO_CLEAN_UP = 5.0

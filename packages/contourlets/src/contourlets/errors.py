@@ -10,7 +10,7 @@ class ImageError(ContourletError):
 
 
 class FilterError(ContourletError):
-    """There is no filter of that name."""
+    """There is no filter of that name, or the package that has it is not installed."""
 
 
 class LevelsError(ContourletError):

@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
-from contourlet.definition import HALVES, NINE, SEVEN, modulated_ladder
+from contourlet_definition import HALVES, NINE, SEVEN, modulated_ladder
 
-from visuohaptic.contourlet import (
+from contourlets import (
     FilterError,
     diamond_filters,
     ladder_taps,
     pyramid_filter_names,
     pyramid_filters,
 )
-from visuohaptic.contourlet.filters import ladder_steps
+from contourlets.filters import ladder_steps
 
 
 def test_nine_seven_pair_has_the_toolbox_digits():

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import FilterError, LevelsError
+from .filters import pywavelets
 from .images import check_images, exponents, scale
 
 Array = NDArray[np.float64]
@@ -38,12 +39,11 @@ def wavelet_deviations(
     Raises
     ------
     ContourletError
-        On images, a wavelet, a mode or levels that are not allowed.
+        On images, a wavelet, a mode or levels that are not allowed, or without PyWavelets.
     """
-    import pywt
-
     array = check_images(images).astype(np.float64, copy=False)
-    _check(wavelet, levels, mode)
+    pywt = pywavelets()
+    _check(pywt, wavelet, levels, mode)
     stack = array.reshape(-1, *array.shape[-2:])
     power = exponents(stack, (1, 2))
     details = pywt.wavedec2(scale(stack, -power), wavelet, mode, levels, axes=(1, 2))[1:]
@@ -62,9 +62,7 @@ def wavelet_band_names(levels: int = 3) -> list[str]:
     return [f"level{levels - k}_{name}" for k in range(levels) for name in _ORIENTATIONS]
 
 
-def _check(wavelet: Any, levels: Any, mode: Any) -> None:
-    import pywt
-
+def _check(pywt: Any, wavelet: Any, levels: Any, mode: Any) -> None:
     if wavelet not in pywt.wavelist(kind="discrete"):
         raise FilterError(
             f"No discrete wavelet is called {wavelet!r}; the names are those of PyWavelets, such as "

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,11 +73,25 @@ class LadderStep:
     after: int
 
 
-def pyramid_filter_names() -> tuple[str, ...]:
-    """List every name that `pyramid_filters` allows."""
-    import pywt
+def pywavelets() -> Any:
+    """Import PyWavelets, which is needed where a filter is asked for by its name alone."""
+    try:
+        import pywt
+    except ModuleNotFoundError:
+        raise FilterError(
+            "Filters other than 9-7, 5-3 and haar are those of PyWavelets, which is not installed; "
+            "`pip install 'contourlets[wavelets]'` brings it."
+        ) from None
+    return pywt
 
-    return ("9-7", "5-3", "haar", *pywt.wavelist("bior"), *pywt.wavelist("rbio"))
+
+def pyramid_filter_names() -> tuple[str, ...]:
+    """List every name that `pyramid_filters` allows; three of them without PyWavelets."""
+    own = ("9-7", "5-3", "haar")
+    if find_spec("pywt") is None:
+        return own
+    pywt = pywavelets()
+    return (*own, *pywt.wavelist("bior"), *pywt.wavelist("rbio"))
 
 
 def _mirror(half: list[float], centre: float) -> Array:
@@ -100,7 +116,7 @@ def pyramid_filters(name: str) -> PyramidFilters:
     Raises
     ------
     FilterError
-        When there is no pair of that name.
+        When there is no pair of that name, or PyWavelets has it and is not installed.
     """
     if name == "9-7":
         return PyramidFilters(_mirror(_NINE, _NINE_CENTRE), _mirror(_SEVEN, _SEVEN_CENTRE))
@@ -111,8 +127,7 @@ def pyramid_filters(name: str) -> PyramidFilters:
         )
     if name == "haar":
         return PyramidFilters(np.full(2, np.sqrt(0.5)), np.full(2, np.sqrt(0.5)))
-    import pywt
-
+    pywt = pywavelets()
     if name not in pyramid_filter_names():
         raise FilterError(
             f"No pyramid filter is called {name!r}; the names are 9-7, 5-3, haar and PyWavelets' "

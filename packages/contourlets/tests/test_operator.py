@@ -4,13 +4,13 @@ import sys
 import numpy as np
 import pytest
 
-from visuohaptic.contourlet import (
+from contourlets import (
     EXTENSIONS,
     Contourlet,
     LevelsError,
     contourlet_operator,
 )
-from visuohaptic.contourlet.operator import blockwise_product
+from contourlets.operator import blockwise_product
 
 BATCHES = [1, 2, 3, 5, 7, 80, 1000]
 
@@ -55,7 +55,7 @@ def test_a_row_of_a_product_does_not_depend_on_the_others(count, rng):
 def test_products_do_not_depend_on_the_number_of_threads():
     program = (
         "import numpy as np, hashlib\n"
-        "from visuohaptic.contourlet import Contourlet, contourlet_operator\n"
+        "from contourlets import Contourlet, contourlet_operator\n"
         "x = np.random.default_rng(1).standard_normal((70, 32, 32))\n"
         "operator = contourlet_operator(Contourlet((4,)), (32, 32))\n"
         "print(hashlib.sha256(operator.forward(x).ravel().tobytes()).hexdigest())\n"

@@ -5,16 +5,15 @@ from sklearn.exceptions import NotFittedError
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
-from visuohaptic.contourlet import (
+from contourlets import (
     Contourlet,
-    ContourletDeviations,
     ImageError,
     LevelsError,
-    WaveletDeviations,
     band_energies,
     directional_deviations,
     wavelet_deviations,
 )
+from contourlets.transformer import ContourletDeviations, WaveletDeviations
 
 
 def test_transformer_gives_named_deviations(rng):

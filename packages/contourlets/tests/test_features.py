@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
-from contourlet.definition import toolbox_bands
+from contourlet_definition import toolbox_bands
 
-from visuohaptic.contourlet import (
+from contourlets import (
     EXTENSIONS,
     Contourlet,
     ImageError,

@@ -1,10 +1,13 @@
 import numpy as np
 import pytest
-from contourlet.definition import check_grating_sweep, frequency_directions
-from contourlet.test_transform import special_images
+from contourlet_definition import (
+    check_grating_sweep,
+    frequency_directions,
+    special_images,
+)
 
-from visuohaptic.contourlet import LevelsError, NonsubsampledContourlet
-from visuohaptic.contourlet.lattice import directional_tables
+from contourlets import LevelsError, NonsubsampledContourlet
+from contourlets.lattice import directional_tables
 
 EXTENSIONS = ["periodic", "symmetric"]
 

@@ -1,4 +1,4 @@
-"""Band features as scikit-learn transformers."""
+"""Band features as scikit-learn transformers; the one module that needs scikit-learn."""
 
 from __future__ import annotations
 

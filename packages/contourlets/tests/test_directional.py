@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
-from contourlet.definition import frequency_directions, toolbox_directions
+from contourlet_definition import frequency_directions, toolbox_directions
 
-from visuohaptic.contourlet.directional import (
+from contourlets.directional import (
     adjoin_directions,
     analyse_directions,
     synthesise_directions,
 )
-from visuohaptic.contourlet.lattice import (
+from contourlets.lattice import (
     EXTENSIONS,
     band_shapes,
     directional_tables,

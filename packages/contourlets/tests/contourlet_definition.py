@@ -282,3 +282,18 @@ def check_grating_sweep(transform, side, least_best_share):
 
     for k in range(len(bands)):
         assert shares[winners == k, k].max(initial=0) > least_best_share, k
+
+
+def special_images(shape, rng):
+    rows, columns = np.indices(shape)
+    impulse = np.zeros(shape)
+    impulse[shape[0] // 3, shape[1] // 2] = 1
+    return {
+        "noise": rng.standard_normal(shape),
+        "zero": np.zeros(shape),
+        "constant": np.full(shape, 3.7),
+        "impulse": impulse,
+        "corner": np.eye(*shape) * (rows + columns == 0),
+        "checkerboard": (-1.0) ** (rows + columns),
+        "ramp": 0.1 * rows - 0.3 * columns,
+    }

@@ -1,7 +1,4 @@
-"""Draw the pictures of `contourlets.md`.
-
-Run `python docs/make_contourlet_pictures.py` after `make`, which prepares the mesh of the chair.
-"""
+"""Draw the pictures of `transform.md`: `python packages/contourlets/docs/make_pictures.py`, with Pillow."""
 
 from __future__ import annotations
 
@@ -12,20 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from visuohaptic.contourlet import Contourlet, NonsubsampledContourlet, directional_deviations
-from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import read_surface
-from visuohaptic.scene.parameters import Scene
-from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import touch
+from contourlets import Contourlet, NonsubsampledContourlet, directional_deviations
 
-ROOT = Path(__file__).resolve().parent.parent
-PICTURES = ROOT / "docs" / "pictures"
-
-# The rim of a chair's back, where a thin curve crosses the sensor.
-CHAIR = ROOT / "results" / "meshes" / "chair" / "bs0_chair2.ply"
-CHAIR_POINT = (0.12967612829, 0.63132528078, -0.25675551471)
-CHAIR_NORMAL = (0.0, 0.13924389843, 0.99025811623)
+PICTURES = Path(__file__).resolve().parent / "pictures"
 
 INK, PAPER, FAINT = (25, 25, 30), (255, 255, 255), (150, 150, 155)
 BLUE, ORANGE = (0, 90, 160), (205, 95, 0)
@@ -177,12 +163,10 @@ def make_zone_plate(path: Path) -> None:
     canvas.save(path, optimize=True)
 
 
-def touch_chair() -> Array:
-    """Touch the rim of a chair's back."""
-    caster = RayCaster(read_surface(CHAIR))
-    points, normals = np.array([CHAIR_POINT]), np.array([CHAIR_NORMAL])
-    normals /= np.linalg.norm(normals)
-    return touch(caster, points, normals, SensorParameters(), Scene()).images[0].astype(np.float64)
+def curved_edge() -> Array:
+    """Make an image that is dark above a curve and bright below it, so that its ends differ."""
+    rows, columns = np.indices((32, 32))
+    return np.clip(rows - 9 - columns**2 / 52, 0, 1)
 
 
 def draw_deviations(
@@ -213,13 +197,13 @@ def draw_deviations(
     draw.text((left + width, top - 10), f"tallest bar: {peak:.3f}", FAINT, font(15), anchor="rs")
 
 
-def make_imprint(path: Path) -> None:
-    """Draw a real imprint, its bands with both extensions, and their deviations."""
-    image = touch_chair()
+def make_borders(path: Path) -> None:
+    """Draw an image, its bands with two extensions, and their deviations."""
+    image = curved_edge()
     side, large = 84, 260
     canvas = Image.new("RGB", (2 * MARGIN + 8 * (side + GAP) + large + 3 * GAP, 800), PAPER)
     draw = ImageDraw.Draw(canvas)
-    draw.text((MARGIN, MARGIN + LABEL - 4), "imprint, 32 x 32", INK, font(15), anchor="ls")
+    draw.text((MARGIN, MARGIN + LABEL - 4), "image, 32 x 32", INK, font(15), anchor="ls")
     canvas.paste(grey(image, 0, 1, (large, large)), (MARGIN, MARGIN + LABEL))
     frame = [MARGIN, MARGIN + LABEL, MARGIN + large - 1, MARGIN + LABEL + large - 1]
     draw.rectangle(frame, outline=FAINT)
@@ -235,9 +219,9 @@ def make_imprint(path: Path) -> None:
 def main() -> None:
     """Draw all pictures."""
     PICTURES.mkdir(parents=True, exist_ok=True)
-    make_tiling(PICTURES / "contourlet_tiling.png")
-    make_zone_plate(PICTURES / "contourlet_zone_plate.png")
-    make_imprint(PICTURES / "contourlet_imprint.png")
+    make_tiling(PICTURES / "tiling.png")
+    make_zone_plate(PICTURES / "zone_plate.png")
+    make_borders(PICTURES / "borders.png")
 
 
 if __name__ == "__main__":

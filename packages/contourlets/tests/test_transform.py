@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
-from contourlet.definition import check_grating_sweep, toolbox_bands
+from contourlet_definition import check_grating_sweep, special_images, toolbox_bands
 
-from visuohaptic.contourlet import (
+from contourlets import (
     EXTENSIONS,
     Coefficients,
     CoefficientsError,
@@ -15,21 +15,6 @@ from visuohaptic.contourlet import (
 )
 
 TOLERANCES = {np.float64: 1e-12, np.float32: 1e-5}
-
-
-def special_images(shape, rng):
-    rows, columns = np.indices(shape)
-    impulse = np.zeros(shape)
-    impulse[shape[0] // 3, shape[1] // 2] = 1
-    return {
-        "noise": rng.standard_normal(shape),
-        "zero": np.zeros(shape),
-        "constant": np.full(shape, 3.7),
-        "impulse": impulse,
-        "corner": np.eye(*shape) * (rows + columns == 0),
-        "checkerboard": (-1.0) ** (rows + columns),
-        "ramp": 0.1 * rows - 0.3 * columns,
-    }
 
 
 def relative_error(transform, images):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import pywt
 
-from visuohaptic.contourlet import (
+from contourlets import (
     FilterError,
     LevelsError,
     wavelet_band_names,

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from contourlet.definition import PYRAMIDS, toolbox_pyramid
+from contourlet_definition import PYRAMIDS, toolbox_pyramid
 
-from visuohaptic.contourlet import EXTENSIONS, pyramid_filter_names, pyramid_filters
-from visuohaptic.contourlet.pyramid import (
+from contourlets import EXTENSIONS, pyramid_filter_names, pyramid_filters
+from contourlets.pyramid import (
     adjoin_pyramid,
     analyse_pyramid,
     synthesise_pyramid,
