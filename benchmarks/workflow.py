@@ -29,21 +29,18 @@ def run() -> dict[str, object]:
     dict
         Seconds of wall time of each run, of cold ones the least of three, and the share of a
         cold run's core seconds that went into neither imports nor the jobs' own work; the
-        same again with the paper's pipeline alone, and cold without warm starts.
+        same again with the paper's pipeline alone.
     """
     with tempfile.TemporaryDirectory() as folder:
         both = _copy(Path(folder) / "both")
         paper = _copy(Path(folder) / "paper")
         _set(paper, "recognition", "pipelines", ["paper"])
-        alone = _copy(Path(folder) / "alone")
-        _set(alone, "workflow", "warm_starts", value=False)
-        cold, by_themselves = _time_cold_in_turn(both, alone)
+        cold = _time_cold(both)
         spent = [seconds for log in both.rglob("logs/**/*.log") if (seconds := read_seconds(log))]
         imports = sum(seconds.imports for seconds in spent)
         work = sum(seconds.work for seconds in spent)
         return {
             "cold_run_s": min(cold),
-            "cold_run_without_warm_starts_s": min(by_themselves),
             "jobs": len(spent),
             "imports_core_s": round(imports, 2),
             "work_core_s": round(work, 2),
@@ -51,7 +48,7 @@ def run() -> dict[str, object]:
             "no_op_s": _time_run(both),
             **_time_changes(both),
             "paper_pipeline": {
-                "cold_run_s": min(_time_cold_in_turn(paper)[0]),
+                "cold_run_s": min(_time_cold(paper)),
                 **_time_changes(paper),
             },
         }
@@ -62,14 +59,13 @@ def _copy(folder: Path) -> Path:
     return folder
 
 
-def _time_cold_in_turn(*folders: Path) -> list[list[float]]:
-    """Run from nothing in each folder in turn, so that what else the machine does meets all."""
-    seconds: list[list[float]] = [[] for _ in folders]
+def _time_cold(folder: Path) -> list[float]:
+    """Run from nothing some times."""
+    seconds = []
     for _ in range(ROUNDS):
-        for taken, folder in zip(seconds, folders, strict=True):
-            for made in ("results", "logs", ".snakemake"):
-                shutil.rmtree(folder / made, ignore_errors=True)
-            taken.append(_time_run(folder))
+        for made in ("results", "logs", ".snakemake"):
+            shutil.rmtree(folder / made, ignore_errors=True)
+        seconds.append(_time_run(folder))
     return seconds
 
 

@@ -26,7 +26,6 @@ LABELS = {
 }
 RUNS = {
     "cold_run_s": "cold `snakemake -j2`, meshes to report",
-    "cold_run_without_warm_starts_s": "the same, each job starting Python by itself",
     "no_op_s": "nothing to do",
     "recognition_change_s": "after a change of recognition",
     "sensor_change_s": "after a change of the sensor",

@@ -24,7 +24,7 @@ TO_DEVELOP = [
     *TO_RUN,
     *(wanted for name in ("crate", "s3", "dev") for wanted in EXTRAS[name]),
 ]
-OWN = {"contourlets", "visuohaptic", "visuohaptic_workflow", "sitecustomize"}
+OWN = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
 # Files that import packages of an extra, and the file that refuses in a sentence without these.
 OF_AN_EXTRA = {
     "src/visuohaptic/report/": ("report", "src/visuohaptic/cli/report.py"),

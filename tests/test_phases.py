@@ -33,8 +33,7 @@ VIEWPOINTS = ViewpointParameters(count=3)
 
 def look(folder, block, seed=7, name="fixations", modes=None):
     make_fixations(
-        key="ring/torus",
-        mesh=folder / "torus.ply",
+        meshes={"ring/torus": folder / "torus.ply"},
         fixations=folder / f"{name}.parquet",
         views=folder / f"{name}-views.parquet",
         effects=folder / f"{name}-effects.parquet",
@@ -62,7 +61,7 @@ def folder(tmp_path_factory):
     )
     look(folder, [0, 1, 2])
     make_touches(
-        folder / "torus.ply",
+        {"ring/torus": folder / "torus.ply"},
         folder / "fixations.parquet",
         folder / "touches.parquet",
         folder / "effects.parquet",
@@ -202,7 +201,7 @@ def test_the_eye_looks_without_shading_where_the_scene_says_so(folder):
 def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder):
     for name, seed in (("one", 7), ("two", 7), ("three", 8)):
         make_touches(
-            folder / "torus.ply",
+            {"ring/torus": folder / "torus.ply"},
             folder / "fixations.parquet",
             folder / f"{name}.parquet",
             folder / f"{name}-effects.parquet",

@@ -37,20 +37,13 @@ class WorkflowParameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     views_per_job: int = Field(16, ge=1, le=1024, description="Viewpoints that one job covers")
-    objects_per_job: int | None = Field(
-        None,
-        ge=1,
-        description="Objects that one job takes from mesh to features, for clusters and thousands of objects; "
-        "null for a job a phase and object",
+    objects_per_job: int = Field(
+        4, ge=1, le=1024, description="Objects of one class that one job takes through a phase"
     )
     conditions_per_job: int | None = Field(
         None,
         ge=1,
         description="Conditions of a study that one job covers; null for an eighth, at most 25",
-    )
-    warm_starts: bool = Field(
-        True,  # noqa: FBT003 - a field's default
-        description="Whether local jobs are forks of one process that has imported what they need (Linux)",
     )
     keep_studies_current: bool = Field(
         True,  # noqa: FBT003 - a field's default

@@ -43,8 +43,7 @@ def tables_of_the_workflow(key, source, folder, parameters):
     )
     make_mesh(key, model, source, folder / "mesh.ply", parameters.meshes)
     make_fixations(
-        key=key,
-        mesh=folder / "mesh.ply",
+        meshes={key: folder / "mesh.ply"},
         fixations=folder / "fixations.parquet",
         views=folder / "views.parquet",
         effects=folder / "effects_of_view.parquet",
@@ -57,7 +56,7 @@ def tables_of_the_workflow(key, source, folder, parameters):
         seed=parameters.seed,
     )
     make_touches(
-        folder / "mesh.ply",
+        {key: folder / "mesh.ply"},
         folder / "fixations.parquet",
         folder / "touches.parquet",
         folder / "effects.parquet",

@@ -136,8 +136,7 @@ def run_chain(source, folder, seed=7, resolution=64, block=(0, 1, 2, 3), name="m
     """Go from a model file to the feature table; give the three tables, read back and checked."""
     make_mesh("hard/mesh", Model("hard", "mesh"), source, folder / f"{name}.ply", MeshParameters())
     make_fixations(
-        key="hard/mesh",
-        mesh=folder / f"{name}.ply",
+        meshes={"hard/mesh": folder / f"{name}.ply"},
         fixations=folder / f"{name}-fixations.parquet",
         views=folder / f"{name}-views.parquet",
         effects=folder / f"{name}-effects.parquet",
@@ -150,7 +149,7 @@ def run_chain(source, folder, seed=7, resolution=64, block=(0, 1, 2, 3), name="m
         seed=seed,
     )
     make_touches(
-        folder / f"{name}.ply",
+        {"hard/mesh": folder / f"{name}.ply"},
         folder / f"{name}-fixations.parquet",
         folder / f"{name}-touches.parquet",
         folder / f"{name}-books.parquet",

@@ -280,7 +280,13 @@ def _neutral(column):
 def _write_mesh(folder, key):
     category, name = key.split("/", 1)
     # A file's name may be shorter than an object's: such an object is without a model.
-    path = folder / "meshes" / category.replace("/", "_") / f"{name.replace('/', '_')[:240]}.ply"
+    path = (
+        folder
+        / "meshes"
+        / category.replace("/", "_")
+        / "block"
+        / f"{name.replace('/', '_')[:240]}.ply"
+    )
     write_surface(ball(6), path)
     return path
 

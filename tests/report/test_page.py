@@ -267,7 +267,7 @@ def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
         fixations=files.fixations,
         touches=files.touches,
         features=files.features,
-        meshes=["nowhere/cup/mug.ply"],
+        meshes=["nowhere/cup/mug/mug.ply"],
         credits=["nowhere.csv"],
         logs=tmp_path / "nowhere",
         folder=tmp_path,

@@ -195,7 +195,7 @@ def _run(name: str, command: list[str], folder: Path, environment: Mapping[str, 
 
 def _break(cluster: Cluster, folder: Path, is_over: threading.Event) -> None:
     """Kill both daemons once a block has begun, and start them again."""
-    while not list(folder.glob("results/meshes/*/*.ply")):
+    while not list(folder.glob("results/meshes/*/*/*.ply")):
         time.sleep(0.5)
     cluster.kill("slurmctld")
     cluster.kill("slurmd")

@@ -107,8 +107,7 @@ def test_an_object_that_was_set_aside_has_a_table_without_rows(tmp_path):
     for schema in (FIXATIONS, TOUCHES):
         write_table(schema, schema.arrow.empty_table(), tmp_path / f"{schema.name}.parquet")
     make_object_stability(
-        "cup/mug",
-        tmp_path / "none.ply",
+        {"cup/mug": tmp_path / "none.ply"},
         tmp_path / "fixations.parquet",
         tmp_path / "touches.parquet",
         tmp_path / "found.parquet",

@@ -1,12 +1,14 @@
 """A few small objects of two classes, and what a small run makes of them."""
 
+from pathlib import Path
+
 import numpy as np
 import pyarrow as pa
 import trimesh
 
 from visuohaptic.features.describing import describe_touches
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface, read_surface, write_surface
+from visuohaptic.geometry.surface import Surface, object_of, read_surface, write_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import find_locations, touch_at
 from visuohaptic.studies.measuring import Sources
@@ -69,11 +71,11 @@ def write_sources(folder, surfaces, run=RUN):
     names = ("fixations", "touches", "features")
     meshes = []
     for key, surface in surfaces.items():
-        meshes.append(folder / f"{key}.ply")
-        meshes[-1].parent.mkdir(exist_ok=True)
+        meshes.append(folder / key / f"{Path(key).name}.ply")
+        meshes[-1].parent.mkdir(parents=True, exist_ok=True)
         write_surface(surface, meshes[-1])
     # Files hold float32, so what is made of them differs a little from what is made in memory.
-    surfaces = {f"{mesh.parent.name}/{mesh.stem}": read_surface(mesh) for mesh in meshes}
+    surfaces = {object_of(mesh): read_surface(mesh) for mesh in meshes}
     schemas = (FIXATIONS, TOUCHES, FEATURES)
     for schema, name, table in zip(schemas, names, run_tables(surfaces, run), strict=True):
         write_table(schema, table, folder / f"{name}.parquet")

@@ -16,7 +16,7 @@ from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_paramet
 SMALL = {
     "viewpoints": {"count": 2},
     "rendering": {"resolution": 64},
-    "workflow": {"views_per_job": 2},
+    "workflow": {"views_per_job": 2, "objects_per_job": 1},
     "recognition": {"pipelines": ["paper"], "intervals": {"bootstrap_samples": 200}},
 }
 

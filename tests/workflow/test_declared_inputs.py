@@ -54,7 +54,7 @@ def test_a_corrected_credit_reruns_the_report_alone(experiment):
 
 def test_every_parameter_of_a_rule_is_of_a_type_that_snakemake_remembers(fresh, tmp_path):
     experiment = fresh.copy(tmp_path / "experiment")
-    experiment.set(meshes={"set": "hard"}, workflow={"objects_per_job": 2})
+    experiment.set(meshes={"set": "hard"})
     (experiment.folder / "meshes/catalogue.csv").write_text(
         (fresh.folder / "meshes/catalogue.csv").read_text().replace(",paper,", ",hard,", 1)
     )

@@ -85,7 +85,7 @@ def test_meshes_and_tables_come_back_from_a_remote(repository, tmp_path):
         shutil.rmtree(experiment.folder / name)
     experiment.run("dvc", "pull")
     assert (experiment.folder / METRICS).read_bytes() == (repository.folder / METRICS).read_bytes()
-    assert len(list((experiment.folder / "results/meshes").glob("*/*.ply"))) == 4
+    assert len(list((experiment.folder / "results/meshes").glob("*/*/*.ply"))) == 4
     assert "up to date" in experiment.run("dvc", "status").stdout
 
 

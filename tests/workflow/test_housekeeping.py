@@ -33,7 +33,7 @@ def experiment(whole, tmp_path):
         *(
             pytest.param(*deleted, marks=pytest.mark.long)
             for deleted in (
-                ("results/meshes/chair/bsby_chair3.ply", "meshes"),
+                ("results/meshes/chair/bsby_chair3/bsby_chair3.ply", "meshes"),
                 ("results/effects/touches/chair/bsby_chair3/00-01.parquet", "touches"),
                 ("reports/plots/accuracy.csv", "metrics"),
             )
@@ -95,10 +95,10 @@ def test_a_run_about_some_objects_leaves_results_of_others(experiment):
             if "bsby_chair3" not in line
         )
     )
-    meshes = sorted((experiment.folder / "results/meshes").glob("*/*.ply"))
+    meshes = sorted((experiment.folder / "results/meshes").glob("*/*/*.ply"))
     next(file for file in meshes if file.stem != "bsby_chair3").unlink()
     experiment.snakemake("--", "meshes_all")
-    assert sorted((experiment.folder / "results/meshes").glob("*/*.ply")) == meshes
+    assert sorted((experiment.folder / "results/meshes").glob("*/*/*.ply")) == meshes
 
 
 def test_a_private_name_of_snakemake_that_is_gone_costs_time_alone(experiment):

@@ -101,7 +101,7 @@ def test_the_end_names_figures_report_log_and_what_else_can_be_asked(experiment)
         log = result.stdout.partition("Snakemake's log is ")[2].splitlines()[0].rstrip(".")
         assert "Building DAG" in (experiment.folder / log).read_text()
     # What another target makes has no figures; those of an earlier run are not its own.
-    (experiment.folder / "results/meshes/chair/bsby_chair3.ply").unlink()
+    (experiment.folder / "results/meshes/chair/bsby_chair3/bsby_chair3.ply").unlink()
     for _ in range(2):
         result = run_screen(experiment, "--", "meshes_all")
         assert result.returncode == 0

@@ -8,6 +8,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 import trimesh
+from golden import compare_runs
 
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 
@@ -48,39 +49,6 @@ def test_snakemake_looks_for_jobs_to_start_when_one_has_ended_and_not_by_the_clo
     assert output.count("Finished jobid") == 4
     # Once more at the start; the end is looked for only where jobs are left.
     assert output.count("Ready jobs") <= 4 + 1
-
-
-def test_jobs_start_as_forks_of_the_server(experiment):
-    script = experiment.folder / "workflow/scripts/meshes.py"
-    tells = "\nimport sys\nfrom pathlib import Path\n\nPath('started-as').write_text(str(sys.orig_argv))\n"
-    script.write_text(script.read_text() + tells)
-    experiment.snakemake("--until", "meshes")
-    assert "visuohaptic_workflow.fork_server" in (experiment.folder / "started-as").read_text()
-
-
-@pytest.mark.long
-def test_how_jobs_start_changes_no_table(experiment, finished):
-    experiment.set(workflow={"warm_starts": False})
-    experiment.snakemake("--forcerun", "meshes")
-    for name in TABLES:
-        assert experiment.table(name).equals(finished.table(name))
-
-
-@pytest.mark.long
-def test_recognition_in_a_fork_that_has_its_libraries_gives_the_same(experiment, finished):
-    script = experiment.folder / "workflow/scripts/recognition.py"
-    tells = "import sys\nwith open('had', 'a') as had:\n    had.write(f\"{'sklearn' in sys.modules} \")\n"
-    script.write_text(tells + script.read_text())
-    experiment.run("snakemake", "-j1", "--forcerun", "recognition", "--until", "recognition")
-    assert (experiment.folder / "had").read_text() == "False True "
-    for name in ("scores", "predictions"):
-        assert experiment.table(name).equals(finished.table(name))
-
-
-def test_without_a_server_jobs_start_by_themselves(experiment):
-    (experiment.folder / "src/visuohaptic/fork_server.py").write_text("raise SystemExit\n")
-    output = experiment.snakemake("--forcerun", "meshes", "--until", "meshes").stdout
-    assert output.count("Finished jobid") == 4
 
 
 def test_a_parameter_of_recognition_reruns_no_touch(experiment):
@@ -186,6 +154,17 @@ def test_other_blocks_of_viewpoints_change_no_table_and_leave_no_stale_part(fini
     experiment.snakemake()
     assert_same_results(finished, experiment)
     assert experiment.planned() == {}
+
+
+@pytest.mark.long
+def test_blocks_of_objects_change_no_number(fresh, finished, tmp_path):
+    other = fresh.copy(tmp_path / "experiment")
+    other.set(workflow={"objects_per_job": 4})
+    planned = other.planned()
+    assert planned["meshes"] == planned["features"] == planned["stability_of_object"] == 2
+    other.snakemake()
+    assert compare_runs.main(finished.folder, other.folder) == 0
+    assert other.planned() == {}
 
 
 @pytest.mark.long

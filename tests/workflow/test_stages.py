@@ -38,9 +38,8 @@ def test_no_output_of_a_stage_persists(stage):
     assert "persist" not in str(STAGES[stage])
 
 
-# Other studies are made on request; studies/dvc.yaml has their stages. A block runs through phases, a stage is one.
+# Other studies are made on request; studies/dvc.yaml has their stages.
 ASIDE = {
-    "workflow/scripts/objects.py",
     "workflow/scripts/certainty.py",
     "workflow/scripts/export.py",
     "workflow/scripts/crate.py",
@@ -95,7 +94,7 @@ CHANGES = {
     "features": {"extension": "symmetric"},
     "recognition": {"touches": 3},
     "seed": 7,
-    "workflow": {"warm_starts": False},
+    "workflow": {"objects_per_job": 2},
 }
 PRINT_PARAMETERS = """
 include: "Snakefile"

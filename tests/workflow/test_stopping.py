@@ -23,12 +23,10 @@ SCREEN = [sys.executable, "-P", "-m", "visuohaptic_workflow.screen", "-j2"]
 
 @pytest.fixture(scope="module")
 def fresh(tmp_path_factory):
-    """An experiment before anything has run; its scripts are stand-ins, which start as forks."""
+    """An experiment before anything has run; its scripts are stand-ins."""
     folder = tmp_path_factory.mktemp("fresh") / "experiment"
     make_experiment(folder)
-    experiment = Experiment(folder)
-    experiment.set(workflow={"warm_starts": True})
-    return experiment
+    return Experiment(folder)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +64,7 @@ def is_anyone_left(session):
     [
         ".snakemake/run.lock",
         ".snakemake/locks/*",
-        "results/meshes/*/*.ply",
+        "results/meshes/*/*/*.ply",
         "results/touches/*/*/*.parquet",
     ],
 )

@@ -31,7 +31,7 @@ COPIED = (
 )  # fmt: skip
 SMALL = {
     "viewpoints": {"count": 2},
-    "workflow": {"views_per_job": 2, "warm_starts": False},
+    "workflow": {"views_per_job": 2, "objects_per_job": 1},
     "recognition": {"pipelines": ["paper"]},
 }
 STAND_IN = '''"""Writes a hash of all that the job was given."""

@@ -35,18 +35,17 @@ from visuohaptic.parameters import (
     refuse_repeated_names,
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
-from visuohaptic_workflow.brought_files import judge_blocks, judge_brought_files
+from visuohaptic_workflow.blocks import divide
+from visuohaptic_workflow.brought_files import judge_brought_files
 from visuohaptic_workflow.closing import lines_at_end
 from visuohaptic_workflow.code_inputs import code_inputs, load_memory, save_memory
 from visuohaptic_workflow.jobs import set_job_environment
-from visuohaptic_workflow.object_blocks import LISTS, divide
 from visuohaptic_workflow.one_run import (
     check_writable,
     claim_folder,
     is_claimed_by_another,
 )
 from visuohaptic_workflow.plan import plan_jobs, prune_files, runs_jobs
-from visuohaptic_workflow.warm_start import offer_warm_starts
 
 set_job_environment(*SOURCES)
 IMPORTS = ".snakemake/imports.json"
@@ -106,21 +105,11 @@ DOWNLOADED = {
     if not Path(shipped(f"meshes/paper/{key}.ply.gz")).exists()
 }
 OBJECTS = sorted({**CATALOGUED, **OWN})
-# DVC's stages are phases, and a block runs through all of them.
-OBJECT_BLOCKS = divide(
-    OBJECTS,
-    None if "DVC_STAGE" in os.environ else PARAMETERS.workflow.objects_per_job,
-)
-if OBJECT_BLOCKS and workflow.storage_settings.default_storage_provider is not None:
-    raise WorkflowError(
-        "workflow.objects_per_job needs a file system that all jobs share, and results are kept in "
-        "a storage; leave it null, or leave out --default-storage-provider."
-    )
+OBJECT_BLOCKS = divide(OBJECTS, PARAMETERS.workflow.objects_per_job)
 
 
 wildcard_constraints:
-    object="[^/]+/[^/]+",
-    objects=r"\d+-\d+",
+    objects="[^/]+/[^/]+",
     views=r"\d+-\d+",
     pipeline="[a-z_]+",
     strategy="[a-z_]+",
@@ -131,22 +120,33 @@ def in_clone(files):
     return [local(str(file)) for file in files]
 
 
-def source_of(wildcards):
-    """Give an object's model file, and the files that it refers to."""
-    if wildcards.object in OWN:
-        model = OWN[wildcards.object]
-        return in_clone([model, *COMPANIONS[model]])
-    if wildcards.object in DOWNLOADED:
-        return [f"meshes/downloaded/{wildcards.object}.ply.gz"]
-    return in_clone([shipped(f"meshes/paper/{wildcards.object}.ply.gz")])
+def sources_of(wildcards):
+    """List the model file of each object of a block."""
+    return [source_of(key) for key in OBJECT_BLOCKS[wildcards.objects]]
 
 
-def model_of(wildcards):
-    """Give an object's size in cm and its rotation to upright, from the catalogue."""
-    model = CATALOGUED.get(wildcards.object)
-    if model is None:
-        return {}
-    return {"dimensions": model.dimensions, "rotation": model.rotation}
+def source_of(key):
+    """Give an object's model file."""
+    if key in OWN:
+        return in_clone([OWN[key]])[0]
+    if key in DOWNLOADED:
+        return f"meshes/downloaded/{key}.ply.gz"
+    return in_clone([shipped(f"meshes/paper/{key}.ply.gz")])[0]
+
+
+def companions_of(wildcards):
+    """List the files that the model files of a block refer to."""
+    models = [OWN[key] for key in OBJECT_BLOCKS[wildcards.objects] if key in OWN]
+    return in_clone(file for model in models for file in COMPANIONS[model])
+
+
+def models_of(wildcards):
+    """Give the size in cm and the rotation to upright of each object of a block, from the catalogue."""
+    found = {key: CATALOGUED.get(key) for key in OBJECT_BLOCKS[wildcards.objects]}
+    return {
+        key: model and {"dimensions": model.dimensions, "rotation": model.rotation}
+        for key, model in found.items()
+    }
 
 
 def view_blocks():
@@ -162,39 +162,38 @@ def viewpoints_of(wildcards):
     return list(range(int(first), int(last) + 1))
 
 
-def lists_of(table):
-    """List the lists that name the files of a table, one a block of objects."""
-    return [f"{LISTS}/{block}/{table}.json" for block in OBJECT_BLOCKS]
+def blocks_with(objects):
+    """Name the blocks that hold at least one of some objects."""
+    wanted = set(objects)
+    return [
+        name for name, block in OBJECT_BLOCKS.items() if not wanted.isdisjoint(block)
+    ]
 
 
-def files_by_object(table, suffix="parquet", objects=OBJECTS):
-    """List the files of a table with one file an object, or the lists that name them and others."""
-    if OBJECT_BLOCKS:
-        return lists_of(table.removeprefix("records/"))
-    return expand(f"results/{table}/{{object}}.{suffix}", object=objects)
+def meshes_of(objects=OBJECTS):
+    """List the folders that hold the meshes of some objects, and may hold others."""
+    return expand("results/meshes/{objects}", objects=blocks_with(objects))
 
 
-def parts_of(table, suffix="parquet", objects=OBJECTS):
-    """List the files of a table with one file an object and block of viewpoints, or the lists that name them and others."""
-    if OBJECT_BLOCKS:
-        return lists_of(table.removeprefix("records/"))
-    return part_files(table, suffix, objects)
+def files_by_block(table, suffix="parquet"):
+    """List the files of a table with one file a block of objects."""
+    return expand(f"results/{table}/{{objects}}.{suffix}", objects=OBJECT_BLOCKS)
 
 
-def part_files(table, suffix="parquet", objects=OBJECTS):
-    """List the files of a table with one file an object and block of viewpoints."""
+def parts_of(table, suffix="parquet", objects=OBJECTS, views=None):
+    """List the files of a table, one a block of objects and of viewpoints, that hold some objects and may hold others."""
     return expand(
-        "results/{table}/{object}/{views}.{suffix}",
+        "results/{table}/{objects}/{views}.{suffix}",
         table=table,
         suffix=suffix,
-        object=objects,
-        views=view_blocks(),
+        objects=blocks_with(objects),
+        views=views or view_blocks(),
     )
 
 
-def blocks_of(table):
-    """List the files of a table that belong to one object, which a job names."""
-    return [f"results/{table}/{{object}}/{views}.parquet" for views in view_blocks()]
+def views_of(table):
+    """List the files of a table that belong to one block of objects, which a job names."""
+    return [f"results/{table}/{{objects}}/{views}.parquet" for views in view_blocks()]
 
 
 def scores_of(table, suffix="parquet"):
@@ -242,7 +241,7 @@ VALUES_OF_RULES = {}
 def planned_jobs():
     """List the jobs of all rules that today's parameters and objects ask for."""
     values = {
-        "object": OBJECTS,
+        "objects": OBJECT_BLOCKS,
         "views": view_blocks(),
         "pipeline": PARAMETERS.recognition.pipelines,
         "strategy": PARAMETERS.probing.strategies,
@@ -262,19 +261,11 @@ def check_folder():
     elif is_claimed_by_another():
         return
     save_memory(IMPORTS)
-    changed_blocks = judge_blocks(
-        (job, jobs_of_blocks()[job.wildcards["objects"]])
-        for job in planned_jobs()
-        if job.name == "objects"
-    )
     outdated = judge_brought_files(
         [
             job
             for job in planned_jobs()
             if not any(belongs_to(job, study) for study in KEPT_STUDIES)
-            # A block judges its objects' files itself.
-            and not (OBJECT_BLOCKS and job.name in RULES_OF_OBJECT)
-            and job.record not in changed_blocks
         ]
     )
     if outdated:
@@ -334,10 +325,3 @@ def stop_remote_jobs_at_ctrl_c():
     """Leave it to Snakemake at Ctrl-C to cancel jobs that run on other machines."""
     if not workflow.local_exec:
         let_snakemake_cancel_jobs()
-
-
-def start_local_jobs_warm():
-    """Start jobs on this machine as forks of a process that has done their imports."""
-    if workflow.local_exec and PARAMETERS.workflow.warm_starts:
-        offer_warm_starts()
-        set_job_environment(ROOT / "workflow/warm_start", *SOURCES)

@@ -12,18 +12,18 @@ rule features_all:
 
 rule features:
     input:
-        touches="results/touches/{object}/{views}.parquet",
+        touches="results/touches/{objects}/{views}.parquet",
         code=code_of("features.py"),
     output:
-        "results/features/{object}/{views}.parquet",
-        record="results/records/features/{object}/{views}.json",
+        "results/features/{objects}/{views}.parquet",
+        record="results/records/features/{objects}/{views}.json",
     log:
-        "logs/features/{object}/{views}.log",
+        "logs/features/{objects}/{views}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
         features=PARAMETERS.features.model_dump(),
     message:
-        "describing the imprints of {wildcards.object}, viewpoints {wildcards.views}"
+        "describing the imprints of {wildcards.objects} and others, viewpoints {wildcards.views}"
     script:
         "../scripts/features.py"

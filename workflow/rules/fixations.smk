@@ -15,19 +15,19 @@ rule fixations_all:
 
 rule fixations:
     input:
-        mesh="results/meshes/{object}.ply",
+        meshes="results/meshes/{objects}",
         code=code_of("fixations.py"),
     output:
-        fixations="results/fixations/{object}/{views}.parquet",
-        views="results/views/{object}/{views}.parquet",
-        effects="results/effects/views/{object}/{views}.parquet",
-        record="results/records/fixations/{object}/{views}.json",
+        fixations="results/fixations/{objects}/{views}.parquet",
+        views="results/views/{objects}/{views}.parquet",
+        effects="results/effects/views/{objects}/{views}.parquet",
+        record="results/records/fixations/{objects}/{views}.json",
     log:
-        "logs/fixations/{object}/{views}.log",
+        "logs/fixations/{objects}/{views}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        block=viewpoints_of,
+        viewpoints_of_block=viewpoints_of,
         viewpoints=PARAMETERS.viewpoints.model_dump(),
         rendering=PARAMETERS.rendering.model_dump(),
         attention=PARAMETERS.attention.model_dump(),
@@ -36,6 +36,6 @@ rule fixations:
         modes=PARAMETERS.scene.effects.model_dump(include=set(VISUAL_EFFECTS)),
         seed=PARAMETERS.seed,
     message:
-        "looking at {wildcards.object} from viewpoints {wildcards.views}"
+        "looking at {wildcards.objects} and others from viewpoints {wildcards.views}"
     script:
         "../scripts/fixations.py"

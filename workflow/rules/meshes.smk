@@ -1,7 +1,7 @@
 """Meshes: models as they come → one clean, centred, coloured surface of unit size an object.
 
 Takes meshes/catalogue.csv, meshes/paper/, meshes/own/, and downloads what the set lacks;
-gives results/meshes/<class>/<object>.ply.
+gives results/meshes/<class>/<block>/<object>.ply: a block of objects is named after its first.
 """
 
 from dataclasses import asdict
@@ -11,8 +11,8 @@ CREDITS = in_clone(map(shipped, ["meshes/catalogue.csv", "meshes/paper/credits.c
 
 rule meshes_all:
     input:
-        files_by_object("meshes", "ply"),
-        files_by_object("records/meshes", "json"),
+        meshes_of(),
+        files_by_block("records/meshes", "json"),
         ["meshes/downloaded/credits.csv"] if DOWNLOADED else [],
 
 
@@ -67,19 +67,20 @@ rule credits:
 
 rule meshes:
     input:
-        source=source_of,
+        sources=sources_of,
+        companions=companions_of,
         code=code_of("meshes.py"),
     output:
-        "results/meshes/{object}.ply",
-        record="results/records/meshes/{object}.json",
+        directory("results/meshes/{objects}"),
+        record="results/records/meshes/{objects}.json",
     log:
-        "logs/meshes/{object}.log",
+        "logs/meshes/{objects}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        model=model_of,
+        models=models_of,
         meshes=PARAMETERS.meshes.model_dump(exclude={"set"}),
     message:
-        "preparing {wildcards.object}"
+        "preparing {wildcards.objects} and others"
     script:
         "../scripts/meshes.py"

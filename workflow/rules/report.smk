@@ -66,10 +66,10 @@ rule report:
         touches=parts_of("touches"),
         features=parts_of("features"),
         effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
-        meshes=files_by_object("meshes", "ply"),
+        meshes=meshes_of(),
         frontier="results/frontier.parquet",
         influence="results/effect_influence.parquet",
-        stability=["results/stability.parquet", *files_by_object("stability")],
+        stability=["results/stability.parquet", *files_by_block("stability")],
         # Only where recordings are given.
         gaze=GAZE_TABLES if RECORDED_GAZE else [],
         # Not part of `all`; once present they are shown in the report.

@@ -10,8 +10,8 @@ rule stability_all:
     input:
         "results/stability.parquet",
         "results/records/stability.json",
-        files_by_object("stability"),
-        files_by_object("records/stability", "json"),
+        files_by_block("stability"),
+        files_by_block("records/stability", "json"),
 
 
 rule stability:
@@ -34,15 +34,15 @@ rule stability:
 
 rule stability_of_object:
     input:
-        mesh="results/meshes/{object}.ply",
-        fixations=blocks_of("fixations"),
-        touches=blocks_of("touches"),
+        meshes="results/meshes/{objects}",
+        fixations=views_of("fixations"),
+        touches=views_of("touches"),
         code=code_of("stability_object.py"),
     output:
-        "results/stability/{object}.parquet",
-        record="results/records/stability/{object}.json",
+        "results/stability/{objects}.parquet",
+        record="results/records/stability/{objects}.json",
     log:
-        "logs/stability/{object}.log",
+        "logs/stability/{objects}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
@@ -51,6 +51,6 @@ rule stability_of_object:
         scene=PARAMETERS.scene.model_dump(),
         seed=PARAMETERS.seed,
     message:
-        "checking the numbers of {wildcards.object}"
+        "checking the numbers of {wildcards.objects} and others"
     script:
         "../scripts/stability_object.py"

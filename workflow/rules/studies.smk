@@ -27,17 +27,9 @@ SPECIAL_FIGURES = {
 TEMPLATES = in_clone(
     sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
 )
-MESHES = files_by_object("meshes", "ply")
 # A few objects, spread over all, are enough to measure run times.
 COST_SAMPLE = SAMPLE[:: max(1, -(-len(SAMPLE) // PARAMETERS.cost.objects))]
 EFFECT_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // 2))]
-COST_MESHES = expand("results/meshes/{object}.ply", object=COST_SAMPLE)
-EFFECT_MESHES = expand("results/meshes/{object}.ply", object=EFFECT_SAMPLE)
-EFFECT_FIXATIONS = expand(
-    "results/fixations/{object}/{views}.parquet",
-    object=EFFECT_SAMPLE,
-    views=view_blocks()[0],
-)
 # Everything that a condition may depend on.
 RUN = PARAMETERS.model_dump(
     exclude={
@@ -256,7 +248,7 @@ rule reading:
 
 rule candidates_of_study:
     input:
-        meshes=MESHES,
+        meshes=meshes_of(),
         code=code_of("study_candidates.py"),
     output:
         "results/study_candidates.parquet",
@@ -317,7 +309,7 @@ rule touches_needed:
 
 rule cost_seconds:
     input:
-        meshes=lists_of("meshes") or COST_MESHES,
+        meshes=meshes_of(COST_SAMPLE),
         features=parts_of("features", objects=SAMPLE),
         made=all_made_features,
         code=code_of("cost_seconds.py"),
@@ -333,8 +325,8 @@ rule cost_seconds:
     threads: cores_for_timing
     params:
         study=weighed_study,
-        timed=COST_MESHES,
-        sample=SAMPLE_FILES,
+        timed=COST_SAMPLE,
+        sample=None if SAMPLE == OBJECTS else SAMPLE,
         remade=all_keys,
         parameters={
             **RUN,
@@ -371,8 +363,8 @@ rule cost:
 
 rule effect_influence:
     input:
-        meshes=lists_of("meshes") or EFFECT_MESHES,
-        fixations=lists_of("fixations") or EFFECT_FIXATIONS,
+        meshes=meshes_of(EFFECT_SAMPLE),
+        fixations=parts_of("fixations", objects=EFFECT_SAMPLE, views=view_blocks()[:1]),
         code=code_of("effect_influence.py"),
     output:
         "results/effect_influence.parquet",
@@ -382,8 +374,7 @@ rule effect_influence:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        sample=EFFECT_MESHES,
-        sampled_fixations=EFFECT_FIXATIONS,
+        sample=EFFECT_SAMPLE,
         viewpoints=PARAMETERS.viewpoints.model_dump(),
         rendering=PARAMETERS.rendering.model_dump(),
         sensor=PARAMETERS.sensor.model_dump(),

@@ -35,16 +35,6 @@ BLOCKS = {
 # With thousands of objects these would take longer than all the rest.
 SAMPLED_STUDIES = {"frontier", "cost"}
 SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
-SAMPLE_FILES = (
-    None
-    if SAMPLE == OBJECTS
-    else [
-        *expand("results/meshes/{object}.ply", object=SAMPLE),
-        *part_files("fixations", objects=SAMPLE),
-        *part_files("touches", objects=SAMPLE),
-        *part_files("features", objects=SAMPLE),
-    ]
-)
 
 
 def figures_of(study):
@@ -101,14 +91,14 @@ def study_blocks(study):
 
 
 def remade_from(table, phases):
-    """Give what lists the files of a table for features that are made again from these phases on."""
+    """Give what lists the parts of a table for features that are made again from these phases on."""
 
     def files(wildcards):
         if remade_phase(wildcards) not in phases:
             return []
         objects = objects_of_study(wildcards.study)
         if table == "meshes":
-            return files_by_object("meshes", "ply", objects)
+            return meshes_of(objects)
         return parts_of(table, objects=objects)
 
     return files
@@ -120,8 +110,9 @@ def objects_of_study(study):
 
 
 def sample_of_study(wildcards):
-    """List the files that a study takes of lists that name more; nothing where it takes all."""
-    return SAMPLE_FILES if wildcards.study in SAMPLED_STUDIES else None
+    """List the objects that a study takes of blocks that may hold more; nothing where it takes all."""
+    objects = objects_of_study(wildcards.study)
+    return None if objects == OBJECTS else objects
 
 
 def remake_of(wildcards):

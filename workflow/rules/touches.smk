@@ -14,15 +14,15 @@ rule touches_all:
 
 rule touches:
     input:
-        mesh="results/meshes/{object}.ply",
-        fixations="results/fixations/{object}/{views}.parquet",
+        meshes="results/meshes/{objects}",
+        fixations="results/fixations/{objects}/{views}.parquet",
         code=code_of("touches.py"),
     output:
-        touches="results/touches/{object}/{views}.parquet",
-        effects="results/effects/touches/{object}/{views}.parquet",
-        record="results/records/touches/{object}/{views}.json",
+        touches="results/touches/{objects}/{views}.parquet",
+        effects="results/effects/touches/{objects}/{views}.parquet",
+        record="results/records/touches/{objects}/{views}.json",
     log:
-        "logs/touches/{object}/{views}.log",
+        "logs/touches/{objects}/{views}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
@@ -31,6 +31,6 @@ rule touches:
         seed=PARAMETERS.seed,
         wanted=WANTED,
     message:
-        "touching {wildcards.object} from viewpoints {wildcards.views}"
+        "touching {wildcards.objects} and others from viewpoints {wildcards.views}"
     script:
         "../scripts/touches.py"

@@ -3,11 +3,10 @@
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.studies.certainty import make_certainty
 from visuohaptic_workflow.jobs import job
-from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_certainty(
-        features=files_of(snakemake.input.features),
+        features=snakemake.input.features,
         table=snakemake.output.table,
         metrics=snakemake.output.metrics,
         strategies=snakemake.params.strategies,

@@ -1,17 +1,17 @@
 """Measure what each effect costs, and how far it moves images."""
 
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.studies.effects.influence import make_effect_influence
 from visuohaptic.touches.choosing import Wanted
 from visuohaptic_workflow.jobs import job
-from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_effect_influence(
-        meshes=files_of(snakemake.input.meshes, snakemake.params.sample),
-        fixations=files_of(snakemake.input.fixations, snakemake.params.sampled_fixations),
+        meshes=meshes_in(snakemake.input.meshes, snakemake.params.sample),
+        fixations=snakemake.input.fixations,
         output=snakemake.output[0],
         viewpoints=ViewpointParameters(**snakemake.params.viewpoints),
         rendering=RenderingParameters(**snakemake.params.rendering),

@@ -4,11 +4,10 @@ from pathlib import Path
 
 from visuohaptic.export.files import make_export
 from visuohaptic_workflow.jobs import job
-from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_export(
-        touches=files_of(snakemake.input.touches),
+        touches=snakemake.input.touches,
         credit_files=snakemake.input.credits,
         folder=Path(snakemake.output[0]).parent,
         seed=snakemake.params.seed,

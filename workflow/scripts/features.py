@@ -1,4 +1,4 @@
-"""Describe the imprints of one object and a block of viewpoints."""
+"""Describe the imprints of a block of objects and a block of viewpoints."""
 
 from visuohaptic.features.files import make_features
 from visuohaptic.features.parameters import FeatureParameters

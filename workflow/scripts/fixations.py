@@ -1,19 +1,19 @@
-"""Look at one object from a block of viewpoints."""
+"""Look at a block of objects from a block of viewpoints."""
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.files import make_fixations
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.scene.parameters import EffectModes
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
     make_fixations(
-        key=snakemake.wildcards.object,
-        mesh=snakemake.input.mesh,
+        meshes=meshes_in([snakemake.input.meshes]),
         fixations=snakemake.output.fixations,
         views=snakemake.output.views,
         effects=snakemake.output.effects,
-        block=snakemake.params.block,
+        block=snakemake.params.viewpoints_of_block,
         viewpoints=ViewpointParameters(**snakemake.params.viewpoints),
         rendering=RenderingParameters(**snakemake.params.rendering),
         attention=AttentionParameters(**snakemake.params.attention),

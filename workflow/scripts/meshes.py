@@ -1,17 +1,17 @@
-"""Prepare one object's mesh."""
+"""Prepare the meshes of a block of objects."""
 
 from visuohaptic.meshes.catalogue import Model
-from visuohaptic.meshes.files import make_mesh
+from visuohaptic.meshes.files import make_meshes
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
-    make_mesh(
-        key=snakemake.wildcards.object,
-        model=Model(*snakemake.wildcards.object.split("/"), **snakemake.params.model)
-        if snakemake.params.model
-        else None,
-        source=snakemake.input.source[0],
-        output=snakemake.output[0],
+    make_meshes(
+        models={
+            key: Model(*key.split("/"), **model) if model else None
+            for key, model in snakemake.params.models.items()
+        },
+        sources=dict(zip(snakemake.params.models, snakemake.input.sources, strict=True)),
+        folder=snakemake.output[0],
         parameters=MeshParameters(**snakemake.params.meshes),
     )

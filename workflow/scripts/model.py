@@ -3,11 +3,10 @@
 from visuohaptic.model.files import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job
-from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_model(
-        features=files_of(snakemake.input.features),
+        features=snakemake.input.features,
         model=snakemake.output.model,
         touching=snakemake.output.touching,
         pipeline=snakemake.params.pipeline,

@@ -3,11 +3,10 @@
 from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job
-from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_scores(
-        features=files_of(snakemake.input.features),
+        features=snakemake.input.features,
         scores=snakemake.output.scores,
         predictions=snakemake.output.predictions,
         pipeline=snakemake.wildcards.pipeline,

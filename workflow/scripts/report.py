@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
+from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
 from visuohaptic.report.run_folder import find_extras
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.kept_studies import find_earlier_studies
-from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     # Where results are kept in a storage, it is not the working folder.
@@ -17,12 +17,12 @@ with job(snakemake):
         files=RunFiles(
             metrics=snakemake.input.metrics,
             predictions=snakemake.input.predictions,
-            views=files_of(snakemake.input.views),
-            fixations=files_of(snakemake.input.fixations),
-            touches=files_of(snakemake.input.touches),
-            features=files_of(snakemake.input.features),
-            effects=files_of(snakemake.input.effects),
-            meshes=files_of(snakemake.input.meshes),
+            views=snakemake.input.views,
+            fixations=snakemake.input.fixations,
+            touches=snakemake.input.touches,
+            features=snakemake.input.features,
+            effects=snakemake.input.effects,
+            meshes=list(meshes_in(snakemake.input.meshes).values()),
             credits=snakemake.input.credits,
             earlier_studies=find_earlier_studies(snakemake.params.studies),
             logs="logs",

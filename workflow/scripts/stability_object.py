@@ -1,6 +1,7 @@
-"""Check the numbers of one object."""
+"""Check the numbers of a block of objects."""
 
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.stability.object_files import make_object_stability
@@ -8,8 +9,7 @@ from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
     make_object_stability(
-        key=snakemake.wildcards.object,
-        mesh=snakemake.input.mesh,
+        meshes=meshes_in([snakemake.input.meshes]),
         fixations=snakemake.input.fixations,
         touches=snakemake.input.touches,
         output=snakemake.output[0],

@@ -3,14 +3,14 @@
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.files import make_study_block
 from visuohaptic_workflow.jobs import job
-from visuohaptic_workflow.object_blocks import files_of
 
 with job(snakemake):
     make_study_block(
         study=snakemake.wildcards.study,
         conditions=snakemake.params.conditions,
-        features=files_of(snakemake.input.features, snakemake.params.sample),
+        features=snakemake.input.features,
         made=dict(zip(snakemake.params.remade, snakemake.input.made, strict=True)),
         output=snakemake.output[0],
         run=ExperimentParameters.from_mapping(snakemake.params.parameters),
+        objects=snakemake.params.sample,
     )

@@ -1,5 +1,6 @@
-"""Touch one object at the probing locations of a block of viewpoints."""
+"""Touch a block of objects at the probing locations of a block of viewpoints."""
 
+from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.touches.choosing import Wanted
@@ -8,7 +9,7 @@ from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
     make_touches(
-        mesh=snakemake.input.mesh,
+        meshes=meshes_in([snakemake.input.meshes]),
         fixations=snakemake.input.fixations,
         touches=snakemake.output.touches,
         effects=snakemake.output.effects,

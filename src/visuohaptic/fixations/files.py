@@ -1,8 +1,8 @@
-"""From a mesh to the view and fixation tables of a block of viewpoints."""
+"""From meshes to the view and fixation tables of a block of viewpoints."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +25,7 @@ MAP_PIXELS = 64
 
 
 def make_fixations(
-    key: str,
-    mesh: str | Path,
+    meshes: Mapping[str, str | Path],
     fixations: str | Path,
     views: str | Path,
     effects: str | Path,
@@ -38,19 +37,26 @@ def make_fixations(
     modes: EffectModes,
     seed: int,
 ) -> None:
-    """Make the view, fixation and effect log tables of one object and a block of its viewpoints."""
-    if set_aside_reason(mesh):
-        for schema, path in ((VIEWS, views), (EFFECTS, effects), (FIXATIONS, fixations)):
-            write_table(schema, schema.arrow.empty_table(), path)
-        return
-    caster = RayCaster(read_surface(mesh))
+    """Make the view, fixation and effect log tables of some objects, by `class/name`, and a block of their viewpoints.
+
+    An object that was set aside has no rows.
+    """
     placed = place_cameras(viewpoints)
     cameras = {number: placed[number] for number in block}
-    looks = look(caster, key, cameras, rendering, attention, modes)
-    pictures, log = view_tables(looks)
-    write_table(VIEWS, pictures, views)
-    write_table(EFFECTS, log, effects)
-    write_table(FIXATIONS, locate_all(looks, strategies, attention, seed), fixations)
+
+    def tables_of_objects() -> Iterator[tuple[pa.Table, ...]]:
+        yield tuple(schema.arrow.empty_table() for schema in (VIEWS, EFFECTS, FIXATIONS))
+        for key, mesh in meshes.items():
+            if not set_aside_reason(mesh):
+                caster = RayCaster(read_surface(mesh))
+                looks = look(caster, key, cameras, rendering, attention, modes)
+                located = locate_all(looks, strategies, attention, seed)
+                yield *view_tables(looks), located
+
+    pictures, logs, locations = zip(*tables_of_objects(), strict=True)
+    write_table(VIEWS, pa.concat_tables(pictures), views)
+    write_table(EFFECTS, pa.concat_tables(logs), effects)
+    write_table(FIXATIONS, pa.concat_tables(locations), fixations)
 
 
 def view_tables(looks: Sequence[Look]) -> tuple[pa.Table, pa.Table]:

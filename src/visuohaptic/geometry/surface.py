@@ -7,7 +7,7 @@ import io
 import json
 import tempfile
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -108,6 +108,21 @@ def set_aside_reason(path: str | Path) -> str | None:
         if line.startswith(start):
             return str(json.loads(line[len(start) :]))
     return None
+
+
+def object_of(mesh: str | Path) -> str:
+    """Name the object, `class/name`, of a mesh file ``<class>/<block>/<name>.ply``."""
+    mesh = Path(mesh)
+    return f"{mesh.parents[1].name}/{mesh.stem}"
+
+
+def meshes_in(
+    folders: Iterable[str | Path], objects: Collection[str] | None = None
+) -> dict[str, Path]:
+    """Give the mesh file of each object, `class/name`, in folders ``<class>/<block>``; of `objects` alone if given."""
+    files = (file for folder in folders for file in Path(folder).glob("*.ply"))
+    found = {object_of(file): file for file in files}
+    return {key: found[key] for key in sorted(found) if objects is None or key in objects}
 
 
 def usable_meshes(paths: Iterable[str | Path]) -> list[Path]:

@@ -1,7 +1,8 @@
-"""From a model's file to a mesh file."""
+"""From models' files to mesh files."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from visuohaptic.errors import MeshError
@@ -9,6 +10,21 @@ from visuohaptic.geometry.surface import write_set_aside, write_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import prepare_object
+
+
+def make_meshes(
+    models: Mapping[str, Model | None],
+    sources: Mapping[str, str | Path],
+    folder: str | Path,
+    parameters: MeshParameters,
+) -> None:
+    """Make the mesh files ``<name>.ply`` of some objects, by `class/name`; a model is None of what is no catalogued one.
+
+    Raises what `make_mesh` raises.
+    """
+    for key, model in models.items():
+        output = Path(folder) / f"{key.split('/')[1]}.ply"
+        make_mesh(key, model, sources[key], output, parameters)
 
 
 def make_mesh(

@@ -99,7 +99,6 @@ def phase_seconds(folder: str | Path) -> list[PhaseSeconds]:
         place = log.relative_to(folder)
         logs.setdefault(place.parts[0].removesuffix(".log"), []).append(log)
     logs.pop("report", None)
-    logs.pop("objects", None)  # their steps have logs of their own
     order = {phase: number for number, phase in enumerate(PHASES)}
     return [
         _summed(phase, logs[phase])

@@ -12,7 +12,7 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.errors import ReportError
-from visuohaptic.geometry.surface import set_aside_reason
+from visuohaptic.geometry.surface import object_of, set_aside_reason
 from visuohaptic.meshes.catalogue import Credit, read_credits
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
@@ -43,7 +43,7 @@ class RunFiles:
     effects : sequence of path
         Parts of the effect log.
     meshes : sequence of path
-        ``<class>/<object>.ply`` files; an object without one gets no model to turn.
+        ``<class>/<block>/<object>.ply`` files; an object without one gets no model to turn.
     credits : sequence of path
         CSV files with the columns class, object, author, licence and source_url; later ones
         add to earlier ones.
@@ -112,7 +112,7 @@ class Run:
     def meshes(self) -> dict[str, Path]:
         """Mesh file of each object that has one."""
         paths = [Path(path) for path in self.files.meshes]
-        return {f"{path.parent.name}/{path.stem}": path for path in paths if path.is_file()}
+        return {object_of(path): path for path in paths if path.is_file()}
 
     @cached_property
     def set_aside(self) -> dict[str, str]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from visuohaptic.errors import ReportError
+from visuohaptic.geometry.surface import object_of
 from visuohaptic.meshes.catalogue import find_own_models, models_of_set
 from visuohaptic.parameters import ExperimentParameters, read_parameters
 from visuohaptic.report.run import RunFiles
@@ -110,7 +111,7 @@ def find_run(folder: str | Path) -> RunFolder:
         touches=tables["touches"],
         features=tables["features"],
         effects=effects,
-        meshes=sorted((folder / "results/meshes").glob("*/*.ply")),
+        meshes=sorted((folder / "results/meshes").glob("*/*/*.ply")),
         credits=[folder / "meshes/catalogue.csv", folder / "meshes/paper/credits.csv"],
         logs=logs if logs.is_dir() else None,
         folder=folder,
@@ -126,7 +127,7 @@ def _parts(folder: Path) -> list[Path]:
 def _objects(folder: Path, parameters: ExperimentParameters, files: RunFiles) -> tuple[str, ...]:
     catalogue = folder / "meshes/catalogue.csv"
     if not catalogue.is_file():
-        return tuple(f"{Path(path).parent.name}/{Path(path).stem}" for path in files.meshes)
+        return tuple(object_of(path) for path in files.meshes)
     catalogued = {model.key for model in models_of_set(catalogue, parameters.meshes.set)}
     own = find_own_models(folder / "meshes/own", catalogued)
     return tuple(sorted({*catalogued, *(model.key for model in own.models)}))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from visuohaptic.studies.measuring import (
     measure_condition,
     remake_features,
 )
-from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
 
@@ -47,11 +47,13 @@ def make_study_block(
     made: Mapping[str, str | Path],
     output: str | Path,
     run: ExperimentParameters,
+    objects: Collection[str] | None = None,
 ) -> None:
     """Measure a block of a study's conditions: `tables.STUDY`.
 
     `conditions` are as `describe_conditions` gives them. `features` are the run's own, empty where
-    every condition has others; `made` has these by key.
+    every condition has others; `made` has these by key. `objects`, `class/name`, are those of the
+    run's features that count; all without it.
     """
     memory = Memory()
     held: dict[str | None, pa.Table | str] = {}
@@ -61,7 +63,9 @@ def make_study_block(
         if key not in held:
             held.clear()  # one table at a time: conditions with the same features are neighbours
             held[key] = (
-                read_table(FEATURES, features) if key is None else read_study_features(made[key])
+                of_objects(read_table(FEATURES, features), objects)
+                if key is None
+                else read_study_features(made[key])
             )
         condition = Condition(row["name"], row["changes"], votes=row["votes"])
         planned = Planned(condition, with_changes(run, condition.changes), key)

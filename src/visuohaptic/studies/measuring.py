@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,7 @@ from contourlets.errors import ContourletError
 from visuohaptic.attention.errors import AttentionError
 from visuohaptic.errors import RecognitionError, VisuohapticError
 from visuohaptic.studies.conditions import Planned, Remake, touches_needed
-from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES
+from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES, by_object, of_objects
 from visuohaptic.tables.schema import build_table, read_table
 from visuohaptic.tables.studies import STUDY
 
@@ -37,11 +37,20 @@ Paths = Sequence[str | Path]
 
 @dataclass(frozen=True)
 class Sources:
-    """Files of the run that features are made from; those of later phases may be empty."""
+    """Files of the run that features are made from; those of later phases may be empty.
+
+    Attributes
+    ----------
+    meshes, fixations, touches : sequence of path
+        Mesh files, and parts of tables.
+    objects : collection of str or None
+        Objects, `class/name`, of the tables that count; None for all. Meshes are taken as they are.
+    """
 
     meshes: Paths = ()
     fixations: Paths = ()
     touches: Paths = ()
+    objects: Collection[str] | None = None
 
 
 @dataclass(frozen=True)
@@ -94,32 +103,35 @@ def remake_features(remake: Remake, sources: Sources) -> pa.Table:
 
     They are of the strategies that the parameters name.
     """
-    parts = list(_remade_parts(remake, sources))
+    parts = [FEATURES.arrow.empty_table(), *_remade_parts(remake, sources)]
     return pa.concat_tables(parts).sort_by([(key, "ascending") for key in FEATURES.keys])
 
 
 def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
     from visuohaptic.features.describing import describe_touches
     from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.geometry.surface import read_surface, usable_meshes
+    from visuohaptic.geometry.surface import object_of, read_surface, usable_meshes
     from visuohaptic.phases import describe_at, find_locations
     from visuohaptic.recognition.summary import select
 
     parameters = remake.parameters
     if remake.phase == "features":
         for part in sources.touches:
-            touches = _of_strategies(read_table(TOUCHES, part), parameters.probing.strategies)
-            yield describe_touches(touches, parameters.features)
+            felt = of_objects(read_table(TOUCHES, part), sources.objects)
+            felt = _of_strategies(felt, parameters.probing.strategies)
+            for _, of_one in by_object(felt):
+                yield describe_touches(of_one, parameters.features)
         return
     located = None
     if remake.phase == "touches":
         located = read_table(FIXATIONS, sources.fixations)
         located = _of_strategies(located, parameters.probing.strategies)
     for mesh in usable_meshes(sources.meshes):
-        category, name = mesh.parent.name, mesh.stem
+        key = object_of(mesh)
+        category, name = key.split("/")
         caster = RayCaster(read_surface(mesh))
         locations = (
-            find_locations(caster, f"{category}/{name}", parameters)
+            find_locations(caster, key, parameters)
             if located is None
             else select(located, **{"class": category}, object=name)
         )

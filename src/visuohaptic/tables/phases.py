@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Collection, Iterator, Mapping
 
+import numpy as np
 import pyarrow as pa
 
 from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
@@ -24,6 +26,24 @@ def keys_of(table: pa.Table) -> pa.ChunkedArray:
     import pyarrow.compute as pc
 
     return pc.binary_join_element_wise(table.column("class"), table.column("object"), "/")
+
+
+def by_object(table: pa.Table) -> Iterator[tuple[str, pa.Table]]:
+    """Give the rows of each object, `class/name`, of a table that is sorted by its keys."""
+    names = np.array(keys_of(table).to_pylist(), dtype=object)
+    starts = [0, *(np.flatnonzero(names[1:] != names[:-1]) + 1), len(names)]
+    for start, end in itertools.pairwise(starts if len(names) else []):
+        yield names[start], table.slice(start, end - start).combine_chunks()
+
+
+def of_objects(table: pa.Table, objects: Collection[str] | None) -> pa.Table:
+    """Take the rows of some objects, `class/name`; of all where they are None."""
+    import pyarrow.compute as pc
+
+    if objects is None:
+        return table
+    chosen = pc.is_in(keys_of(table), pa.array(list(objects), pa.string()))
+    return table.filter(chosen).combine_chunks()
 
 
 def owner_columns(key: str) -> dict[str, object]:

@@ -112,7 +112,7 @@ def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):
     write_table(FIXATIONS, fixations, tmp_path / "fixations.parquet")
     output = tmp_path / "effect_influence.parquet"
     make_effect_influence(
-        [tmp_path / "torus.ply"],
+        {"ring/torus": tmp_path / "torus.ply"},
         [tmp_path / "fixations.parquet"],
         output,
         VIEWPOINTS,

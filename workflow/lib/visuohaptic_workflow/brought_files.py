@@ -14,13 +14,12 @@ import shutil
 import stat
 import time
 from base64 import urlsafe_b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from visuohaptic_workflow.object_blocks import is_untouched
 from visuohaptic_workflow.plan import PlannedJob
-from visuohaptic_workflow.records import is_current
+from visuohaptic_workflow.records import TIMESTAMP, is_current
 
 METADATA = Path(".snakemake/metadata")
 _DATABASE = METADATA.with_suffix(".db")  # another place for the same, which is not edited here
@@ -72,40 +71,39 @@ def judge_brought_files(jobs: Sequence[PlannedJob]) -> list[PlannedJob]:
     return outdated
 
 
-def judge_blocks(blocks: Iterable[tuple[PlannedJob, Sequence[PlannedJob]]]) -> set[str]:
-    """Let blocks of objects look at their files again of which one is missing or has changed.
-
-    Parameters
-    ----------
-    blocks : iterable of pair
-        The job of each block, and the jobs of its objects.
-
-    Returns
-    -------
-    set of str
-        The records of blocks that will run again.
-    """
-    changed = set()
-    for block, jobs in blocks:
-        written = (file for job in jobs for file in job.outputs)
-        if os.path.lexists(block.record) and not is_untouched(block.record, written):
-            changed.add(block.record)
-            for file in block.outputs:
-                _mark_outdated(file)
-    return changed
-
-
 def _is_made_here(file: str) -> bool:
     """Whether this folder's Snakemake has written a file as it is now."""
     try:
-        found = os.lstat(file)
+        parts = [os.lstat(part) for part in _files_in(file)]
         record = json.loads(_metadata_of(file).read_text(encoding="utf-8"))
         first, last = float(record["starttime"]), float(record["endtime"])
     except (OSError, ValueError, KeyError, TypeError):
         return False
     # A hard or symbolic link leads to DVC's cache, and has the cache's time.
-    is_link = stat.S_ISLNK(found.st_mode) or (found.st_nlink > 1 and stat.S_ISREG(found.st_mode))
-    return not is_link and first - _CLOCK_SECONDS <= found.st_mtime <= last + _CLOCK_SECONDS
+    return all(
+        not stat.S_ISLNK(part.st_mode)
+        and (part.st_nlink == 1 or stat.S_ISDIR(part.st_mode))
+        and first - _CLOCK_SECONDS <= part.st_mtime <= last + _CLOCK_SECONDS
+        for part in parts
+    )
+
+
+def _files_in(file: str) -> list[Path]:
+    """Give a file, or a folder and what is in it but Snakemake's own."""
+    path = Path(file)
+    if path.is_symlink() or not path.is_dir():
+        return [path]
+    return [path] + [part for part in path.iterdir() if part.name != TIMESTAMP]
+
+
+def _with_time(file: str) -> str:
+    """Give the file whose time is a file's; a folder's is that of an empty file in it."""
+    if not Path(file).is_dir():
+        return file
+    timestamp = Path(file, TIMESTAMP)
+    if not timestamp.exists():
+        timestamp.touch()
+    return str(timestamp)
 
 
 def _metadata_of(file: str) -> Path:
@@ -123,7 +121,7 @@ def _keep(job: PlannedJob, outputs: Sequence[str]) -> None:
     newest = max((max(_times(file)) for file in [*job.inputs, *job.code]), default=0)
     if min(min(_times(file)) for file in outputs) < newest:
         now = time.time_ns()
-        for file in outputs:
+        for file in map(_with_time, outputs):
             try:
                 os.utime(file, ns=(now, now))
             except PermissionError:
@@ -141,7 +139,8 @@ def _replace_by_copy(file: str) -> None:
 
 def _times(file: str) -> tuple[int, int]:
     """Give the times of a file and of the link that leads to it, in ns; Snakemake looks at both."""
-    return Path(file).stat().st_mtime_ns, Path(file).lstat().st_mtime_ns
+    path = Path(_with_time(file))
+    return path.stat().st_mtime_ns, path.lstat().st_mtime_ns
 
 
 def _mark_outdated(file: str) -> None:
@@ -151,7 +150,8 @@ def _mark_outdated(file: str) -> None:
             Path(file).unlink()
             return
         _metadata_of(file).unlink(missing_ok=True)
+        timed = _with_time(file)
         try:
-            os.utime(file, _OUT_OF_DATE)
+            os.utime(timed, _OUT_OF_DATE)
         except PermissionError:  # a hard link to another user's file
-            Path(file).unlink()
+            Path(timed).unlink()

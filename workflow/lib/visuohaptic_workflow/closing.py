@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.geometry.surface import set_aside_reason
+from visuohaptic.geometry.surface import object_of, set_aside_reason
 
 METRICS = "reports/metrics.json"
 REPORT = "reports/report.html"
@@ -62,7 +62,7 @@ def objects_left_out(meshes: str | Path = "results/meshes") -> list[str]:
     Parameters
     ----------
     meshes : path
-        Folder of the prepared meshes, ``<class>/<object>.ply``.
+        Folder of the prepared meshes, ``<class>/<block>/<object>.ply``.
 
     Returns
     -------
@@ -70,8 +70,8 @@ def objects_left_out(meshes: str | Path = "results/meshes") -> list[str]:
         Sentences, sorted.
     """
     return [
-        f"{mesh.parent.name}/{mesh.stem} was left out: {reason}"
-        for mesh in sorted(Path(meshes).glob("*/*.ply"))
+        f"{object_of(mesh)} was left out: {reason}"
+        for mesh in sorted(Path(meshes).glob("*/*/*.ply"), key=object_of)
         if (reason := set_aside_reason(mesh))
     ]
 

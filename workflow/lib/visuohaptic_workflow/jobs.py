@@ -59,8 +59,7 @@ def job(snakemake: Any) -> Iterator[None]:
         path.parent.mkdir(parents=True, exist_ok=True)
         _keep_pandas_out()
         started = time.time()
-        before = getattr(snakemake, "started", None)  # of a script that is not the process's first
-        imports = _seconds_since_start() if before is None else started - before
+        imports = _seconds_since_start()
         yield
         write_record(snakemake)
     except KeyboardInterrupt:

@@ -15,6 +15,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from visuohaptic_workflow.records import TIMESTAMP
+
 _LETTERS_WITH_N = re.compile(r"-[DFSafklpt]*n")
 _NO_JOBS = frozenset(
     [
@@ -180,16 +182,16 @@ def prune_files(jobs: Iterable[PlannedJob], folders: Iterable[str]) -> list[Path
     suffixes: dict[Path, set[str]] = {}
     for file in wanted:
         if len(file.parts) > 2 and file.parts[0] in set(folders):
-            suffixes.setdefault(Path(*file.parts[:2]), set()).add(file.suffix)
+            # A folder of meshes is an output as a whole.
+            suffixes.setdefault(Path(*file.parts[:2]), {".ply"}).add(file.suffix)
     stale = []
     for folder, written in sorted(suffixes.items()):
         for file in sorted(folder.rglob("*"), reverse=True):
             if file.is_dir() and not file.is_symlink():
                 if not any(file.iterdir()):
                     file.rmdir()
-            elif (
-                wanted.isdisjoint([file, *file.parents])
-                and file.suffix.partition("-")[0] in written
+            elif wanted.isdisjoint([file, *file.parents]) and (
+                file.suffix.partition("-")[0] in written or file.name == TIMESTAMP
             ):
                 file.unlink()
                 stale.append(file)

@@ -16,6 +16,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
+TIMESTAMP = ".snakemake_timestamp"
+"""The file in a folder that is an output by whose time Snakemake judges it."""
+
 
 class RecordedJob(Protocol):
     """A job that keeps a record."""
@@ -173,7 +176,7 @@ def digest(path: str | Path) -> str:
     if not path.is_dir():
         found = path.stat()
         return _digest_of_version(os.fspath(path), found.st_mtime_ns, found.st_size)
-    files = sorted(file for file in path.rglob("*") if file.is_file())
+    files = sorted(file for file in path.rglob("*") if file.is_file() and file.name != TIMESTAMP)
     return _digest_of_names({str(file.relative_to(path)): digest(file) for file in files})
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pyarrow as pa
 
-from visuohaptic.geometry.surface import read_surface, usable_meshes
+from visuohaptic.geometry.surface import object_of, read_surface, usable_meshes
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.cost.front import weigh
@@ -16,7 +16,7 @@ from visuohaptic.studies.cost.seconds import FittedSetting, fit_setting, measure
 from visuohaptic.studies.cost.settings import make_settings, make_study
 from visuohaptic.studies.figures import read_cells
 from visuohaptic.studies.files import read_study_features
-from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import COST, COST_SECONDS
 
@@ -33,6 +33,7 @@ def make_cost_seconds(
     made: Mapping[str, str | Path],
     output: str | Path,
     run: ExperimentParameters,
+    objects: Collection[str] | None = None,
 ) -> None:
     """Time every setting of every family side by side: `tables.COST_SECONDS`.
 
@@ -50,8 +51,12 @@ def make_cost_seconds(
         The Parquet file to write.
     run : ExperimentParameters
         The run's.
+    objects : collection of str, optional
+        Objects, `class/name`, whose features count; all without it.
     """
-    held: dict[str | None, pa.Table | str] = {None: read_table(FEATURES, features)}
+    held: dict[str | None, pa.Table | str] = {
+        None: of_objects(read_table(FEATURES, features), objects)
+    }
     settings: list[FittedSetting] = []
     # What differs in the number of viewpoints alone is named by one model.
     trained: dict[Hashable, FittedSetting | str] = {}
@@ -66,9 +71,7 @@ def make_cost_seconds(
         fitted = trained[asked]
         if isinstance(fitted, FittedSetting):
             settings.append(replace(fitted, setting=setting))
-    surfaces = {
-        f"{mesh.parent.name}/{mesh.stem}": read_surface(mesh) for mesh in usable_meshes(meshes)
-    }
+    surfaces = {object_of(mesh): read_surface(mesh) for mesh in usable_meshes(meshes)}
     table = measure_seconds(surfaces, settings, ROUNDS.get(study, run.cost.rounds))
     write_table(COST_SECONDS, table, output)
 

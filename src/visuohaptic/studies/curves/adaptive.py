@@ -43,13 +43,13 @@ def make_candidates(
     from visuohaptic.fixations.probing import ProbingLocations, spread_far
     from visuohaptic.geometry.orientation import orient_outwards
     from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.geometry.surface import read_surface, usable_meshes
+    from visuohaptic.geometry.surface import object_of, read_surface, usable_meshes
     from visuohaptic.phases import look_from
     from visuohaptic.seeds import spawn_generator
 
     parts = []
     for mesh in usable_meshes(meshes):
-        key, caster = f"{mesh.parent.name}/{mesh.stem}", RayCaster(read_surface(mesh))
+        key, caster = object_of(mesh), RayCaster(read_surface(mesh))
         generator = spawn_generator(parameters.seed, "candidates", key)
         crowd = spread_far(caster.surface, CANDIDATES, generator)
         outwards = orient_outwards(caster, crowd.points, crowd.normals)

@@ -24,7 +24,7 @@ from visuohaptic.scene.parameters import (
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import Touches
-from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.phases import FIXATIONS, by_object
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
 from visuohaptic.touches.choosing import Wanted, choose_places
@@ -161,7 +161,7 @@ def sum_influences(parts: Sequence[Influence]) -> pa.Table:
 
 
 def make_effect_influence(
-    meshes: Sequence[str | Path],
+    meshes: Mapping[str, str | Path],
     fixations: Sequence[str | Path],
     output: str | Path,
     viewpoints: ViewpointParameters,
@@ -171,14 +171,14 @@ def make_effect_influence(
     seed: int,
     wanted: Wanted,
 ) -> None:
-    """Measure the effects on a sample of objects, under every preset."""
+    """Measure the effects on a sample of objects, `class/name`, under every preset."""
     parts: list[Influence] = []
-    for mesh, locations in zip(meshes, fixations, strict=True):
-        table = read_table(FIXATIONS, locations)
-        if not table.num_rows:  # set aside, or too slender for any view
+    located = dict(by_object(read_table(FIXATIONS, fixations)))
+    for key, mesh in meshes.items():
+        if key not in located:  # set aside, or too slender for any view
             continue
         caster = RayCaster(read_surface(mesh))
-        table, _ = choose_places(caster, table, sensor, wanted)
+        table, _ = choose_places(caster, located[key], sensor, wanted)
         if not table.num_rows:
             continue
         seen_from = sorted(set(table.column("viewpoint").to_pylist()))

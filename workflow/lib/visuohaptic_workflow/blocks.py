@@ -1,0 +1,43 @@
+"""Blocks of objects: those that one job takes through a phase."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+
+
+def divide(objects: Iterable[str], per_job: int) -> dict[str, list[str]]:
+    """Divide objects into blocks, so that one more or one less changes one block alone.
+
+    A block holds objects of one class. A class that has too many is halved by a bit of each name's SHA-256, and so
+    on: an object stays in its place whatever others there are. A block that grows too large becomes
+    two, and two that fit into one become one.
+
+    Parameters
+    ----------
+    objects : iterable of str
+        All of them, ``class/name``.
+    per_job : int
+        The most objects of a block, at least 1.
+
+    Returns
+    -------
+    dict of list of str
+        Each block's objects, sorted, by the first of them.
+    """
+    classes = groupby(sorted(objects), key=lambda key: key.partition("/")[0])
+    parts = (part for _, members in classes for part in _halve(list(members), per_job, 0))
+    return {part[0]: part for part in sorted(parts)}
+
+
+def _halve(members: Sequence[str], per_job: int, bit: int) -> Iterator[list[str]]:
+    if len(members) <= per_job:
+        yield from [list(members)] if members else []
+        return
+    for side in (0, 1):
+        yield from _halve([key for key in members if _bit(key, bit) == side], per_job, bit + 1)
+
+
+def _bit(key: str, bit: int) -> int:
+    return int.from_bytes(hashlib.sha256(key.encode()).digest(), "little") >> bit & 1
