@@ -25,7 +25,8 @@ from visuohaptic.studies.readings.leads import (
     strongest_pair,
     sum_up,
 )
-from visuohaptic.studies.readings.stored import MeasuredReadings, Source
+from visuohaptic.studies.readings.stored import MeasuredReadings
+from visuohaptic.studies.stored import Source
 
 BEST_OF_PAPER = "support_vector_machine"
 COMMAND = "snakemake -j2 results/reading/{}.json"
