@@ -204,6 +204,21 @@ def test_an_own_object_takes_part_and_leaves_without_trace(experiment):
 
 
 @pytest.mark.long
+def test_a_model_of_each_strategy_names_an_object_that_came_later(experiment):
+    models = ("results/models/best.skops", "results/models/best_random.skops")
+    experiment.snakemake("--", *models)
+    own = experiment.folder / "meshes" / "own" / "chair"
+    own.mkdir()
+    trimesh.creation.box((1, 2, 1)).export(own / "stool.stl")
+    experiment.snakemake("--", "features_all")
+    experiment.run("visuohaptic", "evaluate", *models)
+    rows = pd.read_parquet(experiment.folder / "reports" / "evaluation.parquet")
+    assert set(rows["object"]) == {"stool"}
+    assert set(rows["strategy"]) == {"fixation", "random"}
+    assert set(rows["learnt"]) == {4}
+
+
+@pytest.mark.long
 def test_a_corrupt_mesh_is_named_and_spares_the_others(fresh, tmp_path):
     experiment = fresh.copy(tmp_path / "experiment")
     broken = experiment.folder / "meshes" / "own" / "x" / "broken.obj"
