@@ -28,7 +28,7 @@ def test_what_is_dumped_reads_back():
         ({"seed": -1}, "seed is -1: input should be greater than or equal to 0"),
         (
             {"meshes": {"set": "all"}},
-            "meshes.set is 'all': input should be 'paper', 'benchmark', 'outside' or 'hard'",
+            "meshes.set is 'all': input should be 'paper', 'benchmark', 'outside', 'hard' or 'odd'",
         ),
         (
             {"probing": {"strategies": ["fixation", "guessing"]}},

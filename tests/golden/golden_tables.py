@@ -2,6 +2,7 @@
 
     python tests/golden/golden_tables.py compare    # the run in results/ and reports/ with the kept one
     python tests/golden/golden_tables.py keep       # keep this one, after a change that moves figures
+    python tests/golden/golden_tables.py compare NEW OLD    # two runs, by their folders
 
 Of every table, rows are sorted by their keys and each column has a digest, so a comparison names the
 columns that differ. Seconds, and what follows from them, differ from run to run and are left out.
@@ -44,6 +45,9 @@ def digest_run(folder: Path) -> Digests:
         ]
         found[name] = {"rows": str(table.num_rows)}
         found[name] |= {column: digest(table.column(column)) for column in kept}
+    for path in sorted((folder / "results" / "meshes").rglob("*.ply")):
+        name = f"{path.relative_to(folder / 'results' / 'meshes').parts[0]}/{path.stem}"
+        found[f"mesh {name}"] = {"bytes": hashlib.sha256(path.read_bytes()).hexdigest()}
     for name in METRICS:
         path = folder / "reports" / name
         if path.is_file():
@@ -109,22 +113,27 @@ def differences(kept: Digests, found: Digests) -> list[str]:
     ]
 
 
-def main(command: str, folder: Path) -> int:
-    """Keep a run's digests, or compare it with those kept; 1 if anything differs."""
-    found = digest_run(folder)
+def compare(kept: Digests, found: Digests) -> int:
+    """Print what differs, and give the exit status: 1 if anything does."""
+    differing = differences(kept, found)
+    print(*differing, sep="\n", end="\n" if differing else "")
+    print(f"{len(set(kept) & set(found))} tables compared, {len(differing)} differ")
+    if missing := sorted(set(kept) - set(found)):
+        print(f"not in this run: {', '.join(missing)}")
+    return int(bool(differing) or not found)
+
+
+def main(command: str, *folders: str) -> int:
+    """Keep a run's digests, or compare it with those kept or with another run's."""
+    found = digest_run(Path(*folders[:1] or "."))
     if command == "keep":
         KEPT.write_text(json.dumps(found, indent=1, sort_keys=True) + "\n", encoding="utf-8")
         print(f"{len(found)} tables kept in {KEPT}")
         return 0
-    kept: Digests = json.loads(KEPT.read_text(encoding="utf-8"))
-    differing = differences(kept, found)
-    missing = sorted(set(kept) - set(found))
-    print(*differing, sep="\n", end="\n" if differing else "")
-    print(f"{len(set(kept) & set(found))} tables compared, {len(differing)} differ")
-    if missing:
-        print(f"not in this run: {', '.join(missing)}")
-    return int(bool(differing))
+    if len(folders) > 1:
+        return compare(digest_run(Path(folders[1])), found)
+    return compare(json.loads(KEPT.read_text(encoding="utf-8")), found)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], Path(*sys.argv[2:] or ".")))
+    sys.exit(main(*sys.argv[1:]))

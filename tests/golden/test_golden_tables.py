@@ -64,8 +64,11 @@ def test_a_missing_column_and_metrics_are_differences(tmp_path):
 def test_a_run_that_differs_ends_with_status_1(tmp_path, monkeypatch, capsys):
     write(tmp_path / "one")
     monkeypatch.setattr(golden_tables, "KEPT", tmp_path / "kept.json")
-    assert golden_tables.main("keep", tmp_path / "one") == 0
-    assert golden_tables.main("compare", tmp_path / "one") == 0
+    assert golden_tables.main("keep", str(tmp_path / "one")) == 0
+    assert golden_tables.main("compare", str(tmp_path / "one")) == 0
     write(tmp_path / "one", accuracy=[0.5, 0.25, 1.0])
-    assert golden_tables.main("compare", tmp_path / "one") == 1
+    assert golden_tables.main("compare", str(tmp_path / "one")) == 1
     assert "scores scores: accuracy" in capsys.readouterr().out
+    write(tmp_path / "two")
+    assert golden_tables.main("compare", str(tmp_path / "one"), str(tmp_path / "two")) == 1
+    assert golden_tables.main("compare", str(tmp_path / "one"), str(tmp_path / "one")) == 0

@@ -18,11 +18,10 @@ from visuohaptic.studies.readings.choices import CHOICES
 from visuohaptic.studies.readings.design import all_readings
 from visuohaptic.studies.readings.stored import (
     MeasuredReadings,
-    Source,
     kept_readings,
     read_readings,
-    store_readings,
 )
+from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import READINGS
 
@@ -166,12 +165,12 @@ def test_a_table_of_failures_alone_has_no_page(tmp_path):
 
 def test_kept_readings_say_where_they_come_from(table, tmp_path):
     kept = tmp_path / "kept.parquet"
-    store_readings(table, kept, "snakemake -j2 readings_all", "a processor")
+    store_table(READINGS, table, kept, "snakemake -j2 readings_all", "a processor")
     measured = read_readings(table)
     assert measured.source is None
     from visuohaptic.studies.readings import stored
 
-    source = stored._source_of(kept)
+    source = source_of(kept)
     assert isinstance(source, Source)
     assert (source.command, source.machine) == ("snakemake -j2 readings_all", "a processor")
     assert stored._rows(kept) == measured.rows

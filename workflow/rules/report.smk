@@ -4,8 +4,9 @@ Takes results/ and, if they exist, logs/ and credits; gives reports/report.html,
 reports/metrics.json and reports/plots/.
 """
 
-# What `make test-hard` and `make bench` found.
+# What `make test-hard`, `make bench` and `visuohaptic evaluate` found.
 CHECKS_AND_BENCHMARKS = [
+    "reports/evaluation.parquet",
     "reports/stability.parquet",
     "reports/stability.json",
     "reports/precision.json",

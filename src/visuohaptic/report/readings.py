@@ -26,7 +26,8 @@ from visuohaptic.studies.readings.leads import (
     strongest_pair,
     sum_up,
 )
-from visuohaptic.studies.readings.stored import MeasuredReadings, Source
+from visuohaptic.studies.readings.stored import MeasuredReadings
+from visuohaptic.studies.stored import Source
 
 COMMAND = "snakemake -j2 results/reading/{}.json"
 """Measures one reading again."""

@@ -23,6 +23,7 @@ _EXTRAS = {
     "cost": "results/cost.parquet",
     "certainty": "results/certainty.parquet",
     "certainty_figures": "reports/certainty.json",
+    "evaluation": "reports/evaluation.parquet",
     "readings": "results/readings.parquet",
     "gaze": "results/gaze/measured.parquet",
     "gaze_pictures": "results/gaze/pictures.parquet",

@@ -19,7 +19,7 @@ from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.published import PAPER
 from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.recognition.summary import Confusion, confusion, select
-from visuohaptic.report.certainty import certainty_figures
+from visuohaptic.report.certainty import certainty_figures, evaluation_figures
 from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
@@ -76,6 +76,7 @@ from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.studies.cost.stored import stored_frontier
+from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.studies.readings.stored import (
     OUTSIDE,
     MeasuredReadings,
@@ -209,10 +210,16 @@ def touches_needed_values(context: ReportContext) -> Values | None:
 
 
 def certainty_values(context: ReportContext) -> Values:
-    """Give how sure answers are, or None where it was not measured."""
-    extras = context.run.files.extras
-    found = certainty_figures(extras.get("certainty"), extras.get("certainty_figures"))
-    return {"certainty": found}
+    """Give how sure answers are, or None where it was not measured; on new objects also as kept."""
+    extras, parameters = context.run.files.extras, context.run.parameters
+    return {
+        "certainty": certainty_figures(extras.get("certainty"), extras.get("certainty_figures")),
+        "evaluation": evaluation_figures(
+            read_evaluation(extras.get("evaluation")),
+            parameters.recognition.intervals,
+            parameters.seed,
+        ),
+    }
 
 
 def _measured_readings(run: Run) -> MeasuredReadings | None:

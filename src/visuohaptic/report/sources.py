@@ -152,6 +152,10 @@ def _certainty(run: Run) -> Iterator[Source]:
     columns = ("correct", "covered", "covered_at", "candidates", "strangeness", "unknown")
     by = ("strategy", "views", "known", "left_out")
     yield from _extra(run, "certainty", "Known and unknown objects", "certainty", columns, by)
+    new = ("correct", "covered", "candidates", "unknown")
+    yield from _extra(
+        run, "evaluation", "Objects not learnt", "evaluation", new, ("strategy", "views", "known")
+    )
 
 
 def _cost(run: Run) -> Iterator[Source]:

@@ -200,6 +200,30 @@ CERTAINTY = Schema(
     names_of(CERTAINTY_KEYS),
 )
 
+EVALUATION_KEYS = (
+    Column("strategy", TEXT, "whose touches, those that the model learnt from"),
+    Column("classifier", TEXT, "classifier of pipeline best"),
+    Column("class", TEXT, "class of the object"),
+    Column("object", TEXT, "name of the object, which the model has not learnt"),
+    Column("views", COUNT, "viewpoints from which it is named", minimum=1),
+    Column("bag", COUNT, "which of the evenly spread choices of so many viewpoints", minimum=0),
+)
+
+EVALUATION = Schema(
+    "evaluation",
+    (
+        *EVALUATION_KEYS,
+        Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
+        Column("correct", pa.bool_(), "whether the likeliest class is its own"),
+        Column("covered", pa.bool_(), "whether the prediction set holds its class"),
+        Column("candidates", COUNT, "classes in the prediction set", minimum=0),
+        Column("unknown", pa.bool_(), "whether the object is called unknown"),
+        Column("stated", REAL, "stated coverage of the prediction set", "1", 0, 1),
+        Column("learnt", COUNT, "objects that the model learnt", minimum=2),
+    ),
+    names_of(EVALUATION_KEYS),
+)
+
 COST_KEYS = (
     Column("family", TEXT, "what varies"),
     Column("setting", TEXT, "to which value"),
@@ -389,4 +413,5 @@ STUDIES = (
     COST,
     READINGS,
     CERTAINTY,
+    EVALUATION,
 )

@@ -8,11 +8,9 @@ writes one again.
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from importlib.resources import as_file, files
 from pathlib import Path
 
@@ -20,12 +18,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from visuohaptic.studies.figures import Row
-from visuohaptic.tables.schema import check_table, read_table
+from visuohaptic.studies.stored import Source, source_of, store_table
+from visuohaptic.tables.schema import check_table
 from visuohaptic.tables.studies import READINGS
 
 PAPER_SET = "paper_set"
 OUTSIDE = "outside"
-_SOURCE = b"source"
 
 EARLIER_OPTIONS: Mapping[str, str] = {
     "focus_radius": "0.2",
@@ -35,22 +33,6 @@ EARLIER_OPTIONS: Mapping[str, str] = {
     "random_probing": "anywhere",
 }
 """What readings had that were measured before these were choices."""
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where readings come from.
-
-    Attributes
-    ----------
-    machine, date, command, version : str
-        Processor, day of the measurement (UTC), what was run, and the package's version.
-    """
-
-    machine: str
-    date: str
-    command: str
-    version: str
 
 
 @dataclass(frozen=True)
@@ -79,26 +61,7 @@ def kept_readings(name: str) -> MeasuredReadings | None:
     if not kept.is_file():
         return None
     with as_file(kept) as file:
-        return MeasuredReadings(_rows(file), _source_of(file))
-
-
-def store_readings(table: str | Path, output: str | Path, command: str, machine: str) -> None:
-    """Write measured readings with the command and the processor that gave them."""
-    import visuohaptic
-
-    source = {
-        "machine": machine,
-        "date": datetime.now(UTC).strftime("%Y-%m-%d"),
-        "command": command,
-        "version": visuohaptic.__version__,
-    }
-    rows = read_table(READINGS, table)
-    metadata = {**(rows.schema.metadata or {}), _SOURCE: json.dumps(source)}
-    pq.write_table(rows.replace_schema_metadata(metadata), output, compression="zstd")
-
-
-def _source_of(path: str | Path) -> Source:
-    return Source(**json.loads((pq.read_schema(path).metadata or {})[_SOURCE]))
+        return MeasuredReadings(_rows(file), source_of(file))
 
 
 def _rows(path: str | Path) -> list[Row]:
@@ -115,4 +78,4 @@ def _rows(path: str | Path) -> list[Row]:
 
 if __name__ == "__main__":
     table, name, command, machine = sys.argv[1:]
-    store_readings(table, Path(__file__).with_name(f"{name}.parquet"), command, machine)
+    store_table(READINGS, table, Path(__file__).with_name(f"{name}.parquet"), command, machine)
