@@ -18,7 +18,6 @@ from visuohaptic.studies.readings.choices import CHOICES
 from visuohaptic.studies.readings.design import all_readings
 from visuohaptic.studies.readings.stored import (
     MeasuredReadings,
-    kept_readings,
     read_readings,
 )
 from visuohaptic.studies.stored import Source, source_of, store_table
@@ -174,21 +173,3 @@ def test_kept_readings_say_where_they_come_from(table, tmp_path):
     assert isinstance(source, Source)
     assert (source.command, source.machine) == ("snakemake -j2 readings_all", "a processor")
     assert stored._rows(kept) == measured.rows
-
-
-def test_readings_of_an_earlier_state_say_so_and_name_no_command():
-    earlier = [row | {"random_probing": "anywhere"} for row in ROWS]
-    found = readings_figures(MeasuredReadings(earlier), MeasuredReadings(earlier))
-    assert "earlier state" in found.earlier
-    assert "earlier state" in found.outside.earlier
-    assert not any("snakemake" in dot.label for dot in found.charts[BEST_OF_PAPER].dots)
-    assert "earlier state" in readings_answer(MeasuredReadings(earlier))
-    today = readings_figures(MeasuredReadings(ROWS), MeasuredReadings(ROWS))
-    assert today.earlier is None
-    assert today.outside.earlier is None
-    assert "earlier state" not in readings_answer(MeasuredReadings(ROWS))
-
-
-def test_the_readings_kept_with_the_package_are_of_an_earlier_state():
-    assert kept_readings("paper_set").is_earlier
-    assert kept_readings("outside").is_earlier

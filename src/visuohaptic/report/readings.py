@@ -112,7 +112,6 @@ class OutsideFigures:
     options: tuple[OptionLead, ...]
     objects: int
     source: Source | None
-    earlier: str | None
 
 
 @dataclass(frozen=True)
@@ -133,8 +132,6 @@ class ReadingsFigures:
         All of them.
     source : Source or None
         Where the readings come from; None where they are of this run.
-    earlier : str or None
-        That they are of an earlier state, where they are.
     outside : OutsideFigures or None
         The same on objects outside the paper's set, where they were measured.
     """
@@ -145,7 +142,6 @@ class ReadingsFigures:
     shares: Mapping[str, Sequence[Row]]
     choices: tuple[Choice, ...]
     source: Source | None
-    earlier: str | None
     outside: OutsideFigures | None
 
 
@@ -173,7 +169,6 @@ def readings_figures(
         shares={name: _largest(summary["classifiers"][name]["choices"]) for name in shown},
         choices=CHOICES,
         source=measured.source,
-        earlier=earlier_sentence(measured),
         outside=outside_figures(measured.rows, outside) if outside else None,
     )
 
@@ -186,11 +181,10 @@ def readings_answer(measured: MeasuredReadings | None) -> str | None:
     if not run:
         return None
     reached = [row["fixation"] for row in run]
-    earlier = ", measured with an earlier state of the touches" if measured.is_earlier else ""
     return (
         f"This is one reading of what the paper leaves open. Over {len(run)} readings the "
         f"{classifier_name(BEST_OF_PAPER)} reaches {percent(min(reached))} to "
-        f"{percent(max(reached))}{earlier}."
+        f"{percent(max(reached))}."
     )
 
 
@@ -213,7 +207,6 @@ def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> OutsideFi
         options,
         objects,
         outside.source,
-        earlier_sentence(outside),
     )
 
 
@@ -306,16 +299,6 @@ def describe_options(row: Row) -> str:
     return "; ".join(changed) or "our default"
 
 
-def earlier_sentence(readings: MeasuredReadings) -> str | None:
-    """Say that readings are of a state with other random touches; None where they are not."""
-    if not readings.is_earlier:
-        return None
-    return (
-        "These readings are of an earlier state: random touches were also made where no sensor can "
-        "come, and fixations out of reach were not replaced."
-    )
-
-
 def _panel(
     run: Sequence[Row], across: Sequence[float], top: float
 ) -> tuple[tuple[tuple[float, str], ...], tuple[tuple[float, str, str], ...], float]:
@@ -340,11 +323,10 @@ def _panel(
 
 def _label(row: Row) -> str:
     interval = f"{percent(row['fixation_low'])} to {percent(row['fixation_high'])}"
-    # The main kind of random touches is `anywhere` in an earlier design alone, with names of its own.
-    command = f" {COMMAND.format(row['reading'])}" if row["random_probing"] != "anywhere" else ""
     return (
         f"{row['reading']}: fixation {percent(row['fixation'])} ({interval}), random "
-        f"{percent(row['random'])}. {describe_options(row)}.{command}"
+        f"{percent(row['random'])}. {describe_options(row)}. "
+        f"{COMMAND.format(row['reading'])}"
     )
 
 

@@ -9,30 +9,17 @@ writes one again.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import as_file, files
 from pathlib import Path
 
-import pyarrow as pa
-import pyarrow.parquet as pq
-
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.stored import Source, source_of, store_table
-from visuohaptic.tables.schema import check_table
+from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import READINGS
 
 PAPER_SET = "paper_set"
 OUTSIDE = "outside"
-
-EARLIER_OPTIONS: Mapping[str, str] = {
-    "focus_radius": "0.2",
-    "reach": "0.1",
-    "unreachable": "keep",
-    "order": "kept",
-    "random_probing": "anywhere",
-}
-"""What readings had that were measured before these were choices."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +28,6 @@ class MeasuredReadings:
 
     rows: list[Row]
     source: Source | None = None
-
-    @property
-    def is_earlier(self) -> bool:
-        """Whether they are of a state in which random touches were made where no sensor can come."""
-        return {row["random_probing"] for row in self.rows} == {"anywhere"}
 
 
 def read_readings(path: str | Path | None) -> MeasuredReadings | None:
@@ -65,13 +47,7 @@ def kept_readings(name: str) -> MeasuredReadings | None:
 
 
 def _rows(path: str | Path) -> list[Row]:
-    table = pq.read_table(path)
-    for place, column in enumerate(READINGS.columns):
-        if column.name in EARLIER_OPTIONS and column.name not in table.column_names:
-            values = pa.array([EARLIER_OPTIONS[column.name]] * table.num_rows, column.dtype)
-            table = table.add_column(place, READINGS.arrow.field(place), values)
-    table = table.cast(READINGS.arrow)
-    check_table(READINGS, table)
+    table = read_table(READINGS, path)
     rows: list[Row] = table.sort_by([(key, "ascending") for key in READINGS.keys]).to_pylist()
     return sorted(rows, key=lambda row: int(row["place"]))
 
