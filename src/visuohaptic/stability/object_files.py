@@ -38,4 +38,4 @@ def make_object_stability(
     located = touched_places(located, felt)
     sensed = SensedObject(read_surface(mesh), located, felt, attention, sensor, scene, seed)
     found = check_object(sensed, spawn_generator(seed, "stability", key))
-    write_table(STABILITY, result_table(found.values(), "reduced", key), output)
+    write_table(STABILITY, result_table(found.values(), key), output)
