@@ -48,9 +48,9 @@ installed-tests:
 installed-readme:
 	python -m pytest tests/installed/readme_commands.py --durations 0
 
-# Hard cases at their full counts; some 17 minutes on two cores.
+# Hard cases at their full counts, some 17 minutes on two cores; the result is kept with the package.
 test-hard: $(DEVELOP)
-	pytest tests/numerics -n 2 --dist worksteal --stability reports/stability.parquet
+	pytest tests/numerics -n 2 --dist worksteal --stability src/visuohaptic/stability/hard_cases.parquet
 	python -m benchmarks.precision reports/precision.json
 
 # A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some ten minutes; with SET=benchmark two hours.

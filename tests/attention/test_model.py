@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 from attention import displays, scenes
+from numerics.surfaces import lopsided
 
 from visuohaptic.attention import (
     CHANNELS,
@@ -19,7 +20,6 @@ from visuohaptic.attention.registry import ENTRIES
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.scene.parameters import EffectModes
-from visuohaptic.stability.shapes import lopsided
 
 PLACES = range(displays.GRID**2)
 CAMERAS = place_cameras(ViewpointParameters())

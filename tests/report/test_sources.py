@@ -11,7 +11,7 @@ from report.synthetic import lay_out, write_study
 from report.test_certainty import evaluation_table, write_certainty
 from report.test_gaze import TABLE as GAZED
 from report.test_readings import ROWS
-from report.test_stability import GRAZING, written
+from report.test_stability import ON_OBJECT, written
 from report.test_touches_needed import write_tables
 from studies.cost.test_front import cost_table
 
@@ -54,7 +54,8 @@ def folder(tmp_path_factory):
     picture = {"object": ["new"], "rank": [0], "correlation": [0.5], "picture": [b"\x89PNG"]}
     pictures = build_table(GAZE_PICTURES, picture)
     write_table(GAZE_PICTURES, pictures, results / "gaze/pictures.parquet")
-    written(results, [GRAZING])
+    (results / "stability").mkdir()
+    written(results / "stability", [ON_OBJECT], "cup/mug")
     (results / "studies").mkdir()
     write_tables(results)
     shutil.move(results / "needed.parquet", results / "touches_needed.parquet")

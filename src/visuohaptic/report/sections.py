@@ -62,10 +62,9 @@ from visuohaptic.report.run import Run
 from visuohaptic.report.stability import (
     describe_checks,
     family_chart,
-    read_further,
     read_precision,
-    read_stability,
     stability_answer,
+    stability_figures,
 )
 from visuohaptic.report.studies import (
     read_own_studies,
@@ -75,6 +74,7 @@ from visuohaptic.report.studies import (
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
+from visuohaptic.stability.stored import stored_hard_cases
 from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.studies.readings.stored import (
@@ -166,8 +166,17 @@ def answer_values(context: ReportContext) -> Values:
         "answers": [one for one in answers if one is not None],
         "sentences": [sentence for sentence in sentences if sentence],
         "effects": effects_answer(influence) if influence else None,
-        "stability": None if run.stability is None else stability_answer(run.stability)[0],
+        "stability": _stability_answer(run),
     }
+
+
+def _stability_answer(run: Run) -> str | None:
+    """Give how exact numbers are where the run has checked its objects."""
+    if run.stability is None:
+        return None
+    stored = stored_hard_cases()
+    kept = () if stored is None else (stability_figures(stored.table),)
+    return stability_answer([run.stability, *kept])
 
 
 def method_values(context: ReportContext) -> Values:
@@ -305,18 +314,24 @@ def influence_values(context: ReportContext) -> Values:
 
 
 def stability_values(context: ReportContext) -> Values | None:
-    """Give how exact numbers are in hard cases: in this run, and by `make test-hard` where it ran."""
-    extras = context.run.files.extras
-    full = read_stability([extras["stability_full"]] if "stability_full" in extras else [])
-    found = [figures for figures in (context.run.stability, full) if figures is not None]
-    kernels = read_precision(extras.get("precision"))
-    if not found and not kernels:
+    """Give how exact numbers are: on this run's objects, and in hard cases as kept with the package."""
+    stored = stored_hard_cases()
+    found = {
+        "Objects of this run": context.run.stability,
+        "Hard cases of the code": None if stored is None else stability_figures(stored.table),
+    }
+    kernels = read_precision(context.run.files.extras.get("precision"))
+    parts = [
+        (title, figures, describe_checks(figures.checks), family_chart(figures))
+        for title, figures in found.items()
+        if figures is not None
+    ]
+    if not parts and not kernels:
         return None
     return {
-        "parts": [
-            (figures, describe_checks(figures.checks), family_chart(figures)) for figures in found
-        ],
-        "further": read_further(extras.get("stability_further")),
+        "parts": parts,
+        "made": {} if stored is None else stored.made,
+        "further": {} if stored is None else stored.further,
         "kernels": kernels,
         "anchors": {page.key: page.anchor for page in context.pages},
     }

@@ -184,12 +184,7 @@ def _gaze(run: Run) -> Iterator[Source]:
 
 def _stability(run: Run) -> Iterator[Source]:
     columns, by = ("cases", "worst_error", "tolerance"), ("family", "requirement")
-    for name, what in (
-        ("stability", "Hard cases"),
-        ("stability_objects", "Each object's own numbers"),
-        ("stability_full", "Hard cases, by make test-hard"),
-    ):
-        yield from _extra(run, name, what, "stability", columns, by)
+    yield from _extra(run, "stability", "Each object's numbers", "stability", columns, by)
 
 
 def _influence(run: Run) -> Iterator[Source]:

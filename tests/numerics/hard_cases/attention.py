@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numerics.surfaces import of_trimesh, pick
 from numpy.typing import NDArray
 
 from visuohaptic.attention.model import Attention, attend
@@ -15,7 +16,6 @@ from visuohaptic.attention.scanpath import INWARD, TIE, scan
 from visuohaptic.geometry.curvature import measure_shape
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
-from visuohaptic.stability.shapes import of_trimesh, pick
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -8,6 +8,8 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from numerics import oracles
+from numerics.surfaces import pick
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
@@ -19,9 +21,8 @@ from visuohaptic.recognition.classifiers import (
 from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
 from visuohaptic.recognition.parameters import RecognitionParameters, SelfOrganisingMapParameters
 from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line
-from visuohaptic.stability import drawings, oracles
+from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
-from visuohaptic.stability.shapes import pick
 
 Floats = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -131,7 +132,7 @@ def units(generator: np.random.Generator) -> Iterator[Finding]:
         "learning/features rescaled by powers of two",
         plain != scaled,
         classifier,
-        drawings.sequence(powers, "the powers of two"),
+        drawings.image(powers[None], "the powers of two"),
         cases=1,
     )
 
@@ -187,7 +188,7 @@ def standardised_columns(generator: np.random.Generator) -> Iterator[Finding]:
         "learning/standardised columns against exact rationals",
         np.abs(found - wanted),
         f"mean 1e{exponent:.1f} deviations, scale 1e{scale}",
-        drawings.sequence(values, "the column"),
+        drawings.image(values[None], "the column"),
         cases=1,
     )
 
@@ -215,6 +216,6 @@ def maps(generator: np.random.Generator) -> Iterator[Finding]:
             "learning/map units stay within their touches",
             outside if finite else np.inf,
             f"{kind}, {len(places)} units, scale 1e{exponent}",
-            drawings.sequence(touches[:, 0], "the touches' first feature"),
+            drawings.image(touches[:, 0][None], "the touches' first feature"),
             cases=1,
         )

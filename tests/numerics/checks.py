@@ -1,4 +1,4 @@
-"""Every check that a run makes, and how often."""
+"""Every check, and how often it draws."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-
-from visuohaptic.seeds import spawn_generator
-from visuohaptic.stability import (
+from numerics.hard_cases import (
     attention,
     determinism,
     images,
@@ -18,6 +16,9 @@ from visuohaptic.stability import (
     precision,
     rays,
 )
+from numerics.tolerances import TOLERANCES
+
+from visuohaptic.seeds import spawn_generator
 from visuohaptic.stability.findings import Finding, Result, measure, merge_results
 
 _SENSED = tuple(
@@ -46,7 +47,7 @@ class Check:
     tolerances : tuple of str
         Names in `TOLERANCES` of all that it may find.
     draws, full_draws : int
-        How often it draws in every run, and at the full count.
+        How often it draws by default, and at the full count.
     """
 
     name: str
@@ -64,7 +65,7 @@ def run_check(check: Check, seed: int, draws: int) -> dict[str, Result]:
     check : Check
         The check.
     seed : int
-        The experiment's random seed; the cases depend on it and on the check's name.
+        The cases depend on it and on the check's name.
     draws : int
         How often to draw. The first draws are the same for any number.
 
@@ -73,10 +74,11 @@ def run_check(check: Check, seed: int, draws: int) -> dict[str, Result]:
     dict of str to Result
         The worst case by tolerance. A check that breaks off has an infinite error.
     """
+    allowed = {name: TOLERANCES[name] for name in check.tolerances}
     return merge_results(
         replace(result, hardest=f"{result.hardest} (draw {number})")
         for number in range(draws)
-        for result in measure(partial(_draw, check, seed, number), check.tolerances)
+        for result in measure(partial(_draw, check, seed, number), allowed)
     )
 
 
@@ -123,4 +125,3 @@ CHECKS = (
     Check("touch_batches", determinism.touch_batches, (determinism.NAME,), 3, 150),
     Check("view_batches", determinism.view_batches, (determinism.NAME,), 3, 60),
 )  # fmt: skip
-"""Checks of every run: code and random seed decide what they find, and no mesh of the run."""

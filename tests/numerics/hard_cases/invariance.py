@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numerics.surfaces import lopsided, of_trimesh, pick
 from numpy.typing import NDArray
 
 from visuohaptic.attention.model import Attention, attend
@@ -25,7 +26,6 @@ from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
-from visuohaptic.stability.shapes import lopsided, of_trimesh, pick
 
 Floats = NDArray[np.float64]
 

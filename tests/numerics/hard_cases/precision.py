@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from numerics.surfaces import ball, build_plain_surface, float32_exact, pick
+from numerics.tolerances import U32
 from numpy.typing import NDArray
 
 from visuohaptic.geometry.raycasting import RayCaster
@@ -16,8 +18,6 @@ from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
-from visuohaptic.stability.shapes import ball, build_plain_surface, float32_exact, pick
-from visuohaptic.stability.tolerances import U32
 
 Floats = NDArray[np.float64]
 Height = Callable[[Floats, Floats], Floats]

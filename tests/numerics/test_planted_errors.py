@@ -4,12 +4,13 @@ import importlib
 
 import numpy as np
 import pytest
+from numerics import surfaces
+from numerics.checks import CHECKS, Check, run_check
+from numerics.hard_cases import invariance, learning
+from numerics.tolerances import TOLERANCES
 from stability.errors import plant
 
-from visuohaptic.stability import invariance, learning, shapes
-from visuohaptic.stability.checks import CHECKS, Check, run_check
 from visuohaptic.stability.findings import Finding
-from visuohaptic.stability.tolerances import TOLERANCES
 
 BY_NAME = {check.name: check for check in CHECKS}
 CHECKED = {
@@ -21,7 +22,7 @@ CHECKED = {
     "slivers": ("rays", "RayCaster"),
     "coplanar": ("rays", "RayCaster"),
     "off_centre": ("rays", "RayCaster"),
-    "reconstruction": ("reconstructing", "Contourlet"),
+    "reconstruction": ("images", "reconstruction_errors"),
     "flat_images": ("images", "directional_deviations"),
     "images_in_other_units": ("images", "directional_deviations"),
     "sequence_moments": ("images", "summarise_signals"),
@@ -55,7 +56,7 @@ CHECKED = {
 def clean_shapes():
     """Forget shapes that a planted error has changed."""
     yield
-    for made in (*vars(invariance).values(), *vars(shapes).values()):
+    for made in (*vars(invariance).values(), *vars(surfaces).values()):
         if hasattr(made, "cache_clear"):
             made.cache_clear()
 
@@ -64,7 +65,7 @@ def clean_shapes():
 @pytest.mark.parametrize("name", CHECKED)
 def test_an_error_in_what_is_checked_is_found(monkeypatch, name):
     module, function = CHECKED[name]
-    module = importlib.import_module(f"visuohaptic.stability.{module}")
+    module = importlib.import_module(f"numerics.hard_cases.{module}")
     plant(monkeypatch, module, function)
     found = run_check(BY_NAME[name], 1, BY_NAME[name].draws)
     assert found
@@ -72,7 +73,7 @@ def test_an_error_in_what_is_checked_is_found(monkeypatch, name):
 
 
 def test_a_kernel_that_depends_on_its_batch_is_found(monkeypatch):
-    from visuohaptic.stability import determinism
+    from numerics.hard_cases import determinism
 
     monkeypatch.setitem(
         determinism.KERNELS, "moments", lambda images: images.mean(axis=(1, 2)) + len(images)

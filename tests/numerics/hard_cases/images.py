@@ -7,6 +7,8 @@ from fractions import Fraction
 from typing import Literal
 
 import numpy as np
+from numerics import oracles
+from numerics.surfaces import pick
 from numpy.typing import NDArray
 
 from contourlets import directional_deviations
@@ -14,10 +16,9 @@ from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.recognition.parameters import SequenceParameters
 from visuohaptic.recognition.sequence_features import summarise_signals, wavelet_levels
 from visuohaptic.sensor.touching import stretch
-from visuohaptic.stability import drawings, oracles
+from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
-from visuohaptic.stability.reconstructing import reconstruction_errors
-from visuohaptic.stability.shapes import pick
+from visuohaptic.stability.objects import reconstruction_errors
 
 Floats = NDArray[np.float64]
 
@@ -116,7 +117,7 @@ def sequence_moments(generator: np.random.Generator) -> Iterator[Finding]:
     rms = oracles.root(square)
     deviation = oracles.root(second * count / max(count - 1, 1))
     label = f"{count} values, root mean square {rms:.3g}, deviation {deviation:.3g}"
-    picture = drawings.sequence(signal, "the sequence")
+    picture = drawings.image(signal[None], "the sequence")
     # What counts as constant may lose its deviation, which is 1e-12 of the rms or less.
     constant = deviation <= 1.01e-12 * rms * np.sqrt(count / max(count - 1, 1))
     wanted = 0.0 if constant and found[0] == 0 else deviation
@@ -157,7 +158,7 @@ def wavelets(generator: np.random.Generator) -> Iterator[Finding]:
                 for value, right in zip(computed[0], exact, strict=True)
             ],
             f"{len(signal)} values, db2, {extension}, level {level + 1}, scale 1e{exponent}",
-            lambda _: drawings.sequence(signal, "the sequence"),
+            lambda _: drawings.image(signal[None], "the sequence"),
             cases=1,
         )
 
