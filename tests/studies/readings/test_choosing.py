@@ -159,6 +159,20 @@ def test_an_option_that_is_surely_better_becomes_the_default():
     }
 
 
+def test_options_are_compared_on_the_objects_that_all_could_be_tested_on():
+    """An object with too few places in one option's views is left out of all scores."""
+    found = cells(lambda _: 0.5, readings=ON_OTHERS)
+    sphere = {one.name for one in ON_OTHERS if one.options["viewpoints"] == "sphere"}
+    for key, cell in found.items():
+        if key[0] in sphere:
+            found[key] = Cell(OBJECTS[1:], cell.accuracy[1:], cell.weights[1:])
+    chosen = choose_options(found, ALL_ACQUIRED, INTERVALS, 1)
+    scores = {score for one in chosen for score in one.scores.values()}
+    expected = 0.5 + np.linspace(-0.1, 0.1, len(OBJECTS))[1:].mean()
+    assert list(scores) == pytest.approx([expected] * len(scores))
+    assert all(one.chosen == one.former for one in chosen)
+
+
 def test_an_option_that_is_better_by_chance_does_not():
     scatter = np.tile([0.11, -0.1], len(OBJECTS) // 2)
     found = options_of(lambda options: 0.5 + scatter * (options["reach"] == "0.5"))
