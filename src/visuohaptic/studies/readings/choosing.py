@@ -12,8 +12,7 @@ strategy is ahead of another. The first looks at readings of the part ``recognit
 3. Of the candidates, the default is the one that differs from the default of before in the fewest
    choices; of these, the one with the highest score.
 
-The first application, to the readings that had both strategies of that time, is kept in `chosen.json`
-and `FORMER_DEFAULT`.
+What they said is kept in `chosen.json`.
 
 The second rule looks at the choices of touches, which are varied alone (parts ``further`` and
 ``single``), one choice after the other:
@@ -70,11 +69,12 @@ from visuohaptic.studies.readings.stored import OUTSIDE
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH, owners_of
 from visuohaptic.tables.schema import read_table
 
-FORMER_DEFAULT: Options = {choice.name: choice.base for choice in CHOICES}
-"""The default before the first rule was applied for the first time."""
-
-TODAYS_DEFAULT: Options = {choice.name: choice.default for choice in CHOICES}
-"""The default of before, for another application."""
+FORMER_DEFAULT: Options = {
+    **{choice.name: choice.base for choice in CHOICES},
+    "map_output": "feature_groups",
+    "sequence_extension": "zero",
+}
+"""The default before the rules were applied, which an application to an earlier design had chosen."""
 
 SCORED = tuple(name for name in STRATEGIES if name != OPPONENTS["anywhere"])
 """The strategies that touch places in reach."""
@@ -133,7 +133,7 @@ def choose_default(
     cells: Mapping[CellKey, Cell],
     intervals: IntervalParameters,
     seed: int,
-    former: Options = TODAYS_DEFAULT,
+    former: Options = FORMER_DEFAULT,
 ) -> Chosen:
     """Apply the first rule to the cells of study `readings`, as `read_cells` gives them.
 
@@ -210,7 +210,7 @@ def choose_options(
     acquired: Mapping[tuple[str, str], float],
     intervals: IntervalParameters,
     seed: int,
-    former: Options = TODAYS_DEFAULT,
+    former: Options = FORMER_DEFAULT,
 ) -> list[ChosenOption]:
     """Apply the second rule.
 
