@@ -16,6 +16,7 @@ rule gaze:
     input:
         recordings=RECORDED_GAZE,
         meshes=files_of_gaze((*MODEL_SUFFIXES, *COMPANION_SUFFIXES)),
+        peer=PREDICTED_BY_PEER,
         code=code_of("gaze.py"),
     output:
         measured=GAZE_TABLES[0],
