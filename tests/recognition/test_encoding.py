@@ -92,5 +92,6 @@ def test_touches_that_differ_keep_every_digit():
     values = np.random.default_rng(0).normal(size=(6, 5, 22))
     standardised = RecognitionParameters(touch_scaling="standardise")
     fitted = fit_sequence_encoder(values, standardised, np.random.default_rng(0))
-    plain = fitted.touch_scaling.apply(values) @ fitted.reduction.weights
-    assert np.array_equal(fitted.reduce(values), plain)
+    # As one product of all touches: a BLAS may round a product a sequence otherwise.
+    plain = fitted.touch_scaling.apply(values.reshape(-1, 22)) @ fitted.reduction.weights
+    assert np.array_equal(fitted.reduce(values).reshape(-1, 5), plain)

@@ -17,11 +17,6 @@ wildcard_constraints:
     model="|".join(MODELS),
 
 
-def strategy_of_model(wildcards):
-    """Name the strategy from whose touches a model learns."""
-    return MODELS[wildcards.model]
-
-
 rule model_all:
     input:
         "results/models/best.skops",
@@ -80,7 +75,7 @@ rule model:
     params:
         pipeline="best",
         classifier="support_vector_machine",
-        strategy=strategy_of_model,
+        strategy=lambda wildcards: MODELS[wildcards.model],
         recognition=PARAMETERS.recognition.model_dump(
             exclude={"pipelines", "protocol", "intervals"}
         ),
