@@ -68,6 +68,7 @@ bench: $(DEVELOP)
 readme: $(DEVELOP) report
 	python docs/make_readme.py
 	python docs/make_readings.py
+	python docs/make_claims.py
 	python docs/make_tables.py
 	python docs/make_overview_picture.py
 
