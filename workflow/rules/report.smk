@@ -16,6 +16,9 @@ rule report_all:
         "reports/plots/confusion.csv",
         "results/records/metrics.json",
         "results/records/report.json",
+        "results/guards.parquet",
+        "results/records/guards.json",
+        "results/records/guards_hold.json",
 
 
 rule metrics:
@@ -66,6 +69,7 @@ rule report:
         frontier="results/frontier.parquet",
         influence="results/effect_influence.parquet",
         stability=files_by_block("stability"),
+        guards="results/guards.parquet",
         # Only where recordings are given.
         gaze=GAZE_TABLES if RECORDED_GAZE else [],
         # Not part of `all`; once present they are shown in the report.

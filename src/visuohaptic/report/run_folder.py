@@ -28,6 +28,7 @@ _EXTRAS = {
     "gaze": "results/gaze/measured.parquet",
     "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability",
+    "guards": "results/guards.parquet",
 }
 _KERNELS = "reports/precision.json"
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
@@ -83,8 +84,9 @@ from visuohaptic.studies.readings.stored import (
     kept_readings,
     read_readings,
 )
+from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, KINESTHETIC_FEATURES
-from visuohaptic.tables.schema import matrix
+from visuohaptic.tables.schema import matrix, read_table
 
 Values = Mapping[str, Any]
 
@@ -337,6 +339,14 @@ def stability_values(context: ReportContext) -> Values | None:
     }
 
 
+def guards_values(context: ReportContext) -> Values | None:
+    """Give what the run's guards found."""
+    path = context.run.files.extras.get("guards")
+    if path is None or not Path(path).is_file():
+        return None
+    return {"rows": read_table(GUARDS, [path]).to_pylist()}
+
+
 def confusion_values(context: ReportContext) -> Values:
     """Give the confusion matrices, the best classifier first."""
     run, table = context.run, context.run.pipelines[0]
@@ -470,7 +480,8 @@ CHAPTERS = {
         Section("influence", "Which effects a scene needs", influence_values),
         Section("effects", "Simulated effects, and effects not needed", effects_values),
     ),
-    "Numerical stability": (
+    "Guards and numerical stability": (
+        Section("guards", "Guards of this run's claim", guards_values),
         Section("stability", "Numerical stability in hard cases", stability_values),
     ),
     "The paper's readings, people's gaze, and studies": (

@@ -75,6 +75,9 @@ def find_sources(run: Run, shown: tuple[str, int]) -> dict[str, list[Source]]:
         "readings": list(_readings(run)),
         "influence": [*_influence(run), *_study(run, "effects"), _places(run, shown)],
         "effects": list(_effects(run)),
+        "guards": list(
+            _extra(run, "guards", "The guards", "guards", ("outcome", "found"), ("guard",))
+        ),
         "stability": list(_stability(run)),
         "ablations": list(_study(run, "ablations")),
         "studies": list(_own_studies(run)),

@@ -1,0 +1,50 @@
+"""Guards: the run's tables → whether what the report claims is an error of the code behind it.
+
+Takes results/features/, results/fixations/, results/meshes/, results/predictions/ and reports/metrics.json; gives
+results/guards.parquet, which the report shows. Where a guard failed, the page is kept and the run ends with status 1.
+"""
+
+
+rule guards:
+    input:
+        features=parts_of("features"),
+        fixations=parts_of("fixations"),
+        meshes=files_by_object("meshes", "ply"),
+        predictions=scores_of("predictions"),
+        metrics="reports/metrics.json",
+        code=code_of("guards.py"),
+    output:
+        "results/guards.parquet",
+        record="results/records/guards.json",
+    log:
+        "logs/guards.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        pipelines=list(PARAMETERS.recognition.pipelines),
+        recognition=PARAMETERS.recognition.model_dump(
+            exclude={"pipelines", "intervals"}
+        ),
+        seed=PARAMETERS.seed,
+    message:
+        "guarding the report's claim"
+    script:
+        "../scripts/guards.py"
+
+
+# After the report, so that the page is there to say what failed; another page changes nothing of that.
+rule guards_hold:
+    input:
+        guards="results/guards.parquet",
+        report=ancient("reports/report.html"),
+        code=code_of("guards_hold.py"),
+    output:
+        record="results/records/guards_hold.json",
+    log:
+        "logs/guards_hold.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    message:
+        "reading what the guards found"
+    script:
+        "../scripts/guards_hold.py"
