@@ -5,6 +5,7 @@ from recognition.synthetic import features_table
 from report.synthetic import write_run
 
 from visuohaptic.errors import GuardError
+from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.guards.files import make_guards
 from visuohaptic.guards.table import failed_guards, require_guards
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -38,7 +39,7 @@ def made(folder, features):
     make_guards(
         features=[folder / "guarded.parquet"],
         fixations=files.fixations,
-        meshes=files.meshes,
+        meshes=meshes_in(files.meshes),
         predictions=files.predictions,
         metrics=files.metrics,
         output=folder / "guards.parquet",

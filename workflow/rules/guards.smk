@@ -9,7 +9,7 @@ rule guards:
     input:
         features=parts_of("features"),
         fixations=parts_of("fixations"),
-        meshes=files_by_object("meshes", "ply"),
+        meshes=meshes_of(),
         predictions=scores_of("predictions"),
         metrics="reports/metrics.json",
         code=code_of("guards.py"),

@@ -1,16 +1,15 @@
 """Try the guards on a run."""
 
-from visuohaptic_workflow.object_blocks import files_of
-
+from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.guards.files import make_guards
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
     make_guards(
-        features=files_of(snakemake.input.features),
-        fixations=files_of(snakemake.input.fixations),
-        meshes=files_of(snakemake.input.meshes),
+        features=snakemake.input.features,
+        fixations=snakemake.input.fixations,
+        meshes=meshes_in(snakemake.input.meshes),
         predictions=snakemake.input.predictions,
         metrics=snakemake.input.metrics,
         output=snakemake.output[0],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -38,7 +38,7 @@ Paths = Sequence[str | Path]
 def make_guards(
     features: Paths,
     fixations: Paths,
-    meshes: Paths,
+    meshes: Mapping[str, Path],
     predictions: Paths,
     metrics: str | Path,
     output: str | Path,
@@ -82,22 +82,23 @@ def _guard_training(
 
 
 def _random_places(
-    fixations: Paths, meshes: Paths, generator: np.random.Generator
+    fixations: Paths, meshes: Mapping[str, Path], generator: np.random.Generator
 ) -> Iterator[np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
     """Give the coordinates of the random places of some objects, those passed over among them."""
     located = read_table(FIXATIONS, fixations)
     drawn = set(pc.unique(located.column("strategy")).to_pylist())
     strategy = next((name for name in UNIFORM_STRATEGIES if name in drawn), None)
-    usable = [path for path in map(Path, meshes) if set_aside_reason(path) is None]
+    usable = sorted(key for key, path in meshes.items() if set_aside_reason(path) is None)
     for place in generator.permutation(len(usable))[: MESHES if strategy else 0]:
-        mesh = usable[place]
+        category, name = usable[place].split("/")
         chosen = located.filter(
-            (pc.field("class") == mesh.parent.name)
-            & (pc.field("object") == mesh.stem)
+            (pc.field("class") == category)
+            & (pc.field("object") == name)
             & (pc.field("strategy") == strategy)
         )
         faces = chosen.column("face").to_numpy().astype(np.int64)
-        yield coordinates(read_surface(mesh), matrix(chosen, POINT_NAMES), faces)
+        surface = read_surface(meshes[usable[place]])
+        yield coordinates(surface, matrix(chosen, POINT_NAMES), faces)
 
 
 def _object_weights(predicted: pa.Table) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
