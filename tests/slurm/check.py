@@ -51,9 +51,10 @@ def main() -> None:
     install()
     folder = Path(tempfile.mkdtemp(prefix="visuohaptic-slurm-"))
     print(f"folder {folder}", flush=True)
-    config = ["--config", f'meshes={{"set": "{arguments.set}"}}']
-    profile = ["--profile", str(folder / "profile")]
+    # The same blocks everywhere, so that files are the same.
     blocks = f"workflow={json.dumps({'objects_per_job': OBJECTS_PER_JOB[arguments.set]})}"
+    config = ["--config", f'meshes={{"set": "{arguments.set}"}}', blocks]
+    profile = ["--profile", str(folder / "profile")]
     found = {}
     try:
         _write_profile(folder / "profile", arguments.cores)
@@ -61,7 +62,7 @@ def main() -> None:
         for accounts in (False, True) if arguments.accounting and _can_account() else (False,):
             suffix = "-accounting" if accounts else ""
             with Cluster(folder / f"cluster{suffix}", arguments.cores, accounts) as cluster:
-                options = [*profile, *config, blocks]
+                options = [*profile, *config]
                 name = f"blocks{suffix}"
                 seconds, found[name] = _time(name, folder, options, cluster)
                 print(f"{seconds / local:.2f} times the local run", flush=True)

@@ -48,11 +48,15 @@ with job(snakemake):
     given = hashlib.sha256(f"{snakemake.rule} {VERSION}".encode())
     given.update(json.dumps(dict(snakemake.params.items()), sort_keys=True).encode())
     for file in sorted(set(map(str, snakemake.input)) - set(snakemake.input.code)):
-        given.update(file.encode() + Path(file).read_bytes())
+        for part in [Path(file)] if Path(file).is_file() else sorted(Path(file).glob("*.ply")):
+            given.update(str(part).encode() + part.read_bytes())
     record = snakemake.output.record
-    for file in snakemake.output:
-        if file != record:
-            Path(file).write_text(f"{file} {given.hexdigest()}")
+    for file in map(Path, snakemake.output):
+        if snakemake.rule == "meshes" and str(file) != record:
+            file.mkdir()
+            file = file / f"{file.name}.ply"
+        if str(file) != record:
+            file.write_text(f"{file} {given.hexdigest()}")
 '''
 SCRIPTS = ("features", "touches", "recognition")
 PARAMETERS = (

@@ -50,7 +50,7 @@ def write_crate(
     root : path
         The clone that holds the workflow.
     results : iterable of str
-        Files that the run made, relative to the working folder.
+        Files and folders that the run made, relative to the working folder.
     parameters : mapping of str
         The sections of the run's parameters.
     commit : str
@@ -64,7 +64,7 @@ def write_crate(
     require("crate", "rocrate")
     from rocrate.rocrate import ROCrate
 
-    root, results = Path(root), sorted(set(results))
+    root, results = Path(root), sorted({file for name in results for file in _files_of(name)})
     crate = ROCrate()
     crate.name = "A run of visuohaptic"
     crate.description = (
@@ -116,6 +116,12 @@ def list_code(root: str | Path) -> list[str]:
             if file.is_file() and "__pycache__" not in file.parts and file != root / "workflow/Snakefile"
         ]  # fmt: skip
     return [str(file.relative_to(root)) for file in files if file.exists()]
+
+
+def _files_of(name: str) -> list[str]:
+    """Give a file, or those of a folder."""
+    path = Path(name)
+    return [str(file) for file in path.glob("[!.]*")] if path.is_dir() else [name]
 
 
 def _add(crate: Any, name: str, folder: Path) -> Any:
