@@ -69,7 +69,7 @@ def test_the_second_answer_says_against_what_in_which_pipeline_and_on_how_many_o
 def test_the_readings_are_counted_by_set():
     sentence = readings_sentence({"paper": made_up(lead_of_one_map)["paper"]})
     assert "significantly ahead in " in sentence
-    assert "on 12 objects" in sentence
+    assert "fixation is on 12 objects significantly ahead in " in sentence
     assert readings_sentence({"paper": []}) == ""
 
 

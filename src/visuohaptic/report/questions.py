@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from visuohaptic.report.comparison import REFERENCE, ClassifierRow, Figure, PipelineTable
-from visuohaptic.report.wording import counted, listed, percent, points, spaced
+from visuohaptic.report.wording import counted, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.leads import sum_up
 from visuohaptic.studies.readings.verdicts import (
@@ -175,7 +175,7 @@ def readings_sentence(readings: Mapping[str, Sequence[Row]]) -> str:
         return ""
     return (
         "Over the readings of what the paper leaves open, fixation is "
-        f"{listed([one for one in spread if one])}."
+        f"{'; '.join(one for one in spread if one)}."
     )
 
 
@@ -195,6 +195,7 @@ def _spread(rows: Sequence[Row]) -> str:
         return ""
     lead = sum_up(found)
     return (
-        f"significantly ahead in {lead.ahead_significantly} of {lead.cases} and significantly "
-        f"behind in {lead.behind_significantly} on {max(row['objects'] for row in found)} objects"
+        f"on {max(row['objects'] for row in found)} objects significantly ahead in "
+        f"{lead.ahead_significantly} of {lead.cases} and significantly behind in "
+        f"{lead.behind_significantly}"
     )
