@@ -21,7 +21,7 @@ from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.splits import Split, make_splits
 
-SHUFFLES = 20
+SHUFFLES = 40
 MEMORISING = "decision_tree"
 """A classifier that gives back what it was trained with, so that a leak shows in full."""
 

@@ -13,11 +13,13 @@ Floats = NDArray[np.float64]
 
 SIGNS = "p values under random signs are uniform"
 DRAWS = 300
-PERMUTATIONS = 1024
+MOST_EXACT = 14
+"""Objects of which the run takes all sign changes by default; the guard takes those of fewer."""
+
+SAMPLED = {"objects": 64, "permutations": 1024}
+EXACT = {"objects": 12, "permutations": 4096}
 LEAST = 5
 """Objects; of fewer the p value takes too few values."""
-
-QUICK = IntervalParameters(bootstrap_samples=100, permutations=PERMUTATIONS)
 
 
 def guard_signs(weights: Floats, generator: np.random.Generator) -> Verdict:
@@ -35,7 +37,9 @@ def guard_signs(weights: Floats, generator: np.random.Generator) -> Verdict:
     Verdict
         What was found.
     """
-    objects = min(len(weights), 64)
+    limits = EXACT if len(weights) <= MOST_EXACT else SAMPLED
+    objects, permutations = min(len(weights), limits["objects"]), limits["permutations"]
+    quick = IntervalParameters(bootstrap_samples=100, permutations=permutations)
     if objects < LEAST:
         found = f"There are {objects} objects, and {LEAST} are needed."
         return Verdict(SIGNS, "not tested", found)
@@ -47,11 +51,11 @@ def guard_signs(weights: Floats, generator: np.random.Generator) -> Verdict:
         seed = int(generator.integers(2**32))
         for side, sign in enumerate((1, -1)):
             chance = np.random.default_rng(seed)
-            paired = compare_paired(sign * differences, 0 * sizes, weights, QUICK, chance)
+            paired = compare_paired(sign * differences, 0 * sizes, weights, quick, chance)
             p_values[side, draw] = paired.p_value
     ordered = np.sort(p_values[0])
     steps = np.arange(1, DRAWS + 1) / DRAWS
-    finest = 2 / min(2.0**objects, PERMUTATIONS)
+    finest = 2 / min(2.0**objects, permutations)
     small = float((steps - ordered).max())
     large = float((ordered - finest - (steps - 1 / DRAWS)).max())
     apart = float(np.abs(p_values[0] - p_values[1]).max())
