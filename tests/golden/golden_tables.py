@@ -93,8 +93,10 @@ def _flat(values: pa.Array) -> Iterator[bytes]:
         yield from _flat(pc.list_flatten(values))
     elif pa.types.is_string(values.type):
         yield json.dumps(values.to_pylist()).encode()
+    elif pa.types.is_binary(values.type):
+        yield b"\0".join(value or b"" for value in values.to_pylist())
     else:
-        yield values.fill_null(0).to_numpy(zero_copy_only=False).tobytes()
+        yield values.fill_null(pa.scalar(0).cast(values.type)).to_numpy(zero_copy_only=False).tobytes()
 
 
 def differences(kept: Digests, found: Digests) -> list[str]:
