@@ -87,16 +87,15 @@ def digest(column: pa.ChunkedArray) -> str:
 
 
 def _flat(values: pa.Array) -> Iterator[bytes]:
+    kind = values.type
     yield pc.is_null(values).to_numpy(zero_copy_only=False).tobytes()
-    if pa.types.is_nested(values.type):
+    if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind):
         yield pc.list_value_length(values).fill_null(0).to_numpy(zero_copy_only=False).tobytes()
         yield from _flat(pc.list_flatten(values))
-    elif pa.types.is_string(values.type):
-        yield json.dumps(values.to_pylist()).encode()
-    elif pa.types.is_binary(values.type):
-        yield b"\0".join(value or b"" for value in values.to_pylist())
+    elif pa.types.is_primitive(kind):
+        yield values.fill_null(pa.scalar(0).cast(kind)).to_numpy(zero_copy_only=False).tobytes()
     else:
-        yield values.fill_null(pa.scalar(0).cast(values.type)).to_numpy(zero_copy_only=False).tobytes()
+        yield repr(values.to_pylist()).encode()
 
 
 def differences(kept: Digests, found: Digests) -> list[str]:
