@@ -10,6 +10,7 @@ JOBS ?= all
 SET ?= paper
 VENV := .venv
 PACKAGES := $(VENV)/.packages
+PROJECTS := pyproject.toml packages/contourlets/pyproject.toml
 READY := $(VENV)/.ready
 DEVELOP := $(VENV)/.ready-to-develop
 # Snakemake with a short screen; its log is in a file.
@@ -18,7 +19,7 @@ RUN := $(VENV)/bin/python -P -m visuohaptic_workflow.screen
 INSTALLED := .venv-run
 OUTER_PATH := $(PATH)
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
-export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/workflow/lib
+export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/packages/contourlets/src:$(CURDIR)/workflow/lib
 
 report: $(READY)
 	@$(RUN) --cores $(JOBS)
@@ -53,9 +54,9 @@ installed-tests:
 installed-readme:
 	python -m pytest tests/installed/readme_commands.py --durations 0
 
-# Hard cases at their full counts; some 17 minutes on two cores.
+# Hard cases at their full counts, some 17 minutes on two cores; the result is kept with the package.
 test-hard: $(DEVELOP)
-	pytest tests/numerics -n 2 --dist worksteal --stability reports/stability.parquet
+	pytest tests/numerics -n 2 --dist worksteal --stability src/visuohaptic/stability/hard_cases.parquet
 	python -m benchmarks.precision reports/precision.json
 
 # A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some ten minutes; with SET=benchmark two hours.
@@ -72,6 +73,9 @@ bench: $(DEVELOP)
 # Its figures are of a default run, which is made first where it is not current.
 readme: $(DEVELOP) report
 	python docs/make_readme.py
+	python docs/make_readings.py
+	python docs/make_claims.py
+	python docs/make_lead_picture.py
 	python docs/make_tables.py
 	python docs/make_overview_picture.py
 
@@ -101,7 +105,7 @@ format: $(DEVELOP)
 # Pins every package with its hashes; needs `uv` on PATH. requirements.lock is what runs, requirements-dev.lock
 # adds what tests: it is made first, as what runs must have versions that fit the tests' packages, too.
 PIN := uv pip compile --quiet pyproject.toml --group build --universal --python-version 3.11 --generate-hashes \
-  --no-annotate --custom-compile-command "make lock"
+  --no-annotate --no-emit-package contourlets --custom-compile-command "make lock"
 lock:
 	$(PIN) --extra dev --output-file requirements-dev.lock
 	$(PIN) --extra workflow --constraint requirements-dev.lock --output-file requirements.lock
@@ -113,11 +117,11 @@ $(PACKAGES): requirements.lock
 	@PYTHON=$(PYTHON) ./set_up.sh packages
 	@touch $@
 
-$(INSTALLED)/.ready: requirements.lock requirements-dev.lock pyproject.toml set_up.sh
+$(INSTALLED)/.ready: requirements.lock requirements-dev.lock $(PROJECTS) set_up.sh
 	@for step in packages package pytest; do VENV=$(INSTALLED) PYTHON=$(PYTHON) ./set_up.sh $$step; done
 	@touch $@
 
-$(READY): $(PACKAGES) pyproject.toml
+$(READY): $(PACKAGES) $(PROJECTS)
 	@./set_up.sh package
 	@touch $@
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes .venv, or the folder that VENV names, for the Makefile: `set_up.sh packages` from requirements.lock,
-# `set_up.sh package` adds this project, `set_up.sh develop` what tests need, `set_up.sh pytest` pytest alone.
+# `set_up.sh package` adds this project and its own packages, `set_up.sh develop` what tests need, `set_up.sh pytest` pytest alone.
 #
 # uv installs where it is on PATH, otherwise pip. All packages are pinned with their hashes, dependencies among them,
 # so nothing has to be resolved. Bytecode is left to each module's first import.
@@ -65,7 +65,7 @@ case $1 in
     install requirements.lock
     ;;
   package)
-    run_pip --quiet --no-build-isolation --editable .
+    run_pip --quiet --no-build-isolation --editable ./packages/contourlets --editable .
     "$IN_VENV" -c 'import visuohaptic.geometry.compiled_open3d' ||
       stop "Open3D can't be loaded: install the libraries that the line above names (Debian, Ubuntu: apt install libegl1 libgl1 libgomp1)."
     ;;

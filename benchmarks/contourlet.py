@@ -16,7 +16,7 @@ from types import ModuleType
 import numpy as np
 import pywt
 
-from visuohaptic.contourlet import (
+from contourlets import (
     EXTENSIONS,
     Contourlet,
     NonsubsampledContourlet,
@@ -25,7 +25,7 @@ from visuohaptic.contourlet import (
 )
 
 ROUNDS = 9
-_DEFINITION = Path(__file__).parent.parent / "tests" / "contourlet" / "definition.py"
+_DEFINITION = Path(__file__).parent.parent / "packages/contourlets/tests/contourlet_definition.py"
 
 Contest = dict[str, Callable[[], object]]
 

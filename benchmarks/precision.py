@@ -17,8 +17,8 @@ from typing import Any
 import cv2
 import numpy as np
 
+from contourlets import Contourlet, contourlet_operator, directional_deviations
 from visuohaptic.attention import AttentionParameters, attend
-from visuohaptic.contourlet import Contourlet, contourlet_operator, directional_deviations
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
@@ -91,8 +91,9 @@ def _spread(errors: np.ndarray) -> tuple[float, float]:
 
 def _rays(rounds: int) -> list[dict[str, Any]]:
     """Cast rays at edges and at random, in each precision; and at finer and finer balls."""
+    from numerics.surfaces import ball, closed_shapes
+
     from visuohaptic.stability import oracles
-    from visuohaptic.stability.shapes import ball, closed_shapes
 
     generator = np.random.default_rng(1)
     torus = closed_shapes()["torus"]
@@ -151,7 +152,7 @@ def _embree(caster: RayCaster, origins: np.ndarray, directions: np.ndarray) -> n
 
 def _imprints(rounds: int) -> list[dict[str, Any]]:
     """Touch balls: how fine the mesh, and how many sensing points."""
-    from visuohaptic.stability.shapes import ball
+    from numerics.surfaces import ball
 
     settings: list[Setting] = []
     for level, resolution in ((3, 32), (4, 32), (5, 32), (6, 32), (6, 8), (6, 16), (6, 64)):

@@ -9,9 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.comparison import read_tables
+from visuohaptic.report.questions import fixation_answer, readings_sentence, recognition_answer
+from visuohaptic.studies.readings.design import is_literal
+from visuohaptic.studies.readings.stored import OUTSIDE, PAPER_SET, kept_readings
 from visuohaptic_workflow.closing import REPORT, describe_results
 
 ROOT = Path(__file__).parents[1]
+UNSEEN = "unseen objects"
 LABELS = {
     "k_nearest_neighbours": "kNN",
     "support_vector_machine": "SVM",
@@ -41,9 +46,10 @@ def results_table(metrics: dict[str, Any]) -> str:
         A Markdown table.
     """
     lines = [
-        "| classifier | eye fixations | published | random probing | published | ours, fixations | ours, random |",
-        "|---|---|---|---|---|---|---|",
+        "| classifier | eye fixations | published | random probing | published | literal, fixations | literal, random walk | ours, fixations | ours, random |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
+    literal = literal_reading()
     strategies, best = metrics["results"]["paper"], metrics["results"]["best"]
     for classifier, label in LABELS.items():
         published = TABLE_1[classifier]
@@ -54,9 +60,21 @@ def results_table(metrics: dict[str, Any]) -> str:
         ]
         lines.append(
             f"| {label} | {figures[0]} | {100 * published['fixation']:.2f} % "
-            f"| {figures[1]} | {100 * published['random']:.2f} % | {figures[2]} | {figures[3]} |"
+            f"| {figures[1]} | {100 * published['random']:.2f} % "
+            f"| {literal['fixation'][classifier]} | {literal['random'][classifier]} "
+            f"| {figures[2]} | {figures[3]} |"
         )
     return "\n".join(lines)
+
+
+def literal_reading() -> dict[str, dict[str, str]]:
+    """Give the accuracies of the most literal reading, by strategy and classifier, as kept with the package."""
+    kept = kept_readings(PAPER_SET)
+    rows = [row for row in kept.rows if is_literal(row)] if kept else []
+    return {
+        strategy: {row["classifier"]: f"{100 * row[strategy]:.1f} %" for row in rows}
+        for strategy in ("fixation", "random")
+    }
 
 
 def percent(interval: dict[str, float]) -> str:
@@ -75,6 +93,25 @@ def percent(interval: dict[str, float]) -> str:
     return f"{interval['mean']:.1%} ({100 * interval['low']:.1f}–{100 * interval['high']:.1f})".replace(
         "%", " %"
     )
+
+
+def answers(metrics: dict[str, Any]) -> str:
+    """Answer the two questions of the experiment from its figures and the kept readings."""
+    tables = read_tables(metrics)
+    kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
+    readings = {name: one.rows for name, one in kept.items() if one}
+    found = (
+        recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
+        fixation_answer(tables, readings),
+    )
+    sentences = [
+        f"**{one.question}** {one.word}: {one.number} {one.sentence}" for one in found if one
+    ]
+    sentences[-1] += f" {readings_sentence(readings)}"
+    text = "\n\n".join(
+        textwrap.fill(sentence, 100, break_on_hyphens=False) for sentence in sentences
+    )
+    return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def speed_table(results: dict[str, Any]) -> str:
@@ -155,6 +192,7 @@ def main() -> None:
     metrics = json.loads((ROOT / "reports" / "metrics.json").read_text(encoding="utf-8"))
     results = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))
     text = fill(readme.read_text(encoding="utf-8"), "results", results_table(metrics))
+    text = fill(text, "answers", answers(metrics))
     text = fill(text, "make", printed_lines(ROOT / "reports" / "metrics.json"))
     readme.write_text(fill(text, "speed", speed_table(results)), encoding="utf-8")
 

@@ -24,7 +24,7 @@ TO_DEVELOP = [
     *TO_RUN,
     *(wanted for name in ("crate", "s3", "dev") for wanted in EXTRAS[name]),
 ]
-OWN = {"visuohaptic", "visuohaptic_workflow"}
+OWN = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
 # Files that import packages of an extra, and the file that refuses in a sentence without these.
 OF_AN_EXTRA = {
     "src/visuohaptic/report/": ("report", "src/visuohaptic/cli/report.py"),
@@ -68,7 +68,7 @@ def pinned(lock):
 def test_a_lock_pins_every_dependency_at_a_version_that_is_allowed(lock, wanted):
     versions = pinned(lock)
     for requirement in map(Requirement, wanted):
-        if requirement.name != "visuohaptic":
+        if requirement.name not in OWN:
             found = versions.get(canonicalize_name(requirement.name), set())
             assert any(map(requirement.specifier.contains, found)), f"{requirement}: make lock"
 

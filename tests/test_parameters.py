@@ -2,15 +2,13 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from source_folders import PYTHONPATH
 
 from visuohaptic import parameters
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
-
-ROOT = Path(__file__).parents[1]
 
 
 def test_sections_that_are_left_out_take_their_defaults():
@@ -30,7 +28,7 @@ def test_what_is_dumped_reads_back():
         ({"seed": -1}, "seed is -1: input should be greater than or equal to 0"),
         (
             {"meshes": {"set": "all"}},
-            "meshes.set is 'all': input should be 'paper', 'benchmark', 'outside' or 'hard'",
+            "meshes.set is 'all': input should be 'paper', 'benchmark', 'outside', 'hard' or 'odd'",
         ),
         (
             {"probing": {"strategies": ["fixation", "guessing"]}},
@@ -68,7 +66,7 @@ def test_parameters_are_read_without_the_libraries_of_the_phases():
     )
     output = subprocess.run(
         [sys.executable, "-c", program],
-        capture_output=True, text=True, check=True, env={"PYTHONPATH": str(ROOT / "src")},
+        capture_output=True, text=True, check=True, env={"PYTHONPATH": PYTHONPATH},
     ).stdout  # fmt: skip
     assert output == "[]\n"
 
@@ -131,7 +129,7 @@ def test_resolutions_that_the_contourlets_take_are_allowed(resolution):
 
 
 def test_the_multiple_is_that_of_the_contourlets():
-    from visuohaptic.contourlet.lattice import side_multiple
+    from contourlets.lattice import side_multiple
 
     directions_log2 = parameters.DIRECTIONS.bit_length() - 1
     assert side_multiple(directions_log2) == parameters.IMPRINT_MULTIPLE

@@ -1,4 +1,4 @@
-"""`contourlet` and `attention` can each be published alone: they use nothing of the rest."""
+"""`contourlets` and `attention` can each be published alone: they use nothing of the rest."""
 
 import ast
 import doctest
@@ -14,22 +14,23 @@ import pytest
 from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
-LIBRARY = ROOT / "src" / "visuohaptic"
-NAMES = ("attention", "contourlet")
-MODULES = [(name, path.stem) for name in NAMES for path in sorted((LIBRARY / name).glob("*.py"))]
+ATTENTION = ROOT / "src/visuohaptic/attention"
+CONTOURLETS = ROOT / "packages/contourlets"
+FOLDERS = {"visuohaptic_attention": ATTENTION, "contourlets": CONTOURLETS}
+MODULES = [path.stem for path in sorted(ATTENTION.glob("*.py"))]
 
 ISOLATED = """
 import importlib.util, sys
 sys.path.append(sys.argv[1])
 assert importlib.util.find_spec("visuohaptic") is None
 import numpy as np
-import visuohaptic_{name} as package
+import {name} as package
 for name in package.__all__:
     assert getattr(package, name) is not None, name
 assert not any(name.split(".")[0] == "visuohaptic" for name in sys.modules)
 """
 USES = {
-    "attention": """
+    "visuohaptic_attention": """
 rows, columns = np.mgrid[:32, :32].astype(np.float32) / 32
 flat = np.zeros_like(rows)
 found = package.attend(
@@ -44,23 +45,34 @@ found = package.attend(
 assert found[0].scanpath.distinct == 2
 assert package.area_under_curve(rows, rows > 0.5, rows >= 0) == 1
 """,
-    "contourlet": """
+    "contourlets": """
 images = np.random.default_rng(0).random((2, 32, 32))
 transform = package.Contourlet((4,))
 assert np.allclose(transform.inverse(transform.forward(images)), images)
-assert package.ContourletDeviations().fit_transform(images).shape == (2, 16)
-assert package.wavelet_deviations(images).shape == (2, 9)
+assert package.directional_deviations(images).shape == (2, 16)
+assert {name.partition(".")[0] for name in sys.modules} & {"pywt", "scipy", "sklearn"} == set()
 """,
 }
+RUN_TESTS = """
+import importlib.util, sys
+sys.path.append(sys.argv[1])
+assert importlib.util.find_spec("visuohaptic") is None
+import contourlets, pytest
+assert contourlets.__file__.startswith(sys.argv[1])
+sys.exit(pytest.main(["-q", "-x", "-p", "no:cacheprovider"]))
+"""
 
 
 def project_of(folder):
     return tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
-def requirements_of(project):
-    extras = project.get("optional-dependencies", {}).values()
-    return [*project["dependencies"], *(line for lines in extras for line in lines)]
+def requirements_of(folder, extras):
+    """Give what a project asks for, with its extras, without itself."""
+    project = project_of(folder)
+    optional = project.get("optional-dependencies", {})
+    lines = [*project["dependencies"], *(line for extra in extras for line in optional[extra])]
+    return {line for line in lines if Requirement(line).name != project["name"]}
 
 
 def link_installed(requirements, folder):
@@ -80,34 +92,57 @@ def link_installed(requirements, folder):
                 (folder / top).symlink_to(installed.locate_file(top))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
-def test_its_wheel_works_where_only_its_dependencies_are(name, tmp_path):
-    ignored = shutil.ignore_patterns("__pycache__")
-    source = shutil.copytree(LIBRARY / name, tmp_path / "source" / name, ignore=ignored)
-    site = tmp_path / "site"
-    options = "--quiet --no-build-isolation --no-deps --no-index --disable-pip-version-check"
-    subprocess.run(
-        [sys.executable, "-m", "pip", "install", *options.split(), "--target", site, source],
-        check=True,
-    )
-    link_installed(requirements_of(project_of(source)), site)
+@pytest.fixture
+def install(tmp_path):
+    """Install a folder's wheel, with what it and some of its extras ask for and nothing else."""
+
+    def installed(folder, extras=()):
+        ignored = shutil.ignore_patterns("__pycache__")
+        source = shutil.copytree(folder, tmp_path / "source" / folder.name, ignore=ignored)
+        site = tmp_path / "site"
+        options = "--quiet --no-build-isolation --no-deps --no-index --disable-pip-version-check"
+        subprocess.run(
+            [sys.executable, "-m", "pip", "install", *options.split(), "--target", site, source],
+            check=True,
+        )
+        link_installed(requirements_of(source, extras), site)
+        return site
+
+    return installed
+
+
+def run_alone(program, *arguments, cwd):
     # -I -S: neither PYTHONPATH nor what is installed is searched.
-    program = ISOLATED.format(name=name) + USES[name]
-    subprocess.run([sys.executable, "-I", "-S", "-c", program, site], check=True, cwd=tmp_path)
+    subprocess.run([sys.executable, "-I", "-S", "-c", program, *arguments], check=True, cwd=cwd)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FOLDERS)
+def test_its_wheel_works_where_only_its_dependencies_are(name, install, tmp_path):
+    site = install(FOLDERS[name])
+    run_alone(ISOLATED.format(name=name) + USES[name], site, cwd=tmp_path)
+
+
+@pytest.mark.long
+def test_the_wheel_of_contourlets_passes_its_tests_where_only_their_packages_are(install, tmp_path):
+    site = install(CONTOURLETS, extras=("scikit-learn", "test", "wavelets"))
+    for name in ("tests", "pyproject.toml"):
+        (tmp_path / name).symlink_to(CONTOURLETS / name)
+    run_alone(RUN_TESTS, site, cwd=tmp_path)
+
+
+@pytest.mark.parametrize("name", FOLDERS)
 def test_its_dependencies_are_those_of_the_whole(name):
-    whole = project_of(ROOT)
-    own = project_of(LIBRARY / name)
-    assert set(requirements_of(own)) <= set(whole["dependencies"])
-    assert own["requires-python"] == whole["requires-python"]
+    own = project_of(FOLDERS[name]).get("optional-dependencies", ())
+    assert requirements_of(FOLDERS[name], own) <= requirements_of(
+        ROOT, project_of(ROOT)["optional-dependencies"]
+    )
+    assert project_of(FOLDERS[name])["requires-python"] == project_of(ROOT)["requires-python"]
 
 
-@pytest.mark.parametrize(("name", "module"), MODULES)
-def test_its_own_modules_are_imported_by_relative_names(name, module):
-    tree = ast.parse((LIBRARY / name / f"{module}.py").read_text(encoding="utf-8"))
+@pytest.mark.parametrize("module", MODULES)
+def test_its_own_modules_are_imported_by_relative_names(module):
+    tree = ast.parse((ATTENTION / f"{module}.py").read_text(encoding="utf-8"))
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             assert not any(alias.name.startswith("visuohaptic") for alias in node.names)
@@ -116,7 +151,7 @@ def test_its_own_modules_are_imported_by_relative_names(name, module):
             assert node.level or not node.module.startswith("visuohaptic")
 
 
-@pytest.mark.parametrize(("name", "module"), MODULES)
-def test_examples_in_docstrings_run(name, module):
-    path = f"visuohaptic.{name}" if module == "__init__" else f"visuohaptic.{name}.{module}"
+@pytest.mark.parametrize("module", MODULES)
+def test_examples_in_docstrings_run(module):
+    path = "visuohaptic.attention" + ("" if module == "__init__" else f".{module}")
     assert doctest.testmod(importlib.import_module(path)).failed == 0

@@ -28,7 +28,7 @@ MOST_VIEWPOINTS = 4096
 
 DIRECTIONS = 16
 IMPRINT_MULTIPLE = 8
-"""What an even resolution must be a multiple of, for so many directional bands (docs/contourlets.md)."""
+"""What an even resolution must be a multiple of, for so many directional bands (packages/contourlets)."""
 
 
 class WorkflowParameters(BaseModel):

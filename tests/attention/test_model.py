@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 from attention import displays, scenes
+from numerics.surfaces import lopsided
 
 from visuohaptic.attention import (
     CHANNELS,
@@ -19,7 +20,6 @@ from visuohaptic.attention.registry import ENTRIES
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.scene.parameters import EffectModes
-from visuohaptic.stability.shapes import lopsided
 
 PLACES = range(displays.GRID**2)
 CAMERAS = place_cameras(ViewpointParameters())
@@ -241,7 +241,7 @@ def all_channels(views, index, parameters):
     ],
 )
 def test_skipping_channels_changes_no_bit(scene, modes, skipped, normalisation):
-    parameters = AttentionParameters(normalisation=normalisation)
+    parameters = AttentionParameters(weights="equal", normalisation=normalisation)
     views, (result,) = scenes.look(scene(), [CAMERAS[1]], parameters, modes=modes)
     assert set(result.skipped) == skipped
     assert set(result.conspicuity) == set(CHANNELS) - skipped
@@ -259,7 +259,7 @@ def test_skipping_channels_changes_no_bit(scene, modes, skipped, normalisation):
 
 @pytest.mark.parametrize("name", CHANNELS)
 def test_channel_of_weight_zero_does_not_run(name):
-    weights = ChannelWeights(**{name: 0.0})
+    weights = ChannelWeights(**dict.fromkeys(CHANNELS, 1.0) | {name: 0.0})
     parameters = AttentionParameters(weights=weights)
     views, (result,) = scenes.look(lopsided(), [CAMERAS[1]], parameters)
     assert result.skipped == {name: "its weight is 0"}
@@ -282,7 +282,8 @@ def test_empty_view_has_no_fixation_and_says_why():
     empty = Camera(0.0, 0.0, 3.0, 40.0)
     far = scenes.surface_of(trimesh.creation.box(extents=(0.1, 0.1, 0.1)))
     shifted = type(far)(far.vertices + np.array([0.0, 50.0, 0.0]), far.faces, far.face_colours)
-    _, (result,) = scenes.look(shifted, [empty])
+    equal = AttentionParameters(weights="equal")
+    _, (result,) = scenes.look(shifted, [empty], equal)
     assert result.scanpath.distinct == 0
     assert result.scanpath.exhausted
     assert set(result.skipped.values()) == {"the view shows nothing of the object"}

@@ -155,8 +155,12 @@ def test_features_are_all_channels_and_terms():
     assert {plane.shape for plane in planes.values()} == {certainty.shape}
 
 
-def test_equal_is_the_default():
-    assert AttentionParameters(weights="equal") == AttentionParameters()
+def test_equal_is_1_for_every_channel_and_the_default_for_the_five_that_the_paper_names():
+    named = ChannelWeights.only("colour", "contrast", "curvature", "intensity", "orientation")
+    assert AttentionParameters().weights == named
+    equal = AttentionParameters(weights="equal")
+    assert set(equal.weights.model_dump().values()) == {1.0}
+    assert AttentionParameters(**equal.model_dump()) == equal
 
 
 def test_human_stands_for_the_learnt_weights():

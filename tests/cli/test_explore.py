@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from cli.models import SMALL, fit_on_nonsense
 from PIL import Image
+from source_folders import PYTHONPATH
 
 from visuohaptic.cli.main import run
 from visuohaptic.exploration import exploring
@@ -18,7 +19,6 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.schemas import SCHEMAS
 
-ROOT = Path(__file__).parents[2]
 FILES = {"views", "fixations", "touches", "effects", "features"}
 
 
@@ -363,7 +363,7 @@ def test_a_closed_pipe_is_no_error(tmp_path, small, arguments):
     ring(tmp_path / "ring.obj")
     process = subprocess.Popen(
         [sys.executable, "-c", "from visuohaptic.cli.main import main; main()", *arguments],
-        cwd=tmp_path, env={"PYTHONPATH": str(ROOT / "src")},
+        cwd=tmp_path, env={"PYTHONPATH": PYTHONPATH},
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
     process.stdout.close()
@@ -379,7 +379,7 @@ def test_the_shell_completes_commands_and_options(tmp_path):
             [sys.executable, "-c", "from visuohaptic.cli.main import main; main()"],
             cwd=tmp_path, check=True, text=True, capture_output=True,
             env={
-                "PYTHONPATH": str(ROOT / "src"),
+                "PYTHONPATH": PYTHONPATH,
                 "_VISUOHAPTIC_COMPLETE": "complete_bash",
                 "COMP_WORDS": " ".join(("visuohaptic", *words)),
                 "COMP_CWORD": str(len(words)),

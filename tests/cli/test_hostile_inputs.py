@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import trimesh
 from cli.hostile_inputs import CASES, fits, run_case
+from source_folders import PYTHONPATH
 
-ROOT = Path(__file__).parents[2]
 PROGRAM = "from visuohaptic.cli.main import main; main()"
 
 
@@ -34,7 +34,7 @@ def ring(tmp_path):
 def run(arguments, folder, **options):
     return subprocess.run(
         [sys.executable, "-c", PROGRAM, *arguments], cwd=folder, check=False,
-        env={**os.environ, "PYTHONPATH": str(ROOT / "src"), **options.pop("env", {})},
+        env={**os.environ, "PYTHONPATH": PYTHONPATH, **options.pop("env", {})},
         **({"stdout": subprocess.PIPE} | options), stderr=subprocess.PIPE, timeout=120,
     )  # fmt: skip
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 import trimesh
 from cli.models import fit_on_nonsense
+from source_folders import PYTHONPATH
 
 import visuohaptic as package
 from visuohaptic.fixations.probing import STRATEGIES
@@ -35,7 +36,7 @@ main()
 def start(arguments, folder, after):
     program = PROGRAM.format(after=after, arguments=list(map(str, arguments)))
     return subprocess.Popen(
-        [sys.executable, "-c", program], cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT / "src")},
+        [sys.executable, "-c", program], cwd=folder, env={**os.environ, "PYTHONPATH": PYTHONPATH},
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
 
@@ -109,7 +110,7 @@ def test_an_import_that_swallows_the_signal_does_not_swallow_the_stop(tmp_path):
     )
     ended = subprocess.run(
         [sys.executable, "program.py"], cwd=tmp_path, timeout=20, check=False, text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT / "src")}, capture_output=True,
+        env={**os.environ, "PYTHONPATH": PYTHONPATH}, capture_output=True,
     )  # fmt: skip
     assert (ended.returncode, ended.stderr) == (130, "stopped.\n")
 
@@ -156,7 +157,7 @@ stop_at_ctrl_c(command)
 """
     ended = subprocess.run(
         [sys.executable, "-c", program], cwd=tmp_path, timeout=20, check=False, text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT / "src")}, capture_output=True,
+        env={**os.environ, "PYTHONPATH": PYTHONPATH}, capture_output=True,
     )  # fmt: skip
     assert (ended.returncode, ended.stderr) in {(130, "stopped.\n"), (0, "")}
 

@@ -32,7 +32,7 @@ HEADER = CATALOGUE.read_text().splitlines()[0]
 def folder(tmp_path_factory):
     """A checkout in which the features of four objects are there already."""
     folder = tmp_path_factory.mktemp("tour")
-    for name in ("src", "workflow"):
+    for name in ("src", "packages", "workflow"):
         (folder / name).symlink_to(ROOT / name)
     (folder / "Snakefile").write_text(SNAKEFILE)
     parameters = yaml.safe_load((ROOT / "params.yaml").read_text())

@@ -39,14 +39,16 @@ def test_the_table_names_the_files_that_each_example_edits():
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_an_example_passes_the_tests_of_every_entry_and_its_own(example, tmp_path):
     left_out = shutil.ignore_patterns("__pycache__")
-    for folder in ("src", "tests"):
+    for folder in ("src", "packages", "tests"):
         shutil.copytree(ROOT / folder, tmp_path / folder, ignore=left_out)
     for file in ("pyproject.toml", "params.yaml"):
         shutil.copy(ROOT / file, tmp_path)
     (tmp_path / "example.diff").write_text(block(example, "diff"))
     # In a folder within a repository, git would skip files that the repository does not track.
     environment = {**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path.parent)}
-    environment["PYTHONPATH"] = str(tmp_path / "src")
+    environment["PYTHONPATH"] = os.pathsep.join(
+        str(tmp_path / name) for name in ("src", "packages/contourlets/src")
+    )
     subprocess.run(["git", "apply", "example.diff"], cwd=tmp_path, env=environment, check=True)
     prompt, program, *arguments = shlex.split(block(example, "console"))
     assert (prompt, program) == ("$", "pytest")

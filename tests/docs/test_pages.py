@@ -1,4 +1,4 @@
-"""What README, CONTRIBUTING and docs/ tell a reader to type works.
+"""What README, CONTRIBUTING, docs/ and packages/ tell a reader to type works.
 
 Python is run. Of a command in a shell block at least the words are checked, by the program's own parser:
 the commands, options and values are there. Light ones run elsewhere: those of the tour in
@@ -24,8 +24,12 @@ from visuohaptic.cli.commands import app
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 ROOT = Path(__file__).parents[2]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
+PAGES = (
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "packages").glob("*/**/*.md")),
+)
 # Pages whose Python has a test of its own.
 RUN_ELSEWHERE = {"tour.md"}
 STUDIES = {f"study_{file.stem}" for file in ROOT.glob("studies/*.yaml") if file.stem != "dvc"}
@@ -102,8 +106,9 @@ def read_pip(arguments):
     assert arguments[0] == "install"
     for wanted in (word for word in arguments[1:] if word != "-e"):
         name, _, extra = wanted.rstrip("]").partition("[")
-        if name == ".":
-            assert extra in PROJECT["optional-dependencies"]
+        if name.startswith("."):
+            project = tomllib.loads((ROOT / name / "pyproject.toml").read_text())["project"]
+            assert extra in {"", *project["optional-dependencies"]}
         elif extra:
             assert extra in metadata(name).get_all("Provides-Extra")
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from cli.models import fit_on_nonsense
+from source_folders import PYTHONPATH
 
 nbformat = pytest.importorskip(
     "nbformat", reason="nbformat is not installed: pip install -e '.[dev]'"
@@ -34,7 +35,7 @@ def ran(tour, tmp_path_factory):
     client = nbclient.NotebookClient(
         tour, timeout=120, resources={"metadata": {"path": str(folder)}}
     )
-    ran = client.execute(env={**os.environ, "PYTHONPATH": str(ROOT / "src")})
+    ran = client.execute(env={**os.environ, "PYTHONPATH": PYTHONPATH})
     return [cell for cell in ran.cells if cell.cell_type == "code"]
 
 

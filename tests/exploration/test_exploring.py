@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from source_folders import PYTHONPATH
 
 import visuohaptic as vh
 from visuohaptic.errors import MeshError, ParameterError, RecognitionError
@@ -194,7 +195,7 @@ def test_importing_the_package_is_cheap():
     )
     output = subprocess.run(
         [sys.executable, "-c", program],
-        capture_output=True, text=True, check=True, env={"PYTHONPATH": str(ROOT / "src")},
+        capture_output=True, text=True, check=True, env={"PYTHONPATH": PYTHONPATH},
     ).stdout  # fmt: skip
     assert output == "[]\n"
 

@@ -20,7 +20,7 @@ def test_resolutions_that_the_contourlet_cannot_divide_are_refused_in_one_senten
 
 
 def test_levels_choose_the_bands_and_the_default_is_one_level_of_sixteen():
-    from visuohaptic.contourlet import directional_deviations
+    from contourlets import directional_deviations
 
     imprints = np.random.default_rng(0).random((3, 32, 32), np.float32)
     one = describe_imprints(imprints, FeatureParameters())

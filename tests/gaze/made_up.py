@@ -5,7 +5,7 @@ import trimesh
 
 from visuohaptic.attention import GazedSurface
 from visuohaptic.gaze.alignment import grey_surface
-from visuohaptic.gaze.looking import FEATURES, GazedObject
+from visuohaptic.gaze.looking import COLUMNS, GazedObject
 
 SIZE, VIEWS, POINTS = 12, 4, 300
 
@@ -13,7 +13,7 @@ SIZE, VIEWS, POINTS = 12, 4, 300
 def made_up_object(name, planted, seed, *, shuffled=False, strength=2.0, is_test=False):
     """An object on which people look by exp(strength * planted), or anywhere if shuffled."""
     rng = np.random.default_rng(seed)
-    planes = rng.random((VIEWS, len(FEATURES), SIZE, SIZE), dtype=np.float32)
+    planes = rng.random((VIEWS, len(COLUMNS), SIZE, SIZE), dtype=np.float32)
     cells = rng.integers(0, SIZE * SIZE, (VIEWS, POINTS))
     visible = rng.random((VIEWS, POINTS)) < 0.7
     mesh = trimesh.creation.icosphere(1)
@@ -33,7 +33,7 @@ def made_up_object(name, planted, seed, *, shuffled=False, strength=2.0, is_test
         seconds=10.0,
         seen_share=0.9,
     )
-    density = np.exp(strength * 5 * one.features[:, FEATURES.index(planted)])
+    density = np.exp(strength * 5 * one.features[:, COLUMNS.index(planted)])
     density *= visible.mean(axis=0)
     if shuffled:
         density = rng.permutation(density)

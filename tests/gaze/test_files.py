@@ -10,7 +10,7 @@ from visuohaptic.attention import CHANNELS, TERMS, AttentionParameters
 from visuohaptic.errors import GazeError, MeshError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.gaze.files import look_at_folder, make_gaze
-from visuohaptic.gaze.looking import look_at
+from visuohaptic.gaze.looking import COLUMNS, look_at
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import PREDICTORS
 from visuohaptic.gaze.recordings import RecordingFile, find_recordings
@@ -64,7 +64,9 @@ def test_a_folder_becomes_tables_pictures_and_weights(folder, tmp_path):
     )
     rows = read_table(GAZE, [made["measured"]]).to_pylist()
     assert {row["object"] for row in rows} == {"egg", "disk", "pole", "cloud"}
-    assert {row["predictor"] for row in rows} == {one.name for one in PREDICTORS}
+    assert {row["predictor"] for row in rows} == {
+        one.name for one in PREDICTORS if one.kind != "peer"
+    }
     assert {row["object"] for row in rows if row["part"] == "test"} == {"pole"}
     assert {row["object"] for row in rows if row["reconstructed"]} == {"cloud"}
     assert max(row["alignment_error"] for row in rows) < 0.02
@@ -108,6 +110,36 @@ def test_time_is_where_people_looked_and_area_adds_up(folder):
     looked = np.maximum(one.points[:, 1], 0) ** 2
     assert np.corrcoef(one.gazed.density, looked)[0, 1] > 0.95
     assert one.gazed.density[one.points[:, 1] < -0.5].max() < 0.01 * one.gazed.density.max()
+
+
+@pytest.mark.slow
+def test_terms_of_place_turn_with_the_front_and_others_do_not(folder):
+    (file,) = (one for one in find_recordings(folder) if one.name == "egg")
+    one = look_at(file, **LOOKING, gaze=settings(folder), seed=SEED)
+    front, side, turned = (
+        one.planes[:, COLUMNS.index(name)]
+        for name in ("front_squared", "side_squared", "turned_front_squared")
+    )
+    other = one.planes[:, COLUMNS.index("turned_side_squared")]
+    assert abs(turned - front).max() > 0.1
+    # Squares of averages: the distance from the axis stays as it is.
+    np.testing.assert_allclose(turned + other, front + side, atol=1e-5)
+
+
+@pytest.mark.slow
+def test_predictions_of_others_come_to_the_same_points(folder, tmp_path):
+    (file,) = (one for one in find_recordings(folder) if one.name == "egg")
+    numbers = np.loadtxt(file.gaze)
+    predicted = np.column_stack([numbers[:, :3] / 7, numbers[:, -1]])
+    np.savetxt(tmp_path / "egg.txt", predicted)
+    one = look_at(file, **LOOKING, gaze=settings(folder, peer=str(tmp_path)), seed=SEED)
+    looked = np.maximum(one.points[:, 1], 0) ** 2
+    assert np.corrcoef(one.peer, looked)[0, 1] > 0.99
+
+
+def test_a_peer_without_any_of_the_objects_is_refused(folder, tmp_path):
+    with pytest.raises(GazeError, match=r"no prediction .* cloud\.ply"):
+        look_at_folder(**LOOKING, gaze=settings(folder, peer=str(tmp_path)), seed=SEED)
 
 
 def test_a_recording_of_other_length_than_the_mesh_is_refused(folder, tmp_path):

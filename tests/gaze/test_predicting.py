@@ -6,15 +6,17 @@ from visuohaptic.attention import CHANNELS, MEASURES
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import FEATURES
 from visuohaptic.gaze.predicting import (
+    BY_NAME,
     PREDICTORS,
     Predictor,
     assign_folds,
+    choose_features,
     fit_predictor,
     held_out_weights,
     predict,
 )
 
-HUMAN = next(one for one in PREDICTORS if one.name == "human")
+HUMAN = BY_NAME["human"]
 PENALTY = 1e-3
 
 
@@ -29,7 +31,7 @@ def test_a_planted_feature_is_found_on_objects_held_out(planted):
     weights = held_out_weights(made, HUMAN, 4, PENALTY)
     for one in made:
         assert max(weights[one.name], key=weights[one.name].get) == planted
-    found = [predict(one, weights[one.name], exponential=True) for one in made]
+    found = [predict(one, HUMAN, weights[one.name]) for one in made]
     scores = [
         MEASURES["correlation"](value, one.gazed) for value, one in zip(found, made, strict=True)
     ]
@@ -54,16 +56,14 @@ def test_shuffled_gaze_gives_chance():
     # Where a point is seen from more views it has more of the prediction; gaze here does not.
     weights = held_out_weights(made, HUMAN, 4, PENALTY)
     scores = [
-        MEASURES["auc_top"](predict(one, weights[one.name], exponential=True), one.gazed)
-        for one in made
+        MEASURES["auc_top"](predict(one, HUMAN, weights[one.name]), one.gazed) for one in made
     ]
     error = np.std(scores) / np.sqrt(len(scores))
     assert abs(np.mean(scores) - 0.5) < 3 * error
     planted = objects("curvature", 24)
     weights = held_out_weights(planted, HUMAN, 4, PENALTY)
     good = [
-        MEASURES["auc_top"](predict(one, weights[one.name], exponential=True), one.gazed)
-        for one in planted
+        MEASURES["auc_top"](predict(one, HUMAN, weights[one.name]), one.gazed) for one in planted
     ]
     assert min(good) > 0.8
 
@@ -73,6 +73,26 @@ def test_weights_do_not_depend_on_the_object_held_out():
     other = [*made[:-1], made_up_object(made[-1].name, "height", 99)]
     before = held_out_weights(made, HUMAN, 6, PENALTY)[made[-1].name]
     assert before == held_out_weights(other, HUMAN, 6, PENALTY)[made[-1].name]
+
+
+def test_what_people_look_at_is_chosen_and_little_else():
+    kept = choose_features(objects("height"), FEATURES, 3, PENALTY)
+    assert "height" in kept
+    assert len(kept) < len(FEATURES) / 2
+
+
+def test_what_is_chosen_does_not_depend_on_the_object_held_out():
+    made = objects("curvature", 6)
+    other = [*made[:-1], made_up_object(made[-1].name, "height", 99)]
+    found = [
+        held_out_weights(some, BY_NAME["chosen"], 3, PENALTY)[made[-1].name]
+        for some in (made, other)
+    ]
+    assert found[0] == found[1]
+
+
+def test_one_family_keeps_all_features():
+    assert choose_features(objects("height", 1), FEATURES, 3, PENALTY) == FEATURES
 
 
 def test_an_object_in_both_parts_is_refused():
@@ -96,7 +116,7 @@ def test_poses_of_one_figure_share_a_fold():
 def test_every_prediction_is_finite_and_zero_where_no_view_sees(predictor: Predictor):
     (one,) = objects("edge", 1)
     weights = dict.fromkeys(predictor.features, 1.0)
-    found = predict(one, weights, exponential=predictor.kind == "fitted")
+    found = predict(one, predictor, weights)
     assert np.isfinite(found).all()
     assert (found >= 0).all()
     assert not found[~one.gazed.seen].any()
@@ -105,7 +125,7 @@ def test_every_prediction_is_finite_and_zero_where_no_view_sees(predictor: Predi
 def test_a_sum_is_the_mean_over_views_of_shares_of_the_maximum():
     (one,) = objects("edge", 1)
     place = FEATURES.index("curvature")
-    found = predict(one, {"curvature": 1.0}, exponential=False)
+    found = predict(one, BY_NAME["curvature"], {"curvature": 1.0})
     for point in (0, 17):
         shares = [
             plane[place].flat[cells[point]] / plane[place].max() * visible[point]

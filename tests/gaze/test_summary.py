@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from gaze.made_up import made_up_object
@@ -5,7 +7,7 @@ from gaze.made_up import made_up_object
 from visuohaptic.gaze.measuring import human_weights, measure_all
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import PREDICTORS
-from visuohaptic.gaze.summary import summarise
+from visuohaptic.gaze.summary import beside_peer, summarise
 
 GAZE = GazeParameters(folds=2)
 
@@ -13,6 +15,7 @@ GAZE = GazeParameters(folds=2)
 @pytest.fixture(scope="module")
 def objects():
     training = [made_up_object(f"thing{chr(97 + n)}", "height", n) for n in range(6)]
+    training[:4] = [replace(one, peer=one.gazed.density) for one in training[:4]]
     return [*training, made_up_object("new", "height", 9, is_test=True)]
 
 
@@ -24,11 +27,27 @@ def table(objects):
 def test_a_planted_term_is_ahead_of_equal_weights_in_both_parts(table):
     for part, count in (("training", 6), ("test", 1)):
         rows = {row.predictor.name: row for row in summarise(table, part)}
-        assert list(rows) == [one.name for one in PREDICTORS]
+        assert list(rows) == [one.name for one in PREDICTORS if one.kind != "peer"]
         assert rows["human"].objects == count
         assert rows["place"].measures["correlation"].mean > 0.8
         assert rows["human"].gain.mean > 0.3
         assert rows["equal"].gain.mean == 0
+
+
+def test_a_peer_is_compared_on_the_objects_that_it_predicted(table):
+    rows = {row.predictor.name: row for row in beside_peer(table)}
+    assert {row.objects for row in rows.values()} == {4}
+    assert rows["peer"].measures["correlation"].mean == pytest.approx(1)
+    assert rows["peer"].gain.mean == 0
+    equal = rows["equal"]
+    assert equal.gain.mean == pytest.approx(equal.measures["correlation"].mean - 1)
+
+
+def test_gains_are_over_what_is_asked_for(table):
+    place = next(
+        row for row in summarise(table, "training", "place") if row.predictor.name == "place"
+    )
+    assert place.gain.mean == 0
 
 
 def test_one_object_has_no_interval_and_several_hold_their_mean(table):

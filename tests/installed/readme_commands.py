@@ -16,7 +16,7 @@ from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_paramet
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
-SCREEN = "PYTHONPATH=$PWD/src:$PWD/workflow/lib python -P -m visuohaptic_workflow.screen --cores 2"
+SCREEN = "PYTHONPATH=$PWD/src:$PWD/packages/contourlets/src:$PWD/workflow/lib python -P -m visuohaptic_workflow.screen --cores 2"
 # Three classes, so that one can be unknown, and two of them with a test object and two to train.
 OBJECTS = (
     "bs0_yogurtBottle", "bsby_beer_bottle", "sc_com_bath2_jabon_pijo",

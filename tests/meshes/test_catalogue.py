@@ -32,6 +32,16 @@ def test_the_benchmark_set_has_twelve_classes_and_the_paper_set_in_it():
     assert set(models_of_set(CATALOGUE, "paper")) < set(benchmark)
 
 
+def test_the_odd_set_has_objects_of_known_classes_that_no_other_set_has():
+    odd = models_of_set(CATALOGUE, "odd")
+    counts = Counter(model.category for model in odd)
+    assert counts == {"bed": 2, "bottle": 2, "chair": 12, "lamp": 6}
+    for name in ("benchmark", "outside", "hard"):
+        others = models_of_set(CATALOGUE, name)
+        assert {model.member for model in odd}.isdisjoint(model.member for model in others)
+    assert counts.keys() < {model.category for model in models_of_set(CATALOGUE, "benchmark")}
+
+
 def test_every_model_may_be_passed_on_and_names_its_author():
     for model in read_catalogue(CATALOGUE):
         assert model.credit.author

@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from source_folders import PYTHONPATH
 
 SUFFIXES = ("obj", "ply", "stl", "glb", "off")
 SECONDS_AN_INPUT = 20.0
@@ -136,9 +137,8 @@ class _Reader:
 
     def start(self):
         tests = Path(__file__).parents[1]
-        source = tests.parent / "src"
         environment = dict(os.environ)
-        environment["PYTHONPATH"] = os.pathsep.join([str(tests), str(source)])
+        environment["PYTHONPATH"] = os.pathsep.join([str(tests), PYTHONPATH])
         self.process = subprocess.Popen(
             [sys.executable, "-m", "numerics.fuzzing", "worker", str(self.folder)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment,

@@ -19,7 +19,16 @@ import numpy as np
 import pyarrow.parquet as pq
 from small_experiment import copy_experiment
 
-COPIED = ("Snakefile", "params.yaml", "workflow", "src", "meshes/paper", "meshes/own", "profiles")
+COPIED = (
+    "Snakefile",
+    "params.yaml",
+    "workflow",
+    "src",
+    "packages",
+    "meshes/paper",
+    "meshes/own",
+    "profiles",
+)
 OBJECTS = ("bs0_yogurtBottle", "bsby_chair3")
 SMALL = {
     "viewpoints": {"count": 2},

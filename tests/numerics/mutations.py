@@ -17,7 +17,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-COPIED = ("src", "tests", "meshes/paper", "meshes/catalogue.csv", "pyproject.toml", "params.yaml")
+COPIED = (
+    "src",
+    "packages",
+    "tests",
+    "meshes/paper",
+    "meshes/catalogue.csv",
+    "pyproject.toml",
+    "params.yaml",
+)
 SECONDS = 300
 
 
@@ -34,87 +42,87 @@ class Mutation:
 
 MUTATIONS = (
     Mutation(
-        "a sign in the ladder", "contourlet/filters.py",
+        "a sign in the ladder", "packages/contourlets/src/contourlets/filters.py",
         "LadderStep(1, -root, -1.0, taps, half - 1, half),",
         "LadderStep(1, -root, 1.0, taps, half - 1, half),",
         "test_images.py::test_bands_and_deviations_agree_with_exact_rationals",
     ),
     Mutation(
-        "sensing points half a cell aside", "sensor/imprints.py",
+        "sensing points half a cell aside", "src/visuohaptic/sensor/imprints.py",
         "return (2 * np.arange(resolution) + 1 - resolution) / resolution",
         "return (2 * np.arange(resolution) - resolution) / resolution",
         "test_checks.py::[pressed_spheres]",
     ),
     Mutation(
-        "a tangent frame that is left-handed", "sensor/frames.py",
+        "a tangent frame that is left-handed", "src/visuohaptic/sensor/frames.py",
         "return np.cross(columns, normals)", "return np.cross(normals, columns)",
         "test_checks.py::[frames]",
     ),
     Mutation(
-        "float32 in the distances of the re-cast", "geometry/raycasting.py",
+        "float32 in the distances of the re-cast", "src/visuohaptic/geometry/raycasting.py",
         "hits.distance[rays] = others.distance",
         "hits.distance[rays] = others.distance.astype(np.float32)",
         "test_checks.py::[vertices_and_edges] "
         "test_checks.py::[random_triangles]",
     ),
     Mutation(
-        "distances as Embree's float32 has them", "geometry/raycasting.py",
+        "distances as Embree's float32 has them", "src/visuohaptic/geometry/raycasting.py",
         "np.divide(planes[:, 3] - dot(planes, origins), along, out=distance, where=met)",
         'distance[met] = answer["t_hit"].numpy()[met]',
         "test_checks.py::[random_triangles]",
     ),
     Mutation(
-        "no slack at vertices in the re-cast", "geometry/raycasting.py",
+        "no slack at vertices in the re-cast", "src/visuohaptic/geometry/raycasting.py",
         "inside = (sides >= -slack).all(axis=2) | (sides <= slack).all(axis=2)",
         "inside = (sides > slack).all(axis=2) | (sides < -slack).all(axis=2)",
         "test_checks.py::[vertices_and_edges] "
         "test_checks.py::[leaks]",
     ),
     Mutation(
-        "a missing clamp of the sensor's size", "sensor/adaptive_size.py",
+        "a missing clamp of the sensor's size", "src/visuohaptic/sensor/adaptive_size.py",
         "return np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)",
         "return 2 * half_sizes * (1 - _STAND_CLEAR)",
         "test_checks.py::[tilted_walls] "
         "test_meshes.py::test_a_hard_mesh_ends_in_tables_or_in_a_refusal",
     ),
     Mutation(
-        "a dropped regularisation", "recognition/covariance.py",
+        "a dropped regularisation", "src/visuohaptic/recognition/covariance.py",
         "self.covariance_ += self.floor * np.eye(X.shape[1])",
         "self.covariance_ += 0.0 * np.eye(X.shape[1])",
         "test_checks.py::[classifiers]",
     ),
     Mutation(
-        "skewness of rounding noise", "recognition/sequence_features.py",
+        "skewness of rounding noise", "src/visuohaptic/recognition/sequence_features.py",
         "constant = np.sqrt(second) <= CONSTANT_TOLERANCE * root_mean_square",
         "constant = second <= 0",
         "test_checks.py::[sequence_moments]",
     ),
     Mutation(
-        "no scaling before squares", "contourlet/images.py",
+        "no scaling before squares", "packages/contourlets/src/contourlets/images.py",
         "return np.where(comfortable, 0, exponent).astype(np.intc)",
         "return np.where(comfortable, 0, 0).astype(np.intc)",
         "test_checks.py::[images_in_other_units]",
     ),
     Mutation(
-        "half a focus of inhibition", "attention/scanpath.py",
+        "half a focus of inhibition", "src/visuohaptic/attention/scanpath.py",
         "closed = (distance <= 1.0) | (faded == CLOSED)",
         "closed = (distance <= 0.5) | (faded == CLOSED)",
         "test_checks.py::[noisy_views] "
         "test_checks.py::[inhibition]",
     ),
     Mutation(
-        "a reduction that keeps every other pixel", "attention/pyramid.py",
+        "a reduction that keeps every other pixel", "src/visuohaptic/attention/pyramid.py",
         "return cv2.resize(blur(plane, border), (half, half), interpolation=cv2.INTER_AREA)",
         "return np.ascontiguousarray(blur(plane, border)[::2, ::2][:half, :half])",
         "test_checks.py::[pyramids]",
     ),
     Mutation(
-        "only some failures of a reader are caught", "meshes/model_files.py",
+        "only some failures of a reader are caught", "src/visuohaptic/meshes/model_files.py",
         "except Exception as error:", "except ValueError as error:",
         "test_meshes.py::test_broken_files_are_read_or_refused_in_one_sentence",
     ),
     Mutation(
-        "brightness of denormal numbers", "attention/channels.py",
+        "brightness of denormal numbers", "src/visuohaptic/attention/channels.py",
         "scale = share / np.float32(peak) if peak >= DARKEST else np.zeros_like(share)",
         "scale = share / np.float32(peak) if peak > 0.0 else np.zeros_like(share)",
         "test_checks.py::[hard_views]",
@@ -124,7 +132,7 @@ MUTATIONS = (
 
 def count(mutation):
     """Count how often the line is there; it must be once."""
-    return (ROOT / "src/visuohaptic" / mutation.file).read_text().count(mutation.line)
+    return (ROOT / mutation.file).read_text().count(mutation.line)
 
 
 def run(folder):
@@ -152,7 +160,7 @@ def run(folder):
 
 
 def _try(copy, mutation):
-    file = copy / "src/visuohaptic" / mutation.file
+    file = copy / mutation.file
     text = file.read_text()
     if text.count(mutation.line) != 1:
         raise AssertionError(
@@ -179,7 +187,9 @@ def _pytest(copy, names):
     environment = {
         key: value for key, value in os.environ.items() if not key.startswith(("PYTEST_", "COV_"))
     }
-    environment["PYTHONPATH"] = os.pathsep.join([str(copy / "src"), str(copy / "tests")])
+    environment["PYTHONPATH"] = os.pathsep.join(
+        [str(copy / name) for name in ("src", "packages/contourlets/src", "tests")]
+    )
     environment["PYTHONDONTWRITEBYTECODE"] = "1"
     ended = subprocess.run(
         [

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from datetime import date
 from pathlib import Path
 
-from visuohaptic.stability.findings import Finding, Result, merge_results, worst_of
+from numerics.tolerances import TOLERANCES
+
+from visuohaptic import __version__
+from visuohaptic.report.provenance import describe_machine
+from visuohaptic.stability import findings
+from visuohaptic.stability.findings import Finding, Result, merge_results
 from visuohaptic.stability.rows import result_table
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.stability import STABILITY
+
+
+def worst_of(finding):
+    """Give the worst case of a finding, beside its tolerance."""
+    return findings.worst_of(finding, TOLERANCES)
 
 
 class Recorder:
@@ -40,13 +51,16 @@ class Recorder:
 
     def as_data(self):
         return {
-            "results": [asdict(result) for result in self.results.values()],
+            "results": [asdict(result) | {"tolerance": None} for result in self.results.values()],
             "tables": self.tables,
         }
 
     def merge(self, data):
         """Add what another process found."""
-        found = [Result(**result) for result in data["results"]]
+        found = [
+            Result(**result | {"tolerance": TOLERANCES[result["name"]]})
+            for result in data["results"]
+        ]
         self.results = merge_results([*self.results.values(), *found])
         for table, rows in data["tables"].items():
             self.tables.setdefault(table, []).extend(rows)
@@ -54,8 +68,16 @@ class Recorder:
     def write(self, path, seconds):
         """Write the table of hard cases, and beside it as JSON what does not fit into it."""
         path = Path(path)
-        write_table(STABILITY, result_table(self.results.values(), "full"), path)
-        further = {**self.tables, "seconds": round(seconds, 1)}
+        ordered = [self.results[name] for name in TOLERANCES if name in self.results]
+        write_table(STABILITY, result_table(ordered), path)
+        made = {
+            "version": __version__,
+            "processor": dict(describe_machine())["Processor"],
+            "command": "make test-hard",
+            "date": date.today().isoformat(),
+            "minutes": round(seconds / 60, 1),
+        }
+        further = {"made": made, **self.tables}
         waiting = path.with_name(f".{path.stem}.json.part")
         waiting.write_text(json.dumps(further, indent=1) + "\n", encoding="utf-8")
         waiting.replace(path.with_suffix(".json"))

@@ -1,6 +1,9 @@
 """Views from within an object."""
 
 import pytest
+from numerics.hard_cases.attention import SIZE, judge_view
+from numerics.recording import worst_of
+from numerics.surfaces import ball, lopsided
 
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
@@ -8,9 +11,6 @@ from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.stability.attention import SIZE, judge_view
-from visuohaptic.stability.findings import worst_of
-from visuohaptic.stability.shapes import ball, lopsided
 
 
 @pytest.mark.parametrize("distance", [0.0, 1e-6, 0.3, 0.55, 0.9])

@@ -1,9 +1,9 @@
 """The checks of every run, at more draws than a run has time for."""
 
 import pytest
+from numerics.checks import CHECKS, run_check
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.stability.checks import CHECKS, run_check
 
 SEED = ExperimentParameters().seed
 

@@ -5,11 +5,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from contourlet.definition import toolbox_bands
+from contourlet_definition import toolbox_bands
+from numerics import oracles
+from numerics.hard_cases.images import SIDE, hard_images
 
-from visuohaptic.contourlet import Contourlet, directional_deviations
-from visuohaptic.stability import drawings, oracles
-from visuohaptic.stability.images import SIDE, hard_images
+from contourlets import Contourlet, directional_deviations
+from visuohaptic.stability import drawings
 
 SMALL = 16
 

@@ -6,6 +6,19 @@ import numpy as np
 import pytest
 import trimesh
 from attention.scenes import mirrored, turned
+from numerics.hard_cases.invariance import (
+    KINDS,
+    bases,
+    compare_imprints,
+    describe_otherwise,
+    descriptions_of,
+    drive_of,
+    look,
+    sense,
+    sense_base,
+)
+from numerics.recording import worst_of
+from numerics.surfaces import float32_exact
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.features.describing import describe_imprints
@@ -23,19 +36,6 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
 from visuohaptic.stability import drawings
-from visuohaptic.stability.findings import worst_of
-from visuohaptic.stability.invariance import (
-    KINDS,
-    bases,
-    compare_imprints,
-    describe_otherwise,
-    descriptions_of,
-    drive_of,
-    look,
-    sense,
-    sense_base,
-)
-from visuohaptic.stability.shapes import float32_exact
 
 STEPS = 16
 CAMERAS = place_cameras(ViewpointParameters(count=STEPS))

@@ -3,9 +3,9 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+from numerics.tolerances import U64
 
 from visuohaptic.recognition.tuning import fit_projection
-from visuohaptic.stability.tolerances import U64
 
 SEEDS = st.integers(0, 2**32 - 1)
 

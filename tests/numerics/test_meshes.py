@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numerics.fuzzing import SUFFIXES, fuzz
 from numerics.shapes import hard_meshes, is_one_sentence, run_chain, write_obj
+from numerics.surfaces import draw_triangles
 
 from visuohaptic.errors import MeshError
 from visuohaptic.stability import drawings
-from visuohaptic.stability.shapes import draw_triangles
 
 HARD = hard_meshes(np.random.default_rng(1))
 REFUSED = {

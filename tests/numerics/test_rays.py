@@ -1,10 +1,10 @@
 """Rays that meet nothing."""
 
 import numpy as np
+from numerics.surfaces import ball
 
 from visuohaptic.geometry.raycasting import MISS, RayCaster
 from visuohaptic.stability.rays import everything
-from visuohaptic.stability.shapes import ball
 
 
 def test_a_miss_keeps_no_number_of_a_face():

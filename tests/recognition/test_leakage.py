@@ -1,5 +1,7 @@
 """Nothing that is fitted or chosen has seen a test object."""
 
+import itertools
+
 import numpy as np
 import pytest
 from recognition.synthetic import features_table
@@ -95,10 +97,13 @@ CHANGES = {
 }
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("pipeline", ["paper", "best"])
-@pytest.mark.parametrize("change", CHANGES)
-@pytest.mark.parametrize("split", SPLITS, ids=lambda split: f"split{split.number}")
+CASES = [
+    pytest.param(*case, marks=pytest.mark.slow if place else ())
+    for place, case in enumerate(itertools.product(["paper", "best"], CHANGES, SPLITS))
+]
+
+
+@pytest.mark.parametrize(("pipeline", "change", "split"), CASES)
 def test_other_test_objects_change_nothing_that_is_fitted(pipeline, change, split, monkeypatch):
     before = everything_fitted(pipeline, SEQUENCES, split, monkeypatch)
     after = everything_fitted(pipeline, changed(split, **CHANGES[change]), split, monkeypatch)

@@ -10,9 +10,10 @@ from recognition.synthetic import features_table, with_column
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition import model as recognition_model
+from visuohaptic.recognition import stored_models
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.stored_models import FORMAT
 
 TABLE = features_table(objects=(3, 3), separation=3.0)
 PARAMETERS = RecognitionParameters()
@@ -97,8 +98,8 @@ def test_other_skops_files_broken_and_missing_ones_are_refused(tmp_path):
     path.write_bytes(skops.io.dumps({"format": "something else"}))
     with pytest.raises(RecognitionError, match="train it again"):
         recognition.load_model(path)
-    path.write_bytes(skops.io.dumps({"format": "visuohaptic recognition model 4"}))
-    with pytest.raises(RecognitionError, match=r"lacks parts of a model .*parameters"):
+    path.write_bytes(skops.io.dumps({"format": FORMAT}))
+    with pytest.raises(RecognitionError, match=r"lacks parts of a model.*model"):
         recognition.load_model(path)
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("a", "b")
@@ -112,10 +113,10 @@ def test_a_small_file_that_unpacks_to_a_large_one_is_refused_before_it_is_unpack
     tmp_path, monkeypatch
 ):
     path = tmp_path / "m.skops"
-    state = {"format": "visuohaptic recognition model 4", "zeros": np.zeros(10**6)}
+    state = {"format": FORMAT, "zeros": np.zeros(10**6)}
     path.write_bytes(skops.io.dumps(state, compression=zipfile.ZIP_DEFLATED))
     assert path.stat().st_size < 10**5
-    monkeypatch.setattr(recognition_model, "LARGEST_BYTES", 10**6)
+    monkeypatch.setattr(stored_models, "LARGEST_BYTES", 10**6)
     monkeypatch.setattr(skops.io, "loads", lambda *_, **__: pytest.fail("unpacked"))
     with pytest.raises(RecognitionError, match="unpacks to 8 MB; at most 1 MB are allowed"):
         recognition.load_model(path)
@@ -170,30 +171,27 @@ def test_no_touch_is_refused_in_a_sentence():
         model.recognise(TABLE.slice(0, 0))
 
 
-def test_a_model_of_the_second_format_is_read_and_compares_objects_without_their_touches(tmp_path):
+@pytest.mark.parametrize(
+    ("part", "change", "reason"),
+    [
+        (("encoder", "projection", "components"), lambda rows: rows[:, :-1], "22 features"),
+        (("encoder", "waves", "phases"), lambda rows: rows[:-1], "broadcast"),
+        (("tuned", "combination", "temperatures"), lambda rows: rows * np.nan, "no number"),
+        (("classes",), lambda names: [*names, "one more"], "no probabilities of 3 classes"),
+        (("encoder", "part"), lambda _: "Popen", "Popen"),
+    ],
+)
+def test_a_model_whose_parts_do_not_belong_together_is_refused_in_a_sentence(
+    tmp_path, part, change, reason
+):
+    path = tmp_path / "m.skops"
     model = recognition.fit_model(TABLE, "best", "support_vector_machine", PARAMETERS, 1)
-    recognition.save_model(model, tmp_path / "a.skops")
-    state = skops.io.loads((tmp_path / "a.skops").read_bytes())
-    state["format"] = "visuohaptic recognition model 2"
-    del state["calibration"]["touches"]
-    state["calibration"]["evidence"] = state["calibration"]["evidence"][..., :2]
-    (tmp_path / "b.skops").write_bytes(skops.io.dumps(state))
-    rows = rows_of(TABLE, "class1", "object2")
-    answer = recognition.load_model(tmp_path / "b.skops").answer(rows)
-    assert answer.probabilities == model.answer(rows).probabilities
-    assert answer.candidates == model.answer(rows).candidates
-    assert 0 <= answer.strangeness <= 1
-
-
-def test_a_model_of_the_first_format_is_read_and_answers_by_mean_probability(tmp_path):
-    without = PARAMETERS.model_copy(
-        update={"best": PARAMETERS.best.model_copy(update={"bags": ()})}
-    )
-    model = recognition.fit_model(TABLE, "best", "support_vector_machine", without, 1)
-    recognition.save_model(model, tmp_path / "a.skops")
-    state = skops.io.loads((tmp_path / "a.skops").read_bytes())
-    state["format"] = "visuohaptic recognition model 1"
-    del state["bags"]
-    (tmp_path / "b.skops").write_bytes(skops.io.dumps(state))
-    rows = rows_of(TABLE, "class1", "object2")
-    assert recognition.load_model(tmp_path / "b.skops").recognise(rows) == model.recognise(rows)
+    recognition.save_model(model, path)
+    state = skops.io.loads(path.read_bytes())
+    inside = state["model"]
+    for name in part[:-1]:
+        inside = inside[name]
+    inside[part[-1]] = change(inside[part[-1]])
+    path.write_bytes(skops.io.dumps(state))
+    with pytest.raises(RecognitionError, match=f"don't belong together .*{reason}"):
+        recognition.load_model(path)

@@ -7,7 +7,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
-import skops.io
 from recognition.synthetic import features_table, sequences_of
 
 from visuohaptic import recognition
@@ -181,20 +180,6 @@ def test_no_training_object_is_compared_by_what_has_learnt_it(monkeypatch):
     for (owners, before), (_, after) in zip(folds, learnt[1:], strict=True):
         same = np.array_equal(before.bags.coefficients, after.bags.coefficients)
         assert same == (3 not in owners)
-
-
-def test_a_model_of_the_third_format_is_read_and_names_few_touches_as_before(model, tmp_path):
-    recognition.save_model(model, tmp_path / "a.skops")
-    loaded = recognition.load_model(tmp_path / "a.skops")
-    state = skops.io.loads((tmp_path / "a.skops").read_bytes())
-    state["format"] = "visuohaptic recognition model 3"
-    del state["short"]
-    (tmp_path / "b.skops").write_bytes(skops.io.dumps(state))
-    older = recognition.load_model(tmp_path / "b.skops")
-    for touches in (1, 5):
-        rows = one_view(NEW, touches)[0][1]
-        assert loaded.answer(rows) == model.answer(rows)
-        assert older.answer(rows) == dataclasses.replace(model, short={}).answer(rows)
 
 
 def test_without_bags_or_a_second_object_nothing_more_is_learnt_or_compared():

@@ -96,6 +96,7 @@ def write_study(folder, name, rows, **columns):
         "p_value": [None if row[3] is None else 0.5 for row in rows],
         "adjusted_p": [None if row[3] is None else 1.0 for row in rows],
         "objects": [None if gone else 12 for gone in missing], "remade": "touches",
+        **{name: [None] * len(rows) for name in ("lead", "lead_low", "lead_high", "lead_p")},
         "seconds": [None if gone else 2.0 for gone in missing],
         "error": ["too small." if gone else None for gone in missing],
     }  # fmt: skip

@@ -11,15 +11,17 @@ from visuohaptic.report.certainty import (
     HEIGHT,
     certainty_figures,
     coverage_chart,
+    evaluation_figures,
     strangeness_chart,
 )
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import read_run
 from visuohaptic.report.run_folder import find_run
 from visuohaptic.studies.certainty import summarise_certainty
+from visuohaptic.studies.evaluation.models import MeasuredEvaluation
 from visuohaptic.studies.figures import write_json
 from visuohaptic.tables.schema import build_table, write_table
-from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
+from visuohaptic.tables.studies import CERTAINTY, EVALUATION, STATED_COVERAGES
 
 
 def certainty_table(fits=(0.05, 0.15, 0.45, 0.95), strange=(0.25, 0.65, 0.95, 1.0), candidates=1):
@@ -50,6 +52,47 @@ def write_certainty(folder, **columns):
     (folder / "reports").mkdir(exist_ok=True)
     write_json(found, folder / "reports/certainty.json")
     return folder / "results/certainty.parquet", folder / "reports/certainty.json"
+
+
+def evaluation_table():
+    """Give four objects that a model has not learnt, named by 1 view in two ways and by 2, and one of no known class."""
+    rows = [
+        {
+            "strategy": "fixation", "classifier": "naive_bayes", "class": category, "object": f"new{place}",
+            "views": views, "bag": bag, "known": category != "ball", "correct": place < 2,
+            "covered": place < 3, "candidates": 1 + views, "unknown": place == 3,
+            "stated": 0.9, "learnt": 7,
+        }
+        for place, category in enumerate(("cup", "cup", "box", "box", "ball"))
+        for views, bag in ((1, 0), (1, 1), (2, 0))
+    ]  # fmt: skip
+    return build_table(EVALUATION, {name: [row[name] for row in rows] for name in rows[0]})
+
+
+def test_the_sentence_on_new_objects_has_coverage_beside_what_is_stated():
+    found = evaluation_figures(MeasuredEvaluation(evaluation_table()), IntervalParameters(), 1)
+    assert (found.objects, found.learnt, found.classes) == (4, 7, "box (2), cup (2)")
+    assert [row["views"] for row in found.rows] == [1, 2]
+    (sentence,) = found.sentences
+    assert sentence.replace("\N{NO-BREAK SPACE}", " ") == (
+        "Eye fixations, 2 views: 50.0 % are correctly classified; the set, stated at 90 %, holds the "
+        "class of 75.0 %, with 3.00 classes on average; 25.0 % are called unknown."
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("measured", [True, False])
+def test_the_page_shows_the_runs_evaluation_or_the_one_kept_with_the_package(tmp_path, measured):
+    folder = lay_out(tmp_path)
+    if measured:
+        write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
+    found = find_run(folder)
+    page = read_page(render_page(read_run(found.files, found.parameters, found.objects)))
+    assert page.mismatches == []
+    assert (
+        "a model that learnt 7 objects names 4 others: box (2), cup (2)" in page.text
+    ) == measured
+    assert ("a model that learnt 142 objects names 22 others, of set odd" in page.text) != measured
 
 
 def test_the_chart_of_coverage_counts_the_sets_that_would_hold_the_class():

@@ -1,7 +1,5 @@
 """The chart of seconds against error rate puts every setting where its figures say, errors of 0 apart."""
 
-import re
-
 import numpy as np
 import pytest
 from report.pages import read_page
@@ -13,9 +11,9 @@ from visuohaptic.report.cost import (
     HEIGHT,
     advise,
     advise_robot,
-    cost_answer,
     cost_chart,
     cost_figures,
+    cost_verdict,
     read_cost,
     time_parts,
 )
@@ -138,7 +136,7 @@ def test_the_first_sentences_do_not_depend_on_an_order_that_timing_leaves_open()
         for place, row in enumerate(rows):
             row |= {"as_quick": place < 3, "step": place == 1}
         sentences.add(said(rows)[0])
-        answers.add(re.sub(r"[0-9]+ ms", "", cost_answer(cost_figures(rows, PARAMETERS))))
+        answers.add(cost_verdict(cost_figures(rows, PARAMETERS)).sentence)
     assert len(sentences) == len(answers) == 1
     assert "2 touches" in sentences.pop()
 
@@ -147,9 +145,12 @@ def test_where_the_quickest_setting_is_the_most_accurate_the_answer_names_it_onc
     rows = cost_rows([("1 touch", 0.073, 0.0), ("5 touches", 0.15, 0.01)])
     for place, row in enumerate(rows):
         row |= {"as_quick": place == 0, "step": place == 0}
-    answer = cost_answer(cost_figures(rows, PARAMETERS))
-    assert answer.count("73 ms") == answer.count("at 0.0\N{NO-BREAK SPACE}% wrong") == 1
-    assert "least error of all settings" in answer
+    answer = cost_verdict(cost_figures(rows, PARAMETERS))
+    assert (answer.verdict, answer.number) == ("no", "73 ms")
+    assert "least error of all" in answer.sentence
+    rows[0]["error"], rows[1]["error"], rows[1]["on_front"] = 0.02, 0.0, True
+    answer = cost_verdict(cost_figures(rows, PARAMETERS))
+    assert (answer.verdict, answer.number) == ("depends", "73 ms to 150 ms")
 
 
 def test_settings_of_a_group_are_one_row():

@@ -8,10 +8,10 @@ import pyarrow.parquet as pq
 import pytest
 from report.pages import read_page
 from report.synthetic import lay_out, write_study
-from report.test_certainty import write_certainty
+from report.test_certainty import evaluation_table, write_certainty
 from report.test_gaze import TABLE as GAZED
 from report.test_readings import ROWS
-from report.test_stability import GRAZING, written
+from report.test_stability import ON_OBJECT, written
 from report.test_touches_needed import write_tables
 from studies.cost.test_front import cost_table
 
@@ -24,7 +24,7 @@ from visuohaptic.report.sources import find_sources
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.schemas import SCHEMAS
-from visuohaptic.tables.studies import COST, EFFECT_INFLUENCE, READINGS
+from visuohaptic.tables.studies import COST, EFFECT_INFLUENCE, EVALUATION, READINGS
 
 SHOWN = ("cup/mug", 1)
 WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance"}
@@ -49,11 +49,13 @@ def folder(tmp_path_factory):
     columns = {name: [row[name] for row in ROWS] for name in ROWS[0]}
     write_table(READINGS, build_table(READINGS, columns), results / "readings.parquet")
     write_certainty(folder)
+    write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
     write_table(GAZE, GAZED, results / "gaze/measured.parquet")
     picture = {"object": ["new"], "rank": [0], "correlation": [0.5], "picture": [b"\x89PNG"]}
     pictures = build_table(GAZE_PICTURES, picture)
     write_table(GAZE_PICTURES, pictures, results / "gaze/pictures.parquet")
-    written(results, [GRAZING])
+    (results / "stability").mkdir()
+    written(results / "stability", [ON_OBJECT], "cup/mug")
     (results / "studies").mkdir()
     write_tables(results)
     shutil.move(results / "needed.parquet", results / "touches_needed.parquet")

@@ -1,6 +1,7 @@
-"""Tables of hard cases come onto the page, and nothing else from their drawings does."""
+"""Tables of numerical errors come onto the page, and nothing else from their drawings does."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,24 +10,44 @@ from report.pages import read_page
 from report.synthetic import PARAMETERS, write_run
 
 from visuohaptic.errors import ReportError, TableError
+from visuohaptic.report import sections
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.stability import (
     describe_checks,
-    read_further,
     read_precision,
     read_stability,
     stability_answer,
+    stability_figures,
 )
 from visuohaptic.stability.findings import Result
 from visuohaptic.stability.rows import result_table
+from visuohaptic.stability.stored import StoredHardCases, stored_hard_cases
+from visuohaptic.stability.tolerances import TOLERANCES, Tolerance
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.stability import STABILITY
 
 DRAWING = '<svg viewBox="0 0 1 1"><line x1="0"/></svg>'
-GRAZING = Result("rays/grazing", 1234, 2e-16, "slope 1e-9", DRAWING)
-EXACT = Result("images/stretched imprints", 6, 0.0, "a flat one", "")
-ON_OBJECT = Result("objects/touches by themselves", 4, 0.0, "viewpoint 3, fixation, touch 2", "")
+GRAZING = Result(
+    "rays/grazing",
+    Tolerance(16 * 2.0**-53, "object radii", "along the normal"),
+    1234,
+    2e-16,
+    "slope 1e-9",
+    DRAWING,
+)
+EXACT = Result(
+    "images/stretched imprints", Tolerance(0, "images", "finite"), 6, 0.0, "a flat one", ""
+)
+TOUCHES = "objects/touches by themselves"
+ON_OBJECT = Result(TOUCHES, TOLERANCES[TOUCHES], 4, 0.0, "viewpoint 3, fixation, touch 2", "")
+MADE = {
+    "version": "9.8.7",
+    "processor": "a Z80",
+    "command": "make test-hard",
+    "date": "1976-07-01",
+    "minutes": 17.5,
+}
 MUTATION = {
     "change": "a sign",
     "file": "a.py",
@@ -37,12 +58,23 @@ MUTATION = {
 
 
 def broken(result, error=1.0):
-    return Result(result.name, result.cases, error, result.hardest, result.drawing)
+    return replace(result, worst_error=error)
 
 
-def written(folder, results, key="/", count="reduced", name="stability.parquet"):
-    write_table(STABILITY, result_table(results, count, key), folder / name)
+def written(folder, results, key="/", name="stability.parquet"):
+    write_table(STABILITY, result_table(results, key), folder / name)
     return folder / name
+
+
+@pytest.fixture
+def stored(monkeypatch):
+    """Give what puts results in the place of those that are kept with the package."""
+
+    def store(results, **further):
+        kept = StoredHardCases(result_table(results), MADE, further)
+        monkeypatch.setattr(sections, "stored_hard_cases", lambda: kept)
+
+    return store
 
 
 def page_of(folder, **extras):
@@ -52,50 +84,50 @@ def page_of(folder, **extras):
 
 
 @pytest.mark.slow
-def test_checks_mutations_and_kernels_come_onto_the_page(tmp_path):
+def test_checks_mutations_and_kernels_come_onto_the_page(tmp_path, stored):
     row = {
         "kernel": "ray cast", "settings": "in float64", "worst_error": 1e-15, "rms_error": 1e-16,
         "unit": "distance", "seconds": 0.25, "per": "million rays",
     }  # fmt: skip
-    (tmp_path / "further.json").write_text(json.dumps({"mutations": [MUTATION], "seconds": 3}))
+    stored([GRAZING, EXACT], mutations=[MUTATION])
     (tmp_path / "precision.json").write_text(json.dumps([row]))
     page = page_of(
         tmp_path,
-        stability=written(tmp_path, [GRAZING, EXACT]),
-        stability_full=written(
-            tmp_path, [broken(GRAZING, 1e-15)], count="full", name="full.parquet"
-        ),
-        stability_further=tmp_path / "further.json",
+        stability=written(tmp_path, [ON_OBJECT], "cup/mug"),
         precision=tmp_path / "precision.json",
     )
     assert "stability" in page.values("id")
     assert page.mismatches == []
     for text in (
-        "In this run, at the reduced count", "By make test-hard, at the full count", "1,234", "grazing",
-        "2e-16", "along the normal", "slope 1e-9", "1,240 hard cases of 2 kinds: all within tolerance",
-        "test_a", "in float64",
+        "Objects of this run", "Hard cases of the code", "with version 9.8.7 on a Z80, 1976-07-01",
+        "1,234", "grazing", "2e-16", "along the normal", "slope 1e-9", "viewpoint 3",
+        "1,240 hard cases of 2 kinds: all within tolerance", "test_a", "in float64",
     ):  # fmt: skip
         assert text in page.text, text
     assert "exceeded" not in page.text
 
 
 @pytest.mark.slow
-def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(tmp_path):
+def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(tmp_path, stored):
+    stored([broken(GRAZING, np.inf)])
     (tmp_path / "objects").mkdir()
     for key in ("cup/mug", "ball/marble"):
         result = broken(ON_OBJECT) if key == "cup/mug" else ON_OBJECT
         written(tmp_path / "objects", [result], key, name=f"{key.replace('/', '-')}.parquet")
-    page = page_of(
-        tmp_path,
-        stability=written(tmp_path, [broken(GRAZING, np.inf)]),
-        stability_objects=tmp_path / "objects",
-    )
+    page = page_of(tmp_path, stability=tmp_path / "objects")
     found = " ".join(page.text.split())
     assert page.mismatches == []
-    assert "2 tolerances exceeded (cup/mug: objects, touches by themselves; rays, grazing)" in found
+    assert "8 hard cases of 1 kind: 1 tolerance exceeded (cup/mug: objects, touches" in found
+    assert "1 tolerance exceeded (rays, grazing)" in found
     assert "Numerical checks on this object: 4 hard cases of 1 kind: 1 tolerance exceeded" in found
     assert "Numerical checks on this object: 4 hard cases of 1 kind: all within tolerance" in found
     assert "the worst error is not finite" in found
+
+
+def test_what_is_kept_with_the_package_was_found_at_its_own_version():
+    kept = stored_hard_cases()
+    assert set(kept.made) == set(MADE)
+    assert not stability_figures(kept.table).broken
 
 
 def test_objects_share_a_requirement_and_the_worst_is_named(tmp_path):
@@ -113,20 +145,17 @@ def test_objects_share_a_requirement_and_the_worst_is_named(tmp_path):
 
 def test_the_answer_names_the_requirement_nearest_to_its_tolerance(tmp_path):
     figures = read_stability([written(tmp_path, [GRAZING, EXACT])])
-    sentence, picture = stability_answer(figures)
+    sentence = stability_answer([figures])
     assert sentence == (
         "1,240 hard cases of 2 kinds: all within tolerance, 1 of them without any error; the nearest to "
         "its tolerance, rays, grazing, used 11.26\N{NO-BREAK SPACE}% of it."
     )
-    assert picture.count('class="share"') == 2
-    assert "exceeded" not in picture
 
 
 def test_the_answer_to_an_exceeded_tolerance_names_it(tmp_path):
     figures = read_stability([written(tmp_path, [broken(EXACT), GRAZING])])
-    sentence, picture = stability_answer(figures)
+    sentence = stability_answer([figures])
     assert sentence.endswith("1 tolerance exceeded (images, stretched imprints).")
-    assert 'class="share exceeded"' in picture
     assert describe_checks(figures.checks) == sentence
 
 
@@ -138,7 +167,7 @@ def test_the_answer_to_an_exceeded_tolerance_names_it(tmp_path):
     ],
 )  # fmt: skip
 def test_a_drawing_that_is_more_than_shapes_is_left_out(tmp_path, drawing):
-    result = Result("rays/grazing", 1, 0.0, "", drawing)
+    result = replace(GRAZING, drawing=drawing)
     (check,) = read_stability([written(tmp_path, [result])]).checks
     assert check.drawing == ""
 
@@ -151,7 +180,6 @@ def test_a_plain_drawing_is_shown(tmp_path):
 def test_files_that_are_not_there_leave_the_section_out(tmp_path):
     assert read_stability([]) is None
     assert read_stability([tmp_path / "none.parquet", tmp_path / "none"]) is None
-    assert read_further(None) == {}
     assert read_precision(tmp_path / "none.json") == {}
 
 
@@ -160,8 +188,7 @@ def test_a_file_of_something_else_is_named(tmp_path):
     path.write_text("{")
     with pytest.raises(TableError, match=r"stability.parquet"):
         read_stability([path])
-    for content in ("{", "[3]"):
-        further = tmp_path / "stability.json"
-        further.write_text(content)
-        with pytest.raises(ReportError, match=r"stability.json"):
-            read_further(further)
+    precision = tmp_path / "precision.json"
+    precision.write_text("{")
+    with pytest.raises(ReportError, match=r"precision.json"):
+        read_precision(precision)

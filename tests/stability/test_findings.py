@@ -2,9 +2,16 @@
 
 import numpy as np
 
-from visuohaptic.stability.findings import Finding, merge_results, worst_of
+from visuohaptic.stability import findings
+from visuohaptic.stability.findings import Finding, merge_results
+from visuohaptic.stability.tolerances import TOLERANCES
 
-NAME = "rays/grazing"
+NAME = "objects/frames of touches"
+OTHER = "objects/touches by themselves"
+
+
+def worst_of(finding):
+    return findings.worst_of(finding, TOLERANCES)
 
 
 def test_the_worst_error_is_kept_with_its_case_and_drawing():
@@ -31,13 +38,13 @@ def test_no_case_gives_no_result():
     assert worst_of(Finding(NAME, [])) is None
 
 
-def test_merging_sums_cases_and_keeps_the_worst_in_the_order_of_the_tolerances():
-    first = worst_of(Finding("images/stretched imprints", [0, 0], "a"))
+def test_merging_sums_cases_and_keeps_the_worst_in_the_order_of_their_coming():
+    first = worst_of(Finding(OTHER, [0, 0], "a"))
     results = [
         first,
         worst_of(Finding(NAME, [1.0, 2.0], "b")),
         worst_of(Finding(NAME, 5.0, "c", cases=7)),
     ]
     merged = merge_results(results)
-    assert list(merged) == [NAME, "images/stretched imprints"]
+    assert list(merged) == [OTHER, NAME]
     assert (merged[NAME].cases, merged[NAME].worst_error, merged[NAME].hardest) == (9, 5.0, "c")

@@ -7,6 +7,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
 import trimesh
+from numerics.surfaces import of_trimesh
 from stability.errors import plant
 
 from visuohaptic.attention.parameters import AttentionParameters
@@ -14,10 +15,9 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import find_locations, touch_at
-from visuohaptic.stability import objects, reconstructing
+from visuohaptic.stability import objects
 from visuohaptic.stability.object_files import make_object_stability
 from visuohaptic.stability.objects import SensedObject, check_object
-from visuohaptic.stability.shapes import of_trimesh
 from visuohaptic.tables.phases import FIXATIONS, TOUCHES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.stability import STABILITY
@@ -82,7 +82,7 @@ def test_fixations_that_are_too_close_are_found(sensed):
 
 
 def test_an_imprint_that_is_not_given_back_is_found(sensed, monkeypatch):
-    plant(monkeypatch, reconstructing, "Contourlet")
+    plant(monkeypatch, objects, "Contourlet")
     assert broken(sensed) == ["contourlet reconstruction of imprints"]
 
 

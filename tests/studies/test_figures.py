@@ -51,6 +51,20 @@ def rows_of(cells):
     return {row["condition"]: row for row in table.to_pylist()}
 
 
+def test_a_strategy_is_compared_with_fixation_in_the_same_condition():
+    random = {
+        (name, "paper", "random", "naive_bayes"): cell(WHOLE - 0.1) for name in ("whole", "worse")
+    }
+    rows = study_figures(STUDY_OF, CELLS | random, INTERVALS, 1).to_pylist()
+    lead = {(row["strategy"], row["condition"]): row["lead"] for row in rows}
+    assert lead["random", "whole"] == pytest.approx(0.1)
+    assert lead["random", "worse"] == pytest.approx(-0.1)
+    assert lead["fixation", "whole"] is None
+    whole = next(row for row in rows if row["strategy"] == "random" and row["condition"] == "whole")
+    assert whole["lead_low"] <= whole["lead"] <= whole["lead_high"]
+    assert 0 < whole["lead_p"] <= 1
+
+
 def test_conditions_come_in_their_order_with_a_difference_to_the_first():
     found = rows_of(CELLS)
     assert tuple(found) == NAMES

@@ -26,6 +26,19 @@ def test_conditions_follow_the_one_that_changes_nothing(tmp_path):
     assert "sensor.largest_size" not in found.conditions[0].changes
 
 
+PAIR = "title: P\nconditions:\n  one: {recognition.touches: 1}\n  two: {recognition.touches: 2}\n"
+
+
+def test_a_condition_may_be_compared_with_another_than_the_first(tmp_path):
+    found = study(tmp_path, PAIR + "compared_with: {two: one}\n")
+    assert [one.compared_with for one in found.conditions] == [None, None, "one"]
+
+
+def test_a_condition_that_is_not_there_is_compared_with_nothing(tmp_path):
+    with pytest.raises(ParameterError, match="compared_with: 'three' is no condition of the study"):
+        study(tmp_path, PAIR + "compared_with: {two: three}\n")
+
+
 def test_a_grid_is_every_combination(tmp_path):
     found = study(
         tmp_path, "title: G\ngrid: {recognition.touches: [1, 2], recognition.classifier.neighbours: [1, 3, 5]}\n"
@@ -71,7 +84,7 @@ def test_what_is_common_holds_for_all_and_a_condition_goes_before_it(tmp_path):
         ("title: T\nconditions: {palm: {sensor.largest_size: big}}", "palm: sensor.largest_size is 'big': "),
         ("title: T\ngrid: {recognition.touches: [1, 0]}", "touches 0: recognition.touches is 0: "),
         ("title: T\nconditions: {palm: {meshes.set: hard}}", "palm: meshes.set can't vary"),
-        ("title: T\ncondition: {}", "condition: there is no such entry; title, common, conditions, grid are"),
+        ("title: T\ncondition: {}", "condition: there is no such entry; title, common, conditions, compared_with, grid are"),
         ("title: T", "there is neither `conditions` nor `grid`"),
         ("conditions: {a: {}}", "title: Field required"),
         ("title: T\nconditions: {as run: {}}", "is no name of a condition"),

@@ -52,6 +52,7 @@ def test_touched_scripts_rules_and_modules_rerun_nothing(experiment):
         "workflow/**/*.py",
         "workflow/**/*.smk",
         "src/**/*.py",
+        "packages/**/*.py",
         "params.yaml",
         "Snakefile",
     ):

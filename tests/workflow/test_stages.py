@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from source_folders import SOURCES
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic_workflow.closure import code_of
@@ -25,7 +26,7 @@ def test_a_stage_depends_on_every_module_that_its_scripts_run(stage):
     files = {
         file.relative_to(ROOT)
         for script in SCRIPTS[stage]
-        for file in code_of(ROOT / script, (ROOT / "src", ROOT / "workflow/lib")).files
+        for file in code_of(ROOT / script, tuple(SOURCES)).files
     }
     named = [Path(dependency) for dependency in STAGES[stage]["deps"]]
     missing = [file for file in files if not {file, *file.parents} & set(named)]

@@ -27,7 +27,7 @@ from small_experiment import SMALL_OBJECTS, copy_experiment, set_parameters
 
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "meshes/paper", "meshes/own", "profiles",
+    "workflow", "src", "packages", "meshes/paper", "meshes/own", "profiles",
 )  # fmt: skip
 SMALL = {
     "viewpoints": {"count": 2},
@@ -248,7 +248,7 @@ class CleanRuns:
 
     def results_of(self, walked):
         """Give the results of a clean run of a folder's parameters, code and meshes."""
-        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src"]
+        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src", "packages"]
         key = hashlib.sha256()
         for name in inputs:
             path = walked / name

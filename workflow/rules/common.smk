@@ -9,7 +9,7 @@ from pathlib import Path
 
 # This file's own place: the folder of the Snakefile that was called may be another workflow's.
 ROOT = Path(os.path.abspath(sys._getframe().f_code.co_filename)).parents[2]
-SOURCES = [ROOT / "src", ROOT / "workflow/lib"]
+SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib"]
 sys.path[:0] = map(str, SOURCES)
 
 from visuohaptic_workflow.stopping import (

@@ -19,6 +19,7 @@ rule gaze:
             "gaze.py",
             recordings=RECORDED_GAZE,
             meshes=files_of_gaze((*MODEL_SUFFIXES, *COMPANION_SUFFIXES)),
+            peer=PREDICTED_BY_PEER,
         ),
     output:
         measured=GAZE_TABLES[0],

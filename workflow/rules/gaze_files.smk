@@ -4,15 +4,16 @@ from visuohaptic.gaze.parameters import GAZE_SUFFIXES
 from visuohaptic.meshes.catalogue import COMPANION_SUFFIXES, MODEL_SUFFIXES
 
 
-def files_of_gaze(suffixes):
-    """List the files in the folder of recordings that end in one of some suffixes."""
-    if not PARAMETERS.gaze.folder:
+def files_of_gaze(suffixes, folder=PARAMETERS.gaze.folder):
+    """List the files in a folder, that of the recordings, which end in one of some suffixes."""
+    if not PARAMETERS.gaze.folder or not folder:
         return []
-    files = Path(PARAMETERS.gaze.folder).rglob("*")
+    files = Path(folder).rglob("*")
     return in_clone(sorted(file for file in files if file.suffix.lower() in suffixes))
 
 
 RECORDED_GAZE = files_of_gaze(GAZE_SUFFIXES)
+PREDICTED_BY_PEER = files_of_gaze((*GAZE_SUFFIXES, ".ply"), PARAMETERS.gaze.peer)
 GAZE_TABLES = ["results/gaze/measured.parquet", "results/gaze/pictures.parquet"]
 
 

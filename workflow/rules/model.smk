@@ -1,16 +1,27 @@
 """Model: features of all objects → the recognition model that `visuohaptic recognise` loads.
 
 Takes results/features/; gives results/models/best.skops, which holds no code, and
-results/models/best.yaml, the parameters with which its touches were made. `certainty_all` measures how far the answers
+results/models/best.yaml, the parameters with which its touches were made. A model of other touches than those of the
+first strategy is made by its name, such as results/models/best_random.skops. `certainty_all` measures how far the answers
 of such models can be relied on: results/certainty.parquet and reports/certainty.json.
 """
+
+MODELS = {
+    "best": PARAMETERS.probing.strategies[0],
+    **{f"best_{strategy}": strategy for strategy in PARAMETERS.probing.strategies[1:]},
+}
+VALUES_OF_RULES["model"] = [{"model": name} for name in MODELS]
+
+
+wildcard_constraints:
+    model="|".join(MODELS),
 
 
 rule model_all:
     input:
         "results/models/best.skops",
         "results/models/best.yaml",
-        "results/records/model.json",
+        "results/records/model/best.json",
 
 
 rule study_certainty:
@@ -61,18 +72,18 @@ rule model:
             features=parts_of("features"),
         ),
     output:
-        model="results/models/best.skops",
-        touching="results/models/best.yaml",
-        record="results/records/model.json",
+        model="results/models/{model}.skops",
+        touching="results/models/{model}.yaml",
+        record="results/records/model/{model}.json",
     log:
-        "logs/model.log",
+        "logs/model/{model}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
         key=key_of_rule("model"),
         pipeline="best",
         classifier="support_vector_machine",
-        strategy=PARAMETERS.probing.strategies[0],
+        strategy=lambda wildcards: MODELS[wildcards.model],
         recognition=PARAMETERS.recognition.model_dump(
             exclude={"pipelines", "protocol", "intervals"}
         ),
@@ -81,6 +92,6 @@ rule model:
         ),
         seed=PARAMETERS.seed,
     message:
-        "fitting the recognition model on all objects"
+        "fitting recognition model {wildcards.model} on all objects"
     script:
         "../scripts/model.py"

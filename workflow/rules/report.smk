@@ -4,12 +4,8 @@ Takes results/ and, if they exist, logs/ and credits; gives reports/report.html,
 reports/metrics.json and reports/plots/.
 """
 
-# What `make test-hard` and `make bench` found.
-CHECKS_AND_BENCHMARKS = [
-    "reports/stability.parquet",
-    "reports/stability.json",
-    "reports/precision.json",
-]
+# What `make test-hard` and `visuohaptic evaluate` measured on this machine.
+MEASURED_BESIDE = ["reports/evaluation.parquet", "reports/precision.json"]
 
 
 rule report_all:
@@ -20,6 +16,9 @@ rule report_all:
         "reports/plots/confusion.csv",
         "results/records/metrics.json",
         "results/records/report.json",
+        "results/guards.parquet",
+        "results/records/guards.json",
+        "results/records/guards_hold.json",
 
 
 rule metrics:
@@ -76,7 +75,8 @@ rule report:
             meshes=meshes_of(),
             frontier="results/frontier.parquet",
             influence="results/effect_influence.parquet",
-            stability=["results/stability.parquet", *files_by_block("stability")],
+            stability=files_by_block("stability"),
+            guards="results/guards.parquet",
             # Only where recordings are given.
             gaze=GAZE_TABLES if RECORDED_GAZE else [],
             # Not part of `all`; once present they are shown in the report.
@@ -86,7 +86,7 @@ rule report:
                     for file, study in {**STUDY_FIGURES, **SPECIAL_FIGURES}.items()
                     if is_shown(file, study)
                 ),
-                *in_clone(filter(os.path.exists, CHECKS_AND_BENCHMARKS)),
+                *in_clone(filter(os.path.exists, MEASURED_BESIDE)),
             ],
             credits=CREDITS,
             templates=TEMPLATES,

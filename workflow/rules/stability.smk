@@ -1,39 +1,14 @@
-"""Stability: hard cases with known answers → the worst error of each kind, beside its tolerance.
+"""Stability: each object's mesh, probing locations and imprints → its numerical errors, beside their tolerances.
 
-Takes no file for results/stability.parquet: code and random seed decide what it holds. Of each object it takes
-results/meshes/, results/fixations/ and results/touches/, and gives results/stability/. A tolerance that is exceeded
-fails no job: the tables say so, the report shows it, and the run's last lines name it.
+Takes results/meshes/, results/fixations/ and results/touches/; gives results/stability/. A tolerance that is
+exceeded fails no job: the tables say so, the report shows it, and the run's last lines name it.
 """
 
 
 rule stability_all:
     input:
-        "results/stability.parquet",
-        "results/records/stability.json",
         files_by_block("stability"),
         files_by_block("records/stability", "json"),
-
-
-rule stability:
-    input:
-        takes(
-            "stability",
-            "stability.py",
-        ),
-    output:
-        "results/stability.parquet",
-        record="results/records/stability.json",
-    log:
-        "logs/stability.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("stability"),
-        seed=PARAMETERS.seed,
-    message:
-        "trying hard cases with known answers"
-    script:
-        "../scripts/stability.py"
 
 
 rule stability_of_object:

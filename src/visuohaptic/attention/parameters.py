@@ -107,7 +107,8 @@ class AttentionParameters(BaseModel):
     pixels along the view's longer edge: level n averages over about 2^n / 128 of
     the view, independent of the view's own resolution.
 
-    `weights` may be a name. ``equal``: 1 for every channel. ``human``: the channels and the terms as
+    The default is 1 for the five channels that the paper names, and 0 for the others. `weights` may
+    be a name. ``equal``: 1 for every channel. ``human``: the channels and the terms as
     they were fitted together to where people looked (docs/gaze.md). ``human_channels``: the eight
     channel weights of that fit alone, three of which are 0, without its terms; they were not fitted
     again without terms, for the recordings are not part of this package.
@@ -177,7 +178,7 @@ class AttentionParameters(BaseModel):
                 f"weights is {name!r}; {', '.join(NAMED_WEIGHTS)} or a number a channel is allowed."
             )
         if name == "equal":
-            return {**values, "weights": ChannelWeights()}
+            return {**values, "weights": dict.fromkeys(CHANNELS, 1.0)}
         if name == "human_channels":
             return {**values, "weights": read_learnt()["channels"]}
         if any(dict(values.get("terms") or {}).values()):

@@ -136,8 +136,8 @@ ENTRIES = _by_name(
     Channel("orientation", "Gabor energy at each angle", stacks=_orientation, needs="colours"),
     Channel("contrast", "Local root mean square contrast", _contrast, needs="colours"),
     Channel("curvature", "Curvedness of the surface", _curvature, needs="curvature"),
-    Channel("edge", "Gradient of intensity", _edge, needs="colours"),
-    Channel("entropy", "Entropy of the local grey level histogram", _entropy, needs="colours"),
-    Channel("symmetry", "Radial symmetry of gradients", _symmetry, needs="colours"),
+    Channel("edge", "Gradient of intensity", _edge, needs="colours", weight=0.0),
+    Channel("entropy", "Entropy of the local grey level histogram", _entropy, needs="colours", weight=0.0),
+    Channel("symmetry", "Radial symmetry of gradients", _symmetry, needs="colours", weight=0.0),
 )  # fmt: skip
 """Every channel, in the order in which maps are added up."""

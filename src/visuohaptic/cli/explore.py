@@ -181,7 +181,8 @@ def recognise(
             + (
                 "an object of another class is named one of these all the same"
                 if recogniser.model.calibration is None
-                else "an object that is stranger than nearly all of these is called unknown"
+                else "an object that is stranger than nearly all of these is called unknown, and sets "
+                "hold the class as often as stated for objects like these"
             )
         )
 

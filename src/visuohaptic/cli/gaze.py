@@ -14,6 +14,11 @@ from visuohaptic.cli.printing import say, say_json, show_progress
 if TYPE_CHECKING:
     from visuohaptic.recognition.intervals import Interval
 
+HELD = {
+    "training": "held out in turn",
+    "test": "for tests",
+    "peer": "that the peer predicted",
+}
 TestsOption = Annotated[bool, typer.Option("--tests", help="Measure the objects for tests, too.")]
 
 
@@ -21,6 +26,9 @@ def gaze(
     folder: Annotated[
         Path, typer.Argument(metavar="FOLDER", help="Folder with recordings of gaze and meshes.")
     ],
+    peer: Annotated[
+        Path | None, typer.Option(help="Folder with predictions of others, compared beside ours.")
+    ] = None,
     tests: TestsOption = False,  # noqa: FBT002
     weights: Annotated[
         Path | None, typer.Option(help="Write the fitted weights to this file, as JSON.")
@@ -40,11 +48,11 @@ def gaze(
     """
     from visuohaptic.gaze.files import look_at_folder, write_weights
     from visuohaptic.gaze.measuring import measure_all
-    from visuohaptic.gaze.summary import summarise
+    from visuohaptic.gaze.summary import beside_peer, summarise
     from visuohaptic.parameters import ExperimentParameters
 
     parameters = ExperimentParameters()
-    settings = parameters.gaze.model_copy(update={"folder": str(folder)})
+    settings = parameters.gaze.model_copy(update={"folder": str(folder), "peer": str(peer or "")})
     track: Any = partial(show_progress, doing="looking")
     objects = look_at_folder(
         parameters.viewpoints,
@@ -60,16 +68,17 @@ def gaze(
     if weights is not None:
         write_weights(objects, settings, weights, f"visuohaptic gaze {folder.name}", source)
     parts = {part: summarise(table, part) for part in ("training", "test")}
+    parts["peer"] = beside_peer(table)
     if as_json:
         say_json({part: [_plain(row) for row in rows] for part, rows in parts.items() if rows})
         return
     for part, rows in parts.items():
         if rows:
-            held = "held out in turn" if part == "training" else "for tests"
-            say(f"{rows[0].objects} objects {held}: CC, AUC of the top fifth")
+            base = "the peer's" if part == "peer" else "that of equal weights"
+            say(f"{rows[0].objects} objects {HELD[part]}: CC, AUC of the top fifth, CC less {base}")
         for row in rows:
             cc, auc = (_words(row.measures[name]) for name in ("correlation", "auc_top"))
-            say(f"  {row.predictor.label:36} {cc:>24}  {auc}")
+            say(f"  {row.predictor.label:36} {cc:>24} {auc:>24}  {_words(row.gain)}")
 
 
 def _words(value: Interval) -> str:

@@ -23,6 +23,7 @@ class SetName(StrEnum):
     BENCHMARK = "benchmark"
     OUTSIDE = "outside"
     HARD = "hard"
+    ODD = "odd"
 
 
 SetOption = Annotated[SetName, typer.Option("--set", help="Which objects of the catalogue.")]

@@ -113,7 +113,7 @@ def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
         If one of the two is missing, or the model can't be read safely.
     """
     from visuohaptic.parameters import read_parameters
-    from visuohaptic.recognition.model import load_model
+    from visuohaptic.recognition.stored_models import load_model
 
     path = Path(path)
     if path.is_dir():

@@ -42,12 +42,12 @@ def describe_imprints(
     ParameterError
         If imprints of this resolution can't be divided into 16 bands.
     """
-    from visuohaptic.contourlet import Contourlet, LevelsError, band_deviations, wavelet_deviations
+    from contourlets import Contourlet, LevelsError, band_deviations, wavelet_deviations
 
     if parameters.descriptor == "image_statistics":
         return describe_imprint_shape(imprints)
     if parameters.descriptor == "wavelet":
-        return wavelet_deviations(imprints, "db2", 3)
+        return wavelet_deviations(imprints, "db2", parameters.wavelet_levels)
     if parameters.descriptor == "nonsubsampled_contourlet":
         return nonsubsampled_deviations(imprints)
     try:
@@ -69,7 +69,7 @@ def describe_imprints(
 
 def nonsubsampled_deviations(imprints: NDArray[np.float32]) -> NDArray[np.float64]:
     """Give the deviations (N - 1) of a nonsubsampled contourlet's 16 bands: (n, r, r) to (n, 16)."""
-    from visuohaptic.contourlet import NonsubsampledContourlet
+    from contourlets import NonsubsampledContourlet
 
     bands = NonsubsampledContourlet(levels=(4,)).forward(imprints.astype(np.float64)).levels[0]
     return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)

@@ -19,8 +19,11 @@ class FeatureParameters(BaseModel):
         Field(
             "contourlet",
             description="What describes an imprint: deviations of 16 contourlet bands, of 16 bands of a "
-            "nonsubsampled contourlet, of 9 bands of a wavelet (db2, three levels), or 13 statistics of the imprint",
+            "nonsubsampled contourlet, of the bands of a wavelet (db2, three a level), or 13 statistics of the imprint",
         )
+    )
+    wavelet_levels: int = Field(
+        3, ge=1, le=3, description="Levels of the wavelet (descriptor `wavelet` only)"
     )
     levels: tuple[Annotated[int, Field(ge=0, le=4)], ...] = Field(
         (4,),

@@ -112,7 +112,7 @@ def describe_tactile_images(
     LevelsError
         If the levels are not allowed.
     """
-    from visuohaptic.contourlet import Contourlet, band_deviations
+    from contourlets import Contourlet, band_deviations
 
     transform = Contourlet(tuple(levels), "9-7", "pkva12", "symmetric")
     padded = _pad(images, 2 ** (len(levels) + max(*levels, 1) - 1))

@@ -15,6 +15,7 @@ from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParam
 from visuohaptic.gaze.looking import GazedObject, look_at
 from visuohaptic.gaze.measuring import Track, human_weights, look_at_all, measure_all
 from visuohaptic.gaze.parameters import GazeParameters
+from visuohaptic.gaze.peers import find_peer
 from visuohaptic.gaze.pictures import picture_table
 from visuohaptic.gaze.recordings import find_recordings
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
@@ -41,6 +42,11 @@ def look_at_folder(
     files = [file for file in find_recordings(gaze.folder) if tests or not file.is_test]
     if not files:
         raise GazeError(f"{gaze.folder} has recordings for tests alone; others are needed.")
+    if gaze.peer and not any(find_peer(gaze.peer, file.name) for file in files):
+        raise GazeError(
+            f"{gaze.peer} has no prediction for any recorded object; files such as {files[0].name}.ply "
+            "are."
+        )
     looking = partial(
         look_at,
         viewpoints=viewpoints,

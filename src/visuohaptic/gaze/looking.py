@@ -12,7 +12,7 @@ from visuohaptic.attention.model import feature_planes
 from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
 from visuohaptic.attention.surface_measures import GazedSurface
 from visuohaptic.attention.term_registry import TERMS
-from visuohaptic.attention.terms import SEEN
+from visuohaptic.attention.terms import SEEN, prepare_surface, term_planes
 from visuohaptic.errors import GazeError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.probing import draw_by_area, sees
@@ -20,6 +20,7 @@ from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.gaze.alignment import Alignment, align, grey_surface, reconstruct
 from visuohaptic.gaze.parameters import GazeParameters
+from visuohaptic.gaze.peers import find_peer, read_peer
 from visuohaptic.gaze.recordings import Recording, RecordingFile, read_recording
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
@@ -29,6 +30,12 @@ from visuohaptic.seeds import spawn_generator
 
 FEATURES = (*CHANNELS, *TERMS)
 """What a prediction is a weighted sum of, in order."""
+
+TURNING = ("front", "front_squared", "front_height", "side_squared")
+"""Terms that change where an object turns about the vertical."""
+
+COLUMNS = (*FEATURES, *(f"turned_{name}" for name in TURNING))
+"""`FEATURES`, then what these terms are where the object's front is turned at random."""
 
 MOST_EVALUATED = 4000
 """Recorded points of an object on which predictions are compared with people."""
@@ -53,7 +60,7 @@ class GazedObject:
     gazed : GazedSurface
         Time and area at these points.
     planes : numpy.ndarray
-        Shape (v, k, m, m), float32: `FEATURES` of each view on the maps' grid.
+        Shape (v, k, m, m), float32: `COLUMNS` of each view on the maps' grid.
     shown : numpy.ndarray
         Shape (v, m, m), bool: grid cells that show the object.
     cells : numpy.ndarray
@@ -68,6 +75,8 @@ class GazedObject:
         Time that people spent on the object.
     seen_share : float
         Share of that time on points that a view sees.
+    peer : numpy.ndarray or None
+        Shape (n,), float64: what others predicted at these points; None where nothing is at hand.
     """
 
     name: str
@@ -84,6 +93,7 @@ class GazedObject:
     is_reconstructed: bool
     seconds: float
     seen_share: float
+    peer: NDArray[np.float64] | None = None
 
     @property
     def family(self) -> str:
@@ -127,7 +137,8 @@ def look_at(
     cameras = place_cameras(viewpoints)
     at = placed.points[chosen]
     visible = np.stack([sees(caster, camera, at) for camera in cameras])
-    planes, shown = _feature_planes(caster, cameras, rendering, attention)
+    front = spawn_generator(seed, "gaze front", file.name)
+    planes, shown = _feature_planes(caster, cameras, rendering, attention, front)
     seen: NDArray[np.bool_] = np.asarray(visible.any(axis=0))
     if not (density[chosen] * area[chosen])[seen].sum() > 0:
         raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
@@ -149,6 +160,7 @@ def look_at(
         is_reconstructed=file.mesh is None,
         seconds=float(recording.seconds.sum()),
         seen_share=float(recording.seconds[everywhere].sum() / recording.seconds.sum()),
+        peer=_predicted_by_peer(at, caster, file.name, gaze),
     )
 
 
@@ -191,13 +203,32 @@ def _spread(
     return area, np.divide(time, around, out=np.zeros_like(time), where=around > 0)
 
 
+def _predicted_by_peer(
+    points: NDArray[np.float64], caster: RayCaster, name: str, gaze: GazeParameters
+) -> NDArray[np.float64] | None:
+    from scipy.spatial import cKDTree
+
+    file = find_peer(gaze.peer, name) if gaze.peer else None
+    if file is None:
+        return None
+    theirs, values = read_peer(file, gaze.largest_megabytes)
+    placed = align(theirs, caster, str(file), gaze.largest_error)
+    found: NDArray[np.float64] = values[cKDTree(placed.points).query(points)[1]]
+    return found
+
+
 def _feature_planes(
     caster: RayCaster,
     cameras: list[Camera],
     rendering: RenderingParameters,
     attention: AttentionParameters,
+    front: np.random.Generator,
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Give `COLUMNS` and the cells that show the object; `front` draws how far it is turned."""
     planes, shown = [], []
+    angle = front.uniform(0, 2 * np.pi)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turn = np.array([[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]])
     seen = render_views(caster, cameras, rendering)
     for place, camera in enumerate(cameras):
         found, certainty = feature_planes(
@@ -209,7 +240,11 @@ def _feature_planes(
             camera.eye,
             attention,
         )
-        planes.append(np.stack([found[name] for name in FEATURES]))
+        turned = prepare_surface(
+            seen.mask[place], seen.point[place] @ turn, seen.normal[place], camera.eye
+        )
+        found |= {f"turned_{name}": plane for name, plane in term_planes(turned, TURNING).items()}
+        planes.append(np.stack([found[name] for name in COLUMNS]))
         shown.append(certainty > SEEN)
     return np.stack(planes), np.stack(shown)
 

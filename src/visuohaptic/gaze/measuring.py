@@ -15,8 +15,10 @@ from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import GazedObject
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import (
+    BY_NAME,
     PREDICTORS,
     Predictor,
+    features_of,
     fit_predictor,
     held_out_weights,
     predict,
@@ -53,14 +55,15 @@ def weights_of(
     Those of a training object are fitted without its fold; those of a test object on all training
     objects.
     """
-    if predictor.kind != "fitted":
+    if not predictor.is_fitted:
         return {one.name: dict.fromkeys(predictor.features, 1.0) for one in objects}
     training = [one for one in objects if not one.is_test]
     tests = [one for one in objects if one.is_test]
     found = held_out_weights(training, predictor, gaze.folds, gaze.penalty)
     if tests:
         tested = {one.family for one in tests}
-        fitted = fit_predictor(training, predictor.features, tested, gaze.penalty)
+        features = features_of(predictor, training, gaze.folds, gaze.penalty)
+        fitted = fit_predictor(training, features, tested, gaze.penalty)
         found |= {one.name: fitted for one in tests}
     return found
 
@@ -80,7 +83,9 @@ def measure_all(objects: Sequence[GazedObject], gaze: GazeParameters) -> pa.Tabl
     for predictor in PREDICTORS:
         weights = weights_of(objects, predictor, gaze)
         for one in objects:
-            values = predict(one, weights[one.name], exponential=predictor.kind == "fitted")
+            if predictor.kind == "peer" and one.peer is None:
+                continue
+            values = predict(one, predictor, weights[one.name])
             rows.append(
                 {
                     "object": one.name,
@@ -108,8 +113,7 @@ def human_weights(objects: Sequence[GazedObject], gaze: GazeParameters) -> dict[
     """
     training = sorted((one for one in objects if not one.is_test), key=lambda one: one.name)
     tested = {one.family for one in objects if one.is_test}
-    predictor = next(one for one in PREDICTORS if one.name == "human")
-    weights = fit_predictor(training, predictor.features, tested, gaze.penalty)
+    weights = fit_predictor(training, BY_NAME["human"].features, tested, gaze.penalty)
     rounded = {name: float(np.round(weight, 4)) for name, weight in weights.items()}
     digest = hashlib.sha256("".join(one.digest for one in training).encode()).hexdigest()
     return {

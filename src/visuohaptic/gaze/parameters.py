@@ -17,6 +17,10 @@ class GazeParameters(BaseModel):
         "",
         description="Folder with recorded gaze and meshes; without one, attention is not compared",
     )
+    peer: str = Field(
+        "",
+        description="Folder with predictions of others for the same objects, compared beside ours",
+    )
     largest_megabytes: float = Field(
         64.0, gt=0, le=1e4, description="Files of recorded gaze above this size are refused (MB)"
     )

@@ -15,7 +15,7 @@ from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.gaze.looking import GazedObject
 from visuohaptic.gaze.measuring import weights_of
 from visuohaptic.gaze.parameters import GazeParameters
-from visuohaptic.gaze.predicting import PREDICTORS, predict
+from visuohaptic.gaze.predicting import BY_NAME, predict
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.tables.gaze import GAZE_PICTURES
 from visuohaptic.tables.schema import build_table
@@ -42,15 +42,11 @@ def picture_table(
     order = sorted(found, key=lambda name: (found[name], name))
     ranks = dict.fromkeys([*range(len(order))[:WORST], *range(len(order))[-BEST:]])
     by_name = {one.name: one for one in objects}
-    predictors = {one.name: one for one in PREDICTORS if one.name in PANELS}
-    weights = {name: weights_of(objects, predictors[name], gaze) for name in PANELS}
+    weights = {name: weights_of(objects, BY_NAME[name], gaze) for name in PANELS}
     pictures = []
     for rank in ranks:
         one = by_name[order[rank]]
-        values = [
-            predict(one, weights[name][one.name], exponential=predictors[name].kind == "fitted")
-            for name in PANELS
-        ]
+        values = [predict(one, BY_NAME[name], weights[name][one.name]) for name in PANELS]
         pictures.append(draw_values(one, [one.gazed.density, *values]))
     return build_table(
         GAZE_PICTURES,

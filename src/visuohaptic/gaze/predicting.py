@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.attention.surface_measures import correlation
 from visuohaptic.attention.term_registry import TERMS
 from visuohaptic.errors import GazeError
-from visuohaptic.gaze.looking import FEATURES, GazedObject
+from visuohaptic.gaze.looking import COLUMNS, FEATURES, TURNING, GazedObject
 
 MOST_FITTED = 1500
 """Points of an object that weights are fitted to, evenly spread over the evaluated ones."""
@@ -30,20 +31,31 @@ class Predictor:
     name, label : str
         What tables and the report call it.
     features : tuple of str
-        What it uses, out of `FEATURES`; none for a prediction that is the same all over.
-    kind : {"floor", "sum", "fitted"}
+        What it uses, out of `COLUMNS`; none for a prediction that is the same all over.
+    kind : {"floor", "sum", "fitted", "chosen", "peer"}
         ``floor`` and ``sum`` add features with weight 1; ``fitted`` is log-linear, with weights
-        fitted to other objects.
+        fitted to other objects; ``chosen`` also uses those features alone that `choose_features`
+        keeps on other objects; ``peer`` was predicted by others.
     """
 
     name: str
     label: str
     features: tuple[str, ...]
-    kind: Literal["floor", "sum", "fitted"]
+    kind: Literal["floor", "sum", "fitted", "chosen", "peer"]
+
+    @property
+    def is_fitted(self) -> bool:
+        """Whether weights are fitted to other objects."""
+        return self.kind in ("fitted", "chosen")
 
 
 def _of_kind(*kinds: str) -> tuple[str, ...]:
     return tuple(name for name, term in TERMS.items() if term.kind in kinds)
+
+
+def _turned(features: tuple[str, ...]) -> tuple[str, ...]:
+    """Give the same features of objects whose front is turned at random."""
+    return tuple(f"turned_{name}" if name in TURNING else name for name in features)
 
 
 PREDICTORS = (
@@ -56,22 +68,32 @@ PREDICTORS = (
     Predictor("view", "channels, centre and facing", (*CHANNELS, *_of_kind("view")), "fitted"),
     Predictor("place", "place on the object alone", _of_kind("place"), "fitted"),
     Predictor("shape", "all but place", (*CHANNELS, *_of_kind("view", "shape")), "fitted"),
+    Predictor(
+        "place_turned", "place, front turned at random", _turned(_of_kind("place")), "fitted"
+    ),
+    Predictor("human_turned", "all, front turned at random", _turned(FEATURES), "fitted"),
     Predictor("human", "all channels and terms", FEATURES, "fitted"),
+    Predictor("chosen", "those chosen within the folds", FEATURES, "chosen"),
+    Predictor("peer", "the peer's prediction", (), "peer"),
 )
 """Every predictor, floors first."""
 
+BY_NAME = {one.name: one for one in PREDICTORS}
+
 
 def predict(
-    one: GazedObject, weights: Mapping[str, float], *, exponential: bool
+    one: GazedObject, predictor: Predictor, weights: Mapping[str, float]
 ) -> NDArray[np.float64]:
     """Give the saliency of each point over all views; a view that does not see it adds 0.
 
-    A log-linear model has the exponential of the weighted features, averaged over the views that see
+    A fitted model has the exponential of the weighted features, averaged over the views that see
     a point, times the share of views that see it: what `fit_predictor` fits. Otherwise it is the mean over
     all views of the weighted sum, as a share of each view's maximum, as the eye has it.
     """
-    factors = np.array([weights.get(name, 0.0) for name in FEATURES])
-    if exponential:
+    if one.peer is not None and predictor.kind == "peer":
+        return np.where(one.gazed.seen, one.peer, 0.0)
+    factors = np.array([weights.get(name, 0.0) for name in COLUMNS])
+    if predictor.is_fitted:
         exponent = one.features @ factors
         value = np.exp(exponent - exponent[one.gazed.seen].max())
         return np.where(one.gazed.seen, value, 0.0) * one.visible.mean(axis=0)
@@ -103,7 +125,7 @@ def fit_predictor(
     objects : sequence of GazedObject
         Objects to learn from.
     features : collection of str
-        Out of `FEATURES`.
+        Out of `COLUMNS`.
     tested : collection of str
         Families of the objects that are used for tests.
     penalty : float
@@ -127,10 +149,60 @@ def fit_predictor(
         )
     if not objects:
         raise GazeError("there are 0 objects to fit weights to; at least 1 is needed.")
+    return _fit(objects, features, penalty, {})[0]
+
+
+def choose_features(
+    objects: Sequence[GazedObject], features: Collection[str], folds: int, penalty: float
+) -> tuple[str, ...]:
+    """Choose the features to fit weights to, on some objects alone.
+
+    Recursive elimination (Guyon, Weston, Barnhill & Vapnik 2002, Machine Learning 46): weights are
+    fitted, the feature whose weight is smallest, in standard deviations, is left out, and so on. So
+    many features are kept as correlate best with people's time on parts of the objects that are held
+    out in turn; of equally good numbers the smallest. With fewer than two families of objects, none
+    can be held out, and all features are kept.
+    """
+    families = assign_folds(objects, folds)
+    if len(families) < 2:
+        return tuple(features)
+    scores = np.zeros(len(features))
+    for fold in sorted(set(families.values())):
+        training = [one for one in objects if families[one.family] != fold]
+        held = [one for one in objects if families[one.family] == fold]
+        for weights in _eliminate(training, features, penalty):
+            found = [
+                correlation(predict(one, BY_NAME["human"], weights), one.gazed) for one in held
+            ]
+            scores[len(weights) - 1] += sum(found)
+    kept = int(scores.argmax()) + 1
+    return next(
+        tuple(weights) for weights in _eliminate(objects, features, penalty) if len(weights) == kept
+    )
+
+
+def _eliminate(
+    objects: Sequence[GazedObject], features: Collection[str], penalty: float
+) -> Iterator[dict[str, float]]:
+    """Give fitted weights of all features, then without the least of them, down to one."""
+    scaled = dict.fromkeys(features, 0.0)
+    while scaled:
+        weights, scaled = _fit(objects, scaled, penalty, scaled)
+        yield weights
+        del scaled[min(scaled, key=lambda name: abs(scaled[name]))]
+
+
+def _fit(
+    objects: Sequence[GazedObject],
+    features: Collection[str],
+    penalty: float,
+    start: Mapping[str, float],
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Give the weights of `fit_predictor`, and the same in standard deviations, as `start` has them."""
     from scipy.optimize import minimize
 
-    chosen = tuple(name for name in FEATURES if name in set(features))
-    columns = [FEATURES.index(name) for name in chosen]
+    chosen = tuple(name for name in COLUMNS if name in set(features))
+    columns = [COLUMNS.index(name) for name in chosen]
     parts = [_example(one, columns) for one in objects]
     rows = np.concatenate([part[0] for part in parts])
     offsets = np.concatenate([part[1] for part in parts])
@@ -154,20 +226,31 @@ def fit_predictor(
     bounds = [(0.0, None) if name in CHANNELS else (None, None) for name in chosen]
     found = minimize(
         loss,
-        np.zeros(len(chosen)),
+        np.array([start.get(name, 0.0) for name in chosen]),
         jac=True,
         method="L-BFGS-B",
         bounds=bounds,
         options={"maxiter": 500, "ftol": _CONVERGED, "gtol": 1e-6},
     )
     weights = np.where(used, found.x / np.where(used, deviation, 1.0), 0.0)
-    return dict(zip(chosen, weights.tolist(), strict=True))
+    both = weights, np.where(used, found.x, 0.0)
+    first, second = (dict(zip(chosen, values.tolist(), strict=True)) for values in both)
+    return first, second
 
 
 def assign_folds(objects: Sequence[GazedObject], folds: int) -> dict[str, int]:
     """Give each family of objects its fold, in turn by name, so that no family is in two."""
     families = sorted({one.family for one in objects})
     return {family: place % folds for place, family in enumerate(families)}
+
+
+def features_of(
+    predictor: Predictor, objects: Sequence[GazedObject], folds: int, penalty: float
+) -> tuple[str, ...]:
+    """Give the features that a predictor has, or chooses on some objects."""
+    if predictor.kind != "chosen":
+        return predictor.features
+    return choose_features(objects, predictor.features, folds, penalty)
 
 
 def held_out_weights(
@@ -179,7 +262,8 @@ def held_out_weights(
     for fold in sorted(set(fold_of.values())):
         tested = {family for family, place in fold_of.items() if place == fold}
         training = [one for one in objects if one.family not in tested]
-        by_fold[fold] = fit_predictor(training, predictor.features, tested, penalty)
+        features = features_of(predictor, training, folds, penalty)
+        by_fold[fold] = fit_predictor(training, features, tested, penalty)
     return {one.name: by_fold[fold_of[one.family]] for one in objects}
 
 

@@ -124,7 +124,7 @@ def read_recording(path: str | Path, largest_megabytes: float = 64.0) -> Recordi
         is not finite or a time below 0, or nobody looked at any point.
     """
     path = Path(path)
-    data = _read_bounded(path, largest_megabytes)
+    data = read_bounded(path, largest_megabytes)
     read = _read_archive if path.suffix.lower() == ".npz" else _read_text
     points, normals, seconds = read(data, path, largest_megabytes)
     if not np.isfinite(seconds).all() or (seconds < 0).any():
@@ -140,7 +140,8 @@ def read_recording(path: str | Path, largest_megabytes: float = 64.0) -> Recordi
     return Recording(path.stem, points, normals, seconds, hashlib.sha256(data).hexdigest())
 
 
-def _read_bounded(path: Path, largest_megabytes: float) -> bytes:
+def read_bounded(path: Path, largest_megabytes: float) -> bytes:
+    """Read a file whole; `GazeError` if it can't be read or is larger than so many 10⁶ bytes."""
     largest = int(largest_megabytes * 10**6)
     try:
         with path.open("rb") as stream:

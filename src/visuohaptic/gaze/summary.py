@@ -28,7 +28,7 @@ class PredictorRow:
     measures : mapping of str to Interval
         By the names of `SHOWN`.
     gain : Interval
-        Correlation less that of `equal`, over the same objects.
+        Correlation less that of what it is compared with, over the same objects.
     positive : int
         Objects on which the correlation is above 0.
     objects : int
@@ -42,15 +42,29 @@ class PredictorRow:
     objects: int
 
 
-def summarise(table: pa.Table, part: str) -> list[PredictorRow]:
-    """Sum up rows of `tables.GAZE` of one part, in the order of `PREDICTORS`; empty without rows."""
+def summarise(table: pa.Table, part: str, against: str = "equal") -> list[PredictorRow]:
+    """Sum up rows of `tables.GAZE` of one part, in the order of `PREDICTORS`; empty without rows.
+
+    Those of a peer are left out, as it has other objects. Gains are over predictor `against`.
+    """
     rows = [row for row in table.to_pylist() if row["part"] == part]
-    by_name: dict[str, list[dict[str, Any]]] = {}
+    return _summed([row for row in rows if row["predictor"] != "peer"], against)
+
+
+def beside_peer(table: pa.Table) -> list[PredictorRow]:
+    """Sum up rows of the objects that a peer predicted, with gains over it; empty without a peer."""
+    rows = table.to_pylist()
+    known = {row["object"] for row in rows if row["predictor"] == "peer"}
+    return _summed([row for row in rows if row["object"] in known], "peer")
+
+
+def _summed(rows: Sequence[Mapping[str, Any]], against: str) -> list[PredictorRow]:
+    by_name: dict[str, list[Mapping[str, Any]]] = {}
     for row in sorted(rows, key=lambda row: str(row["object"])):
         by_name.setdefault(row["predictor"], []).append(row)
     if not by_name:
         return []
-    base = _figures(by_name["equal"])[:, 0]
+    base = _figures(by_name[against])[:, 0]
     return [
         _row(predictor, _figures(by_name[predictor.name]), base)
         for predictor in PREDICTORS

@@ -13,10 +13,10 @@ from typing import Literal
 from visuohaptic.errors import CatalogueError
 from visuohaptic.optional_packages import what_is_missing
 
-ObjectSet = Literal["paper", "benchmark", "outside", "hard"]
+ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd"]
 """`paper`: 12 objects in 4 classes. `benchmark`: 142 in 12, the 12 among them; `outside`: the other 130.
 
-`hard`: the plants.
+`hard`: the plants. `odd`: 22 unusual objects of four of the twelve classes, for tests alone.
 """
 
 MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".3mf", ".dae")
@@ -37,6 +37,7 @@ _MEMBERS_OF_SET = {
     "benchmark": ("paper", "benchmark"),
     "outside": ("benchmark",),
     "hard": ("hard",),
+    "odd": ("odd",),
 }
 # Snakemake takes <name> for a variable of its own; U+D800 to U+DFFF are bytes that are no text.
 _FORBIDDEN_IN_NAMES = re.compile(r"[\x00-\x1f\ud800-\udfff/\\{}<>*?\[\]]|^[.\-_ ]|[. ]$")

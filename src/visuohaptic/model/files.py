@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from visuohaptic.recognition.classifiers import ClassifierName
-from visuohaptic.recognition.model import fit_model, save_model
+from visuohaptic.recognition.model import fit_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import take_strategy
+from visuohaptic.recognition.stored_models import save_model
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 

@@ -1,9 +1,9 @@
 from .experiment import run_pipeline as run_pipeline
 from .model import RecognitionModel as RecognitionModel
 from .model import fit_model as fit_model
-from .model import load_model as load_model
-from .model import save_model as save_model
 from .parameters import RecognitionParameters as RecognitionParameters
+from .stored_models import load_model as load_model
+from .stored_models import save_model as save_model
 from .summary import Confusion as Confusion
 from .summary import confusion as confusion
 from .summary import select as select

@@ -47,26 +47,25 @@ class Landmarks:
     objects : numpy.ndarray
         Shape (r, q), float64: the mean over each training object's sequences, among the projected
         descriptors.
-    touches : KnownTouches or None
-        Their touches; None in models of the second format.
+    touches : KnownTouches
+        Their touches.
     """
 
     objects: NDArray[np.float64]
-    touches: KnownTouches | None
+    touches: KnownTouches
 
     def evidence(
-        self, projected: NDArray[np.float64], scores: NDArray[np.float64], nearest: float | None
+        self, projected: NDArray[np.float64], scores: NDArray[np.float64], nearest: float
     ) -> NDArray[np.float64]:
         """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
 
         `projected` are its sequences, shape (n, p), and `scores` what they score, shape (n, c). The signs
         are the distance from the nearest training object, the negative of the highest mean score of a
-        class, and, where touches were kept, their distance from the nearest object's as sets, `nearest`.
+        class, and the distance of its touches from the nearest object's as sets, `nearest`.
         """
         seen = projected[:, : self.objects.shape[1]]
         distance = np.linalg.norm(self.objects - seen.mean(axis=0), axis=1).min()
-        signs = [distance, -scores.mean(axis=0).max()]
-        return np.array(signs if nearest is None else [*signs, nearest])
+        return np.array([distance, -scores.mean(axis=0).max(), nearest])
 
 
 @dataclass(frozen=True)
@@ -146,8 +145,7 @@ class Calibration:
             By bags of as many sequences, or of the next smaller number.
         """
         size = self._size(len(projected))
-        known_touches = self.landmarks.touches
-        nearest = None if known_touches is None else known_touches.nearest(touches)
+        nearest = self.landmarks.touches.nearest(touches)
         evidence = self.landmarks.evidence(projected, classifier.scores(projected), nearest)
         strange = self.strangeness(size, evidence)
         rank = np.sum(self.strangeness(size, self.evidence[size]) >= strange)

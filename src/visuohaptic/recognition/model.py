@@ -1,12 +1,9 @@
-"""A trained recogniser: fitted on the objects at hand, saved so that loading runs no code."""
+"""A trained recogniser, fitted on the objects at hand."""
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -16,7 +13,6 @@ from visuohaptic import __version__
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.certainty import (
     Calibration,
-    Landmarks,
     SequenceClassifier,
     fit_calibration,
     one_classifier,
@@ -28,35 +24,22 @@ from visuohaptic.recognition.descriptors import (
     draw_waves,
 )
 from visuohaptic.recognition.encoding import (
-    FeatureGroups,
     SequenceEncoder,
-    Standardiser,
     fit_sequence_encoder,
 )
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import BagClassifier, Combination, pool_answers
-from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
+from visuohaptic.recognition.pooling import pool_answers
 from visuohaptic.recognition.sequences import (
     TouchSequences,
     first_touches,
     gather_any,
     spread_contact_states,
 )
-from visuohaptic.recognition.set_distance import KnownTouches
 from visuohaptic.recognition.short_sequences import ShortClassifier, fit_short_classifiers
 from visuohaptic.recognition.splits import check_two_classes
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.whole_files import whole_file
-
-FORMAT = "visuohaptic recognition model 4"
-OLDER_FORMATS = tuple(f"visuohaptic recognition model {number}" for number in (1, 2, 3))
-"""Models without a classifier of bags; without touches to compare an object's with; without classifiers
-of short sequences."""
-
-LARGEST_BYTES = 2**30
-"""A model file that unpacks to more is refused; one of 142 objects has some megabytes."""
 
 
 @dataclass(frozen=True)
@@ -142,8 +125,8 @@ class RecognitionModel:
     tuned : TunedClassifier
         The classifier.
     calibration : Calibration or None
-        Training objects, each named without itself; None in pipeline `paper`, in models of the first
-        format, and where no class has a second object.
+        Training objects, each named without itself; None in pipeline `paper`, and where no class has a
+        second object.
     short : mapping of int to ShortClassifier
         What names sequences of fewer touches, by their number; empty where none was wanted.
     """
@@ -215,6 +198,14 @@ class RecognitionModel:
             certainty.unknown,
             coverage,
         )
+
+    def check(self) -> None:
+        """Predict a sequence of zeros: raises `ValueError` if the parts don't belong together."""
+        zeros = np.zeros((1, self.touches, len(self.feature_names)))
+        for length in (*self.short, self.touches):
+            found = self._part(length, [zeros[:, :length]]).answer()
+            if found.shape != (len(self.classes),) or not np.isfinite(found).all():
+                raise ValueError(f"no probabilities of {len(self.classes)} classes")
 
     def _parts(self, features: pa.Table) -> list[_Part]:
         by_length: dict[int, list[NDArray[np.float64]]] = {}
@@ -315,144 +306,6 @@ def fit_model(
     )
 
 
-def save_model(model: RecognitionModel, path: str | Path) -> None:
-    """Write a model with skops, whole or not at all.
-
-    Parameters
-    ----------
-    model : RecognitionModel
-        The model.
-    path : path
-        The file, such as ``recogniser.skops``; its folder is made where missing.
-
-    Raises
-    ------
-    RecognitionError
-        If the classifier can't be saved so that loading is safe: scikit-learn follows
-        a decision tree's stored indices unchecked.
-    """
-    import skops.io
-
-    estimator = copy.copy(model.tuned.estimator)
-    if getattr(estimator, "covariance_estimator", None) is not None:
-        # Only training needs it, and without it the file holds scikit-learn's own types alone.
-        estimator.covariance_estimator = None
-    state = {
-        "format": FORMAT,
-        "pipeline": model.pipeline,
-        "strategy": model.strategy,
-        "classifier": model.classifier,
-        "classes": list(model.classes),
-        "feature_names": list(model.feature_names),
-        "touches": model.touches,
-        "objects": [list(owner) for owner in model.objects],
-        "parameters": model.parameters.model_dump_json(),
-        "versions": dict(model.versions),
-        "encoder": _encoder_state(model.encoder),
-        "estimator": estimator,
-        "temperature": model.tuned.temperature,
-        "setting": model.tuned.setting,
-        "bags": _bags_state(model.tuned),
-        "calibration": _calibration_state(model.calibration),
-        "short": _short_state(model.short),
-    }
-    content = skops.io.dumps(state)
-    unsafe = skops.io.get_untrusted_types(data=content)
-    if unsafe:
-        raise RecognitionError(
-            f"A {model.classifier} can't be saved so that it is safe to load (it needs "
-            f"{', '.join(unsafe)}); choose another classifier."
-        )
-    with whole_file(path) as unfinished:
-        unfinished.write_bytes(content)
-
-
-def load_model(path: str | Path) -> RecognitionModel:
-    """Read a model; a file that would bring code of its own is refused.
-
-    Parameters
-    ----------
-    path : path
-        What `save_model` wrote.
-
-    Returns
-    -------
-    RecognitionModel
-        The model.
-
-    Raises
-    ------
-    RecognitionError
-        If the file can't be read, is larger than `LARGEST_BYTES`, holds other types than NumPy's and
-        scikit-learn's, or is no whole model of this package.
-    """
-    import skops.io
-    from skops.io.exceptions import UntrustedTypesFoundException
-
-    try:
-        _check_size(Path(path))
-        state = skops.io.loads(Path(path).read_bytes(), trusted=None)
-    except RecognitionError:
-        raise
-    except UntrustedTypesFoundException as error:
-        raise RecognitionError(
-            f"{path} holds types that a model has no need of, and is not loaded."
-        ) from error
-    except Exception as error:
-        raise RecognitionError(
-            f"{path} can't be read as a recognition model ({error}); train it again."
-        ) from error
-    if not isinstance(state, dict) or state.get("format") not in (FORMAT, *OLDER_FORMATS):
-        raise RecognitionError(f"{path} is no {FORMAT!r}; train it again with this version.")
-    try:
-        return _model_of(state)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise RecognitionError(
-            f"{path} lacks parts of a model ({error!r}); train it again."
-        ) from error
-
-
-def _check_size(path: Path) -> None:
-    import zipfile
-
-    with zipfile.ZipFile(path) as archive:
-        unpacked = sum(part.file_size for part in archive.infolist())
-    if unpacked > LARGEST_BYTES:
-        raise RecognitionError(
-            f"{path} unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_BYTES / 1e6:.0f} MB are "
-            "allowed."
-        )
-
-
-def _model_of(state: dict[str, Any]) -> RecognitionModel:
-    parameters = RecognitionParameters.model_validate_json(state["parameters"])
-    classes = tuple(state["classes"])
-    names = tuple(state["feature_names"])
-    bags, combination = _bags_of(state.get("bags"))
-    return RecognitionModel(
-        pipeline=state["pipeline"],
-        strategy=state["strategy"],
-        classifier=state["classifier"],
-        classes=classes,
-        feature_names=names,
-        touches=state["touches"],
-        objects=tuple((category, name) for category, name in state["objects"]),
-        parameters=parameters,
-        versions=state["versions"],
-        encoder=_encoder_of(state["encoder"], names, parameters),
-        tuned=TunedClassifier(
-            state["estimator"],
-            state["temperature"],
-            len(classes),
-            state["setting"],
-            bags,
-            combination,
-        ),
-        calibration=_calibration_of(state.get("calibration")),
-        short=_short_of(state.get("short"), len(classes)),
-    )
-
-
 @dataclass(frozen=True)
 class _Fit:
     """What a pipeline fits, as in `RecognitionModel`."""
@@ -510,147 +363,6 @@ def _fit_best(
     )
     describer = SequenceDescriber(waves, names, parameters.best, projection)
     return _Fit(describer, tuned, calibration, short)
-
-
-def _encoder_state(encoder: SequenceEncoder | SequenceDescriber) -> dict[str, Any]:
-    if isinstance(encoder, SequenceDescriber):
-        return {
-            "directions": encoder.waves.directions,
-            "phases": encoder.waves.phases,
-            "mean": encoder.projection.scaling.mean,
-            "scale": encoder.projection.scaling.scale,
-            "components": encoder.projection.components,
-        }
-    reduction = encoder.reduction
-    positions = reduction.positions if isinstance(reduction, SelfOrganisingMap) else None
-    return {
-        "touch_mean": encoder.touch_scaling.mean,
-        "touch_scale": encoder.touch_scaling.scale,
-        "weights": reduction.weights,
-        "positions": positions,
-        "mean": encoder.feature_scaling.mean,
-        "scale": encoder.feature_scaling.scale,
-    }
-
-
-def _encoder_of(
-    state: dict[str, Any], names: tuple[str, ...], parameters: RecognitionParameters
-) -> SequenceEncoder | SequenceDescriber:
-    scaling = Standardiser(state["mean"], state["scale"])
-    if "directions" in state:
-        waves = WaveBasis(state["directions"], state["phases"])
-        projection = Projection(scaling, state["components"])
-        return SequenceDescriber(waves, names, parameters.best, projection)
-    weights, positions = state["weights"], state["positions"]
-    reduction: SelfOrganisingMap | FeatureGroups = (
-        FeatureGroups(weights) if positions is None else SelfOrganisingMap(weights, positions)
-    )
-    return SequenceEncoder(
-        Standardiser(state["touch_mean"], state["touch_scale"]),
-        reduction,
-        parameters.self_organising_map,
-        parameters.sequence,
-        scaling,
-    )
-
-
-def _bags_state(tuned: TunedClassifier) -> dict[str, Any] | None:
-    if tuned.bags is None or tuned.combination is None:
-        return None
-    return {**_discriminant_state(tuned.bags), **_combination_state(tuned.combination)}
-
-
-def _bags_of(state: dict[str, Any] | None) -> tuple[BagClassifier | None, Combination | None]:
-    if state is None:
-        return None, None
-    return _discriminant_of(state), _combination_of(state)
-
-
-def _discriminant_state(bags: BagClassifier) -> dict[str, Any]:
-    names = ("coefficients", "intercepts", "trained")
-    return {name: getattr(bags, name) for name in names}
-
-
-def _discriminant_of(state: dict[str, Any]) -> BagClassifier:
-    return BagClassifier(state["coefficients"], state["intercepts"], state["trained"])
-
-
-def _combination_state(combination: Combination) -> dict[str, Any]:
-    names = ("views", "temperatures", "known")
-    arrays = {name: getattr(combination, name) for name in names}
-    return {"scales": list(combination.scales), **arrays}
-
-
-def _combination_of(state: dict[str, Any]) -> Combination:
-    first, second = state["scales"]
-    return Combination((first, second), state["views"], state["temperatures"], state["known"])
-
-
-def _short_state(short: Mapping[int, ShortClassifier]) -> dict[str, Any] | None:
-    if not short:
-        return None
-    one = next(iter(short.values()))
-    return {
-        "scaling": [one.projection.scaling.mean, one.projection.scaling.scale],
-        "components": one.projection.components,
-        "bags": _discriminant_state(one.bags),
-        "lengths": [
-            {
-                "touches": touches,
-                "scaling": [classifier.scaling.mean, classifier.scaling.scale],
-                "combination": _combination_state(classifier.combination),
-                "calibration": _calibration_state(classifier.calibration),
-            }
-            for touches, classifier in short.items()
-        ],
-    }
-
-
-def _short_of(state: dict[str, Any] | None, classes: int) -> dict[int, ShortClassifier]:
-    if state is None:
-        return {}
-    projection = Projection(Standardiser(*state["scaling"]), state["components"])
-    bags = _discriminant_of(state["bags"])
-    return {
-        part["touches"]: ShortClassifier(
-            Standardiser(*part["scaling"]),
-            projection,
-            bags,
-            classes,
-            _combination_of(part["combination"]),
-            _calibration_of(part["calibration"]),
-        )
-        for part in state["lengths"]
-    }
-
-
-def _calibration_state(calibration: Calibration | None) -> dict[str, Any] | None:
-    if calibration is None:
-        return None
-    return {
-        "views": calibration.views,
-        "labels": calibration.labels,
-        "misfits": calibration.nonconformity,  # its name in the file's format
-        "evidence": calibration.evidence,
-        "landmarks": calibration.landmarks.objects,
-        "touches": _touches_state(calibration.landmarks.touches),
-    }
-
-
-def _calibration_of(state: dict[str, Any] | None) -> Calibration | None:
-    if state is None:
-        return None
-    touches = state.get("touches")
-    landmarks = Landmarks(state["landmarks"], None if touches is None else KnownTouches(**touches))
-    return Calibration(
-        state["views"], state["labels"], state["misfits"], state["evidence"], landmarks
-    )
-
-
-def _touches_state(touches: KnownTouches | None) -> dict[str, Any] | None:
-    if touches is None:
-        return None
-    return {"weights": touches.weights, "touches": touches.touches, "starts": touches.starts}
 
 
 def _versions() -> dict[str, str]:

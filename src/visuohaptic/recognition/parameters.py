@@ -254,9 +254,7 @@ class RecognitionParameters(_Section):
         description="Order of a sequence's touches, in training and test alike: as they were made, or drawn "
         "for each sequence by the random seed, the object and the viewpoint, the same for every strategy",
     )
-    touch_scaling: Scaling = Field(
-        "standardise", description="Scaling of the 22 features before the map"
-    )
+    touch_scaling: Scaling = Field("none", description="Scaling of the 22 features before the map")
     sequence_scaling: Scaling = Field(
         "standardise", description="Scaling of the 60 features before the classifier"
     )

@@ -165,13 +165,14 @@ def _name_held_out(
         known = sequences.take(train)
         parts = {length: rows[train] for length, rows in described.items()}
         fits = _fit(known, parts, best)
+        known_touches = keep_touches(known, best.cues)
         marks = {
             length: Landmarks(
-                object_means(classifier.encode(parts[length]), known.object_index, best), None
+                object_means(classifier.encode(parts[length]), known.object_index, best),
+                known_touches,
             )
             for length, classifier in fits.items()
         }
-        known_touches = keep_touches(known, best.cues)
         for place in objects:
             one = owners == place
             bags = turn_bags(int(one.sum()), place, best)

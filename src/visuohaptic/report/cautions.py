@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
+from pathlib import Path
 
+from visuohaptic.guards.table import failed_guards
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import describe_checks
@@ -26,6 +28,7 @@ _MOST_REASONS = 20
 def find_warnings(run: Run, seconds: list[PhaseSeconds]) -> list[str]:
     """List in sentences what was left out, fell short or failed."""
     return [
+        *_failed_guards(run),
         *_objects_left_out(run),
         *_poor_views(run),
         *_short_sequences(run),
@@ -163,6 +166,13 @@ def _missing_models(run: Run) -> list[str]:
     if not missing:
         return []
     return [f"No mesh was found of {listed_in_short(missing)}: no model to turn is shown there."]
+
+
+def _failed_guards(run: Run) -> list[str]:
+    path = run.files.extras.get("guards")
+    if path is None or not Path(path).is_file():
+        return []
+    return [f"The figures can't be trusted. {sentence}" for sentence in failed_guards(path)]
 
 
 def _broken_tolerances(run: Run) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,10 +14,13 @@ import pyarrow as pa
 
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.certainty import least_objects
+from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.charts import Point, PointChart, place_points
 from visuohaptic.report.comparison import Figure
 from visuohaptic.report.wording import counted, percent, strategy_name, titled
+from visuohaptic.studies.evaluation.models import MeasuredEvaluation, summarise_evaluation
+from visuohaptic.studies.stored import Source
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
 
@@ -114,6 +118,51 @@ def certainty_figures(
     )
 
 
+@dataclass(frozen=True)
+class EvaluationFigures:
+    """What the section shows of objects that a model has not learnt.
+
+    Attributes
+    ----------
+    sentences : tuple of str
+        The answer.
+    rows : tuple of mapping
+        By strategy and views, as in `CertaintyFigures`, without ``area``.
+    objects, learnt : int
+        Objects that were named, of known classes; that the model learnt.
+    classes : str
+        Their classes, each with its number of objects.
+    source : Source or None
+        Where they come from, if not from this run's objects.
+    """
+
+    sentences: tuple[str, ...]
+    rows: tuple[Row, ...]
+    objects: int
+    learnt: int
+    classes: str
+    source: Source | None
+
+
+def evaluation_figures(
+    measured: MeasuredEvaluation, intervals: IntervalParameters, seed: int
+) -> EvaluationFigures:
+    """Sum up a model's answers for objects that it has not learnt."""
+    rows = tuple(map(_with_intervals, summarise_evaluation(measured.table, intervals, seed)))
+    known = select(measured.table, known=True)
+    named = {(row["class"], row["object"]) for row in known.select(["class", "object"]).to_pylist()}
+    counts = Counter(category for category, _ in sorted(named))
+    views = max(row["views"] for row in rows)
+    return EvaluationFigures(
+        tuple(_evaluation_sentence(row) for row in rows if row["views"] == views),
+        rows,
+        len(named),
+        known["learnt"][0].as_py(),
+        ", ".join(f"{category} ({count})" for category, count in counts.items()),
+        measured.source,
+    )
+
+
 def coverage_chart(rows: pa.Table, strategies: Sequence[str]) -> PointChart:
     """Place the share of known objects whose class is in the set against the stated coverage."""
     import pyarrow.compute as pc
@@ -177,19 +226,29 @@ def _sentence(row: Row) -> str:
     )
 
 
+def _evaluation_sentence(row: Row) -> str:
+    return (
+        f"{titled(strategy_name(row['strategy']))}, {counted(row['views'], 'view')}: "
+        f"{percent(row['accuracy'].mean)} are correctly classified; the set, stated at "
+        f"{percent(row['stated'], 0)}, holds the class of {percent(row['coverage'].mean)}, with "
+        f"{row['set_size']:.2f} classes on average; {percent(row['false_unknown'].mean)} are called "
+        "unknown."
+    )
+
+
 def _read_figures(path: Path) -> tuple[Row, ...]:
     try:
-        return tuple(
-            {
-                name: Figure(*value) if isinstance(value, list) else value
-                for name, value in row.items()
-            }
-            for row in json.loads(path.read_text(encoding="utf-8"))
-        )
+        return tuple(_with_intervals(row) for row in json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, AttributeError) as error:
         raise ReportError(
             f"{path} holds no figures of certainty ({error}); run `snakemake -j2 certainty_all` again."
         ) from error
+
+
+def _with_intervals(row: Row) -> Row:
+    return {
+        name: Figure(*value) if isinstance(value, list) else value for name, value in row.items()
+    }
 
 
 def _across(share: float) -> float:

@@ -12,7 +12,6 @@ from visuohaptic.report.wording import (
     classifier_name,
     counted,
     listed,
-    percent,
     points,
     probability,
     spaced,
@@ -125,26 +124,33 @@ def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
     )
 
 
-def answer(
-    tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str, confidence: float
-) -> list[str]:
-    """Answer the experiment's question: accuracy, whether fixations help, and beside the paper.
-
-    The first pipeline is spoken of; `unseen` is what training had not met of what is tested, such
-    as ``an object that was not in training``.
-    """
-    table = tables[0]
-    best = table.best
-    figure = best.accuracy[table.leading]
-    others = [_other_clause(other, confidence) for other in tables[1:]]
-    first = (
-        f"After {counted(touches, 'touch')} {_where(table.leading)}, the most accurate of "
-        f"{counted(len(table.rows), 'classifier')}, the {best.name}, names the class of {unseen} in "
-        f"{percent(figure.mean)} of the sequences{_interval_clause(figure, confidence)} in pipeline "
-        f"{spaced(table.name)}{''.join(others)}; guessing among {counted(classes, 'class')} gives {percent(1 / classes)}."
+def gain_sentence(table: PipelineTable) -> str:
+    """Say with how many classifiers fixations are ahead of random probing; empty without both."""
+    compared = [
+        (row, row.comparisons["random"]) for row in table.rows if "random" in row.comparisons
+    ]
+    if not compared:
+        return ""
+    ahead = [row for row, found in compared if found.difference.mean > 0]
+    gains = [found.difference.mean for _, found in compared]
+    settled = [
+        f"{row.name} ({points(found.difference.mean)})"
+        for row, found in compared
+        if found.adjusted_p < SIGNIFICANCE
+    ]
+    objects = compared[0][1].objects
+    verdict = (
+        f"and the difference is significant for {listed(settled)} (Holm-adjusted p below "
+        f"{SIGNIFICANCE:g})"
+        if settled
+        else f"but with {counted(objects, 'object')} no difference is significant (smallest "
+        f"Holm-adjusted p {probability(min(found.adjusted_p for _, found in compared))})"
     )
-    sentences = (first, _gain_sentence(table), _published_sentence(table))
-    return [sentence for sentence in sentences if sentence]
+    return (
+        f"The mean accuracy of fixations is above that of random probing with {len(ahead)} of "
+        f"{counted(len(compared), 'classifier')} ({points(min(gains))} to {points(max(gains))} "
+        f"percentage points over all of them), {verdict}."
+    )
 
 
 def agreement(table: PipelineTable) -> tuple[list[str], list[str]]:
@@ -236,71 +242,6 @@ def _adjusted(compared: Mapping[str, Any]) -> dict[tuple[str, str], float]:
     keys = [(key, strategy) for key in sorted(compared) for strategy in sorted(compared[key])]
     found = holm([compared[key][strategy]["p_value"] for key, strategy in keys])
     return dict(zip(keys, found, strict=True))
-
-
-def _interval_clause(figure: Figure, confidence: float) -> str:
-    if figure.low is None or figure.high is None:
-        return ""
-    return f" ({100 * confidence:g}\N{NO-BREAK SPACE}% interval {percent(figure.low)} to {percent(figure.high)})"
-
-
-def _where(strategy: str) -> str:
-    return (
-        "where the eye would fixate" if strategy == REFERENCE else f"by {strategy_name(strategy)}"
-    )
-
-
-def _other_clause(other: PipelineTable, confidence: float) -> str:
-    best = other.best
-    reached = best.accuracy[other.leading]
-    return (
-        f", and from the same touches pipeline {spaced(other.name)} reaches "
-        f"{percent(reached.mean)}{_interval_clause(reached, confidence)} with the {best.name}"
-    )
-
-
-def _gain_sentence(table: PipelineTable) -> str:
-    compared = [
-        (row, row.comparisons["random"]) for row in table.rows if "random" in row.comparisons
-    ]
-    if not compared:
-        return ""
-    ahead = [row for row, found in compared if found.difference.mean > 0]
-    gains = [found.difference.mean for _, found in compared]
-    settled = [
-        f"{row.name} ({points(found.difference.mean)})"
-        for row, found in compared
-        if found.adjusted_p < SIGNIFICANCE
-    ]
-    objects = compared[0][1].objects
-    verdict = (
-        f"and the difference is significant for {listed(settled)} (Holm-adjusted p below "
-        f"{SIGNIFICANCE:g})"
-        if settled
-        else f"but with {counted(objects, 'object')} no difference is significant (smallest "
-        f"Holm-adjusted p {probability(min(found.adjusted_p for _, found in compared))})"
-    )
-    return (
-        f"The mean accuracy of fixations is above that of random probing with {len(ahead)} of "
-        f"{counted(len(compared), 'classifier')} ({points(min(gains))} to {points(max(gains))} "
-        f"percentage points over all of them), {verdict}."
-    )
-
-
-def _published_sentence(table: PipelineTable) -> str:
-    covered = [row for row in table.rows if table.leading in row.published]
-    if not covered:
-        return ""
-    inside = [
-        row for row in covered if row.accuracy[table.leading].holds(row.published[table.leading])
-    ]
-    best = max(covered, key=lambda row: row.published[table.leading])
-    return (
-        f"The paper, with other objects, reports up to {percent(best.published[table.leading], 2)} "
-        f"({best.name}); {len(inside)} of its {counted(len(covered), 'figure')} for "
-        f"{strategy_name(table.leading)} {'lies' if len(inside) == 1 else 'lie'} within the "
-        f"intervals found here."
-    )
 
 
 def _compare_signs(known: Sequence[ClassifierRow], agrees: list[str], differs: list[str]) -> None:

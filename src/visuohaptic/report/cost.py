@@ -10,6 +10,7 @@ from pathlib import Path
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.report.charts import LogAxis, Mark, Point, PointChart, place_points
+from visuohaptic.report.questions import Answer
 from visuohaptic.report.wording import (
     counted,
     listed,
@@ -181,31 +182,29 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
     )
 
 
-def cost_answer(figures: CostFigures) -> str:
-    """Say in one or two sentences what accuracy costs."""
+def cost_verdict(figures: CostFigures) -> Answer | None:
+    """Answer what accuracy costs in time: the quickest step and the most accurate setting."""
     first = first_step(figures.rows)
     if first is None:
-        return "No setting could be both run and timed."
+        return None
     last = min(figures.front, key=lambda row: float(row["error"]))
+    question = "What does accuracy cost in time?"
     if first["error"] <= last["error"]:
-        last = first
-        said = (
-            f"A recognition takes {_duration(first['seconds'])} at {percent(first['error'])} wrong "
-            f"({_interval(first)}; {_named(first)}): the least error of all settings, and not "
-            "significantly slower than the quickest."
+        return Answer(
+            question,
+            "no",
+            _duration(first["seconds"]),
+            f"a recognition at {percent(first['error'])} wrong: the quickest setting has the least "
+            "error of all.",
+            "cost",
         )
-    else:
-        said = (
-            f"From {_duration(first['seconds'])} a recognition at {percent(first['error'])} wrong "
-            f"({_named(first)}; not significantly slower than the quickest) to {_duration(last['seconds'])} at {percent(last['error'])} wrong "
-            f"({_interval(last)}; {_named(last)})."
-        )
-    own = figures.reference
-    if own is None or own in (first, last) or own["seconds"] is None:
-        return said
-    return (
-        f"{said} The run's own setting, {_named(own)}, takes {_duration(own['seconds'])} and is "
-        f"wrong in {percent(own['error'])} ({_interval(own)})."
+    return Answer(
+        question,
+        "depends",
+        f"{_duration(first['seconds'])} to {_duration(last['seconds'])}",
+        f"a recognition: {percent(first['error'])} wrong with the quickest setting, "
+        f"{percent(last['error'])} with the most accurate.",
+        "cost",
     )
 
 

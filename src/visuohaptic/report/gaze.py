@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from visuohaptic.gaze.stored import MeasuredGaze
-from visuohaptic.gaze.summary import PredictorRow, summarise
+from visuohaptic.gaze.summary import PredictorRow, beside_peer, summarise
 from visuohaptic.recognition.intervals import Interval
 from visuohaptic.report.wording import counted
 from visuohaptic.tables.gaze import GAZE_PICTURES
@@ -37,6 +37,8 @@ class GazeFigures:
         What the table says.
     rows, tests : sequence of PredictorRow
         Objects held out in turn, and those for tests.
+    peer : sequence of PredictorRow
+        Objects that others predicted, with gains over them; empty without such.
     worst : sequence of (str, float)
         Objects with the lowest correlations, lowest first.
     pictures : sequence of Pictured
@@ -50,6 +52,7 @@ class GazeFigures:
     sentences: tuple[str, ...]
     rows: Sequence[PredictorRow]
     tests: Sequence[PredictorRow]
+    peer: Sequence[PredictorRow]
     worst: Sequence[tuple[str, float]]
     pictures: Sequence[Pictured]
     largest_error: float
@@ -71,6 +74,7 @@ def gaze_figures(
         sentences=tuple(_sentences(rows, tests)),
         rows=rows,
         tests=tests,
+        peer=beside_peer(measured.table),
         worst=[(row["object"], row["correlation"]) for row in held[:WORST_NAMED]],
         pictures=_pictures(pictures),
         largest_error=max(row["alignment_error"] for row in held),
@@ -92,7 +96,7 @@ def between(value: Interval) -> str:
 
 def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> list[str]:
     by_name = {row.predictor.name: row for row in rows}
-    equal, human = by_name["equal"], by_name["human"]
+    equal, chosen = by_name["equal"], by_name["chosen"]
     floor = max(
         (row for row in rows if row.predictor.kind == "floor"),
         key=lambda row: row.measures["correlation"].mean,
@@ -105,9 +109,9 @@ def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> l
             f"reaches {between(floor.measures['correlation'])}."
         ),
         (
-            f"With weights fitted to other objects and terms beside the channels it reaches "
-            f"{between(human.measures['correlation'])}, {between(human.gain)} more than equal weights; the area "
-            f"under the curve for the most looked at fifth is {between(human.measures['auc_top'])}."
+            f"With terms beside the channels, chosen and fitted on other objects, it reaches "
+            f"{between(chosen.measures['correlation'])}, {between(chosen.gain)} more than equal weights; the area "
+            f"under the curve for the most looked at fifth is {between(chosen.measures['auc_top'])}."
         ),
         (
             f"Place on the object alone, up and to the front, reaches {between(place)}: a large part of what is "
@@ -118,10 +122,16 @@ def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> l
     return [
         *found,
         *(
+            f"With all fronts turned at random all channels and terms reach "
+            f"{between(row.measures['correlation'])}."
+            for row in rows
+            if row.predictor.name == "human_turned"
+        ),
+        *(
             f"On {counted(row.objects, 'object')} for tests, looked at once, it reaches "
             f"{between(row.measures['correlation'])} and {between(row.measures['auc_top'])}."
             for row in tests
-            if row.predictor.name == "human"
+            if row.predictor.name == "chosen"
         ),
     ]
 

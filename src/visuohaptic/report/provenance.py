@@ -17,6 +17,7 @@ from visuohaptic.job_logs import read_seconds
 PHASES = ("downloads", "meshes", "fixations", "touches", "features", "recognition", "metrics")
 _PACKAGE = Path(visuohaptic.__file__).parent
 _DISTRIBUTIONS = (
+    "contourlets",
     "numpy",
     "scipy",
     "opencv-contrib-python-headless",

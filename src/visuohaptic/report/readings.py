@@ -12,6 +12,7 @@ from html import escape
 from typing import Any
 
 from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, Choice
@@ -25,9 +26,9 @@ from visuohaptic.studies.readings.leads import (
     strongest_pair,
     sum_up,
 )
-from visuohaptic.studies.readings.stored import MeasuredReadings, Source
+from visuohaptic.studies.readings.stored import MeasuredReadings
+from visuohaptic.studies.stored import Source
 
-BEST_OF_PAPER = "support_vector_machine"
 COMMAND = "snakemake -j2 results/reading/{}.json"
 """Measures one reading again."""
 
@@ -111,7 +112,6 @@ class OutsideFigures:
     options: tuple[OptionLead, ...]
     objects: int
     source: Source | None
-    earlier: str | None
 
 
 @dataclass(frozen=True)
@@ -132,8 +132,6 @@ class ReadingsFigures:
         All of them.
     source : Source or None
         Where the readings come from; None where they are of this run.
-    earlier : str or None
-        That they are of an earlier state, where they are.
     outside : OutsideFigures or None
         The same on objects outside the paper's set, where they were measured.
     """
@@ -144,7 +142,6 @@ class ReadingsFigures:
     shares: Mapping[str, Sequence[Row]]
     choices: tuple[Choice, ...]
     source: Source | None
-    earlier: str | None
     outside: OutsideFigures | None
 
 
@@ -172,14 +169,11 @@ def readings_figures(
         shares={name: _largest(summary["classifiers"][name]["choices"]) for name in shown},
         choices=CHOICES,
         source=measured.source,
-        earlier=earlier_sentence(measured),
         outside=outside_figures(measured.rows, outside) if outside else None,
     )
 
 
-def readings_answer(
-    measured: MeasuredReadings | None, outside: MeasuredReadings | None = None
-) -> str | None:
+def readings_answer(measured: MeasuredReadings | None) -> str | None:
     """Say in one sentence how far the paper's readings differ; None without readings."""
     if measured is None:
         return None
@@ -187,21 +181,10 @@ def readings_answer(
     if not run:
         return None
     reached = [row["fixation"] for row in run]
-    leads = sum_up([row for row in run if row["ahead"] is not None])
-    elsewhere = ""
-    if outside is not None:
-        own = _of_the_papers_question(outside.rows, BEST_OF_PAPER)
-        there = sum_up([row for row in own if row["ahead"] is not None])
-        elsewhere = (
-            f"; on {max(row['objects'] for row in own)} objects outside the paper's set it is in "
-            f"{percent(there.ahead / there.cases, 0)} of {there.cases}"
-        )
-    earlier = ", measured with an earlier state of the touches" if measured.is_earlier else ""
     return (
         f"This is one reading of what the paper leaves open. Over {len(run)} readings the "
         f"{classifier_name(BEST_OF_PAPER)} reaches {percent(min(reached))} to "
-        f"{percent(max(reached))}, and fixation is ahead of random probing in "
-        f"{percent(leads.ahead / leads.cases, 0)} of them{elsewhere}{earlier}."
+        f"{percent(max(reached))}."
     )
 
 
@@ -224,7 +207,6 @@ def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> OutsideFi
         options,
         objects,
         outside.source,
-        earlier_sentence(outside),
     )
 
 
@@ -317,16 +299,6 @@ def describe_options(row: Row) -> str:
     return "; ".join(changed) or "our default"
 
 
-def earlier_sentence(readings: MeasuredReadings) -> str | None:
-    """Say that readings are of a state with other random touches; None where they are not."""
-    if not readings.is_earlier:
-        return None
-    return (
-        "These readings are of an earlier state: random touches were also made where no sensor can "
-        "come, and fixations out of reach were not replaced."
-    )
-
-
 def _panel(
     run: Sequence[Row], across: Sequence[float], top: float
 ) -> tuple[tuple[tuple[float, str], ...], tuple[tuple[float, str, str], ...], float]:
@@ -351,11 +323,10 @@ def _panel(
 
 def _label(row: Row) -> str:
     interval = f"{percent(row['fixation_low'])} to {percent(row['fixation_high'])}"
-    # The main kind of random touches is `anywhere` in an earlier design alone, with names of its own.
-    command = f" {COMMAND.format(row['reading'])}" if row["random_probing"] != "anywhere" else ""
     return (
         f"{row['reading']}: fixation {percent(row['fixation'])} ({interval}), random "
-        f"{percent(row['random'])}. {describe_options(row)}.{command}"
+        f"{percent(row['random'])}. {describe_options(row)}. "
+        f"{COMMAND.format(row['reading'])}"
     )
 
 

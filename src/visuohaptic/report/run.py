@@ -122,10 +122,9 @@ class Run:
 
     @cached_property
     def stability(self) -> StabilityFigures | None:
-        """What this run found in hard cases and on its objects."""
+        """What this run found on its objects."""
         extras = self.files.extras
-        names = ("stability", "stability_objects")
-        return read_stability([extras[name] for name in names if name in extras])
+        return read_stability([extras["stability"]] if "stability" in extras else [])
 
     @cached_property
     def credits(self) -> dict[str, Credit]:

@@ -23,17 +23,14 @@ _EXTRAS = {
     "cost": "results/cost.parquet",
     "certainty": "results/certainty.parquet",
     "certainty_figures": "reports/certainty.json",
+    "evaluation": "reports/evaluation.parquet",
     "readings": "results/readings.parquet",
     "gaze": "results/gaze/measured.parquet",
     "gaze_pictures": "results/gaze/pictures.parquet",
-    "stability": "results/stability.parquet",
-    "stability_objects": "results/stability",
+    "stability": "results/stability",
+    "guards": "results/guards.parquet",
 }
-_CHECKS = {
-    "stability_full": "reports/stability.parquet",
-    "stability_further": "reports/stability.json",
-    "precision": "reports/precision.json",
-}
+_KERNELS = "reports/precision.json"
 
 
 def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
@@ -44,16 +41,15 @@ def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
     run : path
         The folder that holds `results` and `reports`.
     checks : path
-        The folder in whose `reports` long checks and benchmarks leave their tables.
+        The folder in whose `reports` `make test-hard` leaves the precision of kernels.
 
     Returns
     -------
     dict of str to pathlib.Path
         As `RunFiles.extras` has them.
     """
-    return {name: Path(run, path) for name, path in _EXTRAS.items()} | {
-        name: Path(checks, path) for name, path in _CHECKS.items()
-    }
+    found = {name: Path(run, path) for name, path in _EXTRAS.items()}
+    return found | {"precision": Path(checks, _KERNELS)}
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
@@ -19,19 +20,17 @@ from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.published import PAPER
 from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.recognition.summary import Confusion, confusion, select
-from visuohaptic.report.certainty import certainty_figures
+from visuohaptic.report.certainty import certainty_figures, evaluation_figures
 from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
     PipelineTable,
     agreement,
-    answer,
+    gain_sentence,
 )
 from visuohaptic.report.cost import (
-    CostChart,
-    cost_answer,
-    cost_chart,
     cost_figures,
+    cost_verdict,
     cue_sentences,
     read_cost,
     time_parts,
@@ -52,15 +51,21 @@ from visuohaptic.report.provenance import (
     find_commit,
     find_versions,
 )
-from visuohaptic.report.readings import BEST_OF_PAPER, readings_answer, readings_figures
+from visuohaptic.report.questions import (
+    BEST_OF_PAPER,
+    fixation_answer,
+    readings_sentence,
+    recognition_answer,
+    reproduction_answer,
+)
+from visuohaptic.report.readings import readings_answer, readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import (
     describe_checks,
     family_chart,
-    read_further,
     read_precision,
-    read_stability,
     stability_answer,
+    stability_figures,
 )
 from visuohaptic.report.studies import (
     read_own_studies,
@@ -70,24 +75,26 @@ from visuohaptic.report.studies import (
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
-from visuohaptic.studies.cost.pairs import Row
+from visuohaptic.stability.stored import stored_hard_cases
 from visuohaptic.studies.cost.stored import stored_frontier
+from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.studies.readings.stored import (
     OUTSIDE,
     MeasuredReadings,
     kept_readings,
     read_readings,
 )
+from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, KINESTHETIC_FEATURES
-from visuohaptic.tables.schema import matrix
+from visuohaptic.tables.schema import matrix, read_table
 
 Values = Mapping[str, Any]
 
 UNSEEN: Mapping[Protocol, str] = {
-    "auto": "an object that was not in training",
-    "leave_one_object_a_class_out": "an object that was not in training",
-    "grouped_folds": "an object that was not in training",
-    "new_viewpoint": "a known object from viewpoints that were not in training",
+    "auto": "unseen objects",
+    "leave_one_object_a_class_out": "unseen objects",
+    "grouped_folds": "unseen objects",
+    "new_viewpoint": "known objects from unseen viewpoints",
 }
 """What is new to the classifier in a test, by protocol."""
 
@@ -135,26 +142,43 @@ def answer_values(context: ReportContext) -> Values:
         run.parameters.attention.fixations,
     )
     cost = read_cost(run.files.extras.get("frontier"), run.parameters)
-    sentences = answer(
-        run.pipelines,
-        len(run.classes),
-        touches,
-        UNSEEN[recognition.protocol.protocol],
-        recognition.intervals.confidence,
-    )
-    preset = run.parameters.scene.preset
-    return {
-        "sentences": [*sentences[:2], *(cue_sentences(cost.rows) if cost else ())],
-        "readings": readings_answer(_measured_readings(run), kept_readings(OUTSIDE)),
-        "touches": touches,
-        "compared": {"fixation"} < set(run.pipelines[0].strategies),
-        "cost": cost,
-        "cost_answer": cost_answer,
-        "small_chart": _small_cost_chart,
-        "influence": influence_figures(run.files.extras.get("effect_influence"), preset),
-        "effects_answer": effects_answer,
-        "stability": None if run.stability is None else stability_answer(run.stability),
+    unseen = UNSEEN[recognition.protocol.protocol]
+    measured, outside = _measured_readings(run), kept_readings(OUTSIDE)
+    readings = {
+        name: found.rows
+        for name, found in (("paper", measured), ("outside", outside))
+        if found is not None
     }
+    answers = (
+        recognition_answer(run.pipelines, len(run.classes), touches, unseen),
+        fixation_answer(run.pipelines, readings),
+        reproduction_answer(run.pipelines[0]),
+        cost_verdict(cost) if cost else None,
+    )
+    influence = influence_figures(
+        run.files.extras.get("effect_influence"), run.parameters.scene.preset
+    )
+    sentences = (
+        readings_sentence(readings),
+        readings_answer(measured),
+        gain_sentence(run.pipelines[0]),
+        *(cue_sentences(cost.rows) if cost else ()),
+    )
+    return {
+        "answers": [one for one in answers if one is not None],
+        "sentences": [sentence for sentence in sentences if sentence],
+        "effects": effects_answer(influence) if influence else None,
+        "stability": _stability_answer(run),
+    }
+
+
+def _stability_answer(run: Run) -> str | None:
+    """Give how exact numbers are where the run has checked its objects."""
+    if run.stability is None:
+        return None
+    stored = stored_hard_cases()
+    kept = () if stored is None else (stability_figures(stored.table),)
+    return stability_answer([run.stability, *kept])
 
 
 def method_values(context: ReportContext) -> Values:
@@ -197,10 +221,16 @@ def touches_needed_values(context: ReportContext) -> Values | None:
 
 
 def certainty_values(context: ReportContext) -> Values:
-    """Give how sure answers are, or None where it was not measured."""
-    extras = context.run.files.extras
-    found = certainty_figures(extras.get("certainty"), extras.get("certainty_figures"))
-    return {"certainty": found}
+    """Give how sure answers are, or None where it was not measured; on new objects also as kept."""
+    extras, parameters = context.run.files.extras, context.run.parameters
+    return {
+        "certainty": certainty_figures(extras.get("certainty"), extras.get("certainty_figures")),
+        "evaluation": evaluation_figures(
+            read_evaluation(extras.get("evaluation")),
+            parameters.recognition.intervals,
+            parameters.seed,
+        ),
+    }
 
 
 def _measured_readings(run: Run) -> MeasuredReadings | None:
@@ -286,21 +316,35 @@ def influence_values(context: ReportContext) -> Values:
 
 
 def stability_values(context: ReportContext) -> Values | None:
-    """Give how exact numbers are in hard cases: in this run, and by `make test-hard` where it ran."""
-    extras = context.run.files.extras
-    full = read_stability([extras["stability_full"]] if "stability_full" in extras else [])
-    found = [figures for figures in (context.run.stability, full) if figures is not None]
-    kernels = read_precision(extras.get("precision"))
-    if not found and not kernels:
+    """Give how exact numbers are: on this run's objects, and in hard cases as kept with the package."""
+    stored = stored_hard_cases()
+    found = {
+        "Objects of this run": context.run.stability,
+        "Hard cases of the code": None if stored is None else stability_figures(stored.table),
+    }
+    kernels = read_precision(context.run.files.extras.get("precision"))
+    parts = [
+        (title, figures, describe_checks(figures.checks), family_chart(figures))
+        for title, figures in found.items()
+        if figures is not None
+    ]
+    if not parts and not kernels:
         return None
     return {
-        "parts": [
-            (figures, describe_checks(figures.checks), family_chart(figures)) for figures in found
-        ],
-        "further": read_further(extras.get("stability_further")),
+        "parts": parts,
+        "made": {} if stored is None else stored.made,
+        "further": {} if stored is None else stored.further,
         "kernels": kernels,
         "anchors": {page.key: page.anchor for page in context.pages},
     }
+
+
+def guards_values(context: ReportContext) -> Values | None:
+    """Give what the run's guards found."""
+    path = context.run.files.extras.get("guards")
+    if path is None or not Path(path).is_file():
+        return None
+    return {"rows": read_table(GUARDS, [path]).to_pylist()}
 
 
 def confusion_values(context: ReportContext) -> Values:
@@ -421,7 +465,10 @@ def credits_values(context: ReportContext) -> Values:
 
 
 CHAPTERS = {
-    "Question and answers": (Section("answer", "Question and answers", answer_values),),
+    "Answers": (
+        Section("answer", "Answers", answer_values),
+        Section("method", "The method on one object of this run", method_values),
+    ),
     "Probing strategies": (
         Section("comparison", comparison_title, comparison_values),
         Section("touches_needed", "Accuracy against touches", touches_needed_values),
@@ -433,7 +480,8 @@ CHAPTERS = {
         Section("influence", "Which effects a scene needs", influence_values),
         Section("effects", "Simulated effects, and effects not needed", effects_values),
     ),
-    "Numerical stability": (
+    "Guards and numerical stability": (
+        Section("guards", "Guards of this run's claim", guards_values),
         Section("stability", "Numerical stability in hard cases", stability_values),
     ),
     "The paper's readings, people's gaze, and studies": (
@@ -442,10 +490,7 @@ CHAPTERS = {
         Section("ablations", "Ablations", ablations_values),
         Section("studies", "Own studies", studies_values),
     ),
-    "Objects": (
-        Section("method", "The method on one object of this run", method_values),
-        Section("objects", "The objects", objects_values),
-    ),
+    "Objects": (Section("objects", "The objects", objects_values),),
     "Methods and provenance": (
         Section("methods", "Methods text", methods_values),
         Section("parameters", "Parameters", parameters_values),
@@ -454,12 +499,6 @@ CHAPTERS = {
     ),
 }
 """The page's sections in order, by their entry in the table of contents."""
-
-
-def _small_cost_chart(rows: Sequence[Row], families: Sequence[str]) -> CostChart | None:
-    """Give a chart for a third of the page's width: every second tick has no room there."""
-    chart = cost_chart(rows, families, height=150)
-    return None if chart is None else replace(chart, x_ticks=chart.x_ticks[::2])
 
 
 def _scene_strips(run: Run, page: ObjectPage) -> Mapping[str, str]:

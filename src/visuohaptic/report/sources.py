@@ -75,6 +75,9 @@ def find_sources(run: Run, shown: tuple[str, int]) -> dict[str, list[Source]]:
         "readings": list(_readings(run)),
         "influence": [*_influence(run), *_study(run, "effects"), _places(run, shown)],
         "effects": list(_effects(run)),
+        "guards": list(
+            _extra(run, "guards", "The guards", "guards", ("outcome", "found"), ("guard",))
+        ),
         "stability": list(_stability(run)),
         "ablations": list(_study(run, "ablations")),
         "studies": list(_own_studies(run)),
@@ -152,6 +155,10 @@ def _certainty(run: Run) -> Iterator[Source]:
     columns = ("correct", "covered", "covered_at", "candidates", "strangeness", "unknown")
     by = ("strategy", "views", "known", "left_out")
     yield from _extra(run, "certainty", "Known and unknown objects", "certainty", columns, by)
+    new = ("correct", "covered", "candidates", "unknown")
+    yield from _extra(
+        run, "evaluation", "Objects not learnt", "evaluation", new, ("strategy", "views", "known")
+    )
 
 
 def _cost(run: Run) -> Iterator[Source]:
@@ -180,12 +187,7 @@ def _gaze(run: Run) -> Iterator[Source]:
 
 def _stability(run: Run) -> Iterator[Source]:
     columns, by = ("cases", "worst_error", "tolerance"), ("family", "requirement")
-    for name, what in (
-        ("stability", "Hard cases"),
-        ("stability_objects", "Each object's own numbers"),
-        ("stability_full", "Hard cases, by make test-hard"),
-    ):
-        yield from _extra(run, name, what, "stability", columns, by)
+    yield from _extra(run, "stability", "Each object's numbers", "stability", columns, by)
 
 
 def _influence(run: Run) -> Iterator[Source]:

@@ -1,4 +1,4 @@
-"""How exact the run's numbers are in hard cases, and what accuracy of each kernel costs."""
+"""How exact numbers are, on the run's objects and in hard cases, and what accuracy of each kernel costs."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
 from markupsafe import Markup
 
 from visuohaptic.errors import ReportError
-from visuohaptic.report.charts import ShareChart, place_share, share_chart
+from visuohaptic.report.charts import ShareChart, share_chart
 from visuohaptic.report.wording import counted, percent
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.stability import STABILITY
@@ -78,13 +79,10 @@ class StabilityFigures:
 
     Attributes
     ----------
-    count : str
-        ``reduced`` or ``full``.
     checks : tuple of Check
         One for each requirement, and for each object of those about objects.
     """
 
-    count: str
     checks: tuple[Check, ...]
 
     @property
@@ -150,9 +148,12 @@ def read_stability(paths: Sequence[str | Path]) -> StabilityFigures | None:
     there = [path for path in map(Path, paths) if path.is_file() or any(path.rglob("*.parquet"))]
     if not there:
         return None
-    rows = read_table(STABILITY, there).to_pylist()
-    counts = {row["count"] for row in rows}
-    return StabilityFigures("full" if counts == {"full"} else "reduced", tuple(map(_check, rows)))
+    return stability_figures(read_table(STABILITY, there))
+
+
+def stability_figures(table: pa.Table) -> StabilityFigures:
+    """Give the figures of rows of `tables.STABILITY`."""
+    return StabilityFigures(tuple(map(_check, table.to_pylist())))
 
 
 def _check(row: Mapping[str, Any]) -> Check:
@@ -187,42 +188,12 @@ def _title(check: Check) -> str:
     return ": ".join(filter(None, (check.key, f"{check.family}, {check.requirement}")))
 
 
-def stability_answer(figures: StabilityFigures) -> tuple[str, Markup]:
-    """Give what the report's first screen says of hard cases.
+def stability_answer(figures: Sequence[StabilityFigures]) -> str:
+    """Say how many cases were tried, and how near the worst came to its tolerance.
 
-    Parameters
-    ----------
-    figures : StabilityFigures
-        What was found.
-
-    Returns
-    -------
-    sentence : str
-        How many cases were tried, and how near the worst came to its tolerance.
-    picture : Markup
-        The same as SVG: a line for each requirement along a logarithmic axis of error over
-        tolerance, which ends left of 1 if it held.
+    `figures` are those found on the run's objects, and in hard cases of the code.
     """
-    checks = [check for family in figures.families.values() for check in family]
-    return describe_checks(figures.checks), draw_shares(checks)
-
-
-def draw_shares(checks: Sequence[Check]) -> Markup:
-    """Draw how much of its tolerance each check used, one line each, as SVG."""
-    marks = "".join(
-        f'<line class="{"share" if check.held else "share exceeded"}" x1="{x:.1f}" x2="{x:.1f}" '
-        'y1="4" y2="26"/>'
-        for check in checks
-        for x in (3 * place_share(check.share),)
-    )
-    limit = 3 * place_share(1.0)
-    texts = f'<text x="0" y="42">exact</text><text x="{limit:.1f}" y="42" text-anchor="end">tolerance</text>'
-    return Markup(  # noqa: S704 - numbers and fixed words alone
-        '<svg class="shares" viewBox="0 0 300 46" width="300" height="46" role="img" aria-label="Error '
-        'over tolerance of each kind of hard case, on a logarithmic axis">'
-        f'<line class="axis" x1="0" x2="300" y1="26" y2="26"/>'
-        f'<line class="limit" x1="{limit:.1f}" x2="{limit:.1f}" y1="0" y2="30"/>{marks}{texts}</svg>'
-    )
+    return describe_checks([check for part in figures for check in part.checks])
 
 
 def family_chart(figures: StabilityFigures) -> ShareChart:
@@ -244,30 +215,6 @@ def _share_text(check: Check) -> str:
     if check.worst_error is None or check.tolerance == 0:
         return "exceeded"
     return f"{check.worst_error:.2g} of {check.tolerance:.2g} {check.unit}"
-
-
-def read_further(path: str | Path | None) -> dict[str, list[Mapping[str, Any]]]:
-    """Read what `make test-hard` found beside its table of hard cases.
-
-    Parameters
-    ----------
-    path : path or None
-        `reports/stability.json`.
-
-    Returns
-    -------
-    dict of str to list
-        Rows by table, such as the mutations; empty where there is no such file.
-
-    Raises
-    ------
-    ReportError
-        If the file is there but holds no tables.
-    """
-    data = _read_json(path) or {}
-    if not isinstance(data, dict):
-        raise ReportError(f"{path} holds no tables by name; run make test-hard again.")
-    return {name: rows for name, rows in data.items() if isinstance(rows, list)}
 
 
 def read_precision(path: str | Path | None) -> dict[str, list[Mapping[str, Any]]]:

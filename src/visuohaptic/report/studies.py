@@ -54,6 +54,8 @@ class StudyTable:
         Of what.
     strategies : tuple of str
         In the order of their columns.
+    opponents : tuple of str
+        Of them, those that fixation is compared with.
     sentences : tuple of str
         What the figures say, one a strategy.
     rows : sequence of mapping
@@ -64,6 +66,7 @@ class StudyTable:
     pipeline: str
     classifier: str
     strategies: tuple[str, ...]
+    opponents: tuple[str, ...]
     sentences: tuple[str, ...]
     rows: Sequence[Row]
 
@@ -140,9 +143,14 @@ def _table(rows: Sequence[Row]) -> StudyTable:
         rows[0]["pipeline"],
         rows[0]["classifier"],
         strategies,
+        tuple(name for name in strategies if _has_lead(rows, name)),
         tuple(sentences),
         list(conditions.values()),
     )
+
+
+def _has_lead(rows: Sequence[Row], strategy: str) -> bool:
+    return any(row["strategy"] == strategy and row["lead"] is not None for row in rows)
 
 
 def _sentence(rows: Sequence[Row]) -> str:

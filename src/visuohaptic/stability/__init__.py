@@ -1,1 +1,1 @@
-"""Hard cases with known answers: how large each step's numerical error is, beside its tolerance."""
+"""Checks on each object of the run: how large the numerical error is, beside its tolerance."""

@@ -39,22 +39,6 @@ def triangles(corners: ArrayLike, label: str, ray: ArrayLike | None = None, most
     return _svg(body, label)
 
 
-def sequence(values: ArrayLike, label: str) -> str:
-    """Draw a short sequence, stretched to its own range."""
-    values = np.asarray(values, dtype=np.float64).ravel()[:64]
-    span = float(np.ptp(values)) or 1.0
-    x = np.linspace(10, SIZE - 10, max(len(values), 2))[: len(values)]
-    y = SIZE - 15 - (values - values.min()) / span * (SIZE - 30)
-    dots = "".join(
-        f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3" fill="#c01860"/>'
-        for a, b in zip(x, y, strict=True)
-    )
-    line = (
-        f'<polyline points="{_points(np.column_stack([x, y]))}" fill="none" stroke="currentColor"/>'
-    )
-    return _svg(line + dots, label)
-
-
 def image(pixels: ArrayLike, label: str) -> str:
     """Draw an image as 16 × 16 cells or fewer, stretched to its own range."""
     pixels = np.asarray(pixels, dtype=np.float64)

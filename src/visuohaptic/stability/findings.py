@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from visuohaptic.stability.tolerances import TOLERANCES, Tolerance
+from visuohaptic.stability.tolerances import Tolerance
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Finding:
     Attributes
     ----------
     tolerance : str
-        Its name in `TOLERANCES`.
+        Its name, `family/requirement`.
     errors : array_like
         Any shape, in the tolerance's unit; True is an error of 1, and NaN is infinite.
     hardest : str or callable
@@ -44,6 +44,8 @@ class Result:
     ----------
     name : str
         The tolerance's name, `family/requirement`.
+    tolerance : Tolerance
+        What is allowed, and why.
     cases : int
         How many were tried.
     worst_error : float
@@ -53,15 +55,11 @@ class Result:
     """
 
     name: str
+    tolerance: Tolerance
     cases: int
     worst_error: float
     hardest: str
     drawing: str
-
-    @property
-    def tolerance(self) -> Tolerance:
-        """What is allowed, and why."""
-        return TOLERANCES[self.name]
 
     @property
     def held(self) -> bool:
@@ -69,8 +67,8 @@ class Result:
         return self.worst_error <= self.tolerance.bound
 
 
-def worst_of(finding: Finding) -> Result | None:
-    """Give the worst case of a finding; None where there is no case."""
+def worst_of(finding: Finding, tolerances: Mapping[str, Tolerance]) -> Result | None:
+    """Give the worst case of a finding, beside its tolerance by name; None where there is no case."""
     errors = np.atleast_1d(np.asarray(finding.errors, dtype=np.float64)).ravel()
     if not errors.size:
         return None
@@ -80,18 +78,21 @@ def worst_of(finding: Finding) -> Result | None:
         made(place) if callable(made) else made for made in (finding.hardest, finding.drawing)
     )
     cases = errors.size if finding.cases is None else finding.cases
-    return Result(finding.tolerance, cases, float(errors[place]), hardest, drawing)
+    allowed = tolerances[finding.tolerance]
+    return Result(finding.tolerance, allowed, cases, float(errors[place]), hardest, drawing)
 
 
-def measure(check: Callable[[], Iterable[Finding]], tolerances: Iterable[str]) -> list[Result]:
+def measure(
+    check: Callable[[], Iterable[Finding]], tolerances: Mapping[str, Tolerance]
+) -> list[Result]:
     """Make a check.
 
     Parameters
     ----------
     check : callable
         Gives what it finds.
-    tolerances : iterable of str
-        Names in `TOLERANCES` of what it is about.
+    tolerances : mapping of str to Tolerance
+        All that it may find, by name.
 
     Returns
     -------
@@ -100,10 +101,14 @@ def measure(check: Callable[[], Iterable[Finding]], tolerances: Iterable[str]) -
         way, has an infinite error under each of its tolerances instead.
     """
     try:
-        return [result for result in map(worst_of, check()) if result is not None]
+        found = [worst_of(finding, tolerances) for finding in check()]
+        return [result for result in found if result is not None]
     except Exception as error:  # noqa: BLE001 - the failure is the finding, and the table names it
         sentence = f"ended in {type(error).__name__}: {error}"
-        return [Result(name, 1, float("inf"), sentence, "") for name in tolerances]
+        return [
+            Result(name, tolerance, 1, float("inf"), sentence, "")
+            for name, tolerance in tolerances.items()
+        ]
 
 
 def merge_results(results: Iterable[Result]) -> dict[str, Result]:
@@ -117,7 +122,7 @@ def merge_results(results: Iterable[Result]) -> dict[str, Result]:
     Returns
     -------
     dict of str to Result
-        One for each tolerance that has cases, in the order of `TOLERANCES`.
+        One for each tolerance that has cases, in the order in which they come.
     """
     merged: dict[str, Result] = {}
     for result in results:
@@ -127,4 +132,4 @@ def merge_results(results: Iterable[Result]) -> dict[str, Result]:
             continue
         worse = result if result.worst_error > kept.worst_error else kept
         merged[result.name] = replace(worse, cases=kept.cases + result.cases)
-    return {name: merged[name] for name in TOLERANCES if name in merged}
+    return merged

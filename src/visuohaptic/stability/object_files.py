@@ -38,5 +38,5 @@ def make_object_stability(
         surface = read_surface(meshes[key])
         sensed = SensedObject(surface, places, felt, attention, sensor, scene, seed)
         found = check_object(sensed, spawn_generator(seed, "stability", key))
-        parts.append(result_table(found.values(), "reduced", key))
+        parts.append(result_table(found.values(), key))
     write_table(STABILITY, pa.concat_tables(parts), output)

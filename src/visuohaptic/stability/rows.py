@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -14,18 +14,14 @@ from visuohaptic.stability.findings import Result
 from visuohaptic.tables.schema import build_table
 from visuohaptic.tables.stability import STABILITY
 
-Count = Literal["reduced", "full"]
 
-
-def result_table(results: Iterable[Result], count: Count, key: str = "/") -> pa.Table:
+def result_table(results: Iterable[Result], key: str = "/") -> pa.Table:
     """Give results as a table.
 
     Parameters
     ----------
     results : iterable of Result
         One for each tolerance.
-    count : str
-        How many cases were drawn: ``reduced`` or ``full``.
     key : str
         `class/name` of the object that they are about.
 
@@ -44,7 +40,6 @@ def result_table(results: Iterable[Result], count: Count, key: str = "/") -> pa.
             "requirement": [result.name.split("/", 1)[1] for result in rows],
             "class": category,
             "object": name,
-            "count": count,
             "cases": [result.cases for result in rows],
             "worst_error": [
                 result.worst_error if np.isfinite(result.worst_error) else None for result in rows

@@ -104,10 +104,24 @@ def summarise_certainty(
     unknown, with intervals over objects; the mean size of the sets; the area under the curve that tells
     unknown objects from known ones by their strangeness (mean over the classes left out).
     """
-    from visuohaptic.recognition.intervals import rate_interval
+    found = []
+    for figures, rows in sum_up_answers(table, coverage, intervals, seed):
+        areas = [_area(rows, name) for name in {row["left_out"]: None for row in rows}]
+        found.append(figures | {"area": float(np.mean(areas))})
+    return found
+
+
+def sum_up_answers(
+    table: pa.Table, coverage: float, intervals: IntervalParameters, seed: int
+) -> Iterator[tuple[dict[str, Any], list[dict[str, Any]]]]:
+    """Give by strategy and number of views what `summarise_certainty` does but the area, and the rows.
+
+    Any table will do that says of each answer whether the object's class is `known`, and whether the
+    answer is `correct`, `covered` and `unknown`. What there are no objects for is left out.
+    """
+    from visuohaptic.recognition.intervals import plain_interval, rate_interval
     from visuohaptic.recognition.summary import select
 
-    found = []
     for strategy in table.column("strategy").unique().to_pylist():
         for views in table.column("views").unique().to_pylist():
             rows = select(table, strategy=strategy, views=views).to_pylist()
@@ -120,15 +134,13 @@ def summarise_certainty(
                 ("false_unknown", known, "unknown"),
                 ("found_unknown", strange, "unknown"),
             ):
-                values, weights = _by_object(of, column)
-                generator = spawn_generator(seed, "certainty", strategy, views, name)
-                interval = rate_interval(values, weights, intervals, generator)
-                figures[name] = [interval.mean, interval.low, interval.high]
+                if of:
+                    values, weights = _by_object(of, column)
+                    generator = spawn_generator(seed, "certainty", strategy, views, name)
+                    interval = rate_interval(values, weights, intervals, generator)
+                    figures[name] = list(plain_interval(interval).values())
             figures["set_size"] = float(np.mean([row["candidates"] for row in known]))
-            areas = [_area(rows, name) for name in {row["left_out"]: None for row in rows}]
-            figures["area"] = float(np.mean(areas))
-            found.append(figures)
-    return found
+            yield figures, rows
 
 
 def make_certainty(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.recognition.intervals import (
     Interval,
+    PairedComparison,
     compare_paired,
     holm,
     plain_interval,
@@ -34,6 +35,9 @@ CellKey = tuple[str, str, str, str]
 _UNTOLD = ("study", "title", "condition", "pipeline", "strategy", "classifier", "place", "seconds")
 _CELL = ("condition", "pipeline", "strategy", "classifier")
 _COMPARED = ("difference", "difference_low", "difference_high", "p_value", "adjusted_p")
+_LEAD = ("lead", "lead_low", "lead_high", "lead_p")
+LEADER = "fixation"
+"""The strategy whose lead over each other one is given."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,8 @@ def study_figures(
 
     The study has a ``name``, a ``title`` and ``conditions`` in order, each with ``name``,
     ``compared_with`` (a name; None for the first one's) and ``remade``. A condition that was tested
-    on other objects than the one that it is compared with has no difference.
+    on other objects than the one that it is compared with has no difference. A row of another
+    strategy than `LEADER` says how far that one is ahead in the same condition.
     """
     conditions = study["conditions"]
     order = {condition["name"]: place for place, condition in enumerate(conditions)}
@@ -108,6 +113,7 @@ def study_figures(
     for key in sorted(cells, key=lambda key: (key[1:], order[key[0]])):
         condition = conditions[order[key[0]]]
         other = condition["compared_with"] or conditions[0]["name"]
+        leader = cells.get((key[0], key[1], LEADER, key[3]))
         row: Row = {
             "study": study["name"],
             "title": study["title"],
@@ -116,6 +122,7 @@ def study_figures(
             "remade": condition["remade"],
             "compared_with": None if other == key[0] else other,
             **_figures(cells[key], cells.get((other, *key[1:])), intervals, seed),
+            **_lead(leader, cells[key], intervals, seed),
         }
         rows.append(row)
     _adjust(rows)
@@ -182,12 +189,32 @@ def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters, seed
     if cell.error is not None:
         return row
     row |= _ends("accuracy", "", condition_interval(cell, intervals, seed))
-    if other is not None and other is not cell and other.objects == cell.objects:
-        generator = spawn_generator(seed, "studies", "comparison")
-        found = compare_paired(cell.accuracy, other.accuracy, other.weights, intervals, generator)
+    found = _compare(cell, other, intervals, seed)
+    if found is not None:
         row |= _ends("difference", "difference_", found.difference)
         row["p_value"] = found.p_value
     return row
+
+
+def _lead(leader: Cell | None, cell: Cell, intervals: IntervalParameters, seed: int) -> Row:
+    row: Row = dict.fromkeys(_LEAD)
+    if leader is None or cell.error is not None:
+        return row
+    found = _compare(leader, cell, intervals, seed)
+    if found is not None:
+        row |= _ends("lead", "lead_", found.difference)
+        row["lead_p"] = found.p_value
+    return row
+
+
+def _compare(
+    cell: Cell, other: Cell | None, intervals: IntervalParameters, seed: int
+) -> PairedComparison | None:
+    """Compare two cells in pairs; None where they are the same or of other objects."""
+    if other is None or other is cell or other.objects != cell.objects:
+        return None
+    generator = spawn_generator(seed, "studies", "comparison")
+    return compare_paired(cell.accuracy, other.accuracy, other.weights, intervals, generator)
 
 
 def _ends(name: str, prefix: str, interval: Interval) -> Row:

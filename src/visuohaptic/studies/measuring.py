@@ -14,8 +14,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from contourlets.errors import ContourletError
 from visuohaptic.attention.errors import AttentionError
-from visuohaptic.contourlet.errors import ContourletError
 from visuohaptic.errors import RecognitionError, VisuohapticError
 from visuohaptic.studies.conditions import Planned, Remake, touches_needed
 from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES, by_object, of_objects

@@ -23,6 +23,7 @@ USUAL: Changes = {
 
 MOST_CONDITIONS = 20_000
 LONGEST_NAME = 100
+MOST_LISTED = 20
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
 
 
@@ -34,6 +35,9 @@ class StudyFile(BaseModel):
     title: str = Field(min_length=1, max_length=200, description="heading in the report")
     common: dict[str, Any] = Field({}, description="changes of all conditions, `as run` included")
     conditions: dict[str, dict[str, Any]] = Field({}, description="changes by condition")
+    compared_with: dict[str, str] = Field(
+        {}, description="by condition, the condition that it is compared with instead of the first"
+    )
     grid: dict[str, list[Any]] = Field({}, description="values by parameter, all combinations")
 
     @field_validator("conditions")
@@ -84,7 +88,16 @@ def read_study(
         raise ParameterError(
             f"{path}: there are {len(named):,} conditions; at most {MOST_CONDITIONS:,} are allowed."
         )
-    conditions = tuple(Condition(name, {**common, **changes}) for name, changes in named.items())
+    unknown = {*found.compared_with, *found.compared_with.values()} - set(named)
+    if unknown:
+        raise ParameterError(
+            f"{path}: compared_with: {min(unknown)!r} is no condition of the study; "
+            f"{', '.join(itertools.islice(named, MOST_LISTED))} are allowed."
+        )
+    conditions = tuple(
+        Condition(name, {**common, **changes}, found.compared_with.get(name))
+        for name, changes in named.items()
+    )
     study = Study(path.stem, found.title, conditions)
     plan_study(study, run, str(path))
     return study

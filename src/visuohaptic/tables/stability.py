@@ -22,7 +22,6 @@ STABILITY = Schema(
     "stability",
     (
         *STABILITY_KEYS,
-        Column("count", TEXT, "reduced: as in every run; full: as by make test-hard"),
         Column("cases", pa.int64(), "cases that were tried", minimum=1),
         Column(
             "worst_error",

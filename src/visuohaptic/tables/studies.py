@@ -104,6 +104,18 @@ STUDY_FIGURES = Schema(
             1,
             nullable=True,
         ),
+        Column(
+            "lead",
+            REAL,
+            "accuracy by fixation, in the same condition, less that by this strategy",
+            "1",
+            -1,
+            1,
+            nullable=True,
+        ),
+        Column("lead_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
+        Column("lead_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
+        Column("lead_p", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
         Column("objects", COUNT, "objects tested", minimum=1, nullable=True),
         Column("remade", TEXT, "first phase that is made again, or recognition"),
         SECONDS,
@@ -186,6 +198,30 @@ CERTAINTY = Schema(
         Column("unknown", pa.bool_(), "whether the object is called unknown"),
     ),
     names_of(CERTAINTY_KEYS),
+)
+
+EVALUATION_KEYS = (
+    Column("strategy", TEXT, "whose touches, those that the model learnt from"),
+    Column("classifier", TEXT, "classifier of pipeline best"),
+    Column("class", TEXT, "class of the object"),
+    Column("object", TEXT, "name of the object, which the model has not learnt"),
+    Column("views", COUNT, "viewpoints from which it is named", minimum=1),
+    Column("bag", COUNT, "which of the evenly spread choices of so many viewpoints", minimum=0),
+)
+
+EVALUATION = Schema(
+    "evaluation",
+    (
+        *EVALUATION_KEYS,
+        Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
+        Column("correct", pa.bool_(), "whether the likeliest class is its own"),
+        Column("covered", pa.bool_(), "whether the prediction set holds its class"),
+        Column("candidates", COUNT, "classes in the prediction set", minimum=0),
+        Column("unknown", pa.bool_(), "whether the object is called unknown"),
+        Column("stated", REAL, "stated coverage of the prediction set", "1", 0, 1),
+        Column("learnt", COUNT, "objects that the model learnt", minimum=2),
+    ),
+    names_of(EVALUATION_KEYS),
 )
 
 COST_KEYS = (
@@ -377,4 +413,5 @@ STUDIES = (
     COST,
     READINGS,
     CERTAINTY,
+    EVALUATION,
 )

@@ -25,7 +25,7 @@ def test_what_equals_the_run_changes_nothing():
     for family, own in (
         ("imprint", "16 × 16"),
         ("render", "48 × 48"),
-        ("channels", "8 channels"),
+        ("channels", "5 channels"),
         ("features", "skin and pose"),
         ("effects", "ideal"),
     ):

@@ -5,7 +5,7 @@ import json
 import pytest
 from studies.cost.test_front import cost_table
 
-from visuohaptic.studies.cost.stored import StoredFrontier, store_frontier, stored_frontier
+from visuohaptic.studies.cost.stored import StoredFrontier, store_frontier
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
 
@@ -24,11 +24,3 @@ def test_a_stored_frontier_has_the_tables_rows_and_says_where_they_come_from(tmp
             name: row[name] for name in ("setting", "on_front", "failed")
         }
         assert found["error"] == pytest.approx(row["error"])
-
-
-def test_the_packages_frontier_has_many_objects_and_a_command():
-    kept = stored_frontier()
-    assert kept is not None
-    assert kept.objects > 100
-    assert len(kept.rows) >= 12
-    assert kept.command.startswith("snakemake")

@@ -17,10 +17,10 @@ from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.figures import Cell
 from visuohaptic.studies.readings import choosing
+from visuohaptic.studies.readings.choices import CHOICES
 from visuohaptic.studies.readings.choosing import (
     ENOUGH,
     FORMER_DEFAULT,
-    TODAYS_DEFAULT,
     acquired_share,
     choose_default,
     choose_options,
@@ -41,6 +41,7 @@ from visuohaptic.tables.schema import write_table
 
 READINGS = [reading for reading in all_readings() if reading.part == "recognition"]
 OBJECTS = tuple(("cup", f"{place:02d}") for place in range(40))
+BASE = {choice.name: choice.base for choice in CHOICES}
 INTERVALS = IntervalParameters(bootstrap_samples=200, permutations=2000)
 
 
@@ -64,7 +65,7 @@ def test_a_clear_winner_is_chosen():
         cells(lambda options: 0.5 + 0.2 * (options["map_output"] == "feature_groups")),
         INTERVALS,
         1,
-        FORMER_DEFAULT,
+        BASE,
     )
     assert chosen.chosen.changed == {"map_output": "feature_groups"}
     assert chosen.chosen.score == pytest.approx(0.7)
@@ -73,7 +74,7 @@ def test_a_clear_winner_is_chosen():
 
 
 def test_equal_readings_keep_the_former_default():
-    chosen = choose_default(cells(lambda options: 0.5), INTERVALS, 1, FORMER_DEFAULT)
+    chosen = choose_default(cells(lambda options: 0.5), INTERVALS, 1, BASE)
     assert chosen.chosen == chosen.former
     assert chosen.candidates == chosen.readings == len(READINGS)
 
@@ -84,7 +85,7 @@ def test_a_lead_that_only_scatters_keeps_the_former_default():
         cells(lambda options: 0.5 + scatter * (options["map_output"] == "one_hot")),
         INTERVALS,
         1,
-        FORMER_DEFAULT,
+        BASE,
     )
     assert chosen.best.changed["map_output"] == "one_hot"
     assert chosen.chosen.changed == {}
@@ -96,7 +97,7 @@ def test_of_readings_equally_near_the_better_is_chosen():
         cells(lambda options: 0.5 + gains.get(options["map_output"], 0.0)),
         INTERVALS,
         1,
-        FORMER_DEFAULT,
+        BASE,
     )
     assert chosen.chosen.changed == {"map_output": "feature_groups"}
 
@@ -114,10 +115,11 @@ def test_a_missing_reading_is_refused():
         choose_default(held, INTERVALS, 1)
 
 
-def test_the_package_has_the_default_that_the_rule_chose():
+def test_the_package_has_the_default_that_the_rules_chose():
     kept = json.loads(files("visuohaptic.studies.readings").joinpath("chosen.json").read_text())
     (chosen,) = [one for one in READINGS if one.name == kept["chosen"]["reading"]]
-    assert is_default(chosen.options)
+    of_touches = {one["choice"]: one["chosen"] for one in kept["options"]}
+    assert is_default({**chosen.options, **of_touches})
     changed = {
         name: option for name, option in chosen.options.items() if option != FORMER_DEFAULT[name]
     }
@@ -129,9 +131,10 @@ def test_the_kept_readings_give_the_scores_that_the_rule_saw():
     rows = kept_readings(OUTSIDE).rows
     for name in ("chosen", "best", "former"):
         own = [row for row in rows if row["reading"] == kept[name]["reading"]]
-        figures = [row[strategy] for row in own for strategy in ("fixation", "random")]
-        assert len(figures) == 10
-        assert np.mean(figures) == pytest.approx(kept[name]["score"], abs=1e-3)
+        random = [row["random"] for row in own if row["random_probing"] != "anywhere"]
+        fixation = [row["fixation"] for row in own if row["random_probing"] == "reachable"]
+        assert (len(fixation), len(random)) == (5, 15)
+        assert np.mean(fixation + random) == pytest.approx(kept[name]["score"], abs=1e-3)
 
 
 def test_the_former_default_is_a_reading():
@@ -155,8 +158,22 @@ def test_an_option_that_is_surely_better_becomes_the_default():
     assert (found["reach"].former, found["reach"].chosen) == ("0.1", "0.5")
     assert found["reach"].scores == pytest.approx({"0.1": 0.5, "0.5": 0.7, "none": 0.6})
     assert {name: one.chosen for name, one in found.items() if name != "reach"} == {
-        name: TODAYS_DEFAULT[name] for name in found if name != "reach"
+        name: FORMER_DEFAULT[name] for name in found if name != "reach"
     }
+
+
+def test_options_are_compared_on_the_objects_that_all_could_be_tested_on():
+    """An object with too few places in one option's views is left out of all scores."""
+    found = cells(lambda _: 0.5, readings=ON_OTHERS)
+    sphere = {one.name for one in ON_OTHERS if one.options["viewpoints"] == "sphere"}
+    for key, cell in found.items():
+        if key[0] in sphere:
+            found[key] = Cell(OBJECTS[1:], cell.accuracy[1:], cell.weights[1:])
+    chosen = choose_options(found, ALL_ACQUIRED, INTERVALS, 1)
+    scores = {score for one in chosen for score in one.scores.values()}
+    expected = 0.5 + np.linspace(-0.1, 0.1, len(OBJECTS))[1:].mean()
+    assert list(scores) == pytest.approx([expected] * len(scores))
+    assert all(one.chosen == one.former for one in chosen)
 
 
 def test_an_option_that_is_better_by_chance_does_not():

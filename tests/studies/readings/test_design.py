@@ -42,12 +42,13 @@ def test_no_reading_stands_twice():
         "further": 8,
         "literal": 1,
         "single": 64,
+        "default": 1,
     }
 
 
 def test_one_reading_is_that_of_the_packages_own_parameters():
     (default,) = [reading for reading in READINGS if is_default(reading.options)]
-    assert default.part == "recognition"
+    assert default.part == "default"
     assert with_changes(RUN, default.values) == RUN
 
 

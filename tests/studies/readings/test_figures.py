@@ -29,7 +29,10 @@ from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES, KINESTHETIC
 from visuohaptic.tables.schema import matrix, read_table, write_table
 from visuohaptic.tables.studies import READINGS
 
-RUN = ExperimentParameters.model_validate({"probing": {"strategies": STRATEGIES}})
+# Attention of the design's base, so that a reading may take the run's features.
+RUN = ExperimentParameters.model_validate(
+    {"probing": {"strategies": STRATEGIES}, "attention": {"weights": "equal"}}
+)
 INTERVALS = IntervalParameters(bootstrap_samples=200)
 OBJECTS = (3, 3, 2)
 

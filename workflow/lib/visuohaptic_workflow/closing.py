@@ -77,25 +77,21 @@ def objects_left_out(meshes: str | Path = "results/meshes") -> list[str]:
 
 
 def tolerances_exceeded(results: str | Path = "results") -> list[str]:
-    """Name the tolerances of hard cases that were exceeded, in a warning each.
+    """Name the tolerances that objects exceeded, in a warning each.
 
     Parameters
     ----------
     results : path
-        Holds ``stability.parquet`` and the folder ``stability``.
+        Holds the folder ``stability``.
 
     Returns
     -------
     list of str
-        Sentences; each names its object if it is about one.
+        Sentences; each names its object.
     """
     from visuohaptic.stability.rows import broken_tolerances
 
-    files = [
-        Path(results, "stability.parquet"),
-        *sorted(Path(results, "stability").rglob("*.parquet")),
-    ]
-    sentences = broken_tolerances(file for file in files if file.is_file())
+    sentences = broken_tolerances(sorted(Path(results, "stability").rglob("*.parquet")))
     return [f"warning: {sentence}" for sentence in sentences]
 
 

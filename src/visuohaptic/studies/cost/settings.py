@@ -177,7 +177,8 @@ def _squares(run: ExperimentParameters, parameter: str, sizes: Sequence[int]) ->
 
 
 def _channels(run: ExperimentParameters) -> Varied:
-    for kept in (CLASSIC_CHANNELS, tuple(run.attention.weights.model_dump())):
+    own = tuple(name for name, weight in run.attention.weights.model_dump().items() if weight)
+    for kept in (CLASSIC_CHANNELS, own):
         weights = _weights(run, kept)
         yield f"{len(kept)} channels", _unless_own(run, "attention.weights", weights)
 

@@ -1,6 +1,6 @@
 """A frontier that was measured on many objects and is kept with the package, as it takes long to measure.
 
-`frontier_large.json` beside this file holds its rows with the machine, the date and the command;
+`frontier_large.json` beside this file, where it was measured, holds its rows with the machine, the date and the command;
 `python -m visuohaptic.studies.cost.stored results/frontier.parquet COMMAND PROCESSOR` writes it again.
 """
 
@@ -32,8 +32,6 @@ class StoredFrontier:
         Objects that were tested.
     machine, date, command, version : str
         Processor, day of the measurement (UTC), what was run, and the package's version.
-    replaced : bool
-        Whether places out of reach were replaced; not so in an earlier state of the touches.
     """
 
     rows: list[Row]
@@ -42,7 +40,6 @@ class StoredFrontier:
     date: str
     command: str
     version: str
-    replaced: bool = False
 
 
 def stored_frontier() -> StoredFrontier | None:
@@ -76,7 +73,6 @@ def store_frontier(table: str | Path, output: str | Path, command: str, machine:
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "command": command,
         "version": visuohaptic.__version__,
-        "replaced": True,
         "rows": [round_numbers(row) for row in rows],
     }
     Path(output).write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")

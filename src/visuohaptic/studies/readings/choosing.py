@@ -12,13 +12,13 @@ strategy is ahead of another. The first looks at readings of the part ``recognit
 3. Of the candidates, the default is the one that differs from the default of before in the fewest
    choices; of these, the one with the highest score.
 
-The first application, to the readings that had both strategies of that time, is kept in `chosen.json`
-and `FORMER_DEFAULT`.
+What they said is kept in `chosen.json`.
 
 The second rule looks at the choices of touches, which are varied alone (parts ``further`` and
 ``single``), one choice after the other:
 
-1. The score of an option is that of its readings, averaged over the four map outputs.
+1. The score of an option is that of its readings, averaged over the four map outputs, on the objects
+   that all of these readings could be tested on.
 2. An option whose share of touches acquired is below `ENOUGH` is out: of the touches asked for, over
    all objects, viewpoints and scored strategies, those made at a place in reach.
 3. The default of before stays, unless it is out or an option has a significantly higher score (paired over
@@ -69,11 +69,12 @@ from visuohaptic.studies.readings.stored import OUTSIDE
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH, owners_of
 from visuohaptic.tables.schema import read_table
 
-FORMER_DEFAULT: Options = {choice.name: choice.base for choice in CHOICES}
-"""The default before the first rule was applied for the first time."""
-
-TODAYS_DEFAULT: Options = {choice.name: choice.default for choice in CHOICES}
-"""The default of before, for another application."""
+FORMER_DEFAULT: Options = {
+    **{choice.name: choice.base for choice in CHOICES},
+    "map_output": "feature_groups",
+    "sequence_extension": "zero",
+}
+"""The default before the rules were applied, which an application to an earlier design had chosen."""
 
 SCORED = tuple(name for name in STRATEGIES if name != OPPONENTS["anywhere"])
 """The strategies that touch places in reach."""
@@ -132,7 +133,7 @@ def choose_default(
     cells: Mapping[CellKey, Cell],
     intervals: IntervalParameters,
     seed: int,
-    former: Options = TODAYS_DEFAULT,
+    former: Options = FORMER_DEFAULT,
 ) -> Chosen:
     """Apply the first rule to the cells of study `readings`, as `read_cells` gives them.
 
@@ -209,7 +210,7 @@ def choose_options(
     acquired: Mapping[tuple[str, str], float],
     intervals: IntervalParameters,
     seed: int,
-    former: Options = TODAYS_DEFAULT,
+    former: Options = FORMER_DEFAULT,
 ) -> list[ChosenOption]:
     """Apply the second rule.
 
@@ -232,18 +233,18 @@ def choose_options(
     Raises
     ------
     RecognitionError
-        If a reading is missing or can't be run, or readings have different objects.
+        If a reading is missing or can't be run, or no object was tested in all of them.
     """
-    scores: dict[tuple[str, str], NDArray[np.float64]] = {}
-    for choice in scored_choices():
-        for option in choice.options:
-            names = readings_of_option(choice.name, option)
-            scores[choice.name, option] = np.mean([_score(cells, name) for name in names], axis=0)
-    if len({len(values) for values in scores.values()}) != 1:
-        raise RecognitionError(
-            "The readings were tested on different sets of objects; the rule compares readings on "
-            "the same ones."
-        )
+    names = {
+        (choice.name, option): readings_of_option(choice.name, option)
+        for choice in scored_choices()
+        for option in choice.options
+    }
+    shared = _shared_objects(cells, {name for of_option in names.values() for name in of_option})
+    scores = {
+        option: np.mean([_score(cells, name, shared) for name in of_option], axis=0)
+        for option, of_option in names.items()
+    }
     others = [(name, option) for name, option in scores if option != former[name]]
     weights = np.ones(len(next(iter(scores.values()))))
     p_values = []
@@ -317,13 +318,31 @@ def _choose_option(
     return ChosenOption(name, own, chosen, means, shares, adjusted)
 
 
-def _score(cells: Mapping[CellKey, Cell], name: str) -> NDArray[np.float64]:
+def _shared_objects(
+    cells: Mapping[CellKey, Cell], names: Iterable[str]
+) -> frozenset[tuple[str, str]]:
+    """Give the objects that all readings were tested on."""
+    found: list[Cell] = []
+    for name in sorted(names):
+        found += _cells_of_reading(cells, name)
+        if failed := [cell.error for cell in found if cell.error is not None]:
+            raise RecognitionError(f"Reading {name} can't be run, so it has no score: {failed[0]}")
+    shared = frozenset.intersection(*(frozenset(cell.objects) for cell in found))
+    if not shared:
+        raise RecognitionError(
+            "No object was tested in all readings; the rule compares on one at least."
+        )
+    return shared
+
+
+def _score(
+    cells: Mapping[CellKey, Cell], name: str, objects: frozenset[tuple[str, str]]
+) -> NDArray[np.float64]:
+    """Average a reading's accuracy on each of some objects over strategies and classifiers."""
     found = _cells_of_reading(cells, name)
-    if failed := [cell.error for cell in found if cell.error is not None]:
-        raise RecognitionError(f"Reading {name} can't be run, so it has no score: {failed[0]}")
-    if len({cell.objects for cell in found}) > 1:
-        raise RecognitionError(f"Reading {name} was tested on other objects by some strategies.")
-    return np.mean([cell.accuracy for cell in found], axis=0)
+    return np.mean(
+        [cell.accuracy[[one in objects for one in cell.objects]] for cell in found], axis=0
+    )
 
 
 def _cells_of_reading(cells: Mapping[CellKey, Cell], name: str) -> list[Cell]:

@@ -12,9 +12,10 @@ is compared with is crossed with every other choice. Parts on the paper's set:
 - ``further``: options for which the two-level design has no column, each varied alone, with every
   kind of map output.
 - ``literal``: the reading that is nearest to the paper's words in every choice.
+- ``default``: the package's default, where no other part has it.
 
 Larger sets, where views and touches take long, have the parts ``recognition``, ``further``,
-``literal`` and
+``literal``, ``default`` and
 
 - ``single``: every other choice varied alone, each with every kind of map output.
 """
@@ -32,7 +33,9 @@ from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.conditions import Changes, Condition, Study
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, OPPONENTS
 
-Part = Literal["recognition", "upstream", "training", "protocol", "further", "literal", "single"]
+Part = Literal[
+    "recognition", "upstream", "training", "protocol", "further", "literal", "single", "default"
+]
 Options = Mapping[str, str]
 """An option of every choice, by the choice's name."""
 
@@ -61,8 +64,9 @@ PARTS_ON_PAPER_SET: tuple[Part, ...] = (
     "protocol",
     "further",
     "literal",
+    "default",
 )
-PARTS_ON_OTHERS: tuple[Part, ...] = ("recognition", "further", "literal", "single")
+PARTS_ON_OTHERS: tuple[Part, ...] = ("recognition", "further", "literal", "single", "default")
 # All combinations of a test object a class are too many on larger sets.
 _FOLDS: Changes = {"recognition.protocol.protocol": "grouped_folds"}
 
@@ -242,6 +246,10 @@ def _literal() -> Iterator[Options]:
     yield _base() | LITERAL | {"random_probing": BY_NAME["random_probing"].base}
 
 
+def _default() -> Iterator[Options]:
+    yield {choice.name: choice.default for choice in CHOICES}
+
+
 def _single() -> Iterator[Options]:
     for name in VARIED_ALONE:
         for option in BY_NAME[name].options:
@@ -256,4 +264,5 @@ _PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {
     "further": _further,
     "literal": _literal,
     "single": _single,
+    "default": _default,
 }

@@ -8,49 +8,18 @@ writes one again.
 
 from __future__ import annotations
 
-import json
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from importlib.resources import as_file, files
 from pathlib import Path
 
-import pyarrow as pa
-import pyarrow.parquet as pq
-
 from visuohaptic.studies.figures import Row
-from visuohaptic.tables.schema import check_table, read_table
+from visuohaptic.studies.stored import Source, source_of, store_table
+from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import READINGS
 
 PAPER_SET = "paper_set"
 OUTSIDE = "outside"
-_SOURCE = b"source"
-
-EARLIER_OPTIONS: Mapping[str, str] = {
-    "focus_radius": "0.2",
-    "reach": "0.1",
-    "unreachable": "keep",
-    "order": "kept",
-    "random_probing": "anywhere",
-}
-"""What readings had that were measured before these were choices."""
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where readings come from.
-
-    Attributes
-    ----------
-    machine, date, command, version : str
-        Processor, day of the measurement (UTC), what was run, and the package's version.
-    """
-
-    machine: str
-    date: str
-    command: str
-    version: str
 
 
 @dataclass(frozen=True)
@@ -59,11 +28,6 @@ class MeasuredReadings:
 
     rows: list[Row]
     source: Source | None = None
-
-    @property
-    def is_earlier(self) -> bool:
-        """Whether they are of a state in which random touches were made where no sensor can come."""
-        return {row["random_probing"] for row in self.rows} == {"anywhere"}
 
 
 def read_readings(path: str | Path | None) -> MeasuredReadings | None:
@@ -79,40 +43,15 @@ def kept_readings(name: str) -> MeasuredReadings | None:
     if not kept.is_file():
         return None
     with as_file(kept) as file:
-        return MeasuredReadings(_rows(file), _source_of(file))
-
-
-def store_readings(table: str | Path, output: str | Path, command: str, machine: str) -> None:
-    """Write measured readings with the command and the processor that gave them."""
-    import visuohaptic
-
-    source = {
-        "machine": machine,
-        "date": datetime.now(UTC).strftime("%Y-%m-%d"),
-        "command": command,
-        "version": visuohaptic.__version__,
-    }
-    rows = read_table(READINGS, table)
-    metadata = {**(rows.schema.metadata or {}), _SOURCE: json.dumps(source)}
-    pq.write_table(rows.replace_schema_metadata(metadata), output, compression="zstd")
-
-
-def _source_of(path: str | Path) -> Source:
-    return Source(**json.loads((pq.read_schema(path).metadata or {})[_SOURCE]))
+        return MeasuredReadings(_rows(file), source_of(file))
 
 
 def _rows(path: str | Path) -> list[Row]:
-    table = pq.read_table(path)
-    for place, column in enumerate(READINGS.columns):
-        if column.name in EARLIER_OPTIONS and column.name not in table.column_names:
-            values = pa.array([EARLIER_OPTIONS[column.name]] * table.num_rows, column.dtype)
-            table = table.add_column(place, READINGS.arrow.field(place), values)
-    table = table.cast(READINGS.arrow)
-    check_table(READINGS, table)
+    table = read_table(READINGS, path)
     rows: list[Row] = table.sort_by([(key, "ascending") for key in READINGS.keys]).to_pylist()
     return sorted(rows, key=lambda row: int(row["place"]))
 
 
 if __name__ == "__main__":
     table, name, command, machine = sys.argv[1:]
-    store_readings(table, Path(__file__).with_name(f"{name}.parquet"), command, machine)
+    store_table(READINGS, table, Path(__file__).with_name(f"{name}.parquet"), command, machine)

@@ -126,6 +126,17 @@ def lead_evidence(
             row["p_value"],
         )
         for name, rows in tables.items()
+        for row in of_papers_question(rows, classifier, opponent)
+    ]
+
+
+def of_papers_question(rows: Sequence[Row], classifier: str, opponent: str) -> list[Row]:
+    """Take the readings of a classifier and an opponent that were run and ask the paper's question.
+
+    Part ``protocol`` and a shuffled order of touches ask another one.
+    """
+    return [
+        row
         for row in rows
         if (row["classifier"], row["random_probing"]) == (classifier, opponent)
         and row["ahead"] is not None

@@ -1,0 +1,129 @@
+"""Fill the tables of docs/readings.md from the readings kept with the package: `make readme`."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+from make_readme import fill
+
+from visuohaptic.report.questions import BEST_OF_PAPER
+from visuohaptic.studies.figures import Row
+from visuohaptic.studies.readings.choices import BY_NAME, OPPONENTS
+from visuohaptic.studies.readings.design import is_default, is_literal
+from visuohaptic.studies.readings.leads import leads_by_option, strongest_pair, sum_up
+from visuohaptic.studies.readings.stored import OUTSIDE, PAPER_SET, kept_readings
+from visuohaptic.studies.readings.verdicts import lead_evidence, of_papers_question, verdict
+
+PAGE = Path(__file__).with_name("readings.md")
+OPPONENT_WORDS = {
+    "reachable": "in reach",
+    "anywhere": "anywhere",
+    "visible": "among what the eye sees",
+    "walk": "a walk",
+}
+
+
+def spread_table(tables: dict[str, list[Row]]) -> str:
+    """Set the spread of all readings, with the SVM, in a row a set and kind of random touches."""
+    lines = [
+        "| objects | random touches | readings | fixation: lowest, median, highest | default | most literal | fixation ahead | significantly | significantly behind | median lead | verdict |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for option in OPPONENTS:
+        word = verdict(lead_evidence(tables, BEST_OF_PAPER, option))
+        for name, rows in tables.items():
+            run = of_papers_question(rows, BEST_OF_PAPER, option)
+            if not run:
+                continue
+            reached = sorted(row["fixation"] for row in run)
+            lead = sum_up(run)
+            middle = statistics.median(reached)
+            lines.append(
+                f"| {max(row['objects'] for row in run)} ({name}) | {OPPONENT_WORDS[option]} | {len(run)} "
+                f"| {share(reached[0])}, {share(middle)}, {share(reached[-1])} "
+                f"| {_lead(run, is_default)} | {_lead(run, is_literal)} "
+                f"| {lead.ahead} | {lead.ahead_significantly} | {lead.behind_significantly} "
+                f"| {points(lead.middle)} | {word} |"
+            )
+    return "\n".join(lines)
+
+
+def options_table(tables: dict[str, list[Row]]) -> str:
+    """Set the median lead of fixation under each option, over all five classifiers, in a table."""
+    leads = {name: leads_by_option(rows) for name, rows in tables.items()}
+    keys = dict.fromkeys(key for found in leads.values() for key in found)
+    names = list(tables)
+    lines = [
+        "| choice | option | " + " | ".join(f"median lead, {name}" for name in names) + " |",
+        "|---|---|" + "---|" * len(names),
+    ]
+    for choice, option in keys:
+        cells = [
+            f"{points(found.middle)} ({share(found.ahead / found.cases, 0)} of {found.cases})"
+            if (found := leads[name].get((choice, option)))
+            else ""
+            for name in names
+        ]
+        label = BY_NAME[choice].label[0].lower() + BY_NAME[choice].label[1:]
+        lines.append(f"| {label} | {option.replace('_', ' ')} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def pair_table(tables: dict[str, list[Row]]) -> str:
+    """Set the leads by the two choices on which they depend most in a table, set by set."""
+    return "\n\n".join(_pairs(tables))
+
+
+def _pairs(tables: dict[str, list[Row]]) -> Iterator[str]:
+    for name, rows in tables.items():
+        pair = strongest_pair(rows)
+        if pair is None:
+            continue
+        labels = [BY_NAME[choice].label.lower() for choice in pair.choices]
+        lines = [
+            f"Set {name}: the two choices explain {share(pair.share, 0)} of how leads differ.",
+            "",
+            f"| {labels[0]} | {labels[1]} | median lead | fixation ahead |",
+            "|---|---|---|---|",
+        ]
+        lines += [
+            f"| {' | '.join(option.replace('_', ' ') for option in options)} | {points(lead.middle)} "
+            f"| {lead.ahead} of {lead.cases} |"
+            for options, lead in pair.leads.items()
+        ]
+        yield "\n".join(lines)
+
+
+def _lead(rows: Sequence[Row], is_one: Callable[[Row], bool]) -> str:
+    own = "walk" if is_one is is_literal else "reachable"
+    found = [row for row in rows if is_one(dict(row) | {"random_probing": own})]
+    if len(found) != 1:
+        return ""
+    (row,) = found
+    return f"{points(row['ahead'])} ({points(row['ahead_low'])} to {points(row['ahead_high'])})"
+
+
+def share(value: float, decimals: int = 1) -> str:
+    """Write a share in per cent."""
+    return f"{100 * value:.{decimals}f} %"
+
+
+def points(value: float) -> str:
+    """Write a difference in percentage points."""
+    return f"{100 * value:+.1f}".replace("-", "\N{MINUS SIGN}")
+
+
+def main() -> None:
+    """Fill all blocks of the page."""
+    kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
+    tables = {name: one.rows for name, one in kept.items() if one}
+    text = PAGE.read_text(encoding="utf-8")
+    for name, make in (("spread", spread_table), ("options", options_table), ("pair", pair_table)):
+        text = fill(text, name, make(tables))
+    PAGE.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,267 @@
+"""Filters of the pyramid and of the directional bank, as plain numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import FilterError
+
+Array = NDArray[np.float64]
+
+_NINE = [0.037828455506995, -0.023849465019380, -0.11062440441842, 0.37740285561265]
+_SEVEN = [-0.064538882628938, -0.040689417609558, 0.41809227322221]
+_NINE_CENTRE, _SEVEN_CENTRE = 0.85269867900940, 0.78848561640566
+
+_LADDER_HALVES = {
+    "pkva6": (0.6261, -0.1794, 0.0688),
+    "pkva8": (0.6302, -0.1924, 0.0930, -0.0403),
+    "pkva12": (0.6300, -0.1930, 0.0972, -0.0526, 0.0272, -0.0144),
+}
+_LADDER_HALVES["pkva"] = _LADDER_HALVES["pkva12"]
+
+DIRECTIONAL_FILTERS = ("pkva6", "pkva8", "pkva12", "pkva", "haar")
+"""Allowed directional filters; `pkva` is the reference toolbox's short name of `pkva12`."""
+
+
+@dataclass(frozen=True, eq=False)
+class PyramidFilters:
+    """A biorthogonal pair of symmetric lowpass filters, each of which sums to √2.
+
+    Attributes
+    ----------
+    analysis, synthesis : (n,) float64
+        Taps without padding. Odd lengths are centred on a sample, even ones half a sample after it.
+    """
+
+    analysis: Array
+    synthesis: Array
+
+    @property
+    def odd(self) -> bool:
+        """Whether both filters are centred on a sample."""
+        return len(self.analysis) % 2 == 1
+
+
+@dataclass(frozen=True)
+class LadderStep:
+    """One step of a two-channel ladder: `target = gain * target + weight * F(other channel)`.
+
+    `F` is separable in the coordinates of the channels' lattice, with the same taps along both axes.
+
+    Attributes
+    ----------
+    target : int
+        0 where the first polyphase component is replaced, 1 where the second is.
+    gain, weight : float
+    taps : tuple of float
+        Convolution taps along each axis.
+    before, after : int
+        Samples of the other component that the filter covers, towards lower and higher indices.
+    """
+
+    target: int
+    gain: float
+    weight: float
+    taps: tuple[float, ...]
+    before: int
+    after: int
+
+
+def pywavelets() -> Any:
+    """Import PyWavelets, which is needed where a filter is asked for by its name alone."""
+    try:
+        import pywt
+    except ModuleNotFoundError:
+        raise FilterError(
+            "Filters other than 9-7, 5-3 and haar are those of PyWavelets, which is not installed; "
+            "`pip install 'contourlets[wavelets]'` brings it."
+        ) from None
+    return pywt
+
+
+def pyramid_filter_names() -> tuple[str, ...]:
+    """List every name that `pyramid_filters` allows; three of them without PyWavelets."""
+    own = ("9-7", "5-3", "haar")
+    if find_spec("pywt") is None:
+        return own
+    pywt = pywavelets()
+    return (*own, *pywt.wavelist("bior"), *pywt.wavelist("rbio"))
+
+
+def _mirror(half: list[float], centre: float) -> Array:
+    return np.array([*half, centre, *half[::-1]])
+
+
+def _trim(taps: list[float]) -> Array:
+    nonzero = np.flatnonzero(taps)
+    return np.array(taps[nonzero[0] : nonzero[-1] + 1])
+
+
+@cache
+def pyramid_filters(name: str) -> PyramidFilters:
+    """Look up a pair of lowpass filters for the Laplacian pyramid.
+
+    Parameters
+    ----------
+    name : str
+        `9-7` (Cohen, Daubechies & Feauveau 1992, with the reference toolbox's 14 digits), `5-3` (Le
+        Gall & Tabatabai 1988), `haar`, or any `bior…` or `rbio…` wavelet of PyWavelets.
+
+    Raises
+    ------
+    FilterError
+        When there is no pair of that name, or PyWavelets has it and is not installed.
+    """
+    if name == "9-7":
+        return PyramidFilters(_mirror(_NINE, _NINE_CENTRE), _mirror(_SEVEN, _SEVEN_CENTRE))
+    if name == "5-3":
+        return PyramidFilters(
+            np.array([-1.0, 2.0, 6.0, 2.0, -1.0]) / (4 * np.sqrt(2)),
+            np.array([1.0, 2.0, 1.0]) / (2 * np.sqrt(2)),
+        )
+    if name == "haar":
+        return PyramidFilters(np.full(2, np.sqrt(0.5)), np.full(2, np.sqrt(0.5)))
+    pywt = pywavelets()
+    if name not in pyramid_filter_names():
+        raise FilterError(
+            f"No pyramid filter is called {name!r}; the names are 9-7, 5-3, haar and PyWavelets' "
+            "bior… and rbio… wavelets."
+        )
+    wavelet = pywt.Wavelet(name)
+    return _polish(_trim(wavelet.dec_lo), _trim(wavelet.rec_lo))
+
+
+def _defects(analysis: Array, synthesis: Array) -> tuple[Array, Array]:
+    """Errors of a pair in biorthogonality, sums and zeros at π, and their Jacobian."""
+    n, m = len(analysis), len(synthesis)
+    # Both filters have the same centre: tap i is multiplied with tap i + (m − n)/2 + an even shift.
+    reach = (n + m) // 4
+    shifts = 2 * np.arange(-reach, reach + 1) + (m - n) // 2
+    meets = np.arange(m) - np.arange(n)[:, None] == shifts[:, None, None]
+    products = np.einsum("sij,i,j->s", meets, analysis, synthesis)
+    by_analysis = np.einsum("sij,j->si", meets, synthesis)
+    by_synthesis = np.einsum("sij,i->sj", meets, analysis)
+    sums_a = np.stack([np.ones(n), (-1.0) ** np.arange(n)])
+    sums_s = np.stack([np.ones(m), (-1.0) ** np.arange(m)])
+    wanted = np.array([np.sqrt(2), 0.0])
+    defect = np.concatenate(
+        [
+            products - (shifts == (m - n) // 2),
+            sums_a @ analysis - wanted,
+            sums_s @ synthesis - wanted,
+        ]
+    )
+    jacobian = np.block(
+        [[by_analysis, by_synthesis], [sums_a, np.zeros((2, m))], [np.zeros((2, n)), sums_s]]
+    )
+    return defect, jacobian
+
+
+def _polish(analysis: Array, synthesis: Array) -> PyramidFilters:
+    """Refine a pair to double precision: PyWavelets gives some filters to 1e-12 only.
+
+    Up to two least-norm Newton steps, which change taps by no more than that error.
+    """
+    for _ in range(2):
+        defect, jacobian = _defects(analysis, synthesis)
+        if np.abs(defect).max() < 1e-14:
+            break
+        change = np.linalg.lstsq(jacobian, -defect, rcond=1e-8)[0]
+        analysis = analysis + change[: len(analysis)]
+        synthesis = synthesis + change[len(analysis) :]
+    return PyramidFilters(analysis, synthesis)
+
+
+@cache
+def ladder_taps(name: str) -> Array:
+    """Taps of the ladder's half-band prototype β.
+
+    Parameters
+    ----------
+    name : str
+        `pkva6`, `pkva8`, `pkva12` or `pkva`.
+
+    Returns
+    -------
+    (n,) float64
+        Symmetric, of even length.
+
+    References
+    ----------
+    S.-M. Phoong, C. W. Kim, P. P. Vaidyanathan, R. Ansari, "A new class of two-channel biorthogonal
+    filter banks and wavelet bases", IEEE Trans. Signal Processing 43(3), 1995.
+    """
+    half = _LADDER_HALVES[name]
+    return np.array([*half[::-1], *half])
+
+
+@cache
+def ladder_steps(name: str) -> tuple[LadderStep, LadderStep]:
+    """Write a directional filter as the two steps of a ladder.
+
+    With polyphase components p0 and p1, and F the prototype β with every other tap negated along both
+    axes, `pkva` is y0 = (p0 − F p1)/√2, y1 = −√2 p1 − F y0 (Phoong et al. 1995, as in the
+    reference toolbox). `haar` is the difference (p0 − p1)/√2 and the sum (p0 + p1)/√2, in lifting form.
+
+    Raises
+    ------
+    FilterError
+        When there is no directional filter of that name.
+    """
+    if name not in DIRECTIONAL_FILTERS:
+        raise FilterError(
+            f"No directional filter is called {name!r}; the names are "
+            f"{', '.join(DIRECTIONAL_FILTERS[:-1])} and {DIRECTIONAL_FILTERS[-1]}."
+        )
+    root = float(np.sqrt(2))
+    if name == "haar":
+        return (
+            LadderStep(1, -1 / root, 1 / root, (1.0,), 0, 0),
+            LadderStep(0, root, -1.0, (1.0,), 0, 0),
+        )
+    modulated = ladder_taps(name).copy()
+    modulated[::2] *= -1
+    taps = tuple(modulated.tolist())
+    half = len(taps) // 2
+    return (
+        LadderStep(0, 1 / root, -1 / root, taps, half, half - 1),
+        LadderStep(1, -root, -1.0, taps, half - 1, half),
+    )
+
+
+@cache
+def diamond_filters(name: str) -> tuple[Array, Array]:
+    """Non-separable diamond filters that are equivalent to a `pkva` ladder.
+
+    h0 = √2 (δ + B)/2 and h1 = √2 (δ − B(δ + B)/2), where B = β(z1 z2) β(z1/z2).
+
+    Returns
+    -------
+    h0 : (2 n − 1, 2 n − 1) float64
+        Lowpass; n is the length of β, so 23 × 23 for `pkva`.
+    h1 : (4 n − 3, 4 n − 3) float64
+        Highpass.
+    """
+    if name not in _LADDER_HALVES:
+        raise FilterError(
+            f"Diamond filters follow from a ladder prototype, which {name!r} is not; the names are "
+            f"{', '.join(_LADDER_HALVES)}."
+        )
+    beta = ladder_taps(name)
+    n = len(beta)
+    rows, columns = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    product = np.zeros((2 * n - 1, 2 * n - 1))
+    product[rows + columns, n - 1 + rows - columns] = np.outer(beta, beta)
+    h0 = product / 2
+    h0[n - 1, n - 1] += 0.5
+    size = 4 * n - 3
+    spectrum = np.fft.rfft2(product, (size, size)) * np.fft.rfft2(h0, (size, size))
+    h1 = -np.fft.irfft2(spectrum, (size, size))
+    h1[2 * n - 2, 2 * n - 2] += 1.0
+    return np.sqrt(2) * h0, np.sqrt(2) * h1

@@ -1,0 +1,187 @@
+"""Band features as scikit-learn transformers; the one module that needs scikit-learn."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.utils.validation import check_is_fitted
+
+from .errors import ImageError
+from .features import band_deviations, band_energies, band_names
+from .images import check_images
+from .lattice import Extension
+from .transform import Contourlet
+from .wavelets import wavelet_band_names, wavelet_deviations
+
+Array = NDArray[np.float64]
+
+
+class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
+    """Base of the transformers: images as `(n, rows, columns)`, or flat with `image_shape`."""
+
+    image_shape: tuple[int, int] | None
+
+    def fit(self, X: ArrayLike, y: object = None) -> Self:  # noqa: ARG002 (scikit-learn's signature)
+        """Store the images' size and check the parameters on the first image.
+
+        Parameters
+        ----------
+        X : (n, rows, columns) or, with `image_shape`, (n, pixels)
+        y : ignored
+
+        Raises
+        ------
+        ContourletError
+        """
+        images = self._images(X)
+        self._features(images[:1])
+        self.image_shape_ = (images.shape[1], images.shape[2])
+        self.n_features_in_ = images.shape[1] * images.shape[2]
+        return self
+
+    def transform(self, X: ArrayLike) -> Array:
+        """Compute the features of images of the fitted size.
+
+        Parameters
+        ----------
+        X : (n, rows, columns) or, with `image_shape`, (n, pixels)
+
+        Returns
+        -------
+        (n, features) float64
+
+        Raises
+        ------
+        ContourletError
+        """
+        check_is_fitted(self, "image_shape_")
+        images = self._images(X)
+        if images.shape[1:] != self.image_shape_:
+            rows, columns = self.image_shape_
+            raise ImageError(
+                f"This transformer was fitted to images of {rows} × {columns}, and these are "
+                f"{images.shape[1]} × {images.shape[2]}."
+            )
+        return self._features(images)
+
+    def get_feature_names_out(self, input_features: object = None) -> NDArray[Any]:  # noqa: ARG002
+        """Name the columns of `transform`'s result."""
+        return np.asarray(self._names(), dtype=object)
+
+    def _images(self, X: ArrayLike) -> NDArray[np.floating[Any]]:
+        array = np.asarray(X)
+        if array.ndim == 2 and self.image_shape is not None:
+            rows, columns = self.image_shape
+            if array.shape[1] != rows * columns:
+                raise ImageError(
+                    f"Flat images of {rows} × {columns} have {rows * columns} pixels, not "
+                    f"{array.shape[1]}."
+                )
+            array = array.reshape(-1, rows, columns)
+        if array.ndim != 3:
+            raise ImageError(
+                f"Images must have the shape (n, rows, columns), or (n, pixels) together with "
+                f"image_shape, not {array.shape}."
+            )
+        return check_images(array)
+
+    @abstractmethod
+    def _features(self, images: NDArray[np.floating[Any]]) -> Array:
+        """Compute the features of checked images, shape (n, features)."""
+
+    @abstractmethod
+    def _names(self) -> list[str]:
+        """Name the features, in their order."""
+
+
+class ContourletDeviations(_BandFeatures):
+    """Standard deviations, or energies, of the directional bands of a contourlet transform.
+
+    Parameters
+    ----------
+    levels : tuple of int
+        l of every pyramid level, the coarsest first.
+    pyramid_filter, directional_filter, extension : str
+        See `Contourlet`.
+    statistic : {"deviation", "energy"}
+        Standard deviation with N − 1, or the sum of squares.
+    image_shape : (int, int) or None
+        Rows and columns, if images are given as flat rows.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> images = np.random.default_rng(0).random((5, 32, 32))
+    >>> transformer = ContourletDeviations(levels=(4,)).fit(images)
+    >>> transformer.transform(images).shape
+    (5, 16)
+    >>> transformer.get_feature_names_out()[0]
+    'level1_band01_deviation'
+    """
+
+    def __init__(
+        self,
+        levels: tuple[int, ...] = (4,),
+        pyramid_filter: str = "9-7",
+        directional_filter: str = "pkva",
+        extension: Extension = "periodic",
+        statistic: Literal["deviation", "energy"] = "deviation",
+        image_shape: tuple[int, int] | None = None,
+    ) -> None:
+        self.levels = levels
+        self.pyramid_filter = pyramid_filter
+        self.directional_filter = directional_filter
+        self.extension = extension
+        self.statistic = statistic
+        self.image_shape = image_shape
+
+    def _contourlet(self) -> Contourlet:
+        return Contourlet(self.levels, self.pyramid_filter, self.directional_filter, self.extension)
+
+    def _features(self, images: NDArray[np.floating[Any]]) -> Array:
+        statistics = {"deviation": band_deviations, "energy": band_energies}
+        if self.statistic not in statistics:
+            raise ImageError(
+                f"The statistic of a band is deviation or energy, not {self.statistic!r}."
+            )
+        return statistics[self.statistic](images, self._contourlet())
+
+    def _names(self) -> list[str]:
+        return [f"{name}_{self.statistic}" for name in band_names(self._contourlet())]
+
+
+class WaveletDeviations(_BandFeatures):
+    """Standard deviations (N − 1) of the detail bands of a wavelet transform.
+
+    Parameters
+    ----------
+    wavelet : str
+        A discrete wavelet of PyWavelets, such as `db2` or `bior4.4`.
+    levels : int
+    mode : str
+        PyWavelets' border extension.
+    image_shape : (int, int) or None
+        Rows and columns, if images are given as flat rows.
+    """
+
+    def __init__(
+        self,
+        wavelet: str = "db2",
+        levels: int = 3,
+        mode: str = "periodization",
+        image_shape: tuple[int, int] | None = None,
+    ) -> None:
+        self.wavelet = wavelet
+        self.levels = levels
+        self.mode = mode
+        self.image_shape = image_shape
+
+    def _features(self, images: NDArray[np.floating[Any]]) -> Array:
+        return wavelet_deviations(images, self.wavelet, self.levels, self.mode)
+
+    def _names(self) -> list[str]:
+        return [f"{name}_deviation" for name in wavelet_band_names(self.levels)]

@@ -1,0 +1,168 @@
+import numpy as np
+import pytest
+from contourlet_definition import frequency_directions, toolbox_directions
+
+from contourlets.directional import (
+    adjoin_directions,
+    analyse_directions,
+    synthesise_directions,
+)
+from contourlets.lattice import (
+    EXTENSIONS,
+    band_shapes,
+    directional_tables,
+)
+
+FILTERS = ["pkva", "pkva8", "pkva6", "haar"]
+SHAPES = [(32, 32), (64, 32), (32, 64), (16, 48)]
+
+
+def bands_of(image, depth, name, extension):
+    tables = directional_tables(image.shape, depth, name, extension)
+    return [band[..., 0] for band in analyse_directions(image.reshape(-1, 1).copy(), tables)]
+
+
+def matrix_of(shape, depth, name, extension):
+    tables = directional_tables(shape, depth, name, extension)
+    bands = analyse_directions(np.eye(shape[0] * shape[1]), tables)
+    return np.concatenate([band.reshape(-1, shape[0] * shape[1]) for band in bands])
+
+
+@pytest.mark.parametrize("depth", range(6))
+@pytest.mark.parametrize("name", FILTERS)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_periodic_bands_are_the_toolbox_recursions(shape, name, depth, rng):
+    image = rng.standard_normal(shape)
+    expected = toolbox_directions(image, depth, name)
+    found = bands_of(image, depth, name, "periodic")
+    assert len(found) == len(expected) == 2**depth
+    for band, reference in zip(found, expected, strict=True):
+        np.testing.assert_allclose(band, reference, atol=1e-12)
+
+
+@pytest.mark.parametrize("depth", range(6))
+@pytest.mark.parametrize("name", ["pkva", "pkva6"])
+@pytest.mark.parametrize("shape", [(32, 32), (64, 32), (32, 64)])
+def test_circular_bands_are_filtered_by_their_frequency_responses(shape, name, depth, rng):
+    image = rng.standard_normal(shape)
+    expected = frequency_directions(image, depth, name)
+    for band, reference in zip(bands_of(image, depth, name, "circular"), expected, strict=True):
+        np.testing.assert_allclose(band, reference, atol=1e-12)
+
+
+@pytest.mark.parametrize("depth", [1, 2])
+def test_periodic_is_circular_down_to_four_bands(depth, rng):
+    image = rng.standard_normal((32, 32))
+    expected = frequency_directions(image, depth, "pkva")
+    for band, reference in zip(bands_of(image, depth, "pkva", "periodic"), expected, strict=True):
+        np.testing.assert_allclose(band, reference, atol=1e-12)
+
+
+@pytest.mark.parametrize("extension", ["periodic", "circular", "symmetric"])
+@pytest.mark.parametrize("depth", [3, 4])
+def test_bands_have_their_frequency_responses_away_from_seams_and_borders(depth, extension, rng):
+    image = rng.standard_normal((256, 256))
+    expected = frequency_directions(image, depth, "pkva6")
+    found = bands_of(image, depth, "pkva6", extension)
+    for number, (band, response) in enumerate(zip(found, expected, strict=True)):
+        flat, reference = number < 2 ** (depth - 1), response
+        if extension == "symmetric":
+            # There every band starts at its first pixel in the image; elsewhere the toolbox's delays
+            # put some a sample later along the finer axis.
+            circular, placed = (
+                directional_tables(image.shape, depth, "pkva6", e).bands[number]
+                for e in ("circular", "symmetric")
+            )
+            order = np.argsort(circular, axis=None).reshape(circular.shape)
+            np.testing.assert_array_equal(circular.ravel()[order], placed)
+            reference = response.ravel()[order]
+        inner = np.s_[11:-11, 40:-40] if flat else np.s_[40:-40, 11:-11]
+        assert band[inner].size > 300
+        np.testing.assert_allclose(band[inner], reference[inner], atol=1e-12)
+
+
+def test_periodic_has_the_toolboxs_seams_from_eight_bands_on(rng):
+    image = rng.standard_normal((32, 32))
+    difference = [
+        np.abs(a - b).max()
+        for a, b in zip(
+            bands_of(image, 3, "pkva", "periodic"),
+            bands_of(image, 3, "pkva", "circular"),
+            strict=True,
+        )
+    ]
+    assert min(difference) > 0.1
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+@pytest.mark.parametrize("name", FILTERS)
+@pytest.mark.parametrize("depth", range(6))
+def test_synthesis_undoes_analysis_and_adjoint_is_the_transpose(depth, name, extension, rng):
+    for shape in [(32, 32), (16, 48)]:
+        tables = directional_tables(shape, depth, name, extension)
+        images = rng.standard_normal((shape[0] * shape[1], 3))
+        bands = analyse_directions(images.copy(), tables)
+        assert tuple(band.shape[:2] for band in bands) == band_shapes(shape, depth)
+        np.testing.assert_allclose(synthesise_directions(bands, tables), images, atol=2e-13)
+        others = [rng.standard_normal(band.shape) for band in bands]
+        product = sum(float((a * b).sum()) for a, b in zip(bands, others, strict=True))
+        transposed = float((adjoin_directions(others, tables) * images).sum())
+        assert transposed == pytest.approx(product, rel=1e-11, abs=1e-11)
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+@pytest.mark.parametrize("depth", range(1, 6))
+@pytest.mark.parametrize("name", FILTERS)
+def test_every_pixel_is_in_one_band(depth, name, extension):
+    for shape in SHAPES:
+        bands = directional_tables(shape, depth, name, extension).bands
+        pixels = np.concatenate([band.ravel() for band in bands])
+        np.testing.assert_array_equal(np.sort(pixels), np.arange(shape[0] * shape[1]))
+
+
+@pytest.mark.slow
+def test_singular_values_of_sixteen_bands_are_the_known_ones():
+    values = np.linalg.svd(matrix_of((32, 32), 4, "pkva", "periodic"), compute_uv=False)
+    assert values[-1] == pytest.approx(0.331, abs=5e-4)
+    assert values[0] == pytest.approx(3.021, abs=5e-4)
+
+
+@pytest.mark.slow
+def test_symmetric_bank_stays_well_conditioned():
+    values = np.linalg.svd(matrix_of((32, 32), 4, "pkva", "symmetric"), compute_uv=False)
+    assert values[-1] == pytest.approx(0.230, abs=5e-4)
+    assert values[0] == pytest.approx(4.693, abs=5e-4)
+
+
+@pytest.mark.parametrize("extension", ["periodic", "circular"])
+def test_haar_bank_is_orthonormal(extension):
+    matrix = matrix_of((16, 16), 4, "haar", extension)
+    np.testing.assert_allclose(matrix @ matrix.T, np.eye(256), atol=1e-13)
+
+
+@pytest.mark.parametrize("name", ["pkva", "haar"])
+@pytest.mark.parametrize("depth", range(2, 6))
+def test_circular_commutes_with_shifts_by_the_decimation_step(depth, name, rng):
+    image = rng.standard_normal((64, 64))
+    step = max(2, 2 ** (depth - 1))
+    for shift in [(step, 0), (0, step), (3 * step, -step)]:
+        shifted = bands_of(np.roll(image, shift, (0, 1)), depth, name, "circular")
+        for band, moved in zip(bands_of(image, depth, name, "circular"), shifted, strict=True):
+            turn = [s * n // 64 for s, n in zip(shift, band.shape, strict=True)]
+            np.testing.assert_allclose(moved, np.roll(band, turn, (0, 1)), atol=1e-13)
+
+
+@pytest.mark.parametrize("depth", range(2, 6))
+def test_periodic_commutes_with_shifts_along_the_axis_that_is_not_sheared(depth, rng):
+    image = rng.standard_normal((64, 64))
+    half = 2 ** (depth - 1)
+    original = bands_of(image, depth, "pkva", "periodic")
+    for shift in (2, 10):
+        sideways = bands_of(np.roll(image, shift, 1), depth, "pkva", "periodic")
+        downwards = bands_of(np.roll(image, shift, 0), depth, "pkva", "periodic")
+        for k in range(half):
+            turned = np.roll(original[k], shift // 2, 1)
+            np.testing.assert_allclose(sideways[k], turned, atol=1e-13)
+        for k in range(half, 2 * half):
+            turned = np.roll(original[k], shift // 2, 0)
+            np.testing.assert_allclose(downwards[k], turned, atol=1e-13)

@@ -1,0 +1,81 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from contourlets import (
+    EXTENSIONS,
+    Contourlet,
+    LevelsError,
+    contourlet_operator,
+)
+from contourlets.operator import blockwise_product
+
+BATCHES = [1, 2, 3, 5, 7, 80, 1000]
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-13), (np.float32, 1e-5)])
+def test_operator_is_the_ladder(extension, dtype, tolerance, rng):
+    transform = Contourlet((2, 3), "5-3", "pkva8", extension)
+    images = rng.standard_normal((2, 5, 16, 24)).astype(dtype)
+    operator = contourlet_operator(transform, (16, 24), dtype)
+    found, expected = operator.forward(images), transform.forward(images)
+    for band, reference in zip(found.bands, expected.bands, strict=True):
+        assert band.shape == reference.shape
+        assert band.dtype == dtype
+        np.testing.assert_allclose(band, reference, atol=10 * tolerance)
+    rebuilt = transform.inverse(found)
+    np.testing.assert_allclose(rebuilt, images, atol=10 * tolerance)
+    adjoint = operator.adjoint(expected)
+    np.testing.assert_allclose(adjoint, transform.adjoint(expected), atol=50 * tolerance)
+
+
+def test_operator_is_built_once():
+    transform = Contourlet((3,))
+    assert contourlet_operator(transform, (16, 16)) is contourlet_operator(transform, (16, 16))
+    assert contourlet_operator(transform, (16, 16)) is contourlet_operator(
+        Contourlet((3,)), (16, 16), "float64"
+    )
+    assert not contourlet_operator(transform, (16, 16)).matrix.flags.writeable
+
+
+@pytest.mark.parametrize("count", BATCHES)
+def test_a_row_of_a_product_does_not_depend_on_the_others(count, rng):
+    rows, matrix = rng.standard_normal((1000, 256)), rng.standard_normal((256, 300))
+    whole = blockwise_product(rows, matrix)
+    np.testing.assert_array_equal(blockwise_product(rows[:count], matrix), whole[:count])
+    last = blockwise_product(rows[-count:], matrix)
+    np.testing.assert_array_equal(last, whole[-count:])
+    np.testing.assert_allclose(whole, rows @ matrix, atol=1e-11)
+
+
+@pytest.mark.slow
+def test_products_do_not_depend_on_the_number_of_threads():
+    program = (
+        "import numpy as np, hashlib\n"
+        "from contourlets import Contourlet, contourlet_operator\n"
+        "x = np.random.default_rng(1).standard_normal((70, 32, 32))\n"
+        "operator = contourlet_operator(Contourlet((4,)), (32, 32))\n"
+        "print(hashlib.sha256(operator.forward(x).ravel().tobytes()).hexdigest())\n"
+    )
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env={"PYTHONPATH": ":".join(sys.path), "OPENBLAS_NUM_THREADS": threads},
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout
+        for threads in ("1", "2")
+    }
+    assert len(digests) == 1
+
+
+def test_too_large_or_wrong_sizes_get_one_sentence():
+    with pytest.raises(LevelsError, match=r"matrix for 128 × 128 images would exceed 32 MiB; use"):
+        contourlet_operator(Contourlet((4,)), (128, 128))
+    operator = contourlet_operator(Contourlet((2,)), (8, 8))
+    with pytest.raises(LevelsError, match=r"transforms images of 8 × 8 pixels, not 16 × 8"):
+        operator.forward(np.zeros((16, 8)))

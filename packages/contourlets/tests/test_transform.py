@@ -1,0 +1,233 @@
+import numpy as np
+import pytest
+from contourlet_definition import check_grating_sweep, special_images, toolbox_bands
+
+from contourlets import (
+    EXTENSIONS,
+    Coefficients,
+    CoefficientsError,
+    Contourlet,
+    ContourletError,
+    ExtensionError,
+    FilterError,
+    ImageError,
+    LevelsError,
+)
+
+TOLERANCES = {np.float64: 1e-12, np.float32: 1e-5}
+
+
+def relative_error(transform, images):
+    rebuilt = transform.inverse(transform.forward(images))
+    assert rebuilt.dtype == images.dtype
+    assert rebuilt.shape == images.shape
+    return np.abs(rebuilt - images).max() / max(np.abs(images).max(), np.finfo(images.dtype).tiny)
+
+
+@pytest.mark.parametrize("levels", [(4,), (3, 4), (2, 3), (0, 1, 2), (5,), (5, 5)])
+@pytest.mark.parametrize("directional", ["pkva", "pkva8", "haar"])
+@pytest.mark.parametrize("pyramid", ["9-7", "5-3", "haar"])
+def test_bands_are_the_toolboxs(levels, directional, pyramid, rng):
+    image = rng.standard_normal((32, 32))
+    coefficients = Contourlet(levels, pyramid, directional).forward(image)
+    expected = toolbox_bands(image, levels, pyramid, directional)
+    for band, reference in zip(coefficients.bands, expected, strict=True):
+        np.testing.assert_allclose(band, reference, atol=1e-12)
+
+
+def test_sixteen_bands_have_the_toolboxs_sizes():
+    coefficients = Contourlet((4,)).forward(np.eye(32))
+    assert coefficients.coarse.shape == (16, 16)
+    assert [band.shape for band in coefficients.levels[0]] == [(4, 16)] * 8 + [(16, 4)] * 8
+    assert coefficients.ravel().shape == (1280,)
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+@pytest.mark.parametrize("directional", ["pkva", "pkva8", "pkva6", "haar"])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_reconstruction_is_perfect(extension, directional, dtype, rng):
+    pyramids = ["9-7", "haar", "bior5.5"]
+    if directional == "pkva":
+        pyramids += ["5-3", "bior2.2", "bior3.3", "rbio6.8"]
+    for pyramid in pyramids:
+        for levels, shape in [
+            ((4,), (32, 32)),
+            ((3, 4), (64, 32)),
+            ((0, 2, 1), (40, 24)),
+            ((5,), (16, 48)),
+            ((2,), (2, 6)),
+            ((2, 3), (33, 47)),
+        ]:
+            images = np.stack(list(special_images(shape, rng).values())).astype(dtype)
+            transform = Contourlet(levels, pyramid, directional, extension)
+            error = relative_error(transform, images)
+            assert error < TOLERANCES[dtype], (pyramid, levels, shape)
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+@pytest.mark.parametrize("scale", [1e150, 1e-150, 1e305, 1e-300, 1e-310])
+def test_reconstruction_is_perfect_at_the_ends_of_the_range(extension, scale, rng):
+    transform = Contourlet((3, 4), extension=extension)
+    for name, image in special_images((64, 64), rng).items():
+        if image.any():
+            scaled = image / np.abs(image).max() * scale
+            error = np.abs(transform.inverse(transform.forward(scaled)) - scaled).max() / scale
+            assert error < 1e-12, name
+
+
+def test_the_smallest_numbers_come_back_to_within_their_spacing(rng):
+    quanta = rng.integers(-1000, 1001, (32, 32)) * np.finfo(np.float64).smallest_subnormal
+    transform = Contourlet((4,))
+    error = np.abs(transform.inverse(transform.forward(quanta)) - quanta).max()
+    assert error <= 4 * np.finfo(np.float64).smallest_subnormal
+
+
+def test_scaling_by_a_power_of_two_changes_no_digit(rng):
+    image = rng.standard_normal((32, 32))
+    transform = Contourlet((4,), extension="symmetric")
+    original = transform.forward(image).ravel()
+    for exponent in (-700, -3, 5, 900):
+        scaled = transform.forward(np.ldexp(image, exponent)).ravel()
+        np.testing.assert_array_equal(scaled, np.ldexp(original, exponent))
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+def test_transform_is_linear_and_adjoint_is_its_transpose(extension, rng):
+    transform = Contourlet((3, 4), extension=extension)
+    a, b = rng.standard_normal((2, 64, 64))
+    combined = transform.forward(2.5 * a - 0.3 * b).ravel()
+    parts = 2.5 * transform.forward(a).ravel() - 0.3 * transform.forward(b).ravel()
+    np.testing.assert_allclose(combined, parts, atol=1e-12)
+    other = transform.forward(b)
+    product = transform.forward(a).ravel() @ other.ravel()
+    assert float((transform.adjoint(other) * a).sum()) == pytest.approx(product, rel=1e-11)
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_an_image_does_not_depend_on_its_batch(extension, dtype, rng):
+    images = rng.standard_normal((300, 32, 32)).astype(dtype)
+    transform = Contourlet((2, 4), extension=extension)
+    together = transform.forward(images)
+    for chosen in [slice(0, 1), slice(7, 12), slice(150, 290)]:
+        alone = transform.forward(images[chosen])
+        np.testing.assert_array_equal(alone.ravel(), together.ravel()[chosen])
+        np.testing.assert_array_equal(transform.inverse(alone), transform.inverse(together)[chosen])
+
+
+def test_leading_axes_are_kept(rng):
+    images = rng.standard_normal((2, 3, 16, 24))
+    transform = Contourlet((2,))
+    coefficients = transform.forward(images)
+    assert coefficients.coarse.shape == (2, 3, 8, 12)
+    assert coefficients.levels[0][3].shape == (2, 3, 8, 12)
+    one = transform.forward(images[1, 2])
+    np.testing.assert_array_equal(coefficients.levels[0][1][1, 2], one.levels[0][1])
+    np.testing.assert_allclose(transform.inverse(coefficients), images, atol=1e-13)
+    empty = transform.forward(np.zeros((0, 16, 24)))
+    assert empty.ravel().shape == (0, 480)
+    assert transform.inverse(empty).shape == (0, 16, 24)
+
+
+def test_odd_images_are_padded_by_half_sample_reflection(rng):
+    image = rng.standard_normal((31, 45))
+    transform = Contourlet((3,), extension="symmetric")
+    assert transform.padded_shape((31, 45)) == (32, 48)
+    padded = np.pad(image, ((0, 1), (0, 3)), mode="symmetric")
+    np.testing.assert_array_equal(
+        transform.forward(image).ravel(), transform.forward(padded).ravel()
+    )
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+@pytest.mark.parametrize(
+    ("pyramid", "leak"), [("9-7", 2e-13), ("5-3", 2e-15), ("haar", 2e-15), ("bior6.8", 4e-15)]
+)
+@pytest.mark.parametrize("directional", ["pkva", "haar"])
+def test_constant_images_leak_rounding_alone(extension, pyramid, leak, directional):
+    transform = Contourlet((3, 4), pyramid, directional, extension)
+    coefficients = transform.forward(np.ones((64, 64)))
+    np.testing.assert_allclose(coefficients.coarse, 4, rtol=1e-12)
+    assert max(np.abs(band).max() for band in coefficients.bands[1:]) < leak
+
+
+def test_symmetric_extension_does_not_join_opposite_edges():
+    """A ramp has a step where it wraps; its reflection has a kink there instead."""
+    ramp = np.linspace(0, 1, 64)[None, :] * np.ones((64, 1))
+    sums = {}
+    for extension in EXTENSIONS:
+        bands = Contourlet((4,), extension=extension).forward(ramp).levels[0]
+        sums[extension] = sum(float(np.square(band).sum()) for band in bands)
+    assert sums["periodic"] == pytest.approx(18.7, abs=0.05)
+    assert sums["symmetric"] == pytest.approx(0.012, abs=5e-4)
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+@pytest.mark.parametrize("directions_log2", [3, 4])
+def test_the_band_of_a_gratings_direction_is_the_strongest(extension, directions_log2):
+    check_grating_sweep(Contourlet((directions_log2,), extension=extension), 128, 0.4)
+
+
+def test_wrong_images_get_one_sentence():
+    transform = Contourlet((2,))
+    for image, sentence in [
+        (np.ones((8, 8), int), r"^Images must be real float32 or float64 arrays, not int64\.$"),
+        (np.ones((8, 8), complex), r"^Images must be real float32 or float64 .* not complex128\.$"),
+        (np.ones((8, 8), np.float16), r"not float16\.$"),
+        (np.ones((1, 64)), r"at least 2 rows and 2 columns, not \(1, 64\)\.$"),
+        (np.ones(64), r"\(\.\.\., rows, columns\).* not \(64,\)\.$"),
+        (
+            np.full((8, 8), np.nan),
+            r"^Images must be finite, but there are NaN or infinite pixels\.$",
+        ),
+        (np.full((8, 8), -np.inf), r"must be finite"),
+    ]:
+        with pytest.raises(ImageError, match=sentence):
+            transform.forward(image)
+
+
+def test_wrong_levels_filters_and_extensions_get_one_sentence():
+    with pytest.raises(
+        LevelsError,
+        match=r"^The levels \(5, 5, 5\) need sides that are multiples of 64 .*, not 32 × 32\.$",
+    ):
+        Contourlet((5, 5, 5)).forward(np.ones((32, 32)))
+    with pytest.raises(LevelsError, match=r"multiples of 8 .*, not 36 × 32"):
+        Contourlet((4,)).forward(np.ones((36, 32)))
+    with pytest.raises(LevelsError, match=r"^Levels must be a tuple of one or more integers, not"):
+        Contourlet([4])
+    with pytest.raises(LevelsError, match=r"not \(\)"):
+        Contourlet(())
+    for wrong in (6, -1, 2.0, True):
+        with pytest.raises(LevelsError, match=rf"integer l from 0 to 5, not {wrong!r}"):
+            Contourlet((wrong,))
+    with pytest.raises(FilterError, match="No pyramid filter is called 'sym4'"):
+        Contourlet((4,), "sym4")
+    with pytest.raises(FilterError, match="No directional filter is called 'cd'"):
+        Contourlet((4,), directional_filter="cd")
+    with pytest.raises(
+        ExtensionError, match=r"called 'zero'; the names are periodic, circular and symmetric\."
+    ):
+        Contourlet((4,), extension="zero")
+    assert issubclass(ExtensionError, ContourletError)
+    assert issubclass(ContourletError, ValueError)
+
+
+def test_wrong_coefficients_get_one_sentence(rng):
+    transform = Contourlet((2,))
+    good = transform.forward(rng.standard_normal((8, 8)))
+    cut = Coefficients(good.coarse[:2], good.levels, good.image_shape)
+    with pytest.raises(CoefficientsError, match=r"^Coefficients of images of 8 × 8 must have the"):
+        transform.inverse(cut)
+    mixed = Coefficients(good.coarse.astype(np.float32), good.levels, good.image_shape)
+    with pytest.raises(CoefficientsError, match=r"all float32 or all float64, not \['float32'"):
+        transform.inverse(mixed)
+    with pytest.raises(LevelsError, match=r"adjoint needs images that are not padded, and 7 × 8"):
+        transform.adjoint(transform.forward(rng.standard_normal((7, 8))))
+
+
+def test_map_changes_directional_bands_alone(rng):
+    coefficients = Contourlet((2,)).forward(rng.standard_normal((8, 8)))
+    silent = coefficients.map(np.zeros_like)
+    np.testing.assert_array_equal(silent.coarse, coefficients.coarse)
+    assert not any(band.any() for band in silent.levels[0])

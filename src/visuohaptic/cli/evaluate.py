@@ -1,0 +1,83 @@
+"""`visuohaptic evaluate`: how right a model is, and how sure, on objects that it has not learnt."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from visuohaptic.cli.printing import file_to_read, say, say_json
+from visuohaptic.exploration.recognising import DEFAULT_MODEL
+
+TABLE = "reports/evaluation.parquet"
+
+
+def evaluate(
+    models: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="[MODEL]...",
+            parser=file_to_read,
+            help=f"Fitted recognition models, one a strategy.  [default: {DEFAULT_MODEL}]",
+            show_default=False,
+        ),
+    ] = None,
+    run: Annotated[
+        Path, typer.Option(help="Folder whose results/features has the objects.", show_default=".")
+    ] = Path(),
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+) -> None:
+    """Name the objects of a run that a model has not learnt, and count how often it was right.
+
+    Gives the share correctly classified, the share whose class is in the prediction set, beside what
+    that states, the set's mean size, and the share called unknown, from 1, 4 and 16 views, with intervals over
+    objects. They must be touched with the parameters that lie beside the model. The rows are written to
+    reports/evaluation.parquet, and the report shows them.
+
+    Example: visuohaptic evaluate results/models/best.skops --run .
+    """
+    import pyarrow as pa
+
+    from visuohaptic.exploration.recognising import read_recogniser
+    from visuohaptic.studies.evaluation.models import evaluate_model, summarise_evaluation
+    from visuohaptic.tables.phases import FEATURES
+    from visuohaptic.tables.schema import read_table, write_table
+    from visuohaptic.tables.studies import EVALUATION
+
+    recognisers = [read_recogniser(model) for model in models or [DEFAULT_MODEL]]
+    features = read_table(FEATURES, run / "results/features")
+    table = pa.concat_tables(evaluate_model(one.model, features) for one in recognisers)
+    write_table(EVALUATION, table, run / TABLE)
+    first = recognisers[0]
+    rows = summarise_evaluation(table, first.model.parameters.intervals, first.parameters.seed)
+    if as_json:
+        say_json(rows)
+        return
+    for one in recognisers:
+        learnt, strategy = len(one.model.objects), one.model.strategy
+        say(f"Touches by {strategy}, a model that learnt {learnt} objects:")
+        for row in rows:
+            if row["strategy"] == strategy:
+                say(_line(row))
+    say(f"{run / TABLE}")
+
+
+def _line(row: Mapping[str, Any]) -> str:
+    found = (
+        ""
+        if "found_unknown" not in row
+        else (f"; of classes that it does not know, {_share(row['found_unknown'])} called unknown")
+    )
+    return (
+        f"  {row['views']:>2} {'view' if row['views'] == 1 else 'views'}: {_share(row['accuracy'])} correctly classified; the class is in "
+        f"{_share(row['coverage'])} of the sets, stated {100 * row['stated']:g} %, with "
+        f"{row['set_size']:.2f} classes on average; {_share(row['false_unknown'])} called unknown{found}"
+    )
+
+
+def _share(interval: Sequence[float | None]) -> str:
+    # A single object has no interval.
+    mean, *ends = (100 * value for value in interval if value is not None)
+    return f"{mean:.1f} %" + (" ({:.1f} to {:.1f})".format(*ends) if ends else "")

@@ -1,0 +1,84 @@
+"""Predictions that others made for recorded objects: text or npz as recordings are, or coloured points.
+
+A PLY file of points has its values as colours of the scale ``jet``, as public repositories keep them; they are
+found again to 1 in 255.
+"""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import GazeError
+from visuohaptic.gaze.parameters import GAZE_SUFFIXES
+from visuohaptic.gaze.recordings import MOST_POINTS, read_bounded, read_recording
+from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
+
+ENDINGS = ("", "_pred")
+"""What may follow the object's name in a file's name."""
+
+# Matplotlib's `jet`: where each colour has its corners, and how much of it there is.
+_JET = (
+    ((0, 0.35, 0.66, 0.89, 1), (0, 0, 1, 1, 0.5)),
+    ((0, 0.125, 0.375, 0.64, 0.91, 1), (0, 0, 1, 1, 0, 0)),
+    ((0, 0.11, 0.34, 0.65, 1), (0.5, 1, 1, 0, 0)),
+)
+# In levels of 255, of a colour from its scale.
+_FARTHEST = 3.0
+
+
+def find_peer(folder: str | Path, name: str) -> Path | None:
+    """Give the file that holds the prediction for an object, None where there is none.
+
+    Raises `GazeError` if there is no such folder.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise GazeError(f"gaze.peer is {folder}, which is no folder.")
+    files = (
+        folder / f"{name}{end}{suffix}" for end in ENDINGS for suffix in (".ply", *GAZE_SUFFIXES)
+    )
+    return next((file for file in files if file.is_file()), None)
+
+
+def read_peer(
+    path: Path, largest_megabytes: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Read a prediction: points, shape (n, 3), in the file's frame, and values, shape (n,), at least 0.
+
+    Raises `GazeError` if the file can't be read, is too large, has no points, or has colours that
+    are not of the scale.
+    """
+    if path.suffix.lower() == ".ply":
+        return _read_coloured(path, largest_megabytes)
+    found = read_recording(path, largest_megabytes)
+    if found.points is None:
+        raise GazeError(f"{path} has values and no points; x y z and a value are needed.")
+    return found.points, found.seconds
+
+
+def _read_coloured(
+    path: Path, largest_megabytes: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    from plyfile import PlyData, PlyParseError
+    from scipy.spatial import cKDTree
+
+    data = read_bounded(path, largest_megabytes)
+    try:
+        check_ply_size(read_ply_header(data[:LONGEST]), len(data))
+        rows = PlyData.read(io.BytesIO(data))["vertex"].data[: MOST_POINTS + 1]
+        points = np.column_stack([rows[name] for name in "xyz"]).astype(np.float64)
+        colours = np.column_stack([rows[name] for name in ("red", "green", "blue")])
+    except (PlyParseError, KeyError, ValueError) as error:
+        raise GazeError(f"{path} holds no coloured points: {error}.") from error
+    if not 0 < len(points) <= MOST_POINTS or not np.isfinite(points).all():
+        raise GazeError(f"{path} has no points, more than {MOST_POINTS:,}, or some not finite.")
+    scale = np.linspace(0, 1, 256)
+    jet = np.column_stack([np.interp(scale, *corners) for corners in _JET]) * 255
+    distance, place = cKDTree(jet).query(colours.astype(np.float64))
+    if distance.max() > _FARTHEST:
+        raise GazeError(f"{path} has colours that are not of the scale jet; no other is read.")
+    return points, scale[place]

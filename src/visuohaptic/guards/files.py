@@ -1,0 +1,106 @@
+"""From the tables of a run to the table of its guards."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.geometry.surface import read_surface, set_aside_reason
+from visuohaptic.guards.areas import coordinates, guard_areas
+from visuohaptic.guards.leaks import guard_chance, guard_unseen, sample_objects
+from visuohaptic.guards.p_values import guard_signs
+from visuohaptic.guards.sums import guard_sums
+from visuohaptic.guards.verdicts import Verdict
+from visuohaptic.recognition.experiment import gather_pipeline
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.sequences import take_strategy
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.tables.guards import GUARDS
+from visuohaptic.tables.phases import FEATURES, FIXATIONS, POINT_NAMES, PREDICTIONS
+from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
+
+UNIFORM_STRATEGIES = ("random", "random_anywhere")
+"""Strategies whose places, in reach or not, are drawn by area; both have the same draws."""
+
+MESHES = 12
+"""Objects whose random places are tested."""
+
+Paths = Sequence[str | Path]
+
+
+def make_guards(
+    features: Paths,
+    fixations: Paths,
+    meshes: Mapping[str, Path],
+    predictions: Paths,
+    metrics: str | Path,
+    output: str | Path,
+    pipelines: Sequence[str],
+    recognition: RecognitionParameters,
+    seed: int,
+) -> None:
+    """Try every guard on a run, and write the table; a guard that fails raises nothing here."""
+    generator = spawn_generator(seed, "guards")
+    predicted = read_table(PREDICTIONS, predictions)
+    published = json.loads(Path(metrics).read_text(encoding="utf-8"))
+    verdicts = [
+        *_guard_training(read_table(FEATURES, features), pipelines, recognition, seed, generator),
+        guard_sums(published, predicted),
+        guard_areas(list(_random_places(fixations, meshes, generator))),
+        guard_signs(_object_weights(predicted), generator),
+    ]
+    rows = [asdict(verdict) for verdict in verdicts]
+    write_table(
+        GUARDS, build_table(GUARDS, {name: [row[name] for row in rows] for name in rows[0]}), output
+    )
+
+
+def _guard_training(
+    features: pa.Table,
+    pipelines: Sequence[str],
+    recognition: RecognitionParameters,
+    seed: int,
+    generator: np.random.Generator,
+) -> Iterator[Verdict]:
+    strategy = features.column("strategy")[0].as_py()
+    table, _ = take_strategy(features, strategy, recognition.touches)
+    sampled = sample_objects(table, generator)
+    try:
+        sequences = gather_pipeline(sampled, recognition, "paper", seed)
+        yield guard_chance(sequences, recognition, generator)
+        for pipeline in pipelines:
+            yield guard_unseen(sampled, pipeline, recognition, seed, generator)
+    except RecognitionError as error:
+        yield Verdict("test objects and training", "not tested", str(error))
+
+
+def _random_places(
+    fixations: Paths, meshes: Mapping[str, Path], generator: np.random.Generator
+) -> Iterator[np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
+    """Give the coordinates of the random places of some objects, those passed over among them."""
+    located = read_table(FIXATIONS, fixations)
+    drawn = set(pc.unique(located.column("strategy")).to_pylist())
+    strategy = next((name for name in UNIFORM_STRATEGIES if name in drawn), None)
+    usable = sorted(key for key, path in meshes.items() if set_aside_reason(path) is None)
+    for place in generator.permutation(len(usable))[: MESHES if strategy else 0]:
+        category, name = usable[place].split("/")
+        chosen = located.filter(
+            (pc.field("class") == category)
+            & (pc.field("object") == name)
+            & (pc.field("strategy") == strategy)
+        )
+        faces = chosen.column("face").to_numpy().astype(np.int64)
+        surface = read_surface(meshes[usable[place]])
+        yield coordinates(surface, matrix(chosen, POINT_NAMES), faces)
+
+
+def _object_weights(predicted: pa.Table) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    counted = predicted.group_by(["class", "object"]).aggregate([([], "count_all")])
+    return counted.column("count_all").to_numpy().astype(np.float64)

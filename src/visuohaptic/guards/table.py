@@ -1,0 +1,27 @@
+"""What the table of a run's guards says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from visuohaptic.errors import GuardError
+from visuohaptic.tables.guards import GUARDS
+from visuohaptic.tables.schema import read_table
+
+
+def failed_guards(path: str | Path) -> list[str]:
+    """Name the guards that failed, in a sentence each."""
+    return [
+        f"{row['guard']}: failed. {row['found']}"
+        for row in read_table(GUARDS, [path]).to_pylist()
+        if row["outcome"] == "failed"
+    ]
+
+
+def require_guards(path: str | Path, report: str | Path) -> None:
+    """Raise `GuardError` if a guard of the run failed."""
+    failed = failed_guards(path)
+    if failed:
+        raise GuardError(
+            f"The run's figures can't be trusted, as {report} says, too: {' '.join(failed)}"
+        )

@@ -1,0 +1,189 @@
+"""A trained recogniser as a file: arrays, numbers and text, so that loading runs no code."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.certainty import Calibration, Landmarks
+from visuohaptic.recognition.descriptors import WaveBasis
+from visuohaptic.recognition.encoding import FeatureGroups, SequenceEncoder, Standardiser
+from visuohaptic.recognition.model import RecognitionModel, SequenceDescriber
+from visuohaptic.recognition.parameters import (
+    BestParameters,
+    RecognitionParameters,
+    SelfOrganisingMapParameters,
+    SequenceParameters,
+)
+from visuohaptic.recognition.pooling import BagClassifier, Combination
+from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
+from visuohaptic.recognition.set_distance import KnownTouches
+from visuohaptic.recognition.short_sequences import ShortClassifier
+from visuohaptic.recognition.tuning import Projection, TunedClassifier
+from visuohaptic.whole_files import whole_file
+
+FORMAT = "visuohaptic recognition model 5"
+
+LARGEST_BYTES = 2**30
+"""A model file that unpacks to more is refused; one of 142 objects has some megabytes."""
+
+_PARTS: Mapping[str, type] = {
+    part.__name__: part
+    for part in (
+        BagClassifier,
+        Calibration,
+        Combination,
+        FeatureGroups,
+        KnownTouches,
+        Landmarks,
+        Projection,
+        RecognitionModel,
+        SelfOrganisingMap,
+        SequenceDescriber,
+        SequenceEncoder,
+        ShortClassifier,
+        Standardiser,
+        TunedClassifier,
+        WaveBasis,
+    )
+}
+_PARAMETERS: Mapping[str, type[BaseModel]] = {
+    part.__name__: part
+    for part in (
+        BestParameters,
+        RecognitionParameters,
+        SelfOrganisingMapParameters,
+        SequenceParameters,
+    )
+}
+
+
+def save_model(model: RecognitionModel, path: str | Path) -> None:
+    """Write a model with skops, whole or not at all.
+
+    Parameters
+    ----------
+    model : RecognitionModel
+        The model.
+    path : path
+        The file, such as ``recogniser.skops``; its folder is made where missing.
+
+    Raises
+    ------
+    RecognitionError
+        If the classifier can't be saved so that loading is safe: scikit-learn follows
+        a decision tree's stored indices unchecked.
+    """
+    import skops.io
+
+    estimator = copy.copy(model.tuned.estimator)
+    if getattr(estimator, "covariance_estimator", None) is not None:
+        # Only training needs it, and without it the file holds scikit-learn's own types alone.
+        estimator.covariance_estimator = None
+    tuned = replace(model.tuned, estimator=estimator)
+    content = skops.io.dumps({"format": FORMAT, "model": _stored(replace(model, tuned=tuned))})
+    unsafe = skops.io.get_untrusted_types(data=content)
+    if unsafe:
+        raise RecognitionError(
+            f"A {model.classifier} can't be saved so that it is safe to load (it needs "
+            f"{', '.join(unsafe)}); choose another classifier."
+        )
+    with whole_file(path) as unfinished:
+        unfinished.write_bytes(content)
+
+
+def load_model(path: str | Path) -> RecognitionModel:
+    """Read a model; a file that would bring code of its own is refused.
+
+    Parameters
+    ----------
+    path : path
+        What `save_model` wrote.
+
+    Returns
+    -------
+    RecognitionModel
+        The model.
+
+    Raises
+    ------
+    RecognitionError
+        If the file can't be read, is larger than `LARGEST_BYTES`, holds other types than NumPy's and
+        scikit-learn's, is no whole model of this package, or gives no probabilities for a sequence of
+        touches because its arrays don't belong together or hold what is no number.
+    """
+    import skops.io
+    from skops.io.exceptions import UntrustedTypesFoundException
+
+    try:
+        _check_size(Path(path))
+        state = skops.io.loads(Path(path).read_bytes(), trusted=None)
+    except RecognitionError:
+        raise
+    except UntrustedTypesFoundException as error:
+        raise RecognitionError(
+            f"{path} holds types that a model has no need of, and is not loaded."
+        ) from error
+    except Exception as error:
+        raise RecognitionError(
+            f"{path} can't be read as a recognition model ({error}); train it again."
+        ) from error
+    if not isinstance(state, dict) or state.get("format") != FORMAT:
+        raise RecognitionError(f"{path} is no {FORMAT!r}; train it again with this version.")
+    try:
+        model: RecognitionModel = _restored(state["model"])
+        model.check()
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+        raise RecognitionError(
+            f"{path} lacks parts of a model, or its parts don't belong together ({error!r}); train it again."
+        ) from error
+    return model
+
+
+def _check_size(path: Path) -> None:
+    import zipfile
+
+    with zipfile.ZipFile(path) as archive:
+        unpacked = sum(part.file_size for part in archive.infolist())
+    if unpacked > LARGEST_BYTES:
+        raise RecognitionError(
+            f"{path} unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_BYTES / 1e6:.0f} MB are "
+            "allowed."
+        )
+
+
+def _stored(value: object) -> object:
+    """Give built-in types and arrays that stand for a part of a model."""
+    if isinstance(value, BaseModel):
+        return {"parameters": type(value).__name__, "values": value.model_dump_json()}
+    if is_dataclass(value):
+        own = {part.name: _stored(getattr(value, part.name)) for part in fields(value)}
+        return {"part": type(value).__name__, **own}
+    if isinstance(value, Mapping):
+        return {"keys": list(value), "values": [_stored(one) for one in value.values()]}
+    if isinstance(value, tuple):
+        return [_stored(one) for one in value]
+    return value
+
+
+def _restored(state: Any) -> Any:
+    """Give the part of a model that built-in types and arrays stand for."""
+    if isinstance(state, list):
+        return tuple(_restored(one) for one in state)
+    if isinstance(state, np.ndarray) and state.dtype.kind == "f" and np.isnan(state).any():
+        raise ValueError("an array holds what is no number")
+    if not isinstance(state, dict):
+        return state
+    if "parameters" in state and "values" in state:
+        return _PARAMETERS[state["parameters"]].model_validate_json(state["values"])
+    if "keys" in state:
+        return dict(zip(state["keys"], map(_restored, state["values"]), strict=True))
+    own = {name: _restored(one) for name, one in state.items() if name != "part"}
+    return _PARTS[state["part"]](**own)

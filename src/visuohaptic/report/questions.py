@@ -1,0 +1,201 @@
+"""The experiment's two questions, each with the answer that follows from the tables by a rule."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from visuohaptic.report.comparison import REFERENCE, ClassifierRow, Figure, PipelineTable
+from visuohaptic.report.wording import counted, percent, points, spaced
+from visuohaptic.studies.figures import Row
+from visuohaptic.studies.readings.leads import sum_up
+from visuohaptic.studies.readings.verdicts import (
+    GAIN,
+    SETS,
+    Verdict,
+    lead_evidence,
+    of_papers_question,
+    verdict,
+)
+
+BEST_OF_PAPER = "support_vector_machine"
+"""The paper's most accurate classifier; the answers are its, where it was run."""
+
+MAIN_OPPONENT = "random"
+WORDS: Mapping[Verdict, str] = {
+    "yes": "Yes",
+    "no": "No",
+    "depends": "It depends",
+    "not shown": "That is not shown",
+}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A question of the experiment, and what its tables say.
+
+    Attributes
+    ----------
+    question : str
+        In plain words.
+    verdict : str
+        What the rule gives.
+    number : str
+        The figure that it rests on, with its interval.
+    sentence : str
+        What the number is of, in at most 25 words.
+    link : str
+        Anchor of the section that shows more.
+    """
+
+    question: str
+    verdict: Verdict
+    number: str
+    sentence: str
+    link: str
+
+    @property
+    def word(self) -> str:
+        """The verdict as an answer, such as ``Yes``."""
+        return WORDS[self.verdict]
+
+
+def recognition_answer(
+    tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str
+) -> Answer:
+    """Answer whether objects can be recognised by touch.
+
+    Yes, if the interval of every pipeline lies above chance; no, if each excludes `GAIN` above it.
+
+    Parameters
+    ----------
+    tables : sequence of PipelineTable
+        At least one, the paper's pipeline first.
+    classes, touches : int
+        How many classes there are, and how many touches a sequence has.
+    unseen : str
+        What training had not met of what is tested, such as ``objects that were not in training``.
+    """
+    found = [_row_of(table).accuracy[table.leading] for table in tables]
+    chance = 1 / classes
+    word: Verdict = "not shown"
+    if all(figure.low is not None and figure.low > chance for figure in found):
+        word = "yes"
+    elif all(figure.high is not None and figure.high < chance + GAIN for figure in found):
+        word = "no"
+    others = [
+        f"pipeline {spaced(table.name)} reaches {percent(figure.mean)}"
+        for table, figure in zip(tables[1:], found[1:], strict=True)
+    ]
+    return Answer(
+        "Can an object be recognised by touch?",
+        word,
+        f"{percent(found[0].mean)}{_span(found[0], percent)}",
+        f"of {touches}-touch sequences on {unseen} correctly classified by the "
+        f"{_row_of(tables[0]).name}; {', '.join([*others, f'chance is {percent(chance, 0)}'])}.",
+        "comparison",
+    )
+
+
+def fixation_answer(
+    tables: Sequence[PipelineTable], readings: Mapping[str, Sequence[Row]]
+) -> Answer | None:
+    """Answer whether it helps to touch where the eye would fixate, against random places in reach.
+
+    Parameters
+    ----------
+    tables : sequence of PipelineTable
+        Of the run, at least one.
+    readings : mapping of str to sequence of Row
+        Rows of `tables.READINGS` by set of objects, for the rule in `verdicts`.
+
+    Returns
+    -------
+    Answer or None
+        None for a run without random touches in reach.
+    """
+    compared = [
+        (table, row.comparisons[MAIN_OPPONENT])
+        for table in tables
+        for row in [_row_of(table)]
+        if table.leading == REFERENCE and MAIN_OPPONENT in row.comparisons
+    ]
+    if not compared:
+        return None
+    (first, main), *others = compared
+    further = [
+        f"; in pipeline {spaced(table.name)} {points(found.difference.mean)}"
+        f"{_span(found.difference, points)}"
+        for table, found in others
+    ]
+    return Answer(
+        "Does it help to touch where the eye would fixate?",
+        verdict(lead_evidence(readings, BEST_OF_PAPER)),
+        f"{points(main.difference.mean)} points{_span(main.difference, points)}",
+        f"ahead of random places in reach, pipeline {spaced(first.name)}, {_row_of(first).name}, "
+        f"{counted(main.objects, 'object')}{''.join(further)}.",
+        "readings",
+    )
+
+
+def reproduction_answer(table: PipelineTable) -> Answer | None:
+    """Answer whether the published accuracies are found again; None where none is comparable.
+
+    Yes, if every published accuracy lies within the interval found here; no, if none does.
+    """
+    pairs = [
+        (row.accuracy[strategy], published)
+        for row in table.rows
+        for strategy, published in row.published.items()
+        if strategy in row.accuracy
+    ]
+    if not pairs:
+        return None
+    inside = sum(figure.holds(published) for figure, published in pairs)
+    word: Verdict = "yes" if inside == len(pairs) else "depends" if inside else "no"
+    row = _row_of(table)
+    number = ""
+    if table.leading in row.published:
+        here, published = row.accuracy[table.leading].mean, row.published[table.leading]
+        number = f"{percent(here)} here, {percent(published, 2)} published"
+    return Answer(
+        "Is the paper reproduced?",
+        word,
+        number,
+        f"by the {row.name}; {inside} of {len(pairs)} published accuracies lie within the intervals "
+        "found here, on other objects.",
+        "comparison",
+    )
+
+
+def readings_sentence(readings: Mapping[str, Sequence[Row]]) -> str:
+    """Say in how many readings of the paper fixation is ahead, by set; empty without readings."""
+    spread = [_spread(readings[name]) for name in SETS if readings.get(name)]
+    if not any(spread):
+        return ""
+    return (
+        "Over the readings of what the paper leaves open, fixation is "
+        f"{'; '.join(one for one in spread if one)}."
+    )
+
+
+def _row_of(table: PipelineTable) -> ClassifierRow:
+    return next((row for row in table.rows if row.key == BEST_OF_PAPER), table.best)
+
+
+def _span(figure: Figure, write: Callable[[float], str]) -> str:
+    if figure.low is None or figure.high is None:
+        return ""
+    return f" ({write(figure.low)} to {write(figure.high)})"
+
+
+def _spread(rows: Sequence[Row]) -> str:
+    found = of_papers_question(rows, BEST_OF_PAPER, "reachable")
+    if not found:
+        return ""
+    lead = sum_up(found)
+    return (
+        f"on {max(row['objects'] for row in found)} objects significantly ahead in "
+        f"{lead.ahead_significantly} of {lead.cases} and significantly behind in "
+        f"{lead.behind_significantly}"
+    )

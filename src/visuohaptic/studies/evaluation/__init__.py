@@ -1,0 +1,1 @@
+"""Fitted models, measured on objects that they have not learnt."""

@@ -1,0 +1,144 @@
+"""A fitted model on objects that it has not learnt, such as the set `odd`: what its answers and sets hold.
+
+`odd.parquet` beside this file is `tables.EVALUATION` of the 22 objects of that set, named by models of
+the 142 of set `benchmark`, with where it comes from in its metadata;
+`python -m visuohaptic.studies.evaluation.models reports/evaluation.parquet COMMAND PROCESSOR` writes it again.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.resources import as_file, files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.studies.certainty import VIEWS, sum_up_answers
+from visuohaptic.studies.stored import Source, source_of, store_table
+from visuohaptic.tables.schema import build_table, read_table
+from visuohaptic.tables.studies import EVALUATION
+
+if TYPE_CHECKING:
+    from visuohaptic.recognition.model import RecognitionModel
+    from visuohaptic.recognition.parameters import IntervalParameters
+
+KEPT = "odd.parquet"
+
+
+@dataclass(frozen=True)
+class MeasuredEvaluation:
+    """`tables.EVALUATION`; where it comes from if it was not measured on the run's objects."""
+
+    table: pa.Table
+    source: Source | None = None
+
+
+def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
+    """Name the objects that a model has not learnt, from 1, 4 and 16 views.
+
+    Parameters
+    ----------
+    model : RecognitionModel
+        Of pipeline `best`.
+    features : pyarrow.Table
+        Rows of `tables.FEATURES`, touched as the objects were that the model learnt. Those of its own
+        objects and of other strategies are left out.
+
+    Returns
+    -------
+    pyarrow.Table
+        `tables.EVALUATION`: each object by every evenly spread choice of so many views.
+
+    Raises
+    ------
+    RecognitionError
+        If no such object is of a class that the model knows, or the model is not calibrated.
+    """
+    from visuohaptic.recognition.summary import select
+
+    own = select(features, strategy=model.strategy)
+    touched = own.select(["class", "object"]).group_by(["class", "object"]).aggregate([])
+    found = {(row["class"], row["object"]) for row in touched.to_pylist()}
+    new = sorted(found - set(model.objects))
+    if not any(category in model.classes for category, _ in new):
+        raise RecognitionError(
+            f"Of {len(found)} objects touched by {model.strategy} none is of a class that the model "
+            "knows and not among those that it learnt; one at least is needed."
+        )
+    rows = [
+        {"class": category, "object": name, **row}
+        for category, name in new
+        for row in _name_object(model, select(own, **{"class": category}, object=name), category)
+    ]
+    same = {
+        "strategy": model.strategy,
+        "classifier": model.classifier,
+        "stated": model.parameters.best.coverage,
+        "learnt": len(model.objects),
+    }
+    return build_table(
+        EVALUATION,
+        {
+            **{name: [value] * len(rows) for name, value in same.items()},
+            **{name: [row[name] for row in rows] for name in rows[0]},
+        },
+    )
+
+
+def _name_object(
+    model: RecognitionModel, touches: pa.Table, category: str
+) -> Iterator[dict[str, object]]:
+    """Name an object of a class by every choice of its views; with fewer views, by all of them."""
+    from visuohaptic.recognition.pooling import spread_choices
+
+    viewpoint = touches.column("viewpoint").to_numpy()
+    seen = np.unique(viewpoint)
+    for views in sorted({min(views, len(seen)) for views in VIEWS}):
+        for bag, places in enumerate(spread_choices(len(seen), views)):
+            answer = model.answer(touches.filter(pa.array(np.isin(viewpoint, seen[places]))))
+            if answer.candidates is None:
+                raise RecognitionError(
+                    "The model is not calibrated, so it gives no prediction sets; train it in pipeline "
+                    "best with this version, with two objects of a class at least."
+                )
+            yield {
+                "views": views,
+                "bag": bag,
+                "known": category in model.classes,
+                "correct": next(iter(answer.probabilities)) == category,
+                "covered": category in answer.candidates,
+                "candidates": len(answer.candidates),
+                "unknown": answer.unknown,
+            }
+
+
+def summarise_evaluation(
+    table: pa.Table, intervals: IntervalParameters, seed: int
+) -> list[dict[str, Any]]:
+    """Sum up `tables.EVALUATION` by strategy and number of views, as `sum_up_answers` does."""
+    from visuohaptic.recognition.summary import select
+
+    parts = [select(table, strategy=name) for name in table.column("strategy").unique().to_pylist()]
+    return [
+        figures
+        for part in parts
+        for figures, _ in sum_up_answers(part, part["stated"][0].as_py(), intervals, seed)
+    ]
+
+
+def read_evaluation(path: str | Path | None) -> MeasuredEvaluation:
+    """Read what was measured on a run's objects, else what is kept with the package."""
+    if path is not None and Path(path).is_file():
+        return MeasuredEvaluation(read_table(EVALUATION, path))
+    with as_file(files("visuohaptic.studies.evaluation").joinpath(KEPT)) as file:
+        return MeasuredEvaluation(read_table(EVALUATION, file), source_of(file))
+
+
+if __name__ == "__main__":
+    measured, command, machine = sys.argv[1:]
+    store_table(EVALUATION, measured, Path(__file__).with_name(KEPT), command, machine)

@@ -1,0 +1,62 @@
+"""Predictions of others: coloured points and tables of numbers, or a sentence that says what is wrong."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from visuohaptic.errors import GazeError
+from visuohaptic.gaze.peers import find_peer, read_peer
+
+# Of Matplotlib's `jet`, as 8-bit levels: its ends, and its middle.
+JET = np.array([[0, 0, 127], [127, 0, 0], [124, 255, 121]], dtype=np.uint8)
+POINTS = np.arange(9.0).reshape(3, 3)
+
+
+def write_points(path, colours):
+    trimesh.PointCloud(POINTS, colors=colours).export(path)
+    return path
+
+
+def test_colours_become_values_again(tmp_path):
+    points, values = read_peer(write_points(tmp_path / "egg.ply", JET), 1)
+    np.testing.assert_array_equal(points, POINTS)
+    np.testing.assert_allclose(values, [0, 1, 0.5], atol=0.01)
+
+
+def test_tables_of_numbers_are_read_as_they_are(tmp_path):
+    np.savetxt(tmp_path / "egg.txt", np.column_stack([POINTS, [1, 2, 3]]))
+    points, values = read_peer(tmp_path / "egg.txt", 1)
+    np.testing.assert_array_equal(points, POINTS)
+    assert values.tolist() == [1, 2, 3]
+
+
+def test_a_prediction_is_found_by_the_object_s_name(tmp_path):
+    write_points(tmp_path / "egg_pred.ply", JET)
+    write_points(tmp_path / "egg_gt.ply", JET)
+    assert find_peer(tmp_path, "egg") == tmp_path / "egg_pred.ply"
+    assert find_peer(tmp_path, "cat") is None
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(GazeError, match=r"gaze\.peer is .*none, which is no folder"):
+        find_peer(tmp_path / "none", "egg")
+
+
+def test_other_colours_are_refused(tmp_path):
+    path = write_points(tmp_path / "egg.ply", np.full((3, 3), 90, dtype=np.uint8))
+    with pytest.raises(GazeError, match="not of the scale jet"):
+        read_peer(path, 1)
+
+
+@pytest.mark.parametrize("kept", [20, -5])
+def test_a_damaged_file_is_refused(tmp_path, kept):
+    path = write_points(tmp_path / "egg.ply", JET)
+    path.write_bytes(path.read_bytes()[:kept])
+    with pytest.raises(GazeError, match="holds no coloured points"):
+        read_peer(path, 1)
+
+
+def test_values_without_points_are_refused(tmp_path):
+    np.savetxt(tmp_path / "egg.txt", np.ones(4))
+    with pytest.raises(GazeError, match="values and no points"):
+        read_peer(tmp_path / "egg.txt", 1)

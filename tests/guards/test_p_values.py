@@ -1,0 +1,45 @@
+"""A paired test that is one-sided, or whose p values are not uniform, is found."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from visuohaptic.guards import p_values
+from visuohaptic.guards.p_values import guard_signs
+
+WEIGHTS = np.ones(12)
+
+
+def found(seed=0, weights=WEIGHTS):
+    return guard_signs(weights, np.random.default_rng(seed)).outcome
+
+
+def distorted(monkeypatch, change):
+    honest = p_values.compare_paired
+
+    def wrong(first, second, *more):
+        paired = honest(first, second, *more)
+        return dataclasses.replace(paired, p_value=change(first - second, paired.p_value))
+
+    monkeypatch.setattr(p_values, "compare_paired", wrong)
+
+
+@pytest.mark.parametrize("objects", [5, 8, 12, 100])
+def test_the_two_sided_test_holds(objects):
+    assert found(weights=np.ones(objects)) == "held"
+
+
+def test_a_one_sided_p_value_is_found(monkeypatch):
+    distorted(monkeypatch, lambda apart, p: p / 2 if apart.sum() > 0 else 1 - p / 2)
+    assert found() == "failed"
+
+
+@pytest.mark.parametrize("change", [lambda _, p: p / 2, lambda _, p: 1.0, lambda _, p: p**2])
+def test_p_values_that_are_not_uniform_are_found(monkeypatch, change):
+    distorted(monkeypatch, change)
+    assert found() == "failed"
+
+
+def test_too_few_objects_are_not_tested():
+    assert found(weights=np.ones(4)) == "not tested"

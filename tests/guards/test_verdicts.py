@@ -1,0 +1,30 @@
+"""False alarms are as rare as stated, whatever the values are distributed like."""
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from visuohaptic.guards.verdicts import ALARM, highest_mean, uniform_p_value, widest_gap
+
+
+@pytest.mark.parametrize("draws", [20, 40])
+@pytest.mark.parametrize("expected", [0.1, 0.25, 0.5])
+def test_chance_exceeds_the_highest_mean_as_seldom_as_stated(draws, expected):
+    limit = highest_mean(expected, draws)
+    # Of all values in [0, 1] with one expectation, those of 0 and 1 spread most.
+    assert binom.sf(np.ceil(limit * draws) - 1, draws, expected) <= ALARM
+
+
+def test_so_few_draws_that_all_may_be_right_by_chance_have_no_limit():
+    assert highest_mean(0.5, 3) == 1.0
+
+
+def test_more_draws_allow_less():
+    assert highest_mean(0.25, 40) < highest_mean(0.25, 20) < 1
+    assert widest_gap(400) == pytest.approx(widest_gap(100) / 2)
+
+
+def test_uniform_values_have_any_p_value_and_others_a_small_one():
+    values = np.random.default_rng(0).random(4000)
+    assert uniform_p_value(values, 16) > 0.01
+    assert uniform_p_value(values**1.3, 16) < ALARM

@@ -1,0 +1,275 @@
+"""Views in which nothing stands out or hardly anything is seen, and the model's parts by other means."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numerics.surfaces import of_trimesh, pick
+from numpy.typing import NDArray
+
+from visuohaptic.attention.model import Attention, attend
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.attention.pyramid import GOES_ON, NOTHING_BEYOND, blur, enlarge, reduce
+from visuohaptic.attention.scanpath import INWARD, TIE, scan
+from visuohaptic.geometry.curvature import measure_shape
+from visuohaptic.stability import drawings
+from visuohaptic.stability.findings import Finding
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+View = dict[str, NDArray[Any]]
+
+SIZE = 64
+
+
+def flat_view(
+    colour: NDArray[np.floating[Any]], mask: Flags, curvature: Floats | None = None
+) -> View:
+    """Give the arrays of `attend` for a flat panel of width 2, seen head on."""
+    rows, columns = mask.shape
+    y, x = np.mgrid[:rows, :columns]
+    point = np.stack([2 * x / columns - 1, 1 - 2 * y / columns, np.zeros_like(x)], axis=-1)
+    seen = mask[..., None]
+    bend = np.zeros(mask.shape) if curvature is None else curvature
+    return {
+        "colour": np.where(seen, colour, 0.85).astype(np.float32)[None],
+        "mask": mask[None],
+        "point": np.where(seen, point, 0.0)[None],
+        "normal": np.where(seen, [0.0, 0.0, 1.0], 0.0)[None],
+        "face": np.where(mask, 0, -1)[None],
+        "curvature": bend.astype(np.float32)[None],
+    }
+
+
+def judge_view(
+    view: View, found: Attention, label: str, parameters: AttentionParameters
+) -> Iterator[Finding]:
+    """Want maps within 0 and 1, and fixations on the object, a focus apart.
+
+    Parameters
+    ----------
+    view : dict of str to numpy.ndarray
+        What `attend` took, one view.
+    found : Attention
+        What it gave.
+    label : str
+        The view in words.
+    parameters : AttentionParameters
+        The model's.
+
+    Yields
+    ------
+    Finding
+        Two.
+    """
+    mask, picture = view["mask"][0], drawings.image(found.saliency, label)
+    maps = np.stack([found.saliency, *found.conspicuity.values()])
+    wrong = not np.isfinite(maps).all() or maps.min() < 0 or bool((maps[:, ~mask] != 0).any())
+    wrong |= found.saliency.max() > 1 or (0 < found.saliency.max() < 1)
+    yield Finding(
+        "attention/maps are finite, within 0 and 1, zero beside the object", wrong, label, picture
+    )
+    path = found.scanpath
+    apart = np.linalg.norm(path.points[:, None] - path.points[None], axis=2)
+    apart[np.diag_indices(len(apart))] = np.inf
+    wrong = bool((apart < parameters.focus_radius * (1 - 1e-6)).any())
+    wrong |= not mask[path.rows, path.columns].all() or bool(mask.any() and path.distinct == 0)
+    yield Finding(
+        "attention/fixations: distinct, on the object, a focus apart",
+        wrong,
+        label,
+        picture,
+        cases=max(path.distinct, 1),
+    )
+
+
+def hard_masks(generator: np.random.Generator) -> dict[str, Flags]:
+    """Give silhouettes that leave little to look at, shape (SIZE, SIZE), by name."""
+    full = np.ones((SIZE, SIZE), dtype=bool)
+    none = np.zeros_like(full)
+    pixel, corner, line = none.copy(), none.copy(), none.copy()
+    pixel[5, 60] = True
+    corner[0, 0] = True
+    line[31] = True
+    aside = np.hypot(*(np.indices(full.shape) - 31.5))
+    return {
+        "all": full, "nothing": none, "one pixel": pixel, "the corner pixel": corner, "a line": line,
+        "a ring": (aside < 30) & (aside > 28),
+        "a checkerboard": np.indices(full.shape).sum(axis=0) % 2 == 0,
+        "scattered pixels": generator.random(full.shape) < 0.003,
+    }  # fmt: skip
+
+
+def hard_colours(generator: np.random.Generator) -> dict[str, Floats]:
+    """Give colours in which nothing stands out, or that hardly fit into float32, by name."""
+    shape = (SIZE, SIZE, 3)
+    peak, plateau = np.full(shape, 0.5), np.full(shape, 0.2)
+    peak[30, 30] = 1.0
+    plateau[8:28, 8:28] = plateau[36:56, 36:56] = 0.8
+    ulp = np.where(generator.random(shape) < 0.5, 0.5, np.nextafter(np.float32(0.5), 1))
+    return {
+        "all equal": np.full(shape, 0.5), "black": np.zeros(shape), "equal but for 1 ulp": ulp,
+        "a single peak": peak, "two equal plateaus": plateau, "noise": generator.random(shape),
+        "as dark as float32 goes": np.full(shape, 1e-45), "1e30": 1e30 * generator.random(shape),
+        "1e-30": 1e-30 * generator.random(shape),
+    }  # fmt: skip
+
+
+def hard_views(generator: np.random.Generator) -> Iterator[Finding]:
+    """Attend to a view of a hard silhouette in hard colours."""
+    masks, colours = hard_masks(generator), hard_colours(generator)
+    seen, painted = str(generator.choice(list(masks))), str(generator.choice(list(colours)))
+    normalisation = str(generator.choice(["local_maxima", "local_maxima", "iterative"]))
+    parameters = AttentionParameters.model_validate({"normalisation": normalisation})
+    bend = generator.choice([0.0, 1.0, 1e30], (SIZE, SIZE))
+    view = flat_view(colours[painted], masks[seen], bend)
+    found = attend(**view, parameters=parameters)[0]
+    yield from judge_view(view, found, f"{painted}, seen: {seen}", parameters)
+
+
+def noisy_views(generator: np.random.Generator) -> Iterator[Finding]:
+    """Attend to noise of any brightness within a random outline."""
+    from scipy.ndimage import gaussian_filter
+
+    exponent = pick(generator, -30, 30)
+    colour = generator.random((SIZE, SIZE, 3)) * 10.0**exponent
+    smooth = gaussian_filter(generator.normal(size=(SIZE, SIZE)), 4)
+    mask = smooth >= np.quantile(smooth, pick(generator, 0, 1))
+    parameters = AttentionParameters(inhibition_falloff=float(generator.integers(2)))
+    view = flat_view(colour, mask, 10.0 ** generator.uniform(-3, 3, mask.shape))
+    found = attend(**view, parameters=parameters)[0]
+    yield from judge_view(
+        view, found, f"noise of 1e{exponent:.0f} on {mask.sum()} pixels", parameters
+    )
+
+
+def brightness(generator: np.random.Generator) -> Iterator[Finding]:
+    """Make a view brighter by a power of two: no bit of the map changes."""
+    power = int(generator.integers(-60, 61))
+    mask = np.ones((SIZE, SIZE), dtype=bool)
+    colour = generator.random((SIZE, SIZE, 3)).astype(np.float32)
+    plain, scaled = (
+        attend(**flat_view(values, mask), parameters=AttentionParameters())[0]
+        for values in (colour, np.ldexp(colour, power))
+    )
+    yield Finding(
+        "attention/brightness by a power of two",
+        (plain.saliency != scaled.saliency).any()
+        or (plain.scanpath.rows != scaled.scanpath.rows).any(),
+        f"noise times 2^{power}",
+        drawings.image(plain.saliency, "the saliency map"),
+    )
+
+
+def way_of_the_eye(
+    saliency: Floats, mask: Flags, places: Floats, parameters: AttentionParameters
+) -> list[tuple[int, int]]:
+    """Follow the eye by its definition, in float64; stop where two places nearly tie.
+
+    Parameters
+    ----------
+    saliency, mask : numpy.ndarray
+        Shape (rows, columns).
+    places : numpy.ndarray
+        Shape (rows, columns, k): where each pixel lies, in focus radii.
+    parameters : AttentionParameters
+        The model's.
+
+    Returns
+    -------
+    list of (int, int)
+        Row and column of each fixation before the tie.
+    """
+    from scipy.ndimage import distance_transform_edt
+
+    depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    drive = saliency + INWARD * depth / depth.max()
+    allowed = mask & (depth > 3)
+    way: list[tuple[int, int]] = []
+    for _ in range(parameters.fixations):
+        value = np.where(allowed, drive, -1.0)
+        row, column = (int(place) for place in np.unravel_index(np.argmax(value), value.shape))
+        distance = np.linalg.norm(places - places[row, column], axis=-1)
+        best = value[row, column]
+        value[row, column] = -1.0
+        if best - value.max() < 2 * TIE + INWARD * 0.05:
+            break
+        way.append((row, column))
+        progress = np.clip((distance - 1) / parameters.inhibition_falloff, 0, 1)
+        drive = drive * progress**2 * (3 - 2 * progress)
+        allowed &= distance > 1
+    return way
+
+
+def inhibition(generator: np.random.Generator) -> Iterator[Finding]:
+    """Compare the fixations of a random map with the definition of inhibition of return."""
+    from scipy.ndimage import binary_erosion
+
+    kind = str(generator.choice(["surface", "image"]))
+    mask = np.hypot(*(np.indices((SIZE, SIZE)) - 31.5)) < 31
+    # Levels three ties apart, on pixels well inside.
+    pixels = np.flatnonzero(binary_erosion(mask, iterations=5).ravel())
+    levels = np.zeros(SIZE * SIZE)
+    levels[generator.choice(pixels, 1200, replace=False)] = 0.4 + np.arange(1200) * 5 * TIE
+    saliency = levels.reshape(SIZE, SIZE)
+    view = flat_view(np.zeros((SIZE, SIZE, 3)), mask)
+    parameters = AttentionParameters.model_validate({"inhibition": kind})
+    point = view["point"][0].astype(np.float64)
+    places = (
+        point / parameters.focus_radius
+        if kind == "surface"
+        else np.moveaxis(np.indices(mask.shape), 0, -1) / (parameters.focus_fraction * SIZE)
+    )
+    wanted = way_of_the_eye(saliency, mask, places, parameters)
+    path = scan(
+        saliency.astype(np.float32), mask, point, view["normal"][0], view["face"][0], parameters
+    )
+    found = list(zip(path.rows.tolist(), path.columns.tolist(), strict=True))[: len(wanted)]
+    yield Finding(
+        "attention/way of the eye against its definition in float64",
+        [place != right for place, right in zip(found, wanted, strict=True)],
+        lambda row: f"fixation {row + 1} on random levels, inhibition on the {kind}",
+        lambda _: drawings.image(saliency, "a saliency map of random levels"),
+    )
+
+
+def pyramids(generator: np.random.Generator) -> Iterator[Finding]:
+    """Blur, reduce and enlarge noise, and compare with SciPy."""
+    from scipy.ndimage import correlate1d, map_coordinates
+
+    side = 2 ** int(generator.integers(2, 8))
+    plane = generator.random((side, side)).astype(np.float32)
+    exact = plane.astype(np.float64)
+    steps = np.clip((np.arange(2 * side) + 0.5) / 2 - 0.5, 0, side - 1)
+    larger = map_coordinates(
+        exact, np.meshgrid(steps, steps, indexing="ij"), order=1, mode="nearest"
+    )
+    name, label = "attention/pyramid against scipy.ndimage", f"noise of {side}² pixels"
+    picture = drawings.image(plane, "noise")
+    yield Finding(name, np.abs(enlarge(plane, 2 * side) - larger), label, picture, cases=1)
+    for border, mode in ((GOES_ON, "nearest"), (NOTHING_BEYOND, "constant")):
+        blurred = exact
+        for axis in (0, 1):
+            blurred = correlate1d(blurred, [0.25, 0.5, 0.25], axis=axis, mode=mode)
+        half = blurred.reshape(side // 2, 2, side // 2, 2).mean(axis=(1, 3))
+        yield Finding(name, np.abs(blur(plane, border) - blurred), label, picture, cases=1)
+        yield Finding(name, np.abs(reduce(plane, border) - half), label, picture, cases=1)
+
+
+def sphere_curvature(generator: np.random.Generator) -> Iterator[Finding]:
+    """Measure the curvature of a sphere, which is the same everywhere."""
+    import trimesh
+
+    radius = float(generator.choice([1e-3, 0.5, 1.0, 10.0 ** generator.uniform(-3, 0)]))
+    surface = of_trimesh(trimesh.creation.icosphere(4, radius=radius))
+    # The reach of an edge's curvature and the largest curvedness scale with the surface.
+    shape = measure_shape(surface, 40.0, 0.03 * radius)
+    yield Finding(
+        "attention/a uniform sphere's curvature",
+        np.abs(shape.corner_curvature * radius - 1),
+        f"a sphere of radius {radius:g}",
+        drawings.triangles(surface.triangles / radius, "a sphere"),
+        cases=1,
+    )

@@ -1,0 +1,208 @@
+"""Images and sequences at the ends of what numbers can be, against exact rationals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Literal
+
+import numpy as np
+from numerics import oracles
+from numerics.surfaces import pick
+from numpy.typing import NDArray
+
+from contourlets import directional_deviations
+from visuohaptic.features.imprint_shape import describe_imprint_shape
+from visuohaptic.recognition.parameters import SequenceParameters
+from visuohaptic.recognition.sequence_features import summarise_signals, wavelet_levels
+from visuohaptic.sensor.touching import stretch
+from visuohaptic.stability import drawings
+from visuohaptic.stability.findings import Finding
+from visuohaptic.stability.objects import reconstruction_errors
+
+Floats = NDArray[np.float64]
+
+SIDE = 32
+
+
+def hard_images(side: int) -> dict[str, Floats]:
+    """Give images, shape (side, side), that an image transform may lose digits in, by name."""
+    generator = np.random.default_rng(2)
+    one_pixel = np.zeros((side, side))
+    one_pixel[13, 7] = 1.0
+    ulp = np.full((side, side), 0.3)
+    ulp[::2, 1::3] = np.nextafter(0.3, 1)
+    ramp = np.add.outer(np.arange(side), np.arange(side)) / (2 * side - 2)
+    return {
+        "one pixel": one_pixel,
+        "constant ± 1 ulp": ulp,
+        "saturated, a corner free": (ramp > 0.2).astype(float),
+        "checkerboard": np.indices((side, side)).sum(axis=0) % 2.0,
+        "ramp": ramp,
+        "noise": generator.random((side, side)),
+        "1 beside 1e-16": np.where(generator.random((side, side)) < 0.5, 1.0, 1e-16),
+        "huge offset, small relief": 1e6 + generator.random((side, side)),
+    }
+
+
+def reconstruction(_: np.random.Generator) -> Iterator[Finding]:
+    """Decompose hard images and put them together again."""
+    images = hard_images(SIDE)
+    names = list(images)
+    yield Finding(
+        "images/contourlet reconstruction",
+        reconstruction_errors(np.stack(list(images.values()))),
+        lambda row: names[row],
+        lambda row: drawings.image(images[names[row]], names[row]),
+    )
+
+
+def flat_images(generator: np.random.Generator) -> Iterator[Finding]:
+    """Measure the sub-bands of images of one value: there is nothing in them."""
+    side = int(generator.choice([16, 32, 64]))
+    value = float(generator.choice([0.0, 1.0, 1e150, 10.0 ** generator.uniform(-300, 150)]))
+    image = np.full((1, side, side), value)
+    yield Finding(
+        "images/deviations of flat images",
+        directional_deviations(image)[0] / (value or 1.0),
+        f"{side} × {side} pixels of {value:g}",
+        drawings.image(image[0], "a flat image"),
+        cases=1,
+    )
+
+
+def images_in_other_units(generator: np.random.Generator) -> Iterator[Finding]:
+    """Scale an image by powers of two, to the bit, and of ten."""
+    image = generator.random((1, SIDE, SIDE))
+    plain = directional_deviations(image)
+    power = int(generator.integers(-900, 901))
+    yield Finding(
+        "images/scale by a power of two",
+        np.ldexp(plain, power) != directional_deviations(np.ldexp(image, power)),
+        f"noise times 2^{power}",
+        drawings.image(image[0], "noise"),
+        cases=1,
+    )
+    exponent = int(generator.choice([-150, -40, -8, 8, 40, 150]))
+    factor = 10.0**exponent
+    yield Finding(
+        "images/scale by 1e±150",
+        np.abs(directional_deviations(image * factor) / factor / plain - 1),
+        f"noise times 1e{exponent}",
+        drawings.image(image[0], "noise"),
+        cases=1,
+    )
+
+
+def draw_sequence(generator: np.random.Generator) -> Floats:
+    """Draw a sequence: of any values, nearly constant, or of any size."""
+    kind = generator.integers(3)
+    if kind == 0:
+        level = pick(generator, 0.1, 10) * 10.0 ** generator.integers(-150, 151)
+        steps = generator.integers(-3, 4, generator.integers(2, 9))
+        return level * (1 + 10.0 ** generator.integers(-16, 1) * steps)
+    values = generator.choice([-1e3, -1.0, 0.0, 1.0, 1e3], generator.integers(1, 13))
+    drawn = generator.uniform(-1e3, 1e3, len(values))
+    values = np.where(generator.random(len(values)) < 0.2, values, drawn)
+    return values * 10.0 ** generator.integers(-150, 151) if kind == 1 else values
+
+
+def sequence_moments(generator: np.random.Generator) -> Iterator[Finding]:
+    """Compare deviation, root mean square and skewness of a sequence with exact rationals."""
+    signal = draw_sequence(generator)
+    found = summarise_signals(signal, 1)
+    count = len(signal)
+    _, second, _ = oracles.exact_moments(signal)
+    square = sum((Fraction(float(value)) ** 2 for value in signal), Fraction(0)) / count
+    rms = oracles.root(square)
+    deviation = oracles.root(second * count / max(count - 1, 1))
+    label = f"{count} values, root mean square {rms:.3g}, deviation {deviation:.3g}"
+    picture = drawings.image(signal[None], "the sequence")
+    # What counts as constant may lose its deviation, which is 1e-12 of the rms or less.
+    constant = deviation <= 1.01e-12 * rms * np.sqrt(count / max(count - 1, 1))
+    wanted = 0.0 if constant and found[0] == 0 else deviation
+    yield Finding(
+        "images/moments of sequences against exact rationals",
+        np.abs(np.array([found[0] - wanted, found[1] - rms])) / (rms or 1.0),
+        label,
+        picture,
+        cases=1,
+    )
+    if constant or deviation <= 2e-12 * rms:
+        # A deviation of half of what counts as constant must be without skewness.
+        near = deviation > 0.5e-12 * rms and abs(found[2]) <= np.sqrt(count)
+        error = 0.0 if found[2] == 0 or near else np.inf
+    else:
+        error = abs(found[2] - oracles.skewness(signal))
+    yield Finding("images/skewness against exact rationals", error, label, picture)
+    if deviation > 0.01 * np.abs(signal).max():
+        yield Finding("images/skewness of well spread sequences", error, label, picture)
+
+
+def wavelets(generator: np.random.Generator) -> Iterator[Finding]:
+    """Compare the wavelet levels of a sequence with exact rationals."""
+    import pywt
+
+    exponent = int(generator.choice([0, -140, 140]))
+    signal = generator.uniform(-1e3, 1e3, generator.integers(1, 10)) * 10.0**exponent
+    wavelet = pywt.Wavelet("db2")
+    extension: Literal["symmetric", "zero"] = "zero" if generator.random() < 0.5 else "symmetric"
+    wanted = oracles.exact_detail_levels(signal, wavelet.dec_lo, wavelet.dec_hi, 3, extension)
+    found = wavelet_levels(signal[None], SequenceParameters(extension=extension))
+    largest = Fraction(float(np.abs(signal).max() or 1.0))
+    for level, (exact, computed) in enumerate(zip(wanted, found, strict=True)):
+        yield Finding(
+            "images/wavelet levels against exact rationals",
+            [
+                abs(float((Fraction(float(value)) - right) / largest))
+                for value, right in zip(computed[0], exact, strict=True)
+            ],
+            f"{len(signal)} values, db2, {extension}, level {level + 1}, scale 1e{exponent}",
+            lambda _: drawings.image(signal[None], "the sequence"),
+            cases=1,
+        )
+
+
+def imprint_shapes(generator: np.random.Generator) -> Iterator[Finding]:
+    """Compare mean, deviation and skewness of an imprint with exact rationals."""
+    side = int(generator.choice([3, 8, 32]))
+    relief = pick(generator, -6, 0)
+    image = generator.random() + 10.0**relief * generator.normal(size=(side, side))
+    image = np.clip(image, 0, 1).astype(np.float32)
+    found = describe_imprint_shape(image[None])[0]
+    mean, second, _ = oracles.exact_moments(image.ravel())
+    deviation = oracles.root(second)
+    errors = [abs(found[0] - float(mean)), abs(found[1] - deviation)]
+    if deviation > 1e-6:
+        errors.append(abs(found[2] - oracles.skewness(image.ravel())))
+    yield Finding(
+        "images/shape of imprints against exact rationals",
+        errors,
+        f"{side} × {side}, relief 1e{relief:.1f}",
+        drawings.image(image, "an imprint"),
+        cases=1,
+    )
+
+
+def stretched_imprints(generator: np.random.Generator) -> Iterator[Finding]:
+    """Stretch signals to imprints: they stay images, and contact stays 1."""
+    span = 10.0 ** pick(generator, -12, 0)
+    signals = {
+        "flat": np.full((8, 8), generator.random()),
+        "one pixel": np.eye(64)[0].reshape(8, 8) * generator.random(),
+        "saturated": np.ones((8, 8)),
+        "ulp": 0.5 + 2.0**-53 * generator.integers(0, 3, (8, 8)),
+        "noise": generator.random((8, 8)),
+        "nothing": np.zeros((8, 8)),
+    }
+    for kind, signal in signals.items():
+        image = stretch(signal[None], span)
+        wrong = not np.isfinite(image).all() or image.min() < 0 or image.max() > 1
+        wrong |= bool(signal.max() > 0) != bool(image.max() == 1.0)
+        wrong |= kind in ("flat", "saturated") and bool((image != 1).any())
+        yield Finding(
+            "images/stretched imprints",
+            wrong,
+            f"{kind}, least span {span:.2g}",
+            drawings.image(signal, kind),
+        )

@@ -1,0 +1,221 @@
+"""Learning from samples that are too few, too alike, or of unhandy size."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numerics import oracles
+from numerics.surfaces import pick
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.classifiers import (
+    CLASSIFIERS,
+    ClassifierParameters,
+    fit_classifier,
+)
+from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
+from visuohaptic.recognition.parameters import RecognitionParameters, SelfOrganisingMapParameters
+from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line
+from visuohaptic.stability import drawings
+from visuohaptic.stability.findings import Finding
+
+Floats = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+MAY_BE_REFUSED = (
+    "one sample a class",
+    "all samples identical",
+    "features that vary by one ulp",
+)
+"""Samples of which no covariance can be taken; where features vary by rounding alone, they are identical."""
+
+
+def hard_samples(generator: np.random.Generator) -> dict[str, tuple[Floats, Labels]]:
+    """Give features, shape (n, d), and classes that are hard to learn from, by name."""
+    labels = np.arange(40) % 4
+    plain = generator.normal(size=(40, 6)) + 3 * labels[:, None] * generator.normal(size=6)
+    few = generator.normal(size=(8, 60))
+    dead, outlier = plain.copy(), plain.copy()
+    dead[:, 2:] = 5.0
+    outlier[0, 0] = 1e12
+    ulps = np.where(generator.random((40, 6)) < 0.5, 1.0, np.nextafter(1.0, 2))
+    scales = plain * 10.0 ** np.array([-8, 8, -4, 4, 0, 8])
+    return {
+        "well behaved": (plain, labels),
+        "identical samples in two classes": (np.repeat(plain[:20], 2, axis=0), np.arange(40) % 2),
+        "all samples identical": (np.ones((40, 6)), labels),
+        "collinear features": (plain[:, :1] * np.arange(1, 7), labels),
+        "fewer samples than features": (few, np.arange(8) % 4),
+        "one sample a class": (plain[:4], np.arange(4)),
+        "features that never vary": (dead, labels),
+        "features that vary by one ulp": (ulps, labels),
+        "scales from 1e-8 to 1e8": (scales, labels),
+        "one sample 1e12 away": (outlier, labels),
+        "a class that never varies": (np.where(labels[:, None] == 1, 0.5, plain), labels),
+    }
+
+
+def fit_quietly(name: str, features: Floats, labels: Labels) -> Any:
+    """Fit a classifier; what scikit-learn warns of in hard samples is expected."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        generator = np.random.default_rng(0)
+        return fit_classifier(name, ClassifierParameters(), features, labels, generator)[0]
+
+
+def predict_quietly(fitted: Any, features: Floats) -> Labels:
+    """Name samples; what scikit-learn warns of in hard samples is expected."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return np.asarray(fitted.predict(features))
+
+
+def classifiers(generator: np.random.Generator) -> Iterator[Finding]:
+    """Fit a classifier on each of the hard samples: it gives a class for each, or a clear refusal."""
+    name = str(generator.choice(CLASSIFIERS.names))
+    for samples, (features, labels) in hard_samples(generator).items():
+        scaled = fit_standardiser(features, "standardise").apply(features)
+        try:
+            found = predict_quietly(fit_quietly(name, scaled, labels), scaled)
+        except RecognitionError:
+            wrong = samples not in MAY_BE_REFUSED
+        else:
+            wrong = not set(found.tolist()) <= set(labels.tolist()) or len(found) != len(labels)
+            wrong |= samples == "well behaved" and bool((found == labels).mean() <= 0.25)
+        yield Finding(
+            "learning/every classifier ends in labels",
+            wrong,
+            f"{name} on {samples}",
+            drawings.image(scaled, samples),
+        )
+
+
+def draw_sequences(
+    generator: np.random.Generator, classes: int = 3, each: int = 6, touches: int = 5
+) -> tuple[Floats, Labels]:
+    """Draw touch sequences of well separated classes, shape (n, touches, 22), and their classes."""
+    centres = 2 * generator.normal(size=(classes, 1, 1, 22))
+    values = centres + generator.normal(size=(classes, each, touches, 22))
+    return values.reshape(-1, touches, 22), np.repeat(np.arange(classes), each)
+
+
+def name_sequences(
+    training: Floats, labels: Labels, tested: Floats, classifier: str
+) -> tuple[Floats, Labels]:
+    """Learn from training sequences as the paper's pipeline does; give features and classes of others."""
+    parameters = RecognitionParameters()
+    encoder = fit_sequence_encoder(training, parameters, np.random.default_rng(0))
+    fitted = fit_quietly(classifier, encoder.encode(training), labels)
+    features = encoder.encode(tested)
+    return features, predict_quietly(fitted, features)
+
+
+def units(generator: np.random.Generator) -> Iterator[Finding]:
+    """Express each feature in another unit: no answer changes."""
+    classifier = str(generator.choice(CLASSIFIERS.names))
+    training, labels = draw_sequences(generator)
+    tested = training + 0.3 * generator.normal(size=training.shape)
+    plain, named = name_sequences(training, labels, tested, classifier)
+    factors = 10.0 ** generator.integers(-8, 9, training.shape[-1])
+    _, renamed = name_sequences(training * factors, labels, tested * factors, classifier)
+    yield _label_changes("features rescaled by 1e±8", named != renamed, classifier, tested)
+    powers = generator.integers(-26, 27, training.shape[-1])
+    scaled, _ = name_sequences(
+        np.ldexp(training, powers), labels, np.ldexp(tested, powers), classifier
+    )
+    yield Finding(
+        "learning/features rescaled by powers of two",
+        plain != scaled,
+        classifier,
+        drawings.image(powers[None], "the powers of two"),
+        cases=1,
+    )
+
+
+def degenerate_sequences(generator: np.random.Generator) -> dict[str, tuple[Floats, Labels]]:
+    """Give touch sequences, shape (n, touches, 22), most of whose features hardly vary, by name."""
+    values, labels = draw_sequences(generator)
+    # Normals of a box are axes, and its flat imprints have no deviation in any sub-band.
+    boxes = values.copy()
+    boxes[..., :16] = 0.1
+    boxes[..., 19:] = np.eye(3)[generator.integers(0, 3, values.shape[:2])]
+    alike = np.repeat(values[:, :1], values.shape[1], axis=1)
+    one_feature = np.full_like(values, 0.3)
+    one_feature[..., 16] = values[..., 16]
+    return {
+        "touches on boxes": (boxes, labels),
+        "touches that are all alike": (alike, labels),
+        "one feature that varies": (one_feature, labels),
+    }
+
+
+def rounding(generator: np.random.Generator) -> Iterator[Finding]:
+    """Change the last digit of features that hardly vary: no answer changes."""
+    classifier = str(generator.choice(CLASSIFIERS.names))
+    for samples, (training, labels) in degenerate_sequences(generator).items():
+        changed = training * (1 + 1e-15 * generator.uniform(-1, 1, training.shape))
+        _, named = name_sequences(training[::2], labels[::2], training[1::2], classifier)
+        _, renamed = name_sequences(changed[::2], labels[::2], changed[1::2], classifier)
+        label = f"{classifier}, {samples}"
+        yield _label_changes("features changed by 1e-15", named != renamed, label, training[1::2])
+
+
+def _label_changes(
+    requirement: str, changed: NDArray[np.bool_], label: str, sequences: Floats
+) -> Finding:
+    return Finding(
+        f"learning/{requirement}",
+        changed,
+        lambda row: f"{label}, sequence {row}",
+        lambda row: drawings.image(sequences[row], "its features, a row for each touch"),
+    )
+
+
+def standardised_columns(generator: np.random.Generator) -> Iterator[Finding]:
+    """Compare a standardised column with exact rationals."""
+    exponent, scale = pick(generator, -6, 8), int(generator.integers(-150, 151))
+    values = (10.0**exponent + generator.normal(size=64)) * 10.0**scale
+    found = fit_standardiser(values[:, None], "standardise").apply(values[:, None])[:, 0]
+    mean, second, _ = oracles.exact_moments(values)
+    deviation = oracles.root(second)
+    wanted = [float(Fraction(float(value)) - mean) / deviation for value in values]
+    yield Finding(
+        "learning/standardised columns against exact rationals",
+        np.abs(found - wanted),
+        f"mean 1e{exponent:.1f} deviations, scale 1e{scale}",
+        drawings.image(values[None], "the column"),
+        cases=1,
+    )
+
+
+def maps(generator: np.random.Generator) -> Iterator[Finding]:
+    """Fit self-organising maps: units stay within their touches, even where some never win."""
+    exponent = int(generator.choice([-100, -8, 0, 8, 100]))
+    places = [lattice(2, 3), line(2), line(5), line(8)][generator.integers(4)]
+    row = np.arange(40)[:, None]
+    kinds = {
+        "normal": generator.normal(size=(40, 5)),
+        "identical": np.ones((40, 5)),
+        "two places": np.where(row % 2, -1.0, 1.0) * np.ones(5),
+        "a line": np.outer(generator.normal(size=40), np.arange(1, 6)),
+        "one outlier": np.where(row == 0, 1e6, generator.normal(size=(40, 5))),
+    }
+    for kind, values in kinds.items():
+        touches = values * 10.0**exponent
+        fitted = fit_batch_map(touches, places, SelfOrganisingMapParameters())
+        low, high = touches.min(axis=0), touches.max(axis=0)
+        extent = max(float((high - low).max()), float(np.abs(touches).max()))
+        outside = np.maximum(np.maximum(low - fitted.weights, fitted.weights - high) / extent, 0)
+        finite = np.isfinite(fitted.distances(touches)).all()
+        yield Finding(
+            "learning/map units stay within their touches",
+            outside if finite else np.inf,
+            f"{kind}, {len(places)} units, scale 1e{exponent}",
+            drawings.image(touches[:, 0][None], "the touches' first feature"),
+            cases=1,
+        )

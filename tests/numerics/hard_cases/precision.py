@@ -1,0 +1,133 @@
+"""Imprints, frames and spheres against closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numerics.surfaces import ball, build_plain_surface, float32_exact, pick
+from numerics.tolerances import U32
+from numpy.typing import NDArray
+
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.scene.parameters import Scene
+from visuohaptic.sensor.frames import column_axes, row_axes
+from visuohaptic.sensor.gallery import sheet
+from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.sensor.touching import touch
+from visuohaptic.stability import drawings
+from visuohaptic.stability.findings import Finding
+
+Floats = NDArray[np.float64]
+Height = Callable[[Floats, Floats], Floats]
+
+ABSOLUTE = SensorParameters(normalisation="absolute", normal="given", largest_size=0.2)
+RIGID = Scene()
+
+
+def wall(slope_right: float, slope_up: float) -> tuple[Surface, Height]:
+    """Give z = height(x, y) as a tilted wall that faces +z, and the height over x and y down."""
+
+    def height(x: Floats, down: Floats) -> Floats:
+        return slope_right * x - slope_up * down
+
+    flat = sheet(height, half=0.5, cells=128)
+    x, y, z = flat.vertices.T
+    # Turn the sheet's up to +z: x stays, what ran along z runs down.
+    return float32_exact(build_plain_surface(np.column_stack([x, -z, y]), flat.faces)), height
+
+
+def tilted_walls(generator: np.random.Generator) -> Iterator[Finding]:
+    """Touch a tilted wall, and compare the imprint with the plane in closed form."""
+    right, up = pick(generator, -0.4, 0.4), pick(generator, -0.4, 0.4)
+    surface, height = wall(right, up)
+    felt = touch(
+        RayCaster(surface), np.array([[0.0, 0, 0]]), np.array([[0.0, 0, 1]]), ABSOLUTE, RIGID
+    )
+    steps = (np.arange(32) + 0.5) / 32 - 0.5
+    across, down = np.meshgrid(felt.size[0] * steps, felt.size[0] * steps)
+    expected = height(across, down)
+    gaps = np.clip(expected, 0, 0.1).max() - expected
+    wanted = 1 - np.clip(gaps / ABSOLUTE.depth_range, 0, 1)
+    yield Finding(
+        "precision/imprint of a plane in closed form",
+        np.abs(felt.images[0] - wanted),
+        f"a wall of slopes {right:.2f} to the right and {up:.2f} upwards",
+        drawings.image(wanted, "a tilted wall"),
+        cases=1,
+    )
+
+
+def frames(generator: np.random.Generator) -> Iterator[Finding]:
+    """Stand frames on normals, axes among them: they are square and right-handed."""
+    normals = generator.normal(size=(200, 3))
+    normals[:40] = np.rint(normals[:40])
+    normals = normals[np.linalg.norm(normals, axis=1) > 0]
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    for orientation in ("upright", "transported"):
+        columns = column_axes(normals, orientation)
+        # Rows run downwards seen from outside, so columns × rows point into the object.
+        frame = np.stack([columns, -row_axes(normals, columns), normals], axis=1)
+        square = np.abs(np.einsum("nij,nkj->nik", frame, frame) - np.eye(3)).max(axis=(1, 2))
+        yield Finding(
+            "precision/frames on the surface",
+            np.maximum(square, np.abs(np.linalg.det(frame) - 1)),
+            f"{orientation}, random normals and axes",
+        )
+
+
+def tessellated_spheres(generator: np.random.Generator) -> Iterator[Finding]:
+    """Cast rays at a ball of triangles: it comes near a sphere by the square of its edge."""
+    surface = ball(int(generator.integers(2, 5)))
+    directions = generator.normal(size=(2000, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    hits = RayCaster(surface).first_hits(2 * directions, -directions)
+    corners = surface.triangles
+    edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
+    # The middle of an even triangle of edge e with its corners on the unit sphere.
+    deepest = 1 - np.sqrt(1 - edge**2 / 3)
+    yield Finding(
+        "precision/tessellated sphere",
+        (np.abs(hits.distance - 1) - 4 * U32) / deepest,
+        f"{len(surface.faces)} faces",
+        drawings.triangles(corners[corners[:, :, 2].mean(axis=1) > 0], "half a ball", most=200),
+    )
+
+
+def pressed_spheres(generator: np.random.Generator) -> Iterator[Finding]:
+    """Touch a fine ball on its top, and compare the gaps with the sphere's."""
+    resolution = int(generator.choice([8, 32, 64]))
+    surface = ball(6)
+    corner = surface.vertices[np.argmax(surface.vertices[:, 1])]
+    parameters = ABSOLUTE.model_copy(update={"resolution": resolution})
+    normal = corner / np.linalg.norm(corner)
+    felt = touch(RayCaster(surface), corner[None], normal[None], parameters, RIGID)
+    steps = ((np.arange(resolution) + 0.5) / resolution - 0.5) * felt.size[0]
+    depth = 1 - np.sqrt(1 - np.hypot(*np.meshgrid(steps, steps)) ** 2)
+    yield Finding(
+        "precision/sphere under the sensor",
+        np.abs(felt.gaps[0] - depth),
+        f"{resolution} × {resolution} sensing points, {len(surface.faces):,} faces",
+        drawings.image(felt.images[0], "a ball's imprint"),
+        cases=1,
+    )
+
+
+def out_of_reach(generator: np.random.Generator) -> Iterator[Finding]:
+    """Touch a ball smaller than the sensor: what is not met is 0, the rest is within 0 and 1."""
+    radius = pick(generator, 0.03, 0.09)
+    surface = ball(4, radius)
+    top = np.array([[0.0, surface.vertices[:, 1].max(), 0.0]])
+    deep = ABSOLUTE.model_copy(update={"depth_range": 0.5 * radius})
+    felt = touch(RayCaster(surface), top, np.array([[0.0, 1, 0]]), deep, RIGID)
+    steps = ((np.arange(32) + 0.5) / 32 - 0.5) * felt.size[0]
+    beyond = np.hypot(*np.meshgrid(steps, steps)) > np.sqrt(0.75) * radius * 1.02
+    image = felt.images[0]
+    yield Finding(
+        "precision/values out of reach and beyond full scale",
+        np.where(beyond, image != 0, ~((image >= 0) & (image <= 1))),
+        f"a ball of radius {radius:.3f} under a square of {felt.size[0]:.2f}",
+        drawings.image(np.nan_to_num(image, posinf=1, neginf=0), "a small ball's imprint"),
+        cases=1,
+    )

@@ -1,0 +1,265 @@
+"""Rays where they go wrong: at vertices and edges, along faces, through slivers, far off centre."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numerics import oracles
+from numerics.surfaces import (
+    build_plain_surface,
+    closed_shapes,
+    draw_triangles,
+    float32_exact,
+    pick,
+)
+from numpy.typing import NDArray
+
+from visuohaptic.geometry.raycasting import Hits, RayCaster
+from visuohaptic.geometry.surface import Surface
+from visuohaptic.meshes.preparing import normalise
+from visuohaptic.stability import drawings
+from visuohaptic.stability.findings import Finding
+from visuohaptic.stability.oracles import first_hits
+from visuohaptic.stability.rays import aim, draw_ray, everything, plane_errors
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+_BOX_FACES = [
+    [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+    [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+]  # fmt: skip
+
+
+def lost(distances: Floats) -> Flags:
+    """Name the rays that met nothing as those to be settled."""
+    return ~np.isfinite(distances)
+
+
+def draw_rays(generator: np.random.Generator, count: int) -> tuple[Floats, Floats]:
+    """Draw rays from outside of the unit sphere to its inside; float32 holds them exactly."""
+    origins = generator.normal(size=(count, 3))
+    origins *= 1.8 / np.linalg.norm(origins, axis=1, keepdims=True)
+    directions = generator.uniform(-0.6, 0.6, (count, 3)) - origins
+    return (
+        origins.astype(np.float32).astype(np.float64),
+        directions.astype(np.float32).astype(np.float64),
+    )
+
+
+def random_triangles(generator: np.random.Generator) -> Iterator[Finding]:
+    """Cast rays at random triangles, and compare with brute force."""
+    count = int(generator.integers(1, 61))
+    surface = draw_triangles(generator, count)
+    origins, directions = draw_rays(generator, 400)
+    caster = RayCaster(surface)
+    hits = caster.first_hits(origins, directions, everything)
+    distance, _, unsure = first_hits(surface.triangles, origins, directions)
+    # Coplanar hits may name either face; what must agree is whether and where something is met.
+    apart = np.abs(
+        np.where(hits.hit, hits.distance, 9) - np.where(np.isfinite(distance), distance, 9)
+    )
+    draw = draw_ray(surface, origins, directions, "random triangles and a ray")
+    yield Finding(
+        "rays/face chosen against brute force in float64",
+        (apart > 1e-9) & ~unsure,
+        lambda row: f"{count} random triangles, slivers among them, ray {row}",
+        draw,
+    )
+    # A sliver's plane is as uncertain as its corners' rounding over its height.
+    for kind, some in (("every", hits), ("doubtful", caster.first_hits(origins, directions))):
+        met = np.flatnonzero(some.hit)
+        met = met[surface.face_areas[some.face[met]] > 1e-6]
+        label = f"{count} random triangles, {kind} ray settled"
+        yield _planes(surface, origins[met], directions[met], _chosen(some, met), label)
+
+
+def _planes(
+    surface: Surface, origins: Floats, directions: Floats, hits: Hits, label: str
+) -> Finding:
+    return Finding(
+        "rays/hits lie on their face's plane",
+        plane_errors(surface, origins, directions, hits),
+        lambda row: f"{label}, ray from {origins[row]} along {directions[row]}",
+        draw_ray(surface, origins, directions, label),
+    )
+
+
+def _chosen(hits: Hits, rows: NDArray[np.intp]) -> Hits:
+    return Hits(hits.distance[rows], hits.face[rows])
+
+
+def vertices_and_edges(generator: np.random.Generator) -> Iterator[Finding]:
+    """Aim rays at vertices and edges, and compare with exact rationals."""
+    count = 60
+    shape = str(generator.choice(["ball", "torus", "box", "needle"]))
+    surface = closed_shapes()[shape]
+    targets = aim(surface, generator, count)
+    origins = np.rint(generator.uniform(-2, 2, (count, 3)) * 256) / 256
+    directions = targets - origins
+    hits = RayCaster(surface).first_hits(origins, directions, everything)
+    exact = [
+        oracles.exact_first_hit(surface.triangles, origin, direction)
+        for origin, direction in zip(origins, directions, strict=True)
+    ]
+    expected = np.array([np.inf if value is None else float(value) for value in exact])
+    length = np.linalg.norm(directions, axis=1)
+    both = np.isfinite(expected) & hits.hit
+    error = np.abs(np.where(both, hits.distance, 0) - np.where(both, expected, 0)) * length
+    # The direction was rounded: rays at a silhouette may pass on either side of it in rationals,
+    # and float64 may keep what rationals lose by 1e-16; such a hit must still touch the surface.
+    normals = surface.face_normals[np.where(hits.hit, hits.face, 0)]
+    cosine = np.abs((normals * directions).sum(axis=1)) / length
+    yield Finding(
+        "rays/against exact rationals, aimed at vertices and edges",
+        np.where(both, error * cosine, 0),
+        lambda row: f"{shape}, ray {row} from {origins[row]}",
+        draw_ray(surface, origins, directions, f"{shape} and a ray at a vertex or edge"),
+    )
+    yield Finding(
+        "rays/leaks out of closed surfaces",
+        np.isfinite(expected) & ~hits.hit,
+        lambda row: f"{shape}: rationals meet it, the caster does not (ray {row})",
+        draw_ray(surface, origins, directions, f"{shape} and a lost ray"),
+    )
+
+
+def leaks(generator: np.random.Generator) -> Iterator[Finding]:
+    """Cast rays from within closed surfaces, half of them at vertices and edges."""
+    count = 5000
+    shape = str(generator.choice(["ball", "fine ball", "box", "needle"]))
+    surface = closed_shapes()[shape]
+    caster = RayCaster(surface)
+    middle = surface.vertices.mean(axis=0)
+    towards = surface.vertices[generator.integers(0, len(surface.vertices), count)] - middle
+    origins = middle + generator.uniform(-0.5, 0.5, (count, 1)) * towards
+    directions = generator.normal(size=(count, 3))
+    aimed = np.arange(count) % 2 == 0
+    directions[aimed] = aim(surface, generator, count)[aimed] - origins[aimed]
+    first_lost = int((~caster.first_hits(origins, directions).hit).sum())
+    hits = caster.first_hits(origins, directions, lost)
+    yield Finding(
+        "rays/leaks out of closed surfaces",
+        ~hits.hit,
+        lambda row: (
+            f"{shape}, from {origins[row]} along {directions[row]}; of {count} rays {first_lost} are "
+            "lost where misses are not settled in float64"
+        ),
+        draw_ray(surface, origins, directions, f"a ray from within: {shape}"),
+    )
+
+
+def grazing(generator: np.random.Generator) -> Iterator[Finding]:
+    """Cast a ray that meets a plate at a very small angle."""
+    plate = build_plain_surface(
+        [[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], [[0, 2, 1], [0, 3, 2]]
+    )
+    slope = 10.0 ** pick(generator, -9, -1)
+    height = slope * pick(generator, 0.01, 0.99) * 1.8
+    origins = np.array([[-0.9, height, pick(generator, -0.4, 0.4)]])
+    directions = np.array([[1.0, -slope, 0.0]])
+    hits = RayCaster(plate).first_hits(origins, directions, everything)
+    expected = height / slope
+    yield Finding(
+        "rays/grazing",
+        np.where(hits.hit, np.abs(hits.distance - expected) * slope, np.inf),
+        f"slope {slope:.2g}, met at {expected:.6f}",
+        draw_ray(plate, origins, directions, "a plate and a grazing ray"),
+    )
+
+
+def within_a_plane(generator: np.random.Generator) -> Iterator[Finding]:
+    """Cast rays within the planes of a box's faces: they end at a rim or miss."""
+    corners = [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
+    surface = build_plain_surface(corners, _BOX_FACES)
+    height = float(generator.choice([0.0, 0.25, 0.5, -0.5]))
+    angles = np.append(np.linspace(0, 2 * np.pi, 17), generator.uniform(0, 2 * np.pi, 16))
+    directions = np.column_stack([np.cos(angles), np.zeros(len(angles)), np.sin(angles)])
+    origins = [0, height, 0] - 2 * directions
+    caster = RayCaster(surface)
+    for hits in (
+        caster.first_hits(origins, directions, everything),
+        caster.first_hits(origins, directions),
+    ):
+        ends = origins + np.where(hits.hit, hits.distance, 0)[:, None] * directions
+        at_rim = np.isfinite(ends).all(axis=1) & (np.abs(np.abs(ends).max(axis=1) - 0.5) < 1e-6)
+        may_miss = abs(height) == 0.5
+        yield Finding(
+            "rays/within a face's plane",
+            ~np.where(hits.hit, at_rim, may_miss),
+            lambda row: f"box, height {height}, {np.degrees(angles[row]):.1f} degrees",
+            draw_ray(surface, origins, directions, "a box and a ray within a plane"),
+        )
+
+
+def slivers(generator: np.random.Generator) -> Iterator[Finding]:
+    """Cast rays at a floor with a very narrow strip of two triangles."""
+    width = float(generator.choice([1e-3, 1e-6, 1e-9, 2e-12]))
+    edge, count = 0.125, 1500
+    vertices = [[x, 0.0, z] for x in (-0.5, edge, edge + width, 0.5) for z in (-0.5, 0.5)]
+    faces = [
+        face
+        for k in range(3)
+        for face in ([2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2])
+    ]
+    surface = build_plain_surface(vertices, faces)
+    x = np.where(
+        generator.random(count) < 0.5,
+        edge + width * generator.uniform(-3, 4, count),
+        edge + 1e-6 * generator.normal(size=count),
+    )
+    origins = np.column_stack([x, np.ones(count), generator.uniform(-0.45, 0.45, count)])
+    hits = RayCaster(surface).first_hits(origins, np.tile([0, -1.0, 0], (count, 1)), lost)
+    yield Finding(
+        "rays/through slivers of 1e-12 area",
+        np.where(hits.hit, np.abs(hits.distance - 1.0), np.inf),
+        lambda row: f"a floor with a strip of width {width:g}, ray at {x[row] - edge:.3g} from it",
+        drawings.triangles(
+            surface.triangles[:, :, [0, 2, 1]], f"a floor with a strip of width {width:g}"
+        ),
+    )
+
+
+def coplanar(generator: np.random.Generator) -> Iterator[Finding]:
+    """Cast rays at squares in one plane, in two orders: the lower face is met in both."""
+    count = 1000
+    corners = np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1.0]])
+    vertices = np.vstack([corners, 0.5 * corners, 0.7 * corners @ np.diag([1, 1, 0.3])])
+    faces = [[0, 2, 1], [0, 3, 2], [4, 6, 5], [4, 7, 6], [8, 10, 9], [8, 11, 10]]
+    surface = float32_exact(build_plain_surface(vertices, faces))
+    caster = RayCaster(surface)
+    x, z = generator.uniform(-0.6, 0.6, (2, count))
+    origins = np.column_stack([x, np.ones(count), z])
+    directions = np.tile([0, -1.0, 0], (count, 1))
+    together = caster.first_hits(origins, directions, everything)
+    order = generator.permutation(count)
+    apart = caster.first_hits(origins[order], directions[order], everything)
+    wrong = (together.face != np.where(x > z, 0, 1)) & (np.abs(x - z) > 1e-9)
+    wrong |= together.distance != 1.0
+    wrong |= (apart.face != together.face[order])[np.argsort(order)]
+    yield Finding(
+        "rays/coplanar faces on top of each other",
+        wrong,
+        lambda row: f"three squares in one plane, ray at {origins[row, [0, 2]]}",
+        drawings.triangles(surface.triangles[:, :, [0, 2, 1]], "three squares in one plane"),
+    )
+
+
+def off_centre(generator: np.random.Generator) -> Iterator[Finding]:
+    """Cast the same rays at a ball and at the same ball far off, both prepared as meshes are."""
+    home = closed_shapes()["ball"]
+    size, offset = pick(generator, -6, 6), pick(generator, 0, 6)
+    towards = generator.normal(size=3)
+    shift = 10.0**size * 10.0**offset * towards / np.linalg.norm(towards)
+    away = Surface(10.0**size * home.vertices + shift, home.faces, home.face_colours)
+    casters = [RayCaster(normalise(surface, "ball", merge_tolerance=0)) for surface in (home, away)]
+    targets = generator.normal(size=(200, 3))
+    targets *= 0.8 / np.linalg.norm(targets, axis=1, keepdims=True)
+    near, far = (caster.first_hits(2.5 * targets, -targets) for caster in casters)
+    yield Finding(
+        "rays/meshes far off centre",
+        np.where(near.hit & far.hit, np.abs(near.distance - far.distance) * 0.8, np.inf),
+        f"a ball of size 1e{size:.1f}, 1e{offset:.1f} sizes off",
+        drawings.triangles(home.triangles, "a ball"),
+    )

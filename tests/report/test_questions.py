@@ -1,0 +1,104 @@
+"""The two questions are answered by a rule, from tables alone."""
+
+import pytest
+from report.test_comparison import BAYES, SVM, metrics
+from studies.readings.test_verdicts import lead_of_one_map, tables
+
+from visuohaptic.report.comparison import read_tables
+from visuohaptic.report.questions import (
+    fixation_answer,
+    readings_sentence,
+    recognition_answer,
+    reproduction_answer,
+)
+
+
+def plain(text):
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def run_of(fixation=0.7, random=0.6):
+    """Give the tables of a run; intervals reach 5 points to either side."""
+    accuracies = ({SVM: fixation, BAYES: 0.99}, {SVM: random, BAYES: 0.2})
+    return read_tables(metrics(*accuracies, {SVM: 0.1, BAYES: 0.5}))
+
+
+def made_up(lead):
+    return {name: [row | {"objects": 12} for row in rows] for name, rows in tables(lead).items()}
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "word"), [(0.31, "Yes"), (0.29, "That is not shown"), (0.21, "No")]
+)
+def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, word):
+    found = recognition_answer(run_of(accuracy), 4, 5, "unseen objects")
+    assert found.word == word
+
+
+def test_the_first_answer_has_its_figures():
+    found = recognition_answer(run_of(), 4, 5, "unseen objects")
+    assert plain(found.number) == "70.0 % (65.0 % to 75.0 %)"
+    assert plain(found.sentence) == (
+        "of 5-touch sequences on unseen objects correctly classified by the support vector machine; "
+        "chance is 25 %."
+    )
+
+
+@pytest.mark.parametrize(
+    ("lead", "word"),
+    [
+        (lambda *_: 0.1, "Yes"),
+        (lambda *_: -0.1, "No"),
+        (lambda *_: 0.01, "That is not shown"),
+        (lead_of_one_map, "It depends"),
+    ],
+)
+def test_the_second_answer_follows_from_the_readings_and_not_from_the_run(lead, word):
+    for random in (0.2, 0.95):
+        assert fixation_answer(run_of(random=random), made_up(lead)).word == word
+
+
+def test_the_second_answer_says_against_what_in_which_pipeline_and_on_how_many_objects():
+    found = fixation_answer(run_of(), {})
+    assert plain(found.number) == "+10.0 points (+5.0 to +15.0)"
+    assert plain(found.sentence) == (
+        "ahead of random places in reach, pipeline paper, support vector machine, 12 objects."
+    )
+
+
+def test_the_readings_are_counted_by_set():
+    sentence = readings_sentence({"paper": made_up(lead_of_one_map)["paper"]})
+    assert "significantly ahead in " in sentence
+    assert "fixation is on 12 objects significantly ahead in " in sentence
+    assert readings_sentence({"paper": []}) == ""
+
+
+@pytest.mark.parametrize(
+    ("accuracies", "word"),
+    [
+        (({SVM: 0.93, BAYES: 0.57}, {SVM: 0.86, BAYES: 0.57}), "Yes"),
+        (({SVM: 0.93, BAYES: 0.9}, {SVM: 0.5, BAYES: 0.9}), "It depends"),
+        (({SVM: 0.7, BAYES: 0.9}, {SVM: 0.5, BAYES: 0.9}), "No"),
+    ],
+)
+def test_the_third_answer_counts_published_accuracies_within_intervals(accuracies, word):
+    figures = metrics(*accuracies, {SVM: 0.1, BAYES: 0.5})
+    found = reproduction_answer(read_tables(figures)[0])
+    assert found.word == word
+    assert "of 4 published accuracies lie within" in found.sentence
+    assert plain(found.number).endswith("% here, 93.45 % published")
+
+
+def test_every_sentence_of_the_card_has_at_most_25_words():
+    tables = run_of()
+    found = [
+        recognition_answer(tables * 2, 4, 5, "known objects from unseen viewpoints"),
+        fixation_answer(tables * 2, {}),
+        reproduction_answer(tables[0]),
+    ]
+    assert max(len(one.sentence.split()) for one in found) <= 25
+
+
+def test_nothing_is_said_of_a_comparison_that_was_not_made():
+    figures = metrics({SVM: 0.7}, {SVM: 0.6}, {SVM: 0.1}) | {"comparisons": {}}
+    assert fixation_answer(read_tables(figures), {}) is None

@@ -1,0 +1,115 @@
+"""A model is evaluated on objects that it has not learnt, and on no others."""
+
+import dataclasses
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pytest
+from recognition.synthetic import features_table
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.model import fit_model
+from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
+from visuohaptic.recognition.summary import select
+from visuohaptic.studies.evaluation.models import (
+    evaluate_model,
+    read_evaluation,
+    summarise_evaluation,
+)
+from visuohaptic.studies.stored import source_of, store_table
+from visuohaptic.tables.schema import read_table, write_table
+from visuohaptic.tables.studies import EVALUATION
+
+ALL = features_table(objects=(5, 5, 5), viewpoints=4, separation=2.0)
+LEARNT = ALL.filter(pc.is_in(ALL["object"], pa.array(["object0", "object1", "object2"])))
+
+
+@pytest.fixture(scope="module")
+def model():
+    return fit_model(LEARNT, "best", "naive_bayes", RecognitionParameters(), 1)
+
+
+@pytest.fixture(scope="module")
+def evaluated(model):
+    return evaluate_model(model, ALL)
+
+
+def test_each_object_that_was_not_learnt_is_named_by_every_choice_of_its_views(evaluated):
+    named = evaluated.group_by(["class", "object", "views"]).aggregate([([], "count_all")])
+    counts = {tuple(row.values())[:3]: row["count_all"] for row in named.to_pylist()}
+    assert counts == {
+        (f"class{place}", name, views): choices
+        for place in range(3)
+        for name in ("object3", "object4")
+        for views, choices in ((1, 4), (4, 1))
+    }
+
+
+def test_the_answers_are_those_that_the_model_gives(model, evaluated):
+    one = select(ALL, **{"class": "class1"}, object="object3")
+    answer = model.answer(select(one, viewpoint=2))
+    (row,) = select(evaluated, **{"class": "class1"}, object="object3", views=1, bag=2).to_pylist()
+    assert row["correct"] == (next(iter(answer.probabilities)) == "class1")
+    assert row["candidates"] == len(answer.candidates)
+    assert row["covered"] == ("class1" in answer.candidates)
+    assert row["unknown"] == answer.unknown
+
+
+def test_the_summary_is_of_shares_over_objects(evaluated):
+    one, every = summarise_evaluation(evaluated, IntervalParameters(), 1)
+    assert (one["views"], every["views"], every["stated"]) == (1, 4, 0.9)
+    rows = select(evaluated, views=1)
+    assert one["accuracy"][0] == pytest.approx(np.mean(rows["correct"].to_numpy()))
+    assert one["set_size"] == pytest.approx(np.mean(rows["candidates"].to_numpy()))
+    mean, low, high = every["coverage"]
+    assert low <= mean <= high
+    assert "found_unknown" not in one
+
+
+def test_an_object_of_a_class_that_the_model_does_not_know_is_counted_apart(model):
+    names = pc.replace_substring(ALL["class"], "class2", "ball")
+    place = ALL.schema.get_field_index("class")
+    table = ALL.set_column(place, ALL.schema.field("class"), [names.combine_chunks()])
+    found = evaluate_model(model, table)
+    assert not any(
+        row["correct"] or row["covered"] for row in select(found, known=False).to_pylist()
+    )
+    figures = summarise_evaluation(found, IntervalParameters(), 1)[-1]
+    assert (
+        figures["accuracy"]
+        == summarise_evaluation(select(found, known=True), IntervalParameters(), 1)[-1]["accuracy"]
+    )
+    assert "found_unknown" in figures
+
+
+def test_a_model_that_knows_all_objects_is_not_evaluated(model):
+    with pytest.raises(
+        RecognitionError, match="Of 9 objects touched by fixation none is of a class"
+    ):
+        evaluate_model(model, LEARNT)
+
+
+def test_a_model_without_calibration_is_not_evaluated(model):
+    with pytest.raises(RecognitionError, match="not calibrated"):
+        evaluate_model(dataclasses.replace(model, calibration=None, short={}), ALL)
+
+
+def test_what_was_measured_is_read_before_what_is_kept(evaluated, tmp_path):
+    path = tmp_path / "evaluation.parquet"
+    write_table(EVALUATION, evaluated, path)
+    assert read_evaluation(path).table.num_rows == evaluated.num_rows
+    assert read_evaluation(path).source is None
+    store_table(EVALUATION, path, tmp_path / "kept.parquet", "visuohaptic evaluate", "a processor")
+    assert source_of(tmp_path / "kept.parquet").command == "visuohaptic evaluate"
+    assert read_table(EVALUATION, tmp_path / "kept.parquet").equals(read_evaluation(path).table)
+
+
+def test_the_package_keeps_the_odd_objects_by_two_strategies():
+    kept = read_evaluation(None)
+    objects = kept.table.select(["class", "object"]).group_by(["class", "object"]).aggregate([])
+    assert objects.num_rows == 22
+    assert kept.table["strategy"].unique().to_pylist() == ["fixation", "random"]
+    assert kept.table["learnt"].unique().to_pylist() == [142]
+    assert set(kept.table["views"].to_pylist()) == {1, 4, 16}
+    assert "visuohaptic evaluate" in kept.source.command

@@ -1,0 +1,7 @@
+"""End with an error where a guard of the run failed."""
+
+from visuohaptic.guards.table import require_guards
+from visuohaptic_workflow.jobs import job
+
+with job(snakemake):
+    require_guards(snakemake.input.guards, snakemake.input.report)
