@@ -13,8 +13,7 @@ PACKAGES := $(VENV)/.packages
 PROJECTS := pyproject.toml packages/contourlets/pyproject.toml
 READY := $(VENV)/.ready
 DEVELOP := $(VENV)/.ready-to-develop
-# Snakemake with a short screen; its log is in a file.
-RUN := $(VENV)/bin/python -P -m visuohaptic_workflow.screen
+RUN := snakemake
 # Without the extra `dev`: what `make` sets up, and pytest.
 INSTALLED := .venv-run
 OUTER_PATH := $(PATH)

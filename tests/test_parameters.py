@@ -1,5 +1,6 @@
 """Parameters are checked as a whole, and every fault is named with its path."""
 
+import re
 import subprocess
 import sys
 
@@ -139,6 +140,33 @@ def test_who_only_touches_may_choose_fewer_fixations():
     few = parameters.as_parameters({"attention.fixations": 3})
     parameters.check_run(few)
     assert few.attention.fixations == 3
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("seed: 010", "seed (line 1) is 010, which YAML takes for another number"),
+        ("seed: 1:30", "seed (line 1) is 1:30, which YAML takes for another number"),
+        ("sensor: {reach: 1e400}", "sensor.reach (line 1) is 1e400, which is too large"),
+        ("sensor: {reach: -1.0e+400}", "sensor.reach (line 1) is -1.0e+400, which is too large"),
+        ("meshes:\n  set: [yes]", "meshes.set (line 2) is yes, which YAML takes for a truth value"),
+        ("attention: {terms: off}", "attention.terms (line 1) is off, which YAML takes"),
+    ],
+)
+def test_a_value_that_yaml_would_change_is_refused_with_its_line(tmp_path, line, sentence):
+    path = tmp_path / "params.yaml"
+    path.write_text(f"{line}\n")
+    with pytest.raises(ParameterError, match=re.escape(sentence)):
+        parameters.check_spelling(path)
+
+
+@pytest.mark.parametrize(
+    "value", ["10", "0", "0.5", "-1e-3", "true", "False", '"010"', "'yes'", "null"]
+)
+def test_a_value_that_yaml_reads_as_written_passes(tmp_path, value):
+    path = tmp_path / "params.yaml"
+    path.write_text(f"seed: {value}\n")
+    parameters.check_spelling(path)
 
 
 def test_a_name_that_stands_twice_is_named_with_its_lines(tmp_path):

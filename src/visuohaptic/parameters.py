@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -231,7 +234,7 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     import yaml
 
     try:
-        refuse_repeated_names(path)
+        check_spelling(path)
         values = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ParameterError(f"{path} can't be read: {_reason(error)}.") from error
@@ -240,15 +243,16 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     return check_parameters(values, str(path))
 
 
-def refuse_repeated_names(path: str | Path) -> None:
-    """Refuse a YAML file with a name twice, of which a parser takes the last in silence.
+def check_spelling(path: str | Path) -> None:
+    """Refuse a YAML file with values that a parser reads as others than are written, or a name twice.
 
-    Raises `ParameterError`, which gives both lines.
+    ``yes`` and ``off`` would be truth values, ``010`` be 8, ``1:30`` be 90, ``1e400`` be infinite,
+    and the last of two equal names would count. Raises `ParameterError`, which gives the line.
     """
     import yaml
 
     text = Path(path).read_text(encoding="utf-8")
-    _check_names(yaml.compose(text, Loader=yaml.SafeLoader), str(path), "")
+    _check_node(yaml.compose(text, Loader=yaml.SafeLoader), str(path), "")
 
 
 def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParameters:
@@ -310,19 +314,40 @@ def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
     return nested
 
 
-def _check_names(node: Any, source: str, above: str) -> None:
-    if not isinstance(getattr(node, "value", None), list) or node.id != "mapping":
-        return
+def _check_node(node: Any, source: str, above: str) -> None:
+    kind = getattr(node, "id", None)
+    if kind == "scalar":
+        _check_scalar(node, f"{source}: {above} (line {node.start_mark.line + 1})")
+    for item in node.value if kind == "sequence" else ():
+        _check_node(item, source, above)
     lines: dict[str, int] = {}
-    for key, value in node.value:
-        name = f"{above}{key.value}"
+    for key, value in node.value if kind == "mapping" else ():
+        name = f"{above}.{key.value}" if above else str(key.value)
         line = key.start_mark.line + 1
         if name in lines:
             raise ParameterError(
                 f"{source}: {name} is in line {lines[name]} and again in line {line}; once is allowed."
             )
         lines[name] = line
-        _check_names(value, source, f"{name}.")
+        _check_node(value, source, name)
+
+
+def _check_scalar(node: Any, place: str) -> None:
+    """Refuse a plain value that YAML 1.1 reads in another way than people do."""
+    if node.style is not None:  # in quotes
+        return
+    text, kind = str(node.value), node.tag.rpartition(":")[2]
+    if kind == "bool" and text.lower() not in {"true", "false"}:
+        raise ParameterError(
+            f'{place} is {text}, which YAML takes for a truth value; write true or false, or "{text}".'
+        )
+    if kind in {"int", "float"} and (":" in text or re.fullmatch(r"[-+]?0[0-9_]+", text)):
+        raise ParameterError(
+            f"{place} is {text}, which YAML takes for another number; write it in decimal digits."
+        )
+    with suppress(ValueError):
+        if math.isinf(float(text)) and "inf" not in text.lower():
+            raise ParameterError(f"{place} is {text}, which is too large for a number.")
 
 
 def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

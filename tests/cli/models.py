@@ -12,18 +12,17 @@ SMALL = {"rendering": {"resolution": 64}, "viewpoints": {"count": 2}}
 
 
 def fit_on_nonsense(folder):
-    """Leave a model that learnt numbers without sense, beside parameters with some."""
+    """Leave a model that learnt numbers without sense, with parameters that have some."""
     folder.mkdir(parents=True, exist_ok=True)
     write_table(FEATURES, features_table(objects=(2, 2), viewpoints=3), folder / "features.parquet")
     make_model(
         features=[folder / "features.parquet"],
         model=folder / "best.skops",
-        touching=folder / "best.yaml",
         pipeline="best",
         classifier="support_vector_machine",
         strategy="fixation",
         recognition=RecognitionParameters(),
-        touching_parameters=ExperimentParameters.from_mapping(SMALL).model_dump(
+        touching=ExperimentParameters.from_mapping(SMALL).model_dump(
             mode="json", exclude={"recognition", "workflow"}
         ),
         seed=1,

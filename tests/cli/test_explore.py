@@ -219,9 +219,8 @@ def test_without_a_model_the_sentence_says_which_command_makes_it(visuohaptic, t
     assert "snakemake -j2 model_all" in ended.err
 
 
-def test_a_model_that_is_none_is_refused(visuohaptic, tmp_path, model):
+def test_a_model_that_is_none_is_refused(visuohaptic, tmp_path):
     (tmp_path / "best.skops").write_bytes(b"nothing")
-    (tmp_path / "best.yaml").write_text(model.with_suffix(".yaml").read_text())
     ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--model", "best.skops")
     assert ended.code == 1
     assert "best.skops can't be read as a recognition model" in ended.err

@@ -3,11 +3,13 @@
 import ast
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from cli.models import fit_on_nonsense
 from source_folders import PYTHONPATH
 
 import visuohaptic as vh
@@ -20,6 +22,7 @@ from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import wanted_of
 from visuohaptic.recognition import select
+from visuohaptic.recognition.stored_models import load_model, save_model
 from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES, VIEWS
 from visuohaptic.tables.schema import read_table
 from visuohaptic.touches.files import make_touches
@@ -169,10 +172,13 @@ def test_touches_of_another_kind_than_the_model_learnt_are_refused(ring_file):
         looked.recognise(recogniser)
 
 
-def test_a_model_without_its_parameters_is_refused(tmp_path):
-    (tmp_path / "best.skops").write_bytes(b"")
-    with pytest.raises(RecognitionError, match=r"best.yaml is not there"):
-        vh.read_recogniser(tmp_path / "best.skops")
+def test_a_model_that_does_not_say_how_its_touches_were_made_is_refused(tmp_path):
+    fit_on_nonsense(tmp_path)
+    path = tmp_path / "best.skops"
+    assert vh.read_recogniser(path).parameters.viewpoints.count == 2
+    save_model(replace(load_model(path), touching=None), path)
+    with pytest.raises(RecognitionError, match="does not say how the touches were made"):
+        vh.read_recogniser(path)
 
 
 def test_what_the_package_offers_is_what_its_stub_names():

@@ -34,6 +34,13 @@ def fresh(tmp_path):
     return Experiment(tmp_path / "experiment")
 
 
+@pytest.fixture
+def finished(fresh):
+    """The same after a whole run."""
+    fresh.snakemake()
+    return fresh
+
+
 @pytest.mark.parametrize(
     "option",
     [
@@ -74,7 +81,7 @@ def test_the_workflow_runs_in_a_folder_named_by_an_option(fresh, tmp_path):
 def test_a_folder_that_this_user_may_not_write_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(os, "access", lambda *_: False)
-    with pytest.raises(FolderInUseError, match=r"can't be written \(permission denied\); run"):
+    with pytest.raises(FolderInUseError, match="can't be written; `make why` says"):
         check_writable()
 
 
@@ -89,3 +96,39 @@ def test_the_callers_python_path_is_kept(fresh, monkeypatch):
     path = (fresh.folder / "path").read_text().split(os.pathsep)
     assert path[-1] == "/brought/by/a/module"
     assert str(fresh.folder / "src") in path
+
+
+def test_a_failed_job_ends_with_one_and_its_sentence_is_printed(finished):
+    script = finished.folder / "workflow/scripts/metrics.py"
+    script.write_text(
+        "from visuohaptic.errors import ReportError\n"
+        "from visuohaptic_workflow.jobs import job\n"
+        "with job(snakemake):\n    raise ReportError('The scores are odd.')\n"
+    )
+    result = finished.snakemake(check=False)
+    assert result.returncode == 1
+    assert "error: The scores are odd." in result.stdout
+    assert "Traceback" not in result.stdout
+
+
+def test_a_wrong_parameter_is_named_before_anything_runs(fresh):
+    fresh.set(sensor={"largest_size": -1})
+    result = fresh.snakemake(check=False)
+    assert result.returncode == 1
+    assert "sensor.largest_size is -1: input should be greater than 0" in result.stdout
+    assert not (fresh.folder / "results").exists()
+
+
+def test_reasons_of_snakemake_that_go_by_other_things_than_keys_are_refused(fresh):
+    result = fresh.snakemake("-n", "--rerun-triggers", "params", "--", "all", check=False)
+    assert result.returncode == 1
+    assert "leave out --rerun-triggers" in result.stdout
+
+
+@pytest.mark.slow
+def test_a_run_ends_with_the_figures_where_the_report_was_written(experiment):
+    experiment.set(recognition={"intervals": {"confidence": 0.9}})
+    output = experiment.snakemake().stdout
+    assert "Pipeline paper, " in output
+    assert "The report is at reports/report.html." in output
+    assert "The report is at" not in experiment.snakemake("--", "model_all").stdout

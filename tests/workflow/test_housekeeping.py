@@ -99,13 +99,3 @@ def test_a_run_about_some_objects_leaves_results_of_others(experiment):
     next(file for file in meshes if file.stem != "bsby_chair3").unlink()
     experiment.snakemake("--", "meshes_all")
     assert sorted((experiment.folder / "results/meshes").glob("*/*/*.ply")) == meshes
-
-
-def test_a_private_name_of_snakemake_that_is_gone_costs_time_alone(experiment):
-    rules = experiment.folder / "workflow/rules/common.smk"
-    text = rules.read_text()
-    assert "job_rate_limiter" in text
-    rules.write_text(text.replace("job_rate_limiter", "name_of_another_version"))
-    (experiment.folder / "reports/metrics.json").unlink()
-    experiment.snakemake()
-    assert (experiment.folder / "reports/metrics.json").exists()

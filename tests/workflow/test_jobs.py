@@ -31,16 +31,6 @@ def test_a_job_that_ends_well_logs_its_seconds(tmp_path):
     assert seconds.work >= 0
 
 
-def test_the_steps_of_a_block_hold_one_lock_together(tmp_path, monkeypatch):
-    (tmp_path / ".snakemake").mkdir()
-    monkeypatch.chdir(tmp_path)
-    before = len(list(Path("/proc/self/fd").iterdir()))
-    for _ in range(5):
-        with logged_job(tmp_path / "a.log"):
-            pass
-    assert len(list(Path("/proc/self/fd").iterdir())) <= before + 1
-
-
 def test_a_foreseen_error_is_one_sentence_without_traceback(tmp_path, capsys):
     log = tmp_path / "a.log"
     with pytest.raises(SystemExit) as caught, logged_job(log):

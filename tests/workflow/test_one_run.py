@@ -1,6 +1,5 @@
 """One run at a time: what was killed is cleared away, what is at work is respected."""
 
-import json
 import os
 import signal
 import subprocess
@@ -113,31 +112,16 @@ def test_a_dry_run_is_possible_beside_a_run(at_work):
     assert "features" in at_work.snakemake("-n").stdout
 
 
-def test_snakemake_says_that_dvc_is_at_work(finished, tmp_path):
-    experiment = finished.copy(tmp_path / "experiment")
-    locks = experiment.folder / ".dvc/tmp/rwlock"
-    locks.parent.mkdir(exist_ok=True)
-    path = str(experiment.folder / "results/touches")
-    locks.write_text(
-        json.dumps({"write": {path: {"pid": os.getpid(), "cmd": "dvc repro"}}, "read": {}})
-    )
-    result = experiment.snakemake(check=False)
-    assert result.returncode != 0
-    assert f"dvc repro (process {os.getpid()}) is at work on {path}" in result.stdout
-    assert "Traceback" not in result.stdout
-
-
-def test_a_run_leaves_no_lock_of_dvc(finished):
-    locks = finished.folder / ".dvc/tmp/rwlock"
-    assert json.loads(locks.read_text())["write"] == {}
-
-
-def test_a_folder_that_may_not_be_written_is_named(finished, tmp_path):
-    experiment = finished.copy(tmp_path / "experiment")
-    state = experiment.folder / ".snakemake"
-    (state / "run.lock").unlink()
-    (state / "run.lock").mkdir()
-    result = experiment.snakemake(check=False)
-    assert result.returncode != 0
-    assert f"{experiment.folder} can't be written" in result.stdout
-    assert "Traceback" not in result.stdout
+@pytest.mark.parametrize("sign", ["logs/given.json", "results/meshes/*/*/*.ply"])
+def test_after_ctrl_c_nothing_is_half_written_and_the_same_command_continues(fresh, finished, sign):
+    process = start(fresh, "snakemake", "-j2")
+    wait_for(lambda: any(fresh.folder.glob(sign)))
+    os.killpg(process.pid, signal.SIGINT)
+    assert process.wait(timeout=60) != 0
+    assert not [
+        file
+        for file in (fresh.folder / "results").rglob(".*")
+        if file.is_file() and "timestamp" not in file.name
+    ]
+    fresh.snakemake("dvc_all")
+    assert digests(fresh.folder) == digests(finished.folder)

@@ -1,9 +1,11 @@
 """Random walks over what users do to a working folder; each must end in the results of a clean run.
 
-A walk edits parameters, code and meshes, switches branches, lets DVC bring files, runs, deletes and
+A walk edits parameters, modules and meshes, switches branches, lets DVC bring files, runs, deletes and
 kills, in an order drawn by a seed. Then it runs `snakemake dvc_all`, which makes all that is shared,
-and compares all results with those of a run from nothing. The scripts of the phases are replaced by
-one that writes a hash of all that it was given, so that a run takes seconds and every difference shows.
+and compares all results with those of a run from nothing; where a dry run before it found nothing to do,
+that must have been true. The scripts of the phases are replaced by ones that write a hash of all that they
+were given, of a value of a module that the phase imports, as it ran, and of a package's version, so that a
+run takes seconds and every difference shows.
 
 `python -m workflow.walks [WALKS] [FIRST_SEED] [SECONDS]` (with `tests` on PYTHONPATH) prints what it finds.
 """
@@ -38,16 +40,19 @@ STAND_IN = '''"""Writes a hash of all that the job was given."""
 
 import hashlib
 import json
+from importlib.metadata import version
 from pathlib import Path
 
 from visuohaptic_workflow.jobs import job
 
+code = None
 VERSION = 0
 
 with job(snakemake):
     given = hashlib.sha256(f"{snakemake.rule} {VERSION}".encode())
     parameters = {name: value for name, value in snakemake.params.items() if name != "key"}
     given.update(json.dumps(parameters, sort_keys=True).encode())
+    given.update(f"{getattr(code, 'VALUE', 0)} {version('PyWavelets')}".encode())
     for file in sorted(set(map(str, snakemake.input))):
         for part in [Path(file)] if Path(file).is_file() else sorted(Path(file).glob("*.ply")):
             given.update(str(part).encode() + part.read_bytes())
@@ -60,6 +65,14 @@ with job(snakemake):
             file.write_text(f"{file} {given.hexdigest()}")
 '''
 SCRIPTS = ("features", "touches", "recognition")
+MODULES = {
+    "features": "visuohaptic.features.describing",
+    "touches": "visuohaptic.scene.parameters",
+    "recognition": "visuohaptic.recognition.sequences",
+}
+"""A module that each script imports, and through it real ones, with the packages that these import."""
+OWN_MODEL = "meshes/own/chair/stool.stl"
+LONG_AGO = (946_000_000, 946_000_000)
 PARAMETERS = (
     {"attention": {"focus_radius": 0.3}},
     {"attention": {"focus_radius": 0.2}},
@@ -73,28 +86,30 @@ PARAMETERS = (
 SECONDS_A_COMMAND = 300
 
 
-def environment():
-    """Give what commands of a user's shell would have."""
+def environment(**more):
+    """Give what commands of a user's shell would have; bytecode is on, as users have it."""
     kept = {
         key: value
         for key, value in os.environ.items()
-        if not key.startswith(("GIT_", "PYTEST_", "DVC_")) and key != "PYTHONPATH"
+        if not key.startswith(("GIT_", "PYTEST_", "DVC_"))
+        and key not in {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
     }
-    return {**kept, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    return {**kept, "PATH": path, **more}
 
 
-def run(folder, *command):
+def run(folder, *command, **more):
     """Run a command, and give its exit status and what it printed."""
     result = subprocess.run(
-        command, cwd=folder, env=environment(), check=False, text=True,
+        command, cwd=folder, env=environment(**more), check=False, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=SECONDS_A_COMMAND,
     )  # fmt: skip
     return result.returncode, result.stdout
 
 
-def must(folder, *command):
+def must(folder, *command, **more):
     """Run a command that has to work."""
-    status, output = run(folder, *command)
+    status, output = run(folder, *command, **more)
     if status:
         raise RuntimeError(f"{' '.join(command)}: {output[-2000:]}")
     return output
@@ -106,7 +121,7 @@ def digests(folder):
     return {
         str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
         for file in files
-        if "records" not in file.parts and file.is_file()
+        if "records" not in file.parts and file.is_file() and file.stem != "mine"
     }
 
 
@@ -114,7 +129,15 @@ def make_experiment(folder):
     """Make a small experiment whose scripts are stand-ins."""
     copy_experiment(folder, COPIED, SMALL_OBJECTS, SMALL)
     for script in (folder / "workflow/scripts").glob("*.py"):
-        script.write_text(STAND_IN)
+        script.write_text(stand_in(script.stem))
+
+
+def stand_in(name, version=0):
+    """Give the script that stands in for one of the workflow's."""
+    text = STAND_IN.replace("VERSION = 0", f"VERSION = {version}")
+    if name in MODULES:
+        text = text.replace("code = None", f"import {MODULES[name]} as code")
+    return text
 
 
 def run_and_commit(folder, message):
@@ -164,12 +187,18 @@ class Walk:
     steps: list[str] = field(default_factory=list)
     sentences: list[str] = field(default_factory=list)
 
+    variables: dict[str, str] = field(default_factory=dict)
+
     def take_step(self):
         """Do one thing, drawn at random."""
         actions = {
-            self.edit_parameter: 4, self.edit_code: 2, self.edit_mesh: 1, self.switch_branch: 2,
-            self.check_out: 3, self.pull: 2, self.apply_experiment: 1, self.run_snakemake: 4,
-            self.run_dvc: 1, self.delete: 2, self.kill: 2, self.look: 1,
+            self.edit_parameter: 4, self.edit_parameter_and_back: 1, self.edit_script: 1,
+            self.edit_module: 2, self.edit_module_twice_within_a_second: 2,
+            self.edit_module_while_jobs_run: 2, self.replace_module_by_older_file: 1,
+            self.edit_mesh: 1, self.bring_own_mesh: 2, self.run_with_other_values: 2,
+            self.switch_branch: 2, self.check_out: 3, self.pull: 2, self.apply_experiment: 1,
+            self.run_experiment: 1, self.run_snakemake: 4, self.run_dvc: 1, self.delete: 2,
+            self.damage: 2, self.kill: 2, self.look: 1, self.change_version: 1, self.keep_own_file: 1,
         }  # fmt: skip
         weights = np.array(list(actions.values()), float)
         action = list(actions)[self.generator.choice(len(actions), p=weights / weights.sum())]
@@ -182,20 +211,84 @@ class Walk:
 
     def attempt(self, *command):
         """Run a command that may refuse in a sentence."""
-        status, output = run(self.folder, *command)
+        status, output = run(self.folder, *command, **self.variables)
         if status:
             self.sentences.append(f"{' '.join(command)}: {output[-500:]}")
+
+    def start(self, *command):
+        """Start a command in a session of its own."""
+        return subprocess.Popen(
+            command, cwd=self.folder, env=environment(**self.variables), start_new_session=True,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
 
     def edit_parameter(self):
         set_parameters(self.folder, self.draw(PARAMETERS))
 
-    def edit_code(self):
-        script = self.folder / f"workflow/scripts/{self.draw(SCRIPTS)}.py"
-        script.write_text(STAND_IN.replace("VERSION = 0", f"VERSION = {self.draw((0, 1))}"))
+    def edit_parameter_and_back(self):
+        before = (self.folder / "params.yaml").read_text()
+        for text in (None, before):
+            set_parameters(self.folder, self.draw(PARAMETERS))
+            if text:
+                (self.folder / "params.yaml").write_text(text)
+            self.attempt("snakemake", "-n")
+
+    def edit_script(self):
+        name = self.draw(SCRIPTS)
+        script = self.folder / f"workflow/scripts/{name}.py"
+        script.write_text(stand_in(name, self.draw((0, 1))))
+
+    def write_module(self, value):
+        """Let a module have another value, and give its path and name."""
+        name = MODULES[self.draw(SCRIPTS)]
+        path = self.folder / "src" / f"{name.replace('.', '/')}.py"
+        text = path.read_text().partition("\nVALUE = ")[0].rstrip("\n")
+        path.write_text(f"{text}\nVALUE = {value}\n")
+        return path, name
+
+    def edit_module(self):
+        self.write_module(self.draw((1, 2, 3)))
+
+    def edit_module_twice_within_a_second(self):
+        for _ in range(3):
+            path, name = self.write_module(1)
+            first = path.stat().st_mtime_ns
+            run(self.folder, "python", "-c", f"import {name}", PYTHONPATH=f"{self.folder / 'src'}")
+            path.write_text(path.read_text().replace("VALUE = 1", "VALUE = 2"))
+            os.utime(path, ns=(first, first))
+
+    def edit_module_while_jobs_run(self):
+        process = self.start("snakemake", "-j2")
+        time.sleep(self.generator.uniform(1.0, 6.0))
+        self.edit_module()
+        process.wait(timeout=SECONDS_A_COMMAND)
+
+    def replace_module_by_older_file(self):
+        path, _ = self.write_module(self.draw((1, 2, 3)))
+        os.utime(path, LONG_AGO)
 
     def edit_mesh(self):
         files = sorted((self.folder / "meshes/paper").glob("*/*.ply.gz"))
-        self.draw(files).write_bytes(self.draw(files).read_bytes())
+        mesh = self.draw(files)
+        mesh.write_bytes(self.draw(files).read_bytes())
+        if self.draw((0, 1)):
+            os.utime(mesh, LONG_AGO)
+
+    def bring_own_mesh(self):
+        import trimesh
+
+        path = self.folder / OWN_MODEL
+        path.parent.mkdir(exist_ok=True, parents=True)
+        trimesh.creation.box((1, 1, self.draw((1, 2)))).export(path)
+        if self.draw((0, 1)):
+            os.utime(path, LONG_AGO)
+
+    def run_with_other_values(self):
+        self.attempt(
+            "snakemake", "-j2", "--config", 'sensor={"largest_size": 0.2}', "--", self.draw(("features_all", "dvc_all"))
+        )  # fmt: skip
+        if self.draw((0, 1)):
+            self.attempt("dvc", "commit", "--force")
 
     def switch_branch(self):
         self.attempt("git", "checkout", "-qf", self.draw(("main", "other")))
@@ -209,6 +302,14 @@ class Walk:
 
     def apply_experiment(self):
         self.attempt("dvc", "exp", "apply", "tried")
+
+    def run_experiment(self):
+        value = "recognition.touches=4"
+        how = self.draw(("", "--temp", "--queue"))
+        self.attempt("dvc", "exp", "run", *([how] if how else []), "-S", value)
+        if how == "--queue":
+            self.attempt("dvc", "exp", "run", "--queue", "-S", "sensor.largest_size=0.2")
+            self.attempt("dvc", "exp", "run", "--run-all")
 
     def run_snakemake(self):
         self.attempt("snakemake", "-j1", *self.draw(((), (), ("features_all",), ("touches_all",))))
@@ -227,16 +328,33 @@ class Walk:
         else:
             shutil.rmtree(self.folder / state, ignore_errors=True)
 
+    def damage(self):
+        files = sorted(digests(self.folder))
+        if files:
+            file = self.folder / self.draw(files)
+            text = file.read_text()
+            file.unlink()  # it may be a link to the cache
+            file.write_text(self.draw((text[:20], f"{text} ")))
+
     def kill(self):
-        process = subprocess.Popen(
-            ["snakemake", "-j2"], cwd=self.folder, env=environment(), start_new_session=True,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+        process = self.start("snakemake", "-j2")
         time.sleep(self.generator.uniform(0.5, 4.0))
         how = self.draw((signal.SIGKILL, signal.SIGKILL, signal.SIGINT))
         if process.poll() is None:
             (os.killpg if self.draw((0, 1)) else os.kill)(process.pid, how)
         process.wait(timeout=SECONDS_A_COMMAND)
+
+    def change_version(self):
+        other = self.folder / ".other" / "pywavelets-99.dist-info"
+        other.mkdir(parents=True, exist_ok=True)
+        (other / "METADATA").write_text("Metadata-Version: 2.1\nName: PyWavelets\nVersion: 99\n")
+        self.variables["PYTHONPATH"] = str(other.parent)
+
+    def keep_own_file(self):
+        for name in ("features/mine.parquet", "touches/mine/mine.parquet"):
+            file = self.folder / "results" / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text("mine")
 
 
 class CleanRuns:
@@ -246,10 +364,10 @@ class CleanRuns:
         self._folder = folder
         self._known = {}
 
-    def results_of(self, walked):
+    def results_of(self, walked, variables):
         """Give the results of a clean run of a folder's parameters, code and meshes."""
         inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src", "packages"]
-        key = hashlib.sha256()
+        key = hashlib.sha256(str(variables).encode())
         for name in inputs:
             path = walked / name
             for file in [path] if path.is_file() else sorted(path.rglob("*")):
@@ -270,7 +388,7 @@ class CleanRuns:
                     )
                 else:
                     shutil.copy2(walked / name, folder / name)
-            must(folder, "snakemake", "-j2", "dvc_all")
+            must(folder, "snakemake", "-j2", "dvc_all", **variables)
             self._known[key.digest()] = digests(folder)
             shutil.rmtree(folder)
         return self._known[key.digest()]
@@ -288,16 +406,26 @@ def walk(repository, folder, seed, clean):
     taken = Walk(folder, generator)
     for _ in range(generator.integers(2, 7)):
         taken.take_step()
-    status, output = run(folder, "snakemake", "-j2", "dvc_all")
+    mine = list((folder / "results").rglob("mine.parquet"))
+    _, looked = run(folder, "snakemake", "-n", "dvc_all", **taken.variables)
+    before = digests(folder) if "Nothing to be done" in looked else None
+    status, output = run(folder, "snakemake", "-j2", "dvc_all", **taken.variables)
     wrong = None
     if status:
         wrong = f"the last run failed: {output[-1500:]}"
-    elif (found := digests(folder)) != (expected := clean.results_of(folder)):
-        different = sorted(
-            name for name in {*found, *expected} if found.get(name) != expected.get(name)
-        )
-        wrong = f"{len(different)} files differ: {different[:5]}"
+    else:
+        expected = clean.results_of(folder, taken.variables)
+        wrong = _difference(digests(folder), expected) or (before and _difference(before, expected))
+    if not wrong and not all(file.exists() for file in mine):
+        wrong = "a file of the user is gone"
     return {"seed": int(seed), "steps": taken.steps, "sentences": taken.sentences, "wrong": wrong}
+
+
+def _difference(found, expected):
+    different = sorted(
+        name for name in {*found, *expected} if found.get(name) != expected.get(name)
+    )
+    return f"{len(different)} files differ: {different[:5]}" if different else None
 
 
 def take_walks(folder, count, first=0, seconds=float("inf")):

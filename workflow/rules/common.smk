@@ -12,18 +12,6 @@ ROOT = Path(os.path.abspath(sys._getframe().f_code.co_filename)).parents[2]
 SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib"]
 sys.path[:0] = map(str, SOURCES)
 
-from visuohaptic_workflow.stopping import (
-    end_at_ctrl_c,
-    end_at_sigterm,
-    end_if_stopped,
-    let_snakemake_cancel_jobs,
-)
-
-# What a workflow that uses this one as a module does at Ctrl-C is its own choice.
-IS_MAIN = Path(workflow.main_snakefile).parent in (ROOT, ROOT / "workflow")
-if IS_MAIN and workflow.is_main_process:
-    end_at_ctrl_c()
-
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.meshes.catalogue import (
     check_classes,
@@ -34,7 +22,7 @@ from visuohaptic.meshes.catalogue import (
 from visuohaptic.parameters import (
     ExperimentParameters,
     check_run,
-    refuse_repeated_names,
+    check_spelling,
 )
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.whole_files import write_whole
@@ -43,7 +31,7 @@ from visuohaptic_workflow.closing import lines_at_end
 from visuohaptic_workflow.closure import code_of
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.jobs import set_job_environment
-from visuohaptic_workflow.keys import Keys, key_of, read_record
+from visuohaptic_workflow.keys import Keys, read_record
 from visuohaptic_workflow.leftovers import put_aside
 from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.one_run import (
@@ -56,6 +44,8 @@ from visuohaptic_workflow.records import PREFIX
 from visuohaptic_workflow.why import ASKED, answer
 
 set_job_environment(*SOURCES)
+# Another workflow that uses this one as a module decides by its own means.
+IS_MAIN = Path(workflow.main_snakefile).parent in (ROOT, ROOT / "workflow")
 # A job on another machine parses this file, too, and takes over what the run was planned with.
 HERE = f"{platform.node()}:{os.getpid()}"
 IS_PLANNER = os.environ.setdefault("VISUOHAPTIC_RUN", HERE) == HERE
@@ -63,7 +53,7 @@ IS_PLANNER = os.environ.setdefault("VISUOHAPTIC_RUN", HERE) == HERE
 IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None
 if IS_KEYED and IS_PLANNER:
     os.environ[PREFIX] = sys.prefix
-    if workflow.dag_settings and set(map(str, workflow.rerun_triggers)) != {"mtime"}:
+    if "--rerun-triggers" in sys.argv and "mtime" not in sys.argv:
         raise WorkflowError(
             "Keys decide what runs here, and Snakemake's other reasons would run it again for ever: "
             "leave out --rerun-triggers, or say --rerun-triggers mtime."
@@ -101,7 +91,7 @@ configfile: shipped("params.yaml")
 
 # Those of a workflow that uses this one as a module are its own matter.
 for file in workflow.configfiles if IS_MAIN else []:
-    or_stop(refuse_repeated_names, file)
+    or_stop(check_spelling, file)
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
 # Of each sequence of touches.
@@ -325,8 +315,8 @@ def packed_commit(wildcards):
 
 
 def all_cores(wildcards):
-    """Give the number of cores for a job that must run alone; on a cluster it is one."""
-    return workflow.cores if workflow.local_exec else 1
+    """Give the number of cores for a job that must run alone; profiles of clusters set it to one."""
+    return workflow.cores or 1
 
 
 @cache
@@ -356,12 +346,8 @@ def answer_why():
 def claim():
     """Allow one run at a time in this folder, and say what its jobs were planned with."""
     if IS_KEYED and IS_PLANNER:
-        or_stop(claim_folder, ["results", "reports", "meshes/downloaded"])
-        if not workflow.local_exec:
-            GIVEN.update(
-                {name: keys().given(name) for name in keys().jobs if name not in GIVEN}
-            )
-            write_whole(GIVEN_FILE, json.dumps(GIVEN))
+        or_stop(claim_folder)
+        write_whole(GIVEN_FILE, json.dumps(GIVEN))
         DIGESTS.save()
 
 
@@ -371,39 +357,26 @@ def check_recognition():
 
 
 def close_run():
-    """Put aside what is no longer named, and say what was left out and what the report holds, once it is today's."""
+    """Put aside what is no longer named, and say what was left out, what is of an earlier state, and what the report holds, once it is today's."""
     if not (IS_KEYED and IS_PLANNER):
         return
+    kept = {record: read_record(record).get("key") for record in keys().jobs}
+    earlier = [
+        record for record, key in kept.items() if key not in (None, keys().key(record))
+    ]
     page = "results/records/report.json"
-    is_whole = read_record(page).get("key") == key_of(keys().parts(page))
+    is_whole = kept[page] == keys().key(page)
     named = {file for job in planned_jobs() for file in job.outputs}
     moved = put_aside(named) if is_whole else None
     for line in [
         *([moved] if moved else []),
+        *(
+            [
+                f"{len(earlier)} records are of an earlier state: `make verify` lists them."
+            ]
+            if earlier
+            else []
+        ),
         *lines_at_end(report_is_current=is_whole),
     ]:
         print(line, file=sys.stderr)
-
-
-def start_local_jobs_at_once():
-    """Remove the limit of job starts per second if jobs run on this machine.
-
-    For that limit Snakemake checks all ready jobs once a second, and again
-    after each job: with 600 jobs it would keep one core busy.
-    """
-    scheduler = getattr(workflow, "scheduler", None)
-    if workflow.local_exec and hasattr(scheduler, "job_rate_limiter"):
-        scheduler.job_rate_limiter = None
-
-
-def stop_at_sigterm():
-    """End at SIGTERM at any moment."""
-    scheduler = getattr(workflow, "scheduler", None)
-    if IS_MAIN and hasattr(scheduler, "exit_gracefully"):
-        end_at_sigterm(scheduler)
-
-
-def stop_remote_jobs_at_ctrl_c():
-    """Leave it to Snakemake at Ctrl-C to cancel jobs that run on other machines."""
-    if not workflow.local_exec:
-        let_snakemake_cancel_jobs()

@@ -1,8 +1,7 @@
 """Model: features of all objects → the recognition model that `visuohaptic recognise` loads.
 
-Takes results/features/; gives results/models/best.skops, which holds no code, and
-results/models/best.yaml, the parameters with which its touches were made. A model of other touches than those of the
-first strategy is made by its name, such as results/models/best_random.skops. `certainty_all` measures how far the answers
+Takes results/features/; gives results/models/best.skops, which holds no code, but the parameters with
+which its touches were made. A model of other touches than those of the first strategy is made by its name, such as results/models/best_random.skops. `certainty_all` measures how far the answers
 of such models can be relied on: results/certainty.parquet and reports/certainty.json.
 """
 
@@ -20,7 +19,6 @@ wildcard_constraints:
 rule model_all:
     input:
         "results/models/best.skops",
-        "results/models/best.yaml",
         "results/records/model/best.json",
 
 
@@ -73,7 +71,6 @@ rule model:
         ),
     output:
         model="results/models/{model}.skops",
-        touching="results/models/{model}.yaml",
         record="results/records/model/{model}.json",
     log:
         "logs/model/{model}.log",

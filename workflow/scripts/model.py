@@ -8,11 +8,10 @@ with job(snakemake):
     make_model(
         features=snakemake.input.features,
         model=snakemake.output.model,
-        touching=snakemake.output.touching,
         pipeline=snakemake.params.pipeline,
         classifier=snakemake.params.classifier,
         strategy=snakemake.params.strategy,
         recognition=RecognitionParameters(**snakemake.params.recognition),
-        touching_parameters=snakemake.params.touching,
+        touching=snakemake.params.touching,
         seed=snakemake.params.seed,
     )

@@ -8,6 +8,7 @@ from visuohaptic.report.files import make_report
 from visuohaptic.report.run import RunFiles
 from visuohaptic.report.run_folder import find_extras
 from visuohaptic_workflow.jobs import job
+from visuohaptic_workflow.keys import key_of
 from visuohaptic_workflow.studies_asked import find_earlier_studies
 
 with job(snakemake):
@@ -28,6 +29,7 @@ with job(snakemake):
             logs="logs",
             extras=find_extras(folder, checks="."),
             folder=folder,
+            key=key_of(snakemake.params.key["parts"]) if snakemake.params.key else "",
         ),
         output=snakemake.output[0],
         parameters=ExperimentParameters.from_mapping(snakemake.params.parameters),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -95,12 +96,12 @@ class Recogniser:
 
 
 def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
-    """Read a recognition model and the parameters beside it.
+    """Read a recognition model and the parameters in it.
 
     Parameters
     ----------
     path : path
-        The ``.skops`` file; a ``.yaml`` file of the same name tells how its touches were made.
+        The ``.skops`` file, which also holds how its touches were made.
 
     Returns
     -------
@@ -110,9 +111,9 @@ def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
     Raises
     ------
     RecognitionError
-        If one of the two is missing, or the model can't be read safely.
+        If it is missing, or can't be read safely.
     """
-    from visuohaptic.parameters import read_parameters
+    from visuohaptic.parameters import check_parameters
     from visuohaptic.recognition.stored_models import load_model
 
     path = Path(path)
@@ -120,13 +121,18 @@ def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
         raise RecognitionError(
             f"{path} is a folder; the model in it is needed, such as {path / DEFAULT_MODEL.name}."
         )
-    for file in (path, path.with_suffix(".yaml")):
-        if not file.is_file():
-            raise RecognitionError(
-                f"{file} is not there, and recognition needs it; `snakemake -j2 model_all` fits a "
-                f"model and writes {DEFAULT_MODEL} with its parameters beside it."
-            )
-    return Recogniser(load_model(path), read_parameters(path.with_suffix(".yaml")))
+    if not path.is_file():
+        raise RecognitionError(
+            f"{path} is not there, and recognition needs it; `snakemake -j2 model_all` fits a "
+            f"model and writes {DEFAULT_MODEL}."
+        )
+    model = load_model(path)
+    if model.touching is None:
+        raise RecognitionError(
+            f"{path} does not say how the touches were made from which it learnt; `snakemake -j2 "
+            "model_all` fits one that does."
+        )
+    return Recogniser(model, check_parameters(json.loads(model.touching), str(path)))
 
 
 def check_alike(exploration: Exploration, recogniser: Recogniser) -> None:
@@ -149,6 +155,5 @@ def check_alike(exploration: Exploration, recogniser: Recogniser) -> None:
             f"{name} {here.get(name)} (the model's is {there.get(name)})" for name in unlike
         )
         raise RecognitionError(
-            f"The object was touched with {found}; touch it with the parameters that lie "
-            "beside the model."
+            f"The object was touched with {found}; touch it with the model's own parameters."
         )

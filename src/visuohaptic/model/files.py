@@ -1,8 +1,10 @@
-"""The recognition model that a run leaves behind, and how its touches were made."""
+"""The recognition model that a run leaves behind, with how its touches were made."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from visuohaptic.recognition.classifiers import ClassifierName
@@ -17,25 +19,20 @@ from visuohaptic.tables.schema import read_table
 def make_model(
     features: Sequence[str | Path],
     model: str | Path,
-    touching: str | Path,
     pipeline: str,
     classifier: ClassifierName,
     strategy: str,
     recognition: RecognitionParameters,
-    touching_parameters: Mapping[str, object],
+    touching: Mapping[str, object],
     seed: int,
 ) -> None:
-    """Fit a model on every object of a run; write it, and a YAML file of how its touches were made.
+    """Fit a model on every object of a run, and write it with the parameters that made its touches.
 
     Raises
     ------
     RecognitionError
         If the table has no touch of the strategy, or not what training needs.
     """
-    import yaml
-
     table, _ = take_strategy(read_table(FEATURES, features), strategy, recognition.touches)
     fitted = fit_model(table, pipeline, classifier, recognition, seed)
-    save_model(fitted, model)
-    text = yaml.safe_dump(dict(touching_parameters), sort_keys=False, allow_unicode=True)
-    Path(touching).write_text(text, encoding="utf-8")
+    save_model(replace(fitted, touching=json.dumps(touching)), model)

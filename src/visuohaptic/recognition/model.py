@@ -129,6 +129,8 @@ class RecognitionModel:
         second object.
     short : mapping of int to ShortClassifier
         What names sequences of fewer touches, by their number; empty where none was wanted.
+    touching : str or None
+        The parameters with which its touches were made, as JSON, where they are known.
     """
 
     pipeline: str
@@ -144,6 +146,7 @@ class RecognitionModel:
     tuned: TunedClassifier
     calibration: Calibration | None = None
     short: Mapping[int, ShortClassifier] = field(default_factory=dict)
+    touching: str | None = None
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
         """Name one object from all its touches together, however many there are.

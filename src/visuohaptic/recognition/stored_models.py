@@ -29,7 +29,7 @@ from visuohaptic.recognition.short_sequences import ShortClassifier
 from visuohaptic.recognition.tuning import Projection, TunedClassifier
 from visuohaptic.whole_files import whole_file
 
-FORMAT = "visuohaptic recognition model 5"
+FORMAT = "visuohaptic recognition model 6"
 
 LARGEST_BYTES = 2**30
 """A model file that unpacks to more is refused; one of 142 objects has some megabytes."""

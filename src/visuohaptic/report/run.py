@@ -56,6 +56,8 @@ class RunFiles:
     earlier_studies : mapping of str
         Studies that were measured with other tables, parameters or code than the run's, with the
         date.
+    key : str
+        The digest of all that the page was made from: code, versions, parameters, sources.
     """
 
     metrics: str | Path
@@ -71,6 +73,7 @@ class RunFiles:
     folder: str | Path = "."
     extras: Mapping[str, str | Path] = field(default_factory=dict)
     earlier_studies: Mapping[str, str] = field(default_factory=dict)
+    key: str = ""
 
 
 @dataclass(frozen=True)

@@ -452,6 +452,7 @@ def provenance_values(context: ReportContext) -> Values:
     return {
         "versions": find_versions(),
         "commit": find_commit(),
+        "key": context.run.files.key,
         "machine": describe_machine(),
         "seconds": context.seconds,
     }

@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.errors import VisuohapticError
-from visuohaptic.interrupts import CLEAR_LINE, STOPPED
+from visuohaptic.interrupts import STOPPED
 from visuohaptic.job_logs import SECONDS
 from visuohaptic_workflow.one_run import hold_job_lock
 from visuohaptic_workflow.records import check_inputs, check_unchanged, write_record
-from visuohaptic_workflow.stopping import interrupts_tidy_up, is_interrupted
 
 
 def set_job_environment(*folders: str | Path) -> None:
@@ -54,7 +53,6 @@ def job(snakemake: Any) -> Iterator[None]:
     """
     path = Path(snakemake.log[0])
     try:
-        interrupts_tidy_up()
         hold_job_lock()
         path.parent.mkdir(parents=True, exist_ok=True)
         _keep_pandas_out()
@@ -72,8 +70,6 @@ def job(snakemake: Any) -> Iterator[None]:
     except VisuohapticError as error:
         _end_with(path, f"error: {error}", "")
     except Exception as error:  # noqa: BLE001 - the job ends here, and says why
-        if is_interrupted():  # libraries turn an interrupt of their import into an error
-            raise SystemExit(STOPPED) from None
         _end_with(
             path, f"error: {type(error).__name__}: {error} (see {path})", traceback.format_exc()
         )
@@ -107,8 +103,7 @@ class _NoPandas:
 
 def _end_with(log: Path, sentence: str, details: str) -> None:
     log.write_text(f"{sentence}\n{details}", encoding="utf-8")
-    clear = CLEAR_LINE if sys.stderr.isatty() else ""
-    sys.stderr.write(f"{clear}{sentence}\n")
+    sys.stderr.write(f"{sentence}\n")
     raise SystemExit(1)
 
 
