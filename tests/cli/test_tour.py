@@ -38,7 +38,8 @@ def folder(tmp_path_factory):
     parameters = yaml.safe_load((ROOT / "params.yaml").read_text())
     parameters["viewpoints"]["count"] = 2
     parameters["rendering"]["resolution"] = 64
-    parameters["workflow"]["views_per_job"] = 2
+    # So that each object's features are a file of their own.
+    parameters["workflow"] |= {"views_per_job": 2, "objects_per_job": 1}
     (folder / "params.yaml").write_text(yaml.safe_dump(parameters))
     for category in range(2):
         (folder / "meshes" / "own" / f"class{category}").mkdir(parents=True)

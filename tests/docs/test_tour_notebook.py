@@ -63,10 +63,14 @@ def test_every_cell_shows_what_it_promises(ran):
 
 
 def test_squares_shrink_at_fixations_and_at_random_places(ran, tour):
-    medians = ast.literal_eval(shown(ran[4], "text/plain")[0])
+    smaller = ast.literal_eval(shown(ran[4], "text/plain")[0])
     stored = [cell for cell in tour.cells if cell.cell_type == "code"]
-    assert medians == ast.literal_eval(shown(stored[4], "text/plain")[0])
-    assert all(0.02 < float(median) < 0.3 for median in medians.values())
+    assert smaller == ast.literal_eval(shown(stored[4], "text/plain")[0])
+    assert list(smaller) == ["fixation", "random"]
+    for counted in smaller.values():
+        shrunk, touches = map(int, counted.split(" of "))
+        # "About half" of the text above the cell.
+        assert 0.4 <= shrunk / touches <= 0.6
 
 
 def test_no_object_is_named_that_the_model_learnt(tour):

@@ -109,7 +109,7 @@ CHECKS = (
     Check("pyramids", attention.pyramids, ("attention/pyramid against scipy.ndimage",), 10, 300),
     Check("sphere_curvature", attention.sphere_curvature, ("attention/a uniform sphere's curvature",), 1, 6),
     Check("classifiers", learning.classifiers, ("learning/every classifier ends in labels",), 7, 100),
-    Check("feature_units", learning.units, ("learning/features rescaled by 1e±8", "learning/features rescaled by powers of two"), 7, 300),
+    Check("feature_units", learning.units, ("learning/each standardised feature rescaled by 1e±8", "learning/each standardised feature rescaled by powers of two", "learning/all features alike rescaled by 1e±8", "learning/all features alike rescaled by powers of two"), 7, 300),
     Check("rounding", learning.rounding, ("learning/features changed by 1e-15",), 4, 100),
     Check("standardised_columns", learning.standardised_columns, ("learning/standardised columns against exact rationals",), 20, 300),
     Check("maps", learning.maps, ("learning/map units stay within their touches",), 6, 100),

@@ -210,9 +210,16 @@ TOLERANCES = {
     ),
     # ------------------------------------------------------------------ learning
     "learning/every classifier ends in labels": Tolerance(0, "fits", NEVER),
-    "learning/features rescaled by 1e±8": Tolerance(0, "labels", NEVER),
-    "learning/features rescaled by powers of two": Tolerance(
+    "learning/each standardised feature rescaled by 1e±8": Tolerance(0, "labels", NEVER),
+    "learning/each standardised feature rescaled by powers of two": Tolerance(
         0, "bits", "mean and deviation scale exactly, so standardised values are the same bits"
+    ),
+    "learning/all features alike rescaled by 1e±8": Tolerance(0, "labels", NEVER),
+    "learning/all features alike rescaled by powers of two": Tolerance(
+        0,
+        "bits",
+        "distances, means and deviations all scale exactly, so the groups are the same and their "
+        "standardised statistics the same bits",
     ),
     "learning/features changed by 1e-15": Tolerance(
         0,

@@ -1,5 +1,7 @@
 """The chart of seconds against error rate puts every setting where its figures say, errors of 0 apart."""
 
+import json
+
 import numpy as np
 import pytest
 from report.pages import read_page
@@ -20,6 +22,7 @@ from visuohaptic.report.cost import (
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.studies.cost.front import on_robot
+from visuohaptic.studies.cost.stored import StoredFrontier, store_frontier
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
 
@@ -232,11 +235,17 @@ def test_the_page_tells_what_accuracy_costs(tmp_path, monkeypatch):
     assert shapes.count("filled") == 3 + 1  # the front, and the legend
     assert shapes.count("open") == 1 + 1
     assert shapes.count("crossed") == 1 + 1
-    monkeypatch.undo()
+    assert "The same settings on" not in text
+    store_frontier(
+        tmp_path / "cost.parquet", tmp_path / "kept.json", "make frontier", "a processor"
+    )
+    kept = StoredFrontier(**json.loads((tmp_path / "kept.json").read_text()) | {"objects": 142})
+    monkeypatch.setattr(sections, "stored_frontier", lambda: kept)
     page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
     assert page.mismatches == []
     assert "The same settings on 142 objects" in page.text
-    assert "not in this run" in page.text
+    measured = f"not in this run: {kept.date}, a processor, make frontier"
+    assert measured in page.text
     assert "of the run's" not in page.text
     few = PARAMETERS.cost.model_copy(update={"maximum_objects": 2})
     sampled = PARAMETERS.model_copy(update={"cost": few})

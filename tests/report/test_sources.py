@@ -22,6 +22,7 @@ from visuohaptic.report.run_folder import find_run
 from visuohaptic.report.sections import CHAPTERS
 from visuohaptic.report.sources import find_sources
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
+from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.schemas import SCHEMAS
 from visuohaptic.tables.studies import COST, EFFECT_INFLUENCE, EVALUATION, READINGS
@@ -50,6 +51,8 @@ def folder(tmp_path_factory):
     write_table(READINGS, build_table(READINGS, columns), results / "readings.parquet")
     write_certainty(folder)
     write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
+    guards = {"guard": ["shuffled labels give chance"], "outcome": ["held"], "found": ["So."]}
+    write_table(GUARDS, build_table(GUARDS, guards), results / "guards.parquet")
     write_table(GAZE, GAZED, results / "gaze/measured.parquet")
     picture = {"object": ["new"], "rank": [0], "correlation": [0.5], "picture": [b"\x89PNG"]}
     pictures = build_table(GAZE_PICTURES, picture)

@@ -68,6 +68,8 @@ EARLIER = {
 EARLIER_RUN = with_changes(
     RUN,
     {
+        "attention.weights": "equal",
+        "recognition.touch_scaling": "standardise",
         "recognition.self_organising_map.output": "unit_distances",
         "recognition.sequence.extension": "symmetric",
         "probing.unreachable": "keep",

@@ -19,7 +19,11 @@ from visuohaptic.recognition.classifiers import (
     fit_classifier,
 )
 from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
-from visuohaptic.recognition.parameters import RecognitionParameters, SelfOrganisingMapParameters
+from visuohaptic.recognition.parameters import (
+    RecognitionParameters,
+    Scaling,
+    SelfOrganisingMapParameters,
+)
 from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
@@ -27,6 +31,7 @@ from visuohaptic.stability.findings import Finding
 Floats = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
+DEFAULT = RecognitionParameters()
 MAY_BE_REFUSED = (
     "one sample a class",
     "all samples identical",
@@ -105,10 +110,13 @@ def draw_sequences(
 
 
 def name_sequences(
-    training: Floats, labels: Labels, tested: Floats, classifier: str
+    training: Floats,
+    labels: Labels,
+    tested: Floats,
+    classifier: str,
+    parameters: RecognitionParameters = DEFAULT,
 ) -> tuple[Floats, Labels]:
     """Learn from training sequences as the paper's pipeline does; give features and classes of others."""
-    parameters = RecognitionParameters()
     encoder = fit_sequence_encoder(training, parameters, np.random.default_rng(0))
     fitted = fit_quietly(classifier, encoder.encode(training), labels)
     features = encoder.encode(tested)
@@ -116,25 +124,38 @@ def name_sequences(
 
 
 def units(generator: np.random.Generator) -> Iterator[Finding]:
-    """Express each feature in another unit: no answer changes."""
+    """Express features in other units: no answer changes.
+
+    Each feature may have a unit of its own only where touches are standardised. Where they are not, the
+    map sorts features by their values as they are, so that only a unit that all share leaves the groups.
+    """
     classifier = str(generator.choice(CLASSIFIERS.names))
     training, labels = draw_sequences(generator)
     tested = training + 0.3 * generator.normal(size=training.shape)
-    plain, named = name_sequences(training, labels, tested, classifier)
-    factors = 10.0 ** generator.integers(-8, 9, training.shape[-1])
-    _, renamed = name_sequences(training * factors, labels, tested * factors, classifier)
-    yield _label_changes("features rescaled by 1e±8", named != renamed, classifier, tested)
-    powers = generator.integers(-26, 27, training.shape[-1])
-    scaled, _ = name_sequences(
-        np.ldexp(training, powers), labels, np.ldexp(tested, powers), classifier
+    features = training.shape[-1]
+    factors = 10.0 ** generator.integers(-8, 9, features)
+    powers = generator.integers(-26, 27, features)
+    ways: tuple[tuple[Scaling, str, Any, Any], ...] = (
+        ("standardise", "each standardised feature", factors, powers),
+        ("none", "all features alike", factors[0], powers[0]),
     )
-    yield Finding(
-        "learning/features rescaled by powers of two",
-        plain != scaled,
-        classifier,
-        drawings.image(powers[None], "the powers of two"),
-        cases=1,
-    )
+    for scaling, what, factor, power in ways:
+        parameters = RecognitionParameters(touch_scaling=scaling)
+        plain, named = name_sequences(training, labels, tested, classifier, parameters)
+        _, renamed = name_sequences(
+            training * factor, labels, tested * factor, classifier, parameters
+        )
+        yield _label_changes(f"{what} rescaled by 1e±8", named != renamed, classifier, tested)
+        scaled, _ = name_sequences(
+            np.ldexp(training, power), labels, np.ldexp(tested, power), classifier, parameters
+        )
+        yield Finding(
+            f"learning/{what} rescaled by powers of two",
+            plain != scaled,
+            classifier,
+            drawings.image(np.atleast_2d(power), "the powers of two"),
+            cases=1,
+        )
 
 
 def degenerate_sequences(generator: np.random.Generator) -> dict[str, tuple[Floats, Labels]]:
