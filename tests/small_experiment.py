@@ -8,7 +8,7 @@ import yaml
 
 ROOT = Path(__file__).parents[1]
 COPIED = (
-    "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
+    "Snakefile", "dvc.yaml", "params.yaml", "requirements.lock", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
     "workflow", "src", "packages", "meshes/paper", "meshes/own", "profiles", "studies",
 )  # fmt: skip
 # A frontier of a few settings in one job.

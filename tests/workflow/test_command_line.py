@@ -123,12 +123,3 @@ def test_reasons_of_snakemake_that_go_by_other_things_than_keys_are_refused(fres
     result = fresh.snakemake("-n", "--rerun-triggers", "params", "--", "all", check=False)
     assert result.returncode == 1
     assert "leave out --rerun-triggers" in result.stdout
-
-
-@pytest.mark.slow
-def test_a_run_ends_with_the_figures_where_the_report_was_written(experiment):
-    experiment.set(recognition={"intervals": {"confidence": 0.9}})
-    output = experiment.snakemake().stdout
-    assert "Pipeline paper, " in output
-    assert "The report is at reports/report.html." in output
-    assert "The report is at" not in experiment.snakemake("--", "model_all").stdout

@@ -16,7 +16,14 @@ PATHS = f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"
 
 
 def logged_job(log):
-    return job(SimpleNamespace(log=[str(log)], output=[]))
+    return job(snakemake_of(log))
+
+
+def snakemake_of(log):
+    """Stand in for what Snakemake gives the script of a job that leaves a record and no table."""
+    record = str(log.with_name("record.json"))
+    output = type("Output", (list,), {"record": record})([record])
+    return SimpleNamespace(log=[str(log)], output=output, params={})
 
 
 def run(program):
@@ -53,9 +60,11 @@ def test_a_job_that_writes_a_table_does_not_pay_for_pandas(tmp_path):
     program = f"""
 import sys
 import pyarrow as pa
-from types import SimpleNamespace
-from visuohaptic_workflow.jobs import job
-with job(SimpleNamespace(log=[{str(tmp_path / "a.log")!r}], output=[])):
+from pathlib import Path
+sys.path.insert(0, {str(ROOT / "tests")!r})
+from workflow.test_jobs import logged_job
+with logged_job(Path({str(tmp_path / "a.log")!r})):
+    assert "pandas" not in sys.modules
     table = pa.table({{"a": [1, 2]}})
     assert "pandas" not in sys.modules
 assert table.to_pandas()["a"].sum() == 3

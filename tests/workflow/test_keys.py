@@ -54,7 +54,7 @@ class Run:
 
             output = Output(job.outputs)
             output.record = record
-            write_record(SimpleNamespace(output=output), given)
+            write_record(SimpleNamespace(output=output, log=["a.log"]), given)
 
     def reasons(self):
         keys = self.keys()

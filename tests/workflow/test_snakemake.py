@@ -54,7 +54,7 @@ def test_snakemake_looks_for_jobs_to_start_when_one_has_ended_and_not_by_the_clo
 def test_a_parameter_of_recognition_reruns_no_touch(experiment):
     experiment.set(recognition={"classifier": {"neighbours": 3}})
     assert experiment.planned() == {
-        "recognition": 2, "metrics": 1, "block_of_study": 1, "cost_seconds": 1, "cost": 1, "report": 1,
+        "recognition": 2, "metrics": 1, "block_of_study": 1, "cost_seconds": 1, "cost": 1, "report": 1, "guards": 1, "guards_hold": 1,
     }  # fmt: skip
 
 
@@ -240,3 +240,12 @@ def test_metrics_hold_every_classifier_with_its_interval(finished):
         for classifier in figures.values():
             accuracy = classifier["accuracy"]
             assert 0 <= accuracy["low"] <= accuracy["mean"] <= accuracy["high"] <= 1
+
+
+@pytest.mark.long
+def test_a_run_ends_with_the_figures_where_the_report_was_written(experiment):
+    experiment.set(recognition={"intervals": {"confidence": 0.9}})
+    output = experiment.snakemake().stdout
+    assert "Pipeline paper, " in output
+    assert "The report is at reports/report.html." in output
+    assert "The report is at" not in experiment.snakemake("--", "model_all").stdout

@@ -91,7 +91,14 @@ def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, 
     experiment.snakemake()
     assert EARLIER not in page.read_text()
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    assert experiment.planned() == {**FRONTIER, "recognition": 2, "metrics": 1, "report": 1}
+    assert experiment.planned() == {
+        **FRONTIER,
+        "recognition": 2,
+        "metrics": 1,
+        "report": 1,
+        "guards": 1,
+        "guards_hold": 1,
+    }
     experiment.snakemake()
     assert figures.read_bytes() == measured
     assert page.read_text().count(EARLIER) == 2  # among the warnings, and in its section
@@ -134,9 +141,23 @@ def test_an_added_condition_remakes_only_its_own_features(studied, tmp_path):
 def test_a_changed_parameter_of_the_run_reruns_what_depends_on_it(studied, tmp_path):
     experiment = studied.copy(tmp_path / "experiment")
     experiment.set(recognition={"intervals": {"confidence": 0.9}})
-    assert planned(experiment) == {"figures_of_study": 1, "metrics": 1, "cost": 1, "report": 1}
+    assert planned(experiment) == {
+        "figures_of_study": 1,
+        "metrics": 1,
+        "cost": 1,
+        "report": 1,
+        "guards": 1,
+        "guards_hold": 1,
+    }
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    follows = {"recognition": 2, "figures_of_study": 1, "metrics": 1, "report": 1}
+    follows = {
+        "recognition": 2,
+        "figures_of_study": 1,
+        "metrics": 1,
+        "report": 1,
+        "guards": 1,
+        "guards_hold": 1,
+    }
     blocks = 3 + FRONTIER["block_of_study"]
     assert planned(experiment) == {**FRONTIER, **follows, "block_of_study": blocks}
 

@@ -28,7 +28,7 @@ import numpy as np
 from small_experiment import SMALL_OBJECTS, copy_experiment, set_parameters
 
 COPIED = (
-    "Snakefile", "dvc.yaml", "params.yaml", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
+    "Snakefile", "dvc.yaml", "params.yaml", "requirements.lock", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
     "workflow", "src", "packages", "meshes/paper", "meshes/own", "profiles",
 )  # fmt: skip
 SMALL = {

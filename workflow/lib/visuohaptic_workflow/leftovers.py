@@ -49,7 +49,8 @@ def _files_of(record: Path) -> list[Path]:
     try:
         kept = json.loads(record.read_text(encoding="utf-8"))
         # Records of version 0.1 have the second name.
-        return [Path(file) for file in kept.get("tables", kept.get("outputs", {}))]
+        files = [*kept.get("tables", kept.get("outputs", {})), *filter(None, [kept.get("log")])]
+        return [Path(file) for file in files]
     except (OSError, ValueError, AttributeError):
         return []
 

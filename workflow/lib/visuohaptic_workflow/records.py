@@ -95,5 +95,6 @@ def write_record(snakemake: Any, given: Mapping[str, Any] | None) -> None:
         "key": key_of(given["parts"]) if given else None,
         "parts": given["parts"] if given else {},
         "tables": {file: digests.of(file) for file in tables},
+        "log": str(snakemake.log[0]),
     }
     write_whole(path, json.dumps(record, indent=1, sort_keys=True) + "\n")
