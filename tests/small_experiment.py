@@ -16,7 +16,7 @@ FEW_SETTINGS = {
     "workflow": {"conditions_per_job": 100},
     "cost": {
         "frontier_touches": [5], "frontier_viewpoints": [1], "objects": 1,
-        "lean_view_resolution": 64, "lean_imprint_resolution": 32,
+        "lean_imprint_resolution": 32,
     },
 }  # fmt: skip
 SMALL_OBJECTS = ("bs0_yogurtBottle", "sc_com_bath2_jabon_pijo", "bsby_chair3", "bs0_chair2")

@@ -76,15 +76,15 @@ class CostParameters(BaseModel):
         128,
         ge=16,
         le=4096,
-        description="Rows and columns of a view of families `lean_viewpoints`, `small_view` and `lean_view` (pixels)",
+        description="Rows and columns of a view of family `lean_viewpoints` of study cost (pixels)",
     )
     frontier_touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
-        (1, 2, 3, 5),
+        (1, 2, 5),
         min_length=1,
         description="Touches from one viewpoint in the frontier of every run; those that the run does not make are left out",
     )
     frontier_viewpoints: tuple[Annotated[int, Field(ge=1, le=1024)], ...] = Field(
-        (1, 4),
+        (1,),
         min_length=1,
         description="Viewpoints that vote in the frontier of every run; those that the run does not have are left out",
     )

@@ -37,7 +37,6 @@ SMALL = {
     "cost": {
         "touches": [1, 5], "viewpoints": [1, 2], "imprint_resolutions": [16], "view_resolutions": [64],
         "frontier_touches": [5], "frontier_viewpoints": [1], "objects": 1, "rounds": 1,
-        "lean_view_resolution": 64,
     },
 }  # fmt: skip
 

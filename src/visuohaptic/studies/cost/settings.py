@@ -1,8 +1,8 @@
 """The settings whose accuracy and run time are compared, in two studies.
 
-`frontier` is small and part of every run: few touches and viewpoints by each of the run's
-strategies, where accuracy is not yet at its limit, and some ways to save time. `cost` has families
-in each of which one thing varies over its whole range.
+`frontier` is small and part of every run: few touches of one view by each of the run's strategies,
+where accuracy is not yet at its limit, and what needs no other looking. `cost` has families in each
+of which one thing varies over its whole range, views among them.
 """
 
 from __future__ import annotations
@@ -213,24 +213,9 @@ def _probed(strategy: str, run: ExperimentParameters) -> Varied:
             yield name, {"touches": touches, "viewpoints": viewpoints, "strategy": strategy}
 
 
-def _small_view(run: ExperimentParameters) -> Varied:
-    return _lean(run, {"rendering.resolution": run.cost.lean_view_resolution})
-
-
-def _lean_view(run: ExperimentParameters) -> Varied:
-    weights = _weights(run, CLASSIC_CHANNELS)
-    return _lean(
-        run,
-        {"rendering.resolution": run.cost.lean_view_resolution, "attention.weights": weights},
-    )
-
-
 def _small_imprint(run: ExperimentParameters) -> Varied:
-    return _lean(run, {"sensor.resolution": run.cost.lean_imprint_resolution})
-
-
-def _lean(run: ExperimentParameters, changes: Changes) -> Varied:
-    """Make something smaller; nothing where it is as small in the run."""
+    """Make the imprint smaller; nothing where it is as small in the run."""
+    changes = {"sensor.resolution": run.cost.lean_imprint_resolution}
     if STRATEGY in run.probing.strategies and with_changes(run, changes) != run:
         yield _counted(run_touches(run), "touch", "es"), {"changes": changes}
 
@@ -255,8 +240,6 @@ def _within(values: Sequence[int], most: int) -> list[int]:
 FAMILIES: dict[str, dict[str, Callable[[ExperimentParameters], Varied]]] = {
     "frontier": {
         **{name: partial(_probed, name) for name in STRATEGIES.names},
-        "small_view": _small_view,
-        "lean_view": _lean_view,
         "small_imprint": _small_imprint,
         "cues": _cues,
         "paper": _paper,
