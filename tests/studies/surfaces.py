@@ -29,6 +29,7 @@ RUN = ExperimentParameters.from_mapping(
             "imprint_resolutions": [8, 16],
             "view_resolutions": [24, 48],
             "lean_view_resolution": 32,
+            "frontier_viewpoints": [1, 4],
             "objects": 2,
             "rounds": 2,
         },
