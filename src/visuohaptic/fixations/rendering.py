@@ -19,7 +19,7 @@ from visuohaptic.fixations.visual_effects import (
     seen_colours,
     seen_texture,
 )
-from visuohaptic.geometry.curvature import SurfaceShape, measure_shape
+from visuohaptic.geometry.curvature import SurfaceShape, shape_of
 from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.srgb import dim_srgb, encode_srgb
@@ -116,7 +116,7 @@ def render_views(
         colours = seen_colours(surface.face_colours, surface.face_areas, modes) / 255.0
         texture = surface.texture if log.simulates("texture") else None
         texture = None if texture is None else seen_texture(texture, modes)
-    shape = measure_shape(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
+    shape = shape_of(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
     views = _background(len(cameras), parameters)
     for number, camera in enumerate(cameras):
         pixels, seen = _seen_surface(caster, shape, colours, texture, camera, parameters, log)

@@ -11,6 +11,7 @@ cycle"), which is finite on any triangulation.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,6 +127,18 @@ class SurfaceShape:
         reach = np.maximum(1.0 - distances / self.crease_width, 0.0)
         folds = np.einsum("nk,nk->n", reach, self.crease_scales.take(faces, axis=0))
         return np.minimum(smooth + folds, self.largest)
+
+
+_MEASURED: WeakKeyDictionary[Surface, dict[tuple[float, float], SurfaceShape]] = WeakKeyDictionary()
+
+
+def shape_of(surface: Surface, crease_angle_degrees: float, crease_width: float) -> SurfaceShape:
+    """Give what `measure_shape` gives, measured once for a surface, however often it is looked at."""
+    known = _MEASURED.setdefault(surface, {})
+    key = (crease_angle_degrees, crease_width)
+    if key not in known:
+        known[key] = measure_shape(surface, *key)
+    return known[key]
 
 
 def measure_shape(
