@@ -248,4 +248,6 @@ def test_a_run_ends_with_the_figures_where_the_report_was_written(experiment):
     output = experiment.snakemake().stdout
     assert "Pipeline paper, " in output
     assert "The report is at reports/report.html." in output
+    # A page of an earlier state is not this run's.
+    experiment.set(recognition={"best": {"cues": ["pose"]}})
     assert "The report is at" not in experiment.snakemake("--", "model_all").stdout

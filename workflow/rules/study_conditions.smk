@@ -227,12 +227,9 @@ def is_shown(file, study):
 
 def shown_studies(wildcards):
     """Say by which keys the report knows that a study is of today's state."""
-    figures = {
-        file: study for file, study in {**STUDY_FIGURES, **SPECIAL_FIGURES}.items()
-    }
-    figures["results/studies/frontier.parquet"] = "frontier"
+    figures = {**STUDY_FIGURES, **SPECIAL_FIGURES} if IS_KEYED else {}
     shown = {}
-    for file, study in figures.items() if IS_KEYED else []:
+    for file, study in figures.items():
         if is_shown(file, study):
             found = shown.setdefault(study, {"figures": figures_of(study), "keys": {}})
             found["keys"] |= {
