@@ -360,6 +360,9 @@ def close_run():
     """Put aside what is no longer named, and say what was left out, what is of an earlier state, and what the report holds, once it is today's."""
     if not (IS_KEYED and IS_PLANNER):
         return
+    # Outputs of a stage of DVC, which a frontier without features of its own does not make.
+    for folder in ("study_features", "records/features_of_study"):
+        Path("results", folder, "frontier").mkdir(parents=True, exist_ok=True)
     kept = {record: read_record(record).get("key") for record in keys().jobs}
     earlier = [
         record for record, key in kept.items() if key not in (None, keys().key(record))
