@@ -232,7 +232,7 @@ GIVEN = {}
 
 
 def takes(name, script, check=None, **inputs):
-    """Declare what a rule runs and takes, and give its input: files whose times count for nothing where its record fits."""
+    """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits."""
     DECLARED[name] = Declared(ROOT / "workflow/scripts" / script, inputs)
 
     def chosen(wildcards):

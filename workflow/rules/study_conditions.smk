@@ -44,8 +44,8 @@ def figures_of(study):
 # What the report shows beside the run itself; certainty has no conditions.
 SHOWN_STUDIES = [*STUDIES, "certainty"]
 if IS_PLANNER:
-    os.environ["VISUOHAPTIC_ARGUMENTS"] = json.dumps(sys.argv[1:])
-ARGUMENTS = json.loads(os.environ.get("VISUOHAPTIC_ARGUMENTS", "[]"))
+    os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
+ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
 ASKED_STUDIES = studies_asked_for(ARGUMENTS, SHOWN_STUDIES)
 # Measured once, and left as they are.
 KEPT_STUDIES = {
