@@ -177,13 +177,15 @@ def test_only_what_records_name_is_put_aside(run):
     assert put_aside([]) is None
 
 
-def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_path):
+@pytest.mark.parametrize("is_known", [True, False])
+def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_path, is_known):
     import importlib.util
 
     module = tmp_path / "module.py"
     digests = Digests()
     module.write_text("VALUE = 1")
-    digests.of(module)
+    if is_known:
+        digests.of(module)
     bytecode = Path(importlib.util.cache_from_source(str(module)))
     bytecode.parent.mkdir(exist_ok=True)
     bytecode.write_bytes(b"of the first edit")

@@ -61,7 +61,7 @@ class Digests:
             return str(known[1])
         with path.open("rb") as stream:
             found = hashlib.file_digest(stream, "sha256").hexdigest()
-        if known is not None and known[1] != found and path.suffix == ".py":
+        if path.suffix == ".py" and (known is None or known[1] != found):
             # Python would take bytecode for current that was made in the same second from as many bytes.
             Path(importlib.util.cache_from_source(key)).unlink(missing_ok=True)
         young = max(now[2:]) > time.time_ns() - _YOUNG_NS
