@@ -258,3 +258,17 @@ def test_a_covariance_is_shrunk_as_scikit_learn_does_it():
     ours = ShrunkCovariance(0.3, "mean_variance", 0.0).fit(rows).covariance_
     theirs = shrunk_covariance(empirical_covariance(rows), 0.3)
     np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-14)
+
+
+@pytest.mark.parametrize("smallest", [1.0, 1e-3, 1e-5, 1e-6])
+def test_few_rows_are_projected_as_their_singular_vectors_do_it(smallest):
+    generator = np.random.default_rng(4)
+    left, _ = np.linalg.qr(generator.normal(size=(30, 30)))
+    right, _ = np.linalg.qr(generator.normal(size=(200, 30)))
+    spread = np.geomspace(1.0, smallest, 29)
+    rows = left[:, :29] * spread @ right[:, :29].T
+    found, directions = tuning._directions_of_few(rows)
+    np.testing.assert_allclose(found[:29], spread, rtol=1e-7)
+    assert found[29] < 1e-12
+    np.testing.assert_allclose(directions[:29] @ directions[:29].T, np.eye(29), atol=1e-8)
+    np.testing.assert_allclose(rows @ directions[:29].T @ directions[:29], rows, atol=1e-14)

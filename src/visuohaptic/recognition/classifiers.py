@@ -143,9 +143,10 @@ def draw_seed(generator: np.random.Generator) -> int:
     return int(generator.integers(2**31))
 
 
-def _check_spread(
+def check_spread(
     name: ClassifierName, features: NDArray[np.float64], labels: NDArray[np.int64]
 ) -> None:
+    """Refuse features, shape (n, d), of classes, shape (n,), that have nothing to take a covariance of."""
     import numpy as np
 
     _, counts = np.unique(labels, return_counts=True)
@@ -219,7 +220,7 @@ def _fit_quadratic_discriminant(
 
     from visuohaptic.recognition.covariance import ShrunkCovariance, variance_floor
 
-    _check_spread("quadratic_discriminant", features, labels)
+    check_spread("quadratic_discriminant", features, labels)
     if parameters.discriminant_regularisation == "pseudo_inverse":
         from visuohaptic.recognition.covariance import PseudoQuadraticDiscriminant
 
@@ -262,7 +263,7 @@ def _fit_linear_discriminant(
 
     from visuohaptic.recognition.covariance import ShrunkCovariance, variance_floor
 
-    _check_spread("linear_discriminant", features, labels)
+    check_spread("linear_discriminant", features, labels)
     covariance = ShrunkCovariance(
         parameters.linear_shrinkage, "mean_variance", variance_floor(features)
     )

@@ -60,7 +60,7 @@ class ShrunkCovariance(BaseEstimator):  # type: ignore[misc]
         if self.shrinkage == "ledoit_wolf":
             found: NDArray[np.float64] = ledoit_wolf(deviations, assume_centered=True)[0]
             return found
-        return _shrink(deviations.T @ deviations / len(deviations), self.shrinkage)
+        return shrink(deviations.T @ deviations / len(deviations), self.shrinkage)
 
 
 class PseudoQuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
@@ -110,7 +110,7 @@ def variance_floor(features: NDArray[np.float64]) -> float:
     return VARIANCE_FLOOR * float(features.var(axis=0).mean())
 
 
-def _shrink(covariance: NDArray[np.float64], shrinkage: float) -> NDArray[np.float64]:
+def shrink(covariance: NDArray[np.float64], shrinkage: float) -> NDArray[np.float64]:
     """Shrink towards one variance in every direction.
 
     As scikit-learn's `shrunk_covariance`, number for number, but without its checks, which take ten

@@ -16,7 +16,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.recognition.classifiers import CLASSIFIERS, ClassifierParameters
+from visuohaptic.recognition.classifiers import ClassifierParameters, check_spread
 from visuohaptic.recognition.encoding import ROUNDING
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
@@ -283,19 +283,28 @@ def fit_bag_classifier(
         If there is nothing to take a covariance of.
     """
     bags = spread_bags(owners, sizes)
-    discriminant = CLASSIFIERS["linear_discriminant"]
-    fitted, _ = discriminant.fit(
-        ClassifierParameters(), bags.means(projected), labels[bags.first], 0
-    )
-    coefficients, intercepts = fitted.coef_.T, fitted.intercept_
-    if len(fitted.classes_) == 2:  # scikit-learn keeps the difference alone
-        coefficients = np.column_stack([-coefficients[:, 0], coefficients[:, 0]]) / 2
-        intercepts = np.array([-intercepts[0], intercepts[0]]) / 2
+    rows, classes = bags.means(projected), labels[bags.first]
+    check_spread("linear_discriminant", rows, classes)
+    trained, places, counts = np.unique(classes, return_inverse=True, return_counts=True)
+    means = np.stack([rows[places == place].mean(axis=0) for place in range(len(trained))])
+    coefficients = np.linalg.solve(_common_covariance(rows, rows - means[places]), means.T)
+    intercepts = np.log(counts / len(rows)) - np.einsum("kq,qk->k", means, coefficients) / 2
     return BagClassifier(
         coefficients - coefficients.mean(axis=1, keepdims=True),
         intercepts - intercepts.mean(),
-        fitted.classes_.astype(np.int64),
+        trained,
     )
+
+
+def _common_covariance(
+    rows: NDArray[np.float64], deviations: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Give the classes' mean covariance, as classifier `linear_discriminant` shrinks it: (n, q) each to (q, q)."""
+    from visuohaptic.recognition.covariance import shrink, variance_floor
+
+    pooled = deviations.T @ deviations / len(rows)
+    shrunk = shrink(pooled, ClassifierParameters().linear_shrinkage)
+    return shrunk + variance_floor(rows) * np.eye(len(shrunk))
 
 
 @dataclass(frozen=True)

@@ -251,11 +251,26 @@ def _principal_directions(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Give singular values, descending, and right singular vectors as rows, of (n, d)."""
     if len(rows) < rows.shape[1]:
-        _, spread, directions = np.linalg.svd(rows, full_matrices=False)
-        return spread, directions
+        return _directions_of_few(rows)
     # Several times faster for many rows, and exact enough to drop what is empty.
     squares, vectors = np.linalg.eigh(rows.T @ rows)
     return np.sqrt(np.maximum(squares[::-1], 0)), vectors[:, ::-1].T
+
+
+def _directions_of_few(
+    rows: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Give the same of fewer rows than columns: by the Gram matrix, where rounding can't be taken for spread."""
+    squares, vectors = np.linalg.eigh(rows @ rows.T)
+    spread = np.sqrt(np.maximum(squares[::-1], 0))
+    clear = spread > 1e-4 * spread[0]
+    if clear.sum() < np.sum(spread > 3e-7 * spread[0]):
+        _, spread, directions = np.linalg.svd(rows, full_matrices=False)
+        return spread, directions
+    directions = vectors[:, ::-1].T @ rows
+    directions[clear] /= spread[clear, None]
+    spread[~clear] = 0.0
+    return spread, directions
 
 
 def make_inner_folds(
