@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import as_file, files
 from pathlib import Path
 
@@ -37,6 +38,7 @@ def read_readings(path: str | Path | None) -> MeasuredReadings | None:
     return kept_readings(PAPER_SET)
 
 
+@cache
 def kept_readings(name: str) -> MeasuredReadings | None:
     """Read readings that are kept with the package, by the name of their objects."""
     kept = files("visuohaptic.studies.readings").joinpath(f"{name}.parquet")
