@@ -54,7 +54,7 @@ def test_a_packed_model_reads_back():
 def test_the_pages_parts_fit_their_budgets():
     """12 objects of 16 views within 10 MB: the library once, a model each, 12 kB a view."""
     model = pack_model(ball(60), np.random.default_rng(0).uniform(-1, 1, (160, 10)), 4000)
-    library = len(plotly_library())
+    library = len(plotly_library().packed)
     assert library + 12 * (len(model.data) + 16 * 12_000) < 10_000_000
     assert library + 142 * 60_000 < 25_000_000
     assert len(model.data) < 120_000

@@ -3,6 +3,8 @@
 import itertools
 import json
 import re
+from base64 import b64encode
+from hashlib import sha256
 from types import SimpleNamespace
 
 import pytest
@@ -79,6 +81,20 @@ def test_browsers_are_told_to_load_nothing(page):
     assert len(policies) == 1
     assert policies[0].startswith("default-src 'none'")
     assert "http" not in policies[0]
+
+
+def test_only_the_scripts_of_the_page_may_run(page, source):
+    (policy,) = (
+        element.attributes["content"]
+        for element in page.named("meta")
+        if element.attributes.get("http-equiv") == "Content-Security-Policy"
+    )
+    allowed = policy.split("script-src ")[1].split()
+    assert all(one.startswith("'sha256-") for one in allowed)
+    scripts = re.findall(r"<script>(.*?)</script>", source, re.DOTALL)
+    digests = [b64encode(sha256(one.encode()).digest()).decode() for one in scripts]
+    assert {f"'sha256-{digest}'" for digest in digests} <= set(allowed)
+    assert len(scripts) + 1 == len(allowed)  # and plotly.js, which is unpacked when it is needed
 
 
 def test_links_lead_to_credits_or_to_places_of_the_page(page):
