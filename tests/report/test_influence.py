@@ -44,8 +44,8 @@ def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence)
     assert (ideal.milliseconds, ideal.milliseconds_always) == pytest.approx((200.0, 1000.0))
     assert (worn.name, worn.needed, worn.unneeded) == ("worn_fsr", ("noise",), ())
     assert effects_answer(figures).replace("\xa0", " ") == (
-        "Scene ideal needs 1 of 2 effects of touch; leaving out the others saves 80 % of the time of "
-        "effects, and no bit changes. Scene worn_fsr needs 1 of 1 effect of touch."
+        "Of 2 effects of touch a scene needs: ideal 1 (saves 80 % of the time), worn_fsr 1. Leaving out "
+        "the others changes no bit of an image."
     )
     size, noise = figures.touch
     assert (size.milliseconds, size.milliseconds_always) == pytest.approx((200.0, 400.0))
@@ -103,8 +103,8 @@ def test_the_accuracy_of_each_scene_is_a_row_and_a_sentence(tmp_path):
     study = read_study(write_study(tmp_path, "effects", rows), "effects")
     (found,) = scene_accuracy(study, 0.25)
     assert [name for name, _ in found.chart.rows] == ["ideal", "worn_fsr"]
-    assert [mark.x for mark in found.chart.marks] == [90, 70]
-    assert found.chart.reference == 25
+    assert [mark.x for mark in found.chart.marks] == [80, 40]  # from 50 % on
+    assert found.chart.reference is None
     (sentence,) = found.sentences
     assert sentence.replace("\xa0", " ") == (
         "Eye fixations, correctly classified by scene: ideal 90.0 % (80.0 % to 100.0 %), worn_fsr "

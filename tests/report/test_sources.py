@@ -28,7 +28,7 @@ from visuohaptic.tables.schemas import SCHEMAS
 from visuohaptic.tables.studies import COST, EFFECT_INFLUENCE, EVALUATION, READINGS
 
 SHOWN = ("cup/mug", 1)
-WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance"}
+WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance", "glossary"}
 EFFECT = {
     "scene": ["ideal"], "effect": ["noise"], "touches": [500], "called_for": [0], "seconds": [0.0],
     "seconds_always": [0.3], "image_shift": [0.0], "equal_to_always": [True],

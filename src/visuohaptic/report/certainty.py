@@ -124,7 +124,7 @@ class EvaluationFigures:
 
     Attributes
     ----------
-    sentences : tuple of str
+    sentence : str
         The answer.
     rows : tuple of mapping
         By strategy and views, as in `CertaintyFigures`, without ``area``.
@@ -136,7 +136,7 @@ class EvaluationFigures:
         Where they come from, if not from this run's objects.
     """
 
-    sentences: tuple[str, ...]
+    sentence: str
     rows: tuple[Row, ...]
     objects: int
     learnt: int
@@ -154,7 +154,7 @@ def evaluation_figures(
     counts = Counter(category for category, _ in sorted(named))
     views = max(row["views"] for row in rows)
     return EvaluationFigures(
-        tuple(_evaluation_sentence(row) for row in rows if row["views"] == views),
+        _evaluation_answer([row for row in rows if row["views"] == views], len(named)),
         rows,
         len(named),
         known["learnt"][0].as_py(),
@@ -218,22 +218,21 @@ def _chart(
 def _sentence(row: Row) -> str:
     return (
         f"{titled(strategy_name(row['strategy']))}, {counted(row['views'], 'view')}: the prediction set "
-        f"holds the true class of {percent(row['coverage'].mean)} of the objects of known classes, "
-        f"{percent(row['stated'], 0)} stated, with {row['set_size']:.2f} classes on average; "
-        f"{percent(row['found_unknown'].mean)} of the objects of unknown classes are called unknown, and "
-        f"{percent(row['false_unknown'].mean)} of the known ones (area under the curve "
-        f"{row['area']:.2f})."
+        f"holds the true class of {percent(row['coverage'].mean)} of the objects of known classes "
+        f"({percent(row['stated'], 0)} stated); {percent(row['found_unknown'].mean)} of the objects of "
+        f"unknown classes are called unknown, and {percent(row['false_unknown'].mean)} of the known ones."
     )
 
 
-def _evaluation_sentence(row: Row) -> str:
-    return (
-        f"{titled(strategy_name(row['strategy']))}, {counted(row['views'], 'view')}: "
-        f"{percent(row['accuracy'].mean)} are correctly classified; the set, stated at "
-        f"{percent(row['stated'], 0)}, holds the class of {percent(row['coverage'].mean)}, with "
-        f"{row['set_size']:.2f} classes on average; {percent(row['false_unknown'].mean)} are called "
-        "unknown."
-    )
+def _evaluation_answer(rows: Sequence[Row], objects: int) -> str:
+    """Say how a model does on objects that it has not learnt; the rows are of one number of views."""
+    told = [
+        f"{percent(row['accuracy'].mean)} are correctly classified by {strategy_name(row['strategy'])} of "
+        f"{counted(row['views'], 'view')}, and the prediction set holds the class of "
+        f"{percent(row['coverage'].mean)} ({percent(row['stated'], 0)} stated)"
+        for row in rows
+    ]
+    return f"Of {counted(objects, 'object')} that the model has not learnt, {'; '.join(told)}."
 
 
 def _read_figures(path: Path) -> tuple[Row, ...]:

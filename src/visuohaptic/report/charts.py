@@ -17,6 +17,8 @@ LABEL_HEIGHT = 24
 SERIES_HEIGHT = 18
 ROW_GAP = 10
 AXIS_HEIGHT = 28
+TITLE_HEIGHT = 16
+HALF = 0.5
 
 STEPS = (1, 2, 5)
 """Ticks of each decade of a logarithmic axis."""
@@ -42,6 +44,8 @@ class Mark:
         Ends of its interval down the chart, pixels.
     kind : str
         What it is beside its series, such as ``published``; it gives its shape.
+    name : str
+        What stands beside it; may be empty.
     """
 
     series: int
@@ -53,6 +57,7 @@ class Mark:
     high: float | None = None
     low: float | None = None
     kind: str = ""
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -66,6 +71,7 @@ class Point:
     y_ends: tuple[float, float] | None = None
     kind: str = ""
     aside: float = 0.0
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -152,11 +158,14 @@ def place_points(
 
 @dataclass(frozen=True)
 class IntervalChart:
-    """Marks with intervals, a row each, over an axis from 0 to 100 %."""
+    """Marks with intervals, a row each, over an axis up to 100 %.
+
+    It begins at 0, or at half where all figures and intervals lie above it.
+    """
 
     height: int
     rows: tuple[tuple[str, int], ...]
-    ticks: tuple[int, ...]
+    ticks: tuple[tuple[float, str], ...]
     marks: tuple[Mark, ...]
     reference: float | None
     baseline: int
@@ -173,6 +182,11 @@ def interval_chart(
     A row has a label, and its figures and published values by series; the series stand below each
     other. `reference` is a share to draw a line at, such as chance.
     """
+    start = _start(rows)
+
+    def x_of(share: float) -> float:
+        return round(100 * (share - start) / (1 - start), 2)
+
     marks: list[Mark] = []
     labels: list[tuple[str, int]] = []
     top = 0
@@ -181,18 +195,20 @@ def interval_chart(
         for place, name in enumerate(series):
             y = top + LABEL_HEIGHT + (place + 0.5) * SERIES_HEIGHT
             if name in figures:
-                marks.append(_interval_mark(place, figures[name], y))
+                marks.append(_interval_mark(place, figures[name], y, x_of))
             if name in published:
                 value = published[name]
                 label_of_value = f"published: {percent(value, 2)}"
-                marks.append(Mark(place, _x(value), y, label_of_value, kind="published"))
+                marks.append(Mark(place, x_of(value), y, label_of_value, kind="published"))
         top += LABEL_HEIGHT + len(series) * SERIES_HEIGHT + ROW_GAP
     return IntervalChart(
-        height=top + AXIS_HEIGHT,
+        height=top + AXIS_HEIGHT + TITLE_HEIGHT,
         rows=tuple(labels),
-        ticks=(0, 25, 50, 75, 100),
+        ticks=tuple(
+            (25 * step, f"{100 * start + 25 * (1 - start) * step:g} %") for step in range(5)
+        ),
         marks=tuple(marks),
-        reference=None if reference is None else _x(reference),
+        reference=None if reference is None or reference < start else x_of(reference),
         baseline=top,
         series=len(series),
     )
@@ -228,7 +244,7 @@ class ShareRow:
 
 @dataclass(frozen=True)
 class ShareChart:
-    """Shares of a limit, a row for each group, over a logarithmic axis; 0 stands at its left end."""
+    """Shares of a limit, a row for each group, over an axis from 0 to a little beyond the limit."""
 
     height: int
     bottom: int
@@ -237,19 +253,12 @@ class ShareChart:
     rows: tuple[ShareRow, ...]
 
 
-SMALLEST_SHARE = 1e-7
-LARGEST_SHARE = 10.0
+LARGEST_SHARE = 1.25
 
 
 def place_share(share: float) -> float:
-    """Give the place of a share of a limit along a logarithmic axis, percent of the width.
-
-    0 stands at the left end, and what is ten times the limit or more at the right one.
-    """
-    if share <= 0:
-        return 0.0
-    decades = math.log10(min(max(share, SMALLEST_SHARE), LARGEST_SHARE) / SMALLEST_SHARE)
-    return round(5 + 95 * decades / math.log10(LARGEST_SHARE / SMALLEST_SHARE), 2)
+    """Give the place of a share of a limit, percent of the width; what is beyond stands at the right end."""
+    return round(100 * min(share, LARGEST_SHARE) / LARGEST_SHARE, 2)
 
 
 def share_chart(
@@ -274,29 +283,48 @@ def share_chart(
         end = max((x for x, _, _ in marks), default=0.0)
         placed.append(ShareRow(name, note, y, end, marks))
     bottom = len(placed) * (LABEL_HEIGHT + SERIES_HEIGHT) + ROW_GAP
-    ticks = [(place_share(10.0**power), f"1e{power}") for power in (-6, -4, -2)]
+    ticks = [(place_share(share), percent(share, 0)) for share in (0.0, 0.25, 0.5, 0.75)]
     return ShareChart(
-        bottom + AXIS_HEIGHT,
+        bottom + AXIS_HEIGHT + TITLE_HEIGHT,
         bottom,
         place_share(1.0),
-        ((0.0, "0"), *ticks, (place_share(1.0), "tolerance")),
+        (*ticks, (place_share(1.0), "tolerance")),
         tuple(placed),
     )
 
 
-def _interval_mark(series: int, figure: Figure, y: float) -> Mark:
+def _start(rows: Sequence[tuple[str, Mapping[str, Figure], Mapping[str, float]]]) -> float:
+    """Begin the axis at half where all that it shows lies above, since small distances count there."""
+    values = [
+        value
+        for _, figures, published in rows
+        for value in (
+            *published.values(),
+            *(figure.mean if figure.low is None else figure.low for figure in figures.values()),
+        )
+    ]
+    return HALF if min(values, default=0.0) >= HALF else 0.0
+
+
+def _interval_mark(series: int, figure: Figure, y: float, x_of: Place) -> Mark:
     label = percent(figure.mean)
     if figure.low is None or figure.high is None:
-        return Mark(series, _x(figure.mean), y, label)
+        return Mark(series, x_of(figure.mean), y, label)
     label += f", interval {percent(figure.low)} to {percent(figure.high)}"
-    return Mark(series, _x(figure.mean), y, label, _x(figure.low), _x(figure.high))
+    kind = ""
+    if figure.is_limit:
+        label, kind = f"{label} (exact binomial limit, as all objects agree)", "limit"
+    ends = x_of(figure.low), x_of(figure.high)
+    return Mark(series, x_of(figure.mean), y, label, *ends, kind=kind)
 
 
 def _mark(series: int, point: Point, x_of: Place, y_of: Place) -> Mark:
     left, right = map(x_of, point.x_ends) if point.x_ends else (None, None)
     low, high = map(y_of, point.y_ends) if point.y_ends else (None, None)
     x = round(x_of(point.x) + point.aside, 2)
-    return Mark(series, x, y_of(point.y), point.label, left, right, high, low, point.kind)
+    return Mark(
+        series, x, y_of(point.y), point.label, left, right, high, low, point.kind, point.name
+    )
 
 
 def _step_below(value: float) -> float:
@@ -309,7 +337,3 @@ def _step_above(value: float) -> float:
     above = [step * power for step in (*STEPS, 10) if step * power >= value * (1 - 1e-9)]
     # An axis needs some length.
     return min(above) if min(above) > _step_below(value) else 2 * min(above)
-
-
-def _x(share: float) -> float:
-    return round(100 * share, 2)

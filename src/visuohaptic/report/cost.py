@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby
 from pathlib import Path
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
@@ -32,7 +31,7 @@ from visuohaptic.studies.cost.front import (
 )
 from visuohaptic.studies.cost.pairs import Row
 
-HEIGHT = 420
+HEIGHT = 300
 """Of the part with the logarithmic axis, pixels."""
 
 LANE = 34
@@ -92,7 +91,8 @@ class SettingGroup:
     @property
     def interval(self) -> str:
         """The lowest and the highest end of their intervals."""
-        return self._range("error_low", "error_high", lambda value: f"{100 * value:.1f}")
+        ends = self._range("error_low", "error_high", lambda value: f"{100 * value:.1f}")
+        return f"{ends}†" if any(row["error"] in (0.0, 1.0) for row in self.rows) else ends
 
     def part(self, name: str) -> str:
         """Give the median milliseconds of a part, such as ``look``."""
@@ -119,8 +119,12 @@ class CostFigures:
         Rows of `tables.COST`: all, and those on the front, the quickest first.
     groups : tuple of SettingGroup
         All rows; those of one number in column `group` together.
-    advice : list of str
-        What follows from them, in sentences.
+    steps : sequence of mapping
+        Those that are worth their time, as `step_rows` gives them.
+    price : str
+        When looking pays on a robot; may be empty.
+    savings : list of str
+        What smaller settings save and lose.
     recognitions : int
         Recognitions that each setting was timed on, at most.
     objects : int
@@ -136,7 +140,9 @@ class CostFigures:
     rows: Sequence[Row]
     front: Sequence[Row]
     groups: tuple[SettingGroup, ...]
-    advice: list[str]
+    steps: Sequence[Row]
+    price: str
+    savings: list[str]
     recognitions: int
     objects: int
     reference: Row | None
@@ -173,7 +179,9 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
         rows,
         front_rows(rows),
         _groups(rows),
-        [*advise(rows, run), *advise_robot(rows, robot, run.cost)],
+        step_rows(rows),
+        robot_sentence(rows, run.cost),
+        saving_sentences(rows, run),
         max((row["recognitions"] or 0 for row in rows), default=0),
         max((row["objects"] or 0 for row in rows), default=0),
         reference_row(rows),
@@ -193,17 +201,17 @@ def cost_verdict(figures: CostFigures) -> Answer | None:
         return Answer(
             question,
             "no",
-            _duration(first["seconds"]),
-            f"a recognition at {percent(first['error'])} wrong: the quickest setting has the least "
-            "error of all.",
+            _with_quartiles(first),
+            f"of computing, error rate {percent(first['error'])} ({_named(first)}): the quickest "
+            "setting has the lowest error rate, too.",
             "cost",
         )
     return Answer(
         question,
         "depends",
-        f"{_duration(first['seconds'])} to {_duration(last['seconds'])}",
-        f"a recognition: {percent(first['error'])} wrong with the quickest setting, "
-        f"{percent(last['error'])} with the most accurate.",
+        _with_quartiles(first),
+        f"of computing for an error rate of {percent(first['error'])} ({_named(first)}); the lowest, "
+        f"{percent(last['error'])}, takes {duration(last['seconds'])}.",
         "cost",
     )
 
@@ -220,7 +228,7 @@ class TimePart:
     @property
     def each(self) -> str:
         """Its time for one unit, in words."""
-        return f"{_duration(self.seconds / self.units)} a {self.unit}"
+        return f"{duration(self.seconds / self.units)} a {self.unit}"
 
 
 def time_parts(row: Row | None) -> list[TimePart]:
@@ -259,104 +267,63 @@ def cue_sentences(rows: Sequence[Row]) -> list[str]:
     pose, skin = (found.get(("cues", name)) for name in ("pose alone", "skin alone"))
     sentences = []
     if pose and skin:
-        sentences.append(
-            f"“From touch alone” is mostly where the touches are, in an upright frame: with pipeline "
-            f"best, positions and normals alone give {_correct(pose)}, imprints alone {_correct(skin)}."
+        tells = (
+            ": where the touches are tells more than what they feel"
+            if pose["error"] < skin["error"]
+            else ""
         )
-    without = found.get(("paper", "without the map"))
-    if without:
-        sentences.append(f"Without its map the paper's pipeline gives {_correct(without)}.")
+        sentences.append(
+            f"In pipeline best, positions and normals alone reach {_correct(pose)} correctly classified, "
+            f"imprints alone {_correct(skin)}{tells}. All objects stand upright."
+        )
+    mapped, without = (found.get(("paper", name)) for name in ("with its map", "without the map"))
+    if mapped and without:
+        sentences.append(
+            "The paper reduces each touch to five numbers by a self-organising map. Without it "
+            f"its pipeline has {_correct(without)} correctly classified, with it {_correct(mapped)}."
+        )
     return sentences
 
 
-def advise(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
-    """Say which settings are worth their time, and how sure that is.
+def step_rows(rows: Sequence[Row]) -> list[Row]:
+    """Give the settings that are worth their time, the quickest first.
 
-    Parameters
-    ----------
-    rows : sequence of mapping
-        Rows of `tables.COST`.
-    run : ExperimentParameters
-        What was run.
-
-    Returns
-    -------
-    list of str
-        Sentences: the steps, then what each smaller setting saves and loses. The first names no
-        seconds, and no setting by an order that is not significant.
+    The first is the most accurate of those as quick as the quickest; each further one is significantly
+    slower and significantly more accurate than the one before.
     """
     first = first_step(rows)
     if first is None:
-        return ["No setting could be both run and timed."]
-    confidence = f"{100 * run.recognition.intervals.confidence:g} %"
-    others = sum(row["as_quick"] for row in rows) - 1
+        return []
     further = [row for row in rows if row["step"] and row is not first]
-    further.sort(key=lambda row: -float(row["error"]))  # the order in which they were found
-    alike = (
-        f"; {counted(others, 'other setting')} {'is' if others == 1 else 'are'} not significantly slower than the quickest either"
-        if others
-        else ""
-    )
-    best = f"{_named(first)}: {percent(first['error'])} wrong ({_interval(first)})"
-    told = [
-        f"Of the settings that are not significantly slower than the quickest, the most accurate is {best}.",
-        f"It takes {_duration(first['seconds'])}{alike}.",
-    ]
-    if further:
-        told.append(
-            f"Each of these is significantly slower and more accurate than the one before, at {confidence} "
-            f"confidence: {'; '.join(f'{_named(row)}, {_figures(row)}' for row in further)}."
-        )
-    last = (first, *further)[-1]
-    rest = [row for row in front_rows(rows) if row["seconds"] > last["seconds"]]
-    if rest:
-        told.append(
-            f"With {counted(last['objects'], 'object')}, of {counted(len(rest), 'further setting')} of "
-            "the front none is both significantly slower and significantly more accurate than "
-            f"{_named(last)}."
-        )
-    return told + [_saving_sentence(saving, confidence) for saving in find_savings(rows)]
+    return [first, *sorted(further, key=lambda row: -float(row["error"]))]
 
 
-def advise_robot(rows: Sequence[Row], robot: Sequence[Row], cost: CostParameters) -> list[str]:
-    """Say which strategy is ahead by computing time and by a robot's time, and from which price on.
-
-    Parameters
-    ----------
-    rows, robot : sequence of mapping
-        Rows of `tables.COST` with computing time and with a robot's time.
-    cost : CostParameters
-        The prices.
-
-    Returns
-    -------
-    list of str
-        Sentences; none where only one kind of strategy was measured.
-    """
+def robot_sentence(rows: Sequence[Row], cost: CostParameters) -> str:
+    """Say up to which price of a look looking pays on a robot; empty where one strategy was measured."""
     found = break_even(rows)
     if found is None or not any(row["looks"] for row in rows):
-        return []
-    priced = f"{cost.touch_seconds:g} s for a touch and {cost.look_seconds:g} s for a look"
-    told = [
-        f"By {clock}, the quickest is {_leads(front_rows(table))}."
-        for clock, table in (
-            ("computing time", rows),
-            (f"the time of a robot that takes {priced}", robot),
-        )
-    ]
-    reached = (
-        f"Without a look the error rate falls to {percent(found.error)} at best, with "
-        f"{counted(all_touches(found.blind), 'touch')}"
+        return ""
+    blind = (
+        f"Without a look, {counted(all_touches(found.blind), 'touch')} give the lowest error rate, "
+        f"{percent(found.error)}"
     )
     price = found.touches_a_look
     if found.looking is None or price is None:
-        return [*told, f"{reached}; no setting that looks is as accurate."]
+        return f"{blind}; no setting that looks is as accurate."
     touches = counted(all_touches(found.looking), "touch")
-    reached += f"; {touches} and {counted(found.looking['looks'], 'look')} reach the same or better"
+    looked = f"{touches} with {counted(found.looking['looks'], 'look')} are as accurate"
     if price <= 0:
-        return [*told, f"{reached}, so here looking saves no touch."]
-    limit = f"{price:.2g} touches (here {cost.look_seconds:g} s, and {price * cost.touch_seconds:.3g} s)"
-    return [*told, f"{reached}, so looking pays as long as a look takes less time than {limit}."]
+        return f"{blind}; {looked}, so a look saves no touch."
+    return (
+        f"{blind}; {looked}. So looking saves time if a look takes less than "
+        f"{price * cost.touch_seconds:.3g} s (here {cost.look_seconds:g} s)."
+    )
+
+
+def saving_sentences(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
+    """Say what each smaller setting saves, and what it loses."""
+    confidence = f"{100 * run.recognition.intervals.confidence:g} %"
+    return [_saving_sentence(saving, confidence) for saving in find_savings(rows)]
 
 
 def cost_chart(
@@ -419,7 +386,7 @@ def cost_chart(
     return CostChart(
         height=bottom + 44,
         bottom=bottom,
-        x_ticks=tuple((x_of(value), _duration(value)) for value in across.ticks()),
+        x_ticks=tuple((x_of(value), duration(value)) for value in across.ticks()),
         y_ticks=tuple((y_of(value), _share(value)) for value in down.ticks()),
         lines=lines,
         marks=(*marks, *failures),
@@ -429,6 +396,8 @@ def cost_chart(
 
 
 def _point(row: Row, lowest: float) -> Point:
+    if not row["on_front"]:
+        return Point(row["seconds"], row["error"], _label(row), kind="dominated")
     low = max(row["error_low"], lowest if row["error"] > 0 else 0.0)
     return Point(
         row["seconds"],
@@ -436,7 +405,8 @@ def _point(row: Row, lowest: float) -> Point:
         _label(row),
         (row["seconds_low"], row["seconds_high"]),
         (low, row["error_high"]),
-        "front" if row["on_front"] else "dominated",
+        "front",
+        name=str(row["setting"]).removesuffix(", 1 viewpoint"),
     )
 
 
@@ -448,12 +418,12 @@ def _groups(rows: Sequence[Row]) -> tuple[SettingGroup, ...]:
 
 
 def _lines(rows: Sequence[Row]) -> list[list[Row]]:
-    """Cut a family's settings where touches and viewpoints change both: a line is about one thing."""
+    """Cut a family's settings where touches and viewpoints change both, or neither: a line is a trend."""
     lines: list[list[Row]] = []
     for row in sorted(rows, key=lambda row: int(row["place"])):
         before = lines[-1][-1] if lines else row
         changed = sum(row[name] != before[name] for name in ("touches", "viewpoints"))
-        if changed > 1 or not lines:
+        if changed != 1 or not lines:
             lines.append([])
         lines[-1].append(row)
     return lines
@@ -462,9 +432,9 @@ def _lines(rows: Sequence[Row]) -> list[list[Row]]:
 def _label(row: Row) -> str:
     kind = "on the front" if row["on_front"] else "dominated"
     return (
-        f"{strategy_name(row['family'])}, {row['setting']}: {_duration(row['seconds'], 3)} (quartiles "
-        f"{_duration(row['seconds_low'], 3)} to {_duration(row['seconds_high'], 3)}), "
-        f"{percent(row['error'], 2)} wrong (interval {percent(row['error_low'], 2)} to "
+        f"{strategy_name(row['family'])}, {row['setting']}: {duration(row['seconds'], 3)} (quartiles "
+        f"{duration(row['seconds_low'], 3)} to {duration(row['seconds_high'], 3)}), "
+        f"error rate {percent(row['error'], 2)} (interval {percent(row['error_low'], 2)} to "
         f"{percent(row['error_high'], 2)}), {kind}"
     )
 
@@ -478,9 +448,9 @@ def _saving_sentence(saving: Saving, confidence: str) -> str:
     if saving.verdict == "open":
         return (
             f"{said}; its accuracy can't be told apart from the run's own with "
-            f"{counted(row['objects'], 'object')} ({ends} points of error)."
+            f"{counted(row['objects'], 'object')} ({ends} points of error rate)."
         )
-    return f"{said} and costs {points(row['lost'])} points of error ({ends})."
+    return f"{said} and costs {points(row['lost'])} points of error rate ({ends})."
 
 
 def _changes(row: Row) -> str:
@@ -498,20 +468,6 @@ def _short(value: object) -> str:
     return listed(value) if isinstance(value, list) else str(value)
 
 
-def _leads(front: Sequence[Row]) -> str:
-    """Say which strategy is the quickest down to which error rate."""
-    groups = [list(group) for _, group in groupby(front, key=lambda row: row["strategy"])]
-    return ", then ".join(
-        f"{strategy_name(group[-1]['strategy'])} down to {percent(group[-1]['error'])} wrong "
-        f"({_interval(group[-1])})"
-        for group in groups
-    )
-
-
-def _figures(row: Row) -> str:
-    return f"{_duration(row['seconds'])}, {percent(row['error'])} wrong ({_interval(row)})"
-
-
 def _named(row: Row) -> str:
     return f"{strategy_name(row['family'])}, {row['setting']}"
 
@@ -521,11 +477,14 @@ def _correct(row: Row) -> str:
     return f"{percent(1 - row['error'])} ({ends})"
 
 
-def _interval(row: Row) -> str:
-    return f"{percent(row['error_low'])} to {percent(row['error_high'])}"
+def _with_quartiles(row: Row) -> str:
+    """Write a median run time with its quartiles."""
+    low, high = duration(row["seconds_low"]), duration(row["seconds_high"])
+    return f"{duration(row['seconds'])} ({low} to {high})"
 
 
-def _duration(seconds: float, digits: int = 2) -> str:
+def duration(seconds: float, digits: int = 2) -> str:
+    """Write seconds, or milliseconds where they are few."""
     if seconds >= 1:
         return f"{seconds:.0f} s" if seconds >= 99.5 else f"{seconds:.{digits}g} s"
     return f"{1000 * seconds:.{digits}g} ms" if seconds < 0.0995 else f"{1000 * seconds:.0f} ms"

@@ -37,6 +37,8 @@ class GazeFigures:
         What the table says.
     rows, tests : sequence of PredictorRow
         Objects held out in turn, and those for tests.
+    shown : sequence of PredictorRow
+        The few of `rows` that the sentences are about.
     peer : sequence of PredictorRow
         Objects that others predicted, with gains over them; empty without such.
     worst : sequence of (str, float)
@@ -52,6 +54,7 @@ class GazeFigures:
     sentences: tuple[str, ...]
     rows: Sequence[PredictorRow]
     tests: Sequence[PredictorRow]
+    shown: Sequence[PredictorRow]
     peer: Sequence[PredictorRow]
     worst: Sequence[tuple[str, float]]
     pictures: Sequence[Pictured]
@@ -74,6 +77,7 @@ def gaze_figures(
         sentences=tuple(_sentences(rows, tests)),
         rows=rows,
         tests=tests,
+        shown=_shown(rows),
         peer=beside_peer(measured.table),
         worst=[(row["object"], row["correlation"]) for row in held[:WORST_NAMED]],
         pictures=_pictures(pictures),
@@ -95,23 +99,19 @@ def between(value: Interval) -> str:
 
 
 def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> list[str]:
-    by_name = {row.predictor.name: row for row in rows}
-    equal, chosen = by_name["equal"], by_name["chosen"]
-    floor = max(
-        (row for row in rows if row.predictor.kind == "floor"),
-        key=lambda row: row.measures["correlation"].mean,
-    )
-    place = by_name["place"].measures["correlation"]
+    equal, floor, placed, chosen = _shown(rows)
+    place = placed.measures["correlation"]
     found = [
         (
-            f"With equal weights, attention correlates with people's time at "
-            f"{between(equal.measures['correlation'])} over {equal.objects} objects; {floor.predictor.label} "
-            f"reaches {between(floor.measures['correlation'])}."
+            f"On {equal.objects} objects the saliency map's correlation with the time that people looked at "
+            f"each place is {between(equal.measures['correlation'])} with equal weights of its channels; "
+            f"{floor.predictor.label}, which needs no model, gives {between(floor.measures['correlation'])}, and "
+            f"weights fitted to other objects, with terms such as height, give "
+            f"{between(chosen.measures['correlation'])}."
         ),
         (
-            f"With terms beside the channels, chosen and fitted on other objects, it reaches "
-            f"{between(chosen.measures['correlation'])}, {between(chosen.gain)} more than equal weights; the area "
-            f"under the curve for the most looked at fifth is {between(chosen.measures['auc_top'])}."
+            f"The fitted weights gain {between(chosen.gain)} over equal ones; the area under the curve for the "
+            f"most looked at fifth is {between(chosen.measures['auc_top'])}."
         ),
         (
             f"Place on the object alone, up and to the front, reaches {between(place)}: a large part of what is "
@@ -134,6 +134,16 @@ def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> l
             if row.predictor.name == "chosen"
         ),
     ]
+
+
+def _shown(rows: Sequence[PredictorRow]) -> tuple[PredictorRow, ...]:
+    """Choose equal weights, the best floor, place alone, and the chosen terms."""
+    by_name = {row.predictor.name: row for row in rows}
+    floor = max(
+        (row for row in rows if row.predictor.kind == "floor"),
+        key=lambda row: row.measures["correlation"].mean,
+    )
+    return by_name["equal"], floor, by_name["place"], by_name["chosen"]
 
 
 def _pictures(path: str | Path | None) -> list[Pictured]:

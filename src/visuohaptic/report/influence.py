@@ -14,7 +14,7 @@ from visuohaptic.report.charts import IntervalChart, interval_chart
 from visuohaptic.report.comparison import Figure
 from visuohaptic.report.pictures import imprint_strip
 from visuohaptic.report.studies import StudyFigures
-from visuohaptic.report.wording import counted, percent, strategy_name, titled
+from visuohaptic.report.wording import counted, listed, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
@@ -132,8 +132,14 @@ def influence_figures(path: str | Path | None, scene: str) -> InfluenceFigures |
 
 
 def effects_answer(figures: InfluenceFigures) -> str:
-    """Say in a sentence a scene which effects were needed, and what leaving out the rest saves."""
-    return " ".join(_scene_sentence(scene) for scene in figures.scenes)
+    """Say how many effects each scene needs, and what leaving out the others saves and changes."""
+    if not figures.scenes:
+        return ""
+    count = max(len(scene.needed) + len(scene.unneeded) for scene in figures.scenes)
+    needed = ", ".join(map(_scene_words, figures.scenes))
+    return (
+        f"Of {counted(count, 'effect')} of touch a scene needs: {needed}. {_unchanged(figures.scenes)}"
+    ).rstrip()
 
 
 def scene_accuracy(study: StudyFigures | None, chance: float) -> list[SceneAccuracy]:
@@ -264,16 +270,20 @@ def _scene_figures(name: str, rows: Sequence[Mapping[str, Any]]) -> SceneFigures
     )
 
 
-def _scene_sentence(scene: SceneFigures) -> str:
-    count = len(scene.needed) + len(scene.unneeded)
-    said = f"Scene {scene.name} needs {len(scene.needed)} of {counted(count, 'effect')} of touch"
-    if not scene.unneeded:
-        return f"{said}."
-    saved = 1 - scene.milliseconds / scene.milliseconds_always
-    if saved > 0:
-        said += f"; leaving out the others saves {percent(saved, 0)} of the time of effects"
-    bits = {True: ", and no bit changes", False: ", and images change", None: ""}[scene.equal]
-    return f"{said}{bits}."
+def _scene_words(scene: SceneFigures) -> str:
+    said = f"{scene.name} {len(scene.needed)}"
+    saved = 1 - scene.milliseconds / scene.milliseconds_always if scene.unneeded else 0.0
+    return f"{said} (saves {percent(saved, 0)} of the time)" if saved > 0 else said
+
+
+def _unchanged(scenes: Sequence[SceneFigures]) -> str:
+    """Say whether images are the same where effects that are not needed are left out."""
+    changed = [scene.name for scene in scenes if scene.equal is False]
+    if changed:
+        return f"In {listed(changed)} images change without the others."
+    if all(scene.equal for scene in scenes):
+        return "Leaving out the others changes no bit of an image."
+    return ""
 
 
 def _effect_figures(

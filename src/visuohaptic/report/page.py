@@ -12,10 +12,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from visuohaptic.errors import ReportError
+from visuohaptic.recognition.published import PAPER
 from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
-from visuohaptic.report.gaze import decimal
+from visuohaptic.report.cost import duration
+from visuohaptic.report.gaze import between, decimal
+from visuohaptic.report.glossary import explained
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import Track, describe_objects, most_varied
 from visuohaptic.report.provenance import phase_seconds
@@ -24,6 +27,8 @@ from visuohaptic.report.run import Run
 from visuohaptic.report.sections import CHAPTERS, ReportContext
 from visuohaptic.report.sources import find_sources
 from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings, read_readings
+
+PAPER_ADDRESS = "https://www.mdpi.com/2504-3900/4/1/47"
 
 
 def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
@@ -53,8 +58,10 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     return environment.get_template("page.html.jinja").render(
         policy=content_policy(script, *([plotly.source] if plotly else [])),
         chapters=chapters,
-        pages=context.pages,
         objects=len(run.objects),
+        classes=len({key.split("/")[0] for key in run.objects}),
+        paper=PAPER,
+        paper_address=PAPER_ADDRESS,
         marks=_most_marks(context),
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
@@ -125,6 +132,9 @@ def make_environment() -> Environment:
         "classifier": wording.classifier_name,
         "strategy": wording.strategy_name,
         "decimal": decimal,
+        "between": between,
+        "duration": duration,
+        "explained": explained,
         "dots": lambda dots: Markup(mark_up_dots(dots)),  # noqa: S704 - it escapes its texts
     }
     return environment

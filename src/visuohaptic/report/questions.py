@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from visuohaptic.report.comparison import REFERENCE, ClassifierRow, Figure, PipelineTable
+from visuohaptic.report.comparison import (
+    PAPER_PIPELINE,
+    REFERENCE,
+    ClassifierRow,
+    Figure,
+    PipelineTable,
+)
 from visuohaptic.report.wording import counted, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.leads import sum_up
@@ -22,11 +28,19 @@ BEST_OF_PAPER = "support_vector_machine"
 """The paper's most accurate classifier; the answers are its, where it was run."""
 
 MAIN_OPPONENT = "random"
+REASONS: Mapping[Verdict, str] = {
+    "yes": "ahead in the default and the most literal reading",
+    "no": "no gain in the default or the literal reading",
+    "depends": "which leads depends on how the paper is read",
+    "not shown": "no reading of the paper settles it",
+}
+"""Why fixation leads or not, by the rule in `verdicts`."""
+
 WORDS: Mapping[Verdict, str] = {
     "yes": "Yes",
     "no": "No",
-    "depends": "It depends",
-    "not shown": "That is not shown",
+    "depends": "Depends",
+    "not shown": "Not shown",
 }
 
 
@@ -84,15 +98,15 @@ def recognition_answer(
     elif all(figure.high is not None and figure.high < chance + GAIN for figure in found):
         word = "no"
     others = [
-        f"pipeline {spaced(table.name)} reaches {percent(figure.mean)}"
+        f"{_pipeline(table)} {percent(figure.mean)}"
         for table, figure in zip(tables[1:], found[1:], strict=True)
     ]
     return Answer(
         "Can an object be recognised by touch?",
         word,
         f"{percent(found[0].mean)}{_span(found[0], percent)}",
-        f"of {touches}-touch sequences on {unseen} correctly classified by the "
-        f"{_row_of(tables[0]).name}; {', '.join([*others, f'chance is {percent(chance, 0)}'])}.",
+        f"of {touches}-touch sequences of {unseen} correctly classified by {_pipeline(tables[0])} "
+        f"({_row_of(tables[0]).name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
         "comparison",
     )
 
@@ -124,16 +138,16 @@ def fixation_answer(
         return None
     (first, main), *others = compared
     further = [
-        f"; in pipeline {spaced(table.name)} {points(found.difference.mean)}"
-        f"{_span(found.difference, points)}"
+        f"; {_pipeline(table)} {points(found.difference.mean)}{_span(found.difference, points)}"
         for table, found in others
     ]
+    word = verdict(lead_evidence(readings, BEST_OF_PAPER))
     return Answer(
         "Does it help to touch where the eye would fixate?",
-        verdict(lead_evidence(readings, BEST_OF_PAPER)),
+        word,
         f"{points(main.difference.mean)} points{_span(main.difference, points)}",
-        f"ahead of random places in reach, pipeline {spaced(first.name)}, {_row_of(first).name}, "
-        f"{counted(main.objects, 'object')}{''.join(further)}.",
+        f"correctly classified above random touches, {_pipeline(first)}, "
+        f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[word]}.",
         "readings",
     )
 
@@ -154,16 +168,17 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
     inside = sum(figure.holds(published) for figure, published in pairs)
     word: Verdict = "yes" if inside == len(pairs) else "depends" if inside else "no"
     row = _row_of(table)
-    number = ""
+    number = against = ""
     if table.leading in row.published:
-        here, published = row.accuracy[table.leading].mean, row.published[table.leading]
-        number = f"{percent(here)} here, {percent(published, 2)} published"
+        here, published = row.accuracy[table.leading], row.published[table.leading]
+        number = f"{percent(here.mean)}{_span(here, percent)}"
+        against = f"here, {percent(published, 2)} published ({row.name}); "
     return Answer(
         "Is the paper reproduced?",
         word,
         number,
-        f"by the {row.name}; {inside} of {len(pairs)} published accuracies lie within the intervals "
-        "found here, on other objects.",
+        f"{against}{inside} of {len(pairs)} published accuracies lie within the intervals found here, "
+        "on other objects.",
         "comparison",
     )
 
@@ -174,13 +189,19 @@ def readings_sentence(readings: Mapping[str, Sequence[Row]]) -> str:
     if not any(spread):
         return ""
     return (
-        "Over the readings of what the paper leaves open, fixation is "
-        f"{'; '.join(one for one in spread if one)}."
+        "The paper leaves steps open, so it was read in many ways. Fixations are significantly ahead of "
+        f"random touches {'; '.join(one for one in spread if one)}."
     )
 
 
 def _row_of(table: PipelineTable) -> ClassifierRow:
     return next((row for row in table.rows if row.key == BEST_OF_PAPER), table.best)
+
+
+def _pipeline(table: PipelineTable) -> str:
+    return (
+        "the paper's pipeline" if table.name == PAPER_PIPELINE else f"pipeline {spaced(table.name)}"
+    )
 
 
 def _span(figure: Figure, write: Callable[[float], str]) -> str:
@@ -195,7 +216,6 @@ def _spread(rows: Sequence[Row]) -> str:
         return ""
     lead = sum_up(found)
     return (
-        f"on {max(row['objects'] for row in found)} objects significantly ahead in "
-        f"{lead.ahead_significantly} of {lead.cases} and significantly behind in "
-        f"{lead.behind_significantly}"
+        f"on {max(row['objects'] for row in found)} objects in {lead.ahead_significantly} of {lead.cases} "
+        f"readings, and behind in {lead.behind_significantly}"
     )

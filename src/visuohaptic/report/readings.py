@@ -173,21 +173,6 @@ def readings_figures(
     )
 
 
-def readings_answer(measured: MeasuredReadings | None) -> str | None:
-    """Say in one sentence how far the paper's readings differ; None without readings."""
-    if measured is None:
-        return None
-    run = _of_the_papers_question(measured.rows, BEST_OF_PAPER)
-    if not run:
-        return None
-    reached = [row["fixation"] for row in run]
-    return (
-        f"This is one reading of what the paper leaves open. Over {len(run)} readings the "
-        f"{classifier_name(BEST_OF_PAPER)} reaches {percent(min(reached))} to "
-        f"{percent(max(reached))}."
-    )
-
-
 def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> OutsideFigures:
     """Hold the leads of fixation on the paper's set, `rows`, beside those on other objects."""
     here, there = leads_by_option(rows), leads_by_option(outside.rows)
@@ -374,24 +359,24 @@ def _sentences(summary: Mapping[str, Any], classifier: str) -> list[str]:
     ]
     own = "" if found["default"] is None else f"; our default {percent(found['default'])}"
     spread = (
-        f"Of {count} readings of the paper, the accuracy by fixation of its best classifier "
-        f"({named}) lies between {percent(found['lowest'])} and {percent(found['highest'])} (median "
-        f"{percent(found['median'])}{own}; published "
+        f"The paper can be read in many ways. Of {count} readings, its best classifier ({named}) has "
+        f"{percent(found['lowest'])} to {percent(found['highest'])} correctly classified by fixations "
+        f"(median {percent(found['median'])}{own}; published "
         f"{percent(found['published']['fixation'], 2)})."
     )
     lead = (
-        f"{percent(found['ahead'] / count, 0)} of them put fixation ahead of random probing, "
-        f"{percent(found['ahead_significantly'] / count, 0)} significantly (each tested by itself "
-        f"at 0.05, not adjusted for {count} readings); the median lead is "
-        f"{points(found['ahead_median'])} points, the paper's {points(found['published_ahead'])}. "
-        f"Over all five classifiers fixation is ahead in {ahead} of {cells} cases."
+        f"Fixations are ahead of random probing in {percent(found['ahead'] / count, 0)} of the readings, "
+        f"significantly in {percent(found['ahead_significantly'] / count, 0)} (each tested by itself "
+        f"at 0.05, not adjusted for {count} readings). Half of the leads are above "
+        f"{points(found['ahead_median'])} points; the paper's is {points(found['published_ahead'])}. "
+        f"Over all five classifiers fixations are ahead in {ahead} of {cells} cases."
     )
     best = (
-        f"{found['readings_reaching']} of the {count} reach the published figure as a mean over all "
-        f"splits; in {found['readings_with_a_split_reaching']} at least one split does "
-        f"({percent(found['splits_reaching'])} of all splits), the highest "
-        f"{percent(found['highest_split'])}. As means over splits, readings that reach the paper's "
-        f"figure: {listed(reached)}."
+        f"The published figure is reached by {found['readings_reaching']} of the {count} readings, if all "
+        f"splits are averaged as here. A single split is sometimes lucky: "
+        f"{percent(found['splits_reaching'])} of all splits reach it, the best with "
+        f"{percent(found['highest_split'])}, and {found['readings_with_a_split_reaching']} readings have "
+        f"such a split. Readings that reach the paper's figure, by classifier: {listed(reached)}."
     )
     return [spread, lead, best]
 

@@ -24,6 +24,7 @@ from visuohaptic.report.certainty import certainty_figures, evaluation_figures
 from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
+    PIPELINES,
     PipelineTable,
     agreement,
     gain_sentence,
@@ -37,6 +38,7 @@ from visuohaptic.report.cost import (
 )
 from visuohaptic.report.effects import sum_channels, sum_effects
 from visuohaptic.report.gaze import gaze_figures
+from visuohaptic.report.glossary import WORDS
 from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
@@ -58,7 +60,7 @@ from visuohaptic.report.questions import (
     recognition_answer,
     reproduction_answer,
 )
-from visuohaptic.report.readings import readings_answer, readings_figures
+from visuohaptic.report.readings import readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import (
     describe_checks,
@@ -73,11 +75,12 @@ from visuohaptic.report.studies import (
     remade_name,
 )
 from visuohaptic.report.touches_needed import curve_figures
-from visuohaptic.report.wording import CONTACT_STATES, strategy_name, titled
+from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
 from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.studies.evaluation.models import read_evaluation
+from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.stored import (
     OUTSIDE,
     MeasuredReadings,
@@ -85,7 +88,7 @@ from visuohaptic.studies.readings.stored import (
     read_readings,
 )
 from visuohaptic.tables.guards import GUARDS
-from visuohaptic.tables.phases import CONTOURLET_FEATURES, KINESTHETIC_FEATURES
+from visuohaptic.tables.phases import CONTOURLET_FEATURES
 from visuohaptic.tables.schema import matrix, read_table
 
 Values = Mapping[str, Any]
@@ -143,30 +146,17 @@ def answer_values(context: ReportContext) -> Values:
     )
     cost = read_cost(run.files.extras.get("frontier"), run.parameters)
     unseen = UNSEEN[recognition.protocol.protocol]
-    measured, outside = _measured_readings(run), kept_readings(OUTSIDE)
-    readings = {
-        name: found.rows
-        for name, found in (("paper", measured), ("outside", outside))
-        if found is not None
-    }
     answers = (
         recognition_answer(run.pipelines, len(run.classes), touches, unseen),
-        fixation_answer(run.pipelines, readings),
+        fixation_answer(run.pipelines, _readings_by_set(run)),
         reproduction_answer(run.pipelines[0]),
         cost_verdict(cost) if cost else None,
     )
     influence = influence_figures(
         run.files.extras.get("effect_influence"), run.parameters.scene.preset
     )
-    sentences = (
-        readings_sentence(readings),
-        readings_answer(measured),
-        gain_sentence(run.pipelines[0]),
-        *(cue_sentences(cost.rows) if cost else ()),
-    )
     return {
         "answers": [one for one in answers if one is not None],
-        "sentences": [sentence for sentence in sentences if sentence],
         "effects": effects_answer(influence) if influence else None,
         "stability": _stability_answer(run),
     }
@@ -193,18 +183,29 @@ def method_values(context: ReportContext) -> Values:
         strategy="fixation",
         touch=0,
     )
-    bands, pose = [], []
+    bands: list[float] = []
     if of_touch.num_rows:
         bands = matrix(of_touch, CONTOURLET_FEATURES)[0].tolist()
-        pose = matrix(of_touch, KINESTHETIC_FEATURES)[0].tolist()
-    return {"page": page, "bands": bands, "pose": pose}
+    return {"page": page, "bands": bands, "pipelines_text": " ".join(_pipeline_texts(context.run))}
+
+
+def _pipeline_texts(run: Run) -> list[str]:
+    """Say what each pipeline of the run is, and why."""
+    return [PIPELINES[table.name] for table in run.pipelines if table.name in PIPELINES]
 
 
 def comparison_values(context: ReportContext) -> Values:
     """Give the table of classifiers, beside the published one where it is comparable."""
     tables = context.run.pipelines
     agrees, differs = agreement(tables[0]) if tables[0].name == PAPER_PIPELINE else ([], [])
+    cost = read_cost(context.run.files.extras.get("frontier"), context.run.parameters)
+    sentences = (
+        gain_sentence(tables[0]),
+        readings_sentence(_readings_by_set(context.run)),
+        *(cue_sentences(cost.rows) if cost else ()),
+    )
     return {
+        "sentences": [sentence for sentence in sentences if sentence],
         "tables": [(table, _chart(context.run, table)) for table in tables],
         "agrees": agrees,
         "differs": differs,
@@ -235,6 +236,12 @@ def certainty_values(context: ReportContext) -> Values:
 
 def _measured_readings(run: Run) -> MeasuredReadings | None:
     return read_readings(run.files.extras.get("readings"))
+
+
+def _readings_by_set(run: Run) -> dict[str, Sequence[Row]]:
+    """Give the readings of the paper by set of objects: this run's or the kept ones."""
+    found = {"paper": _measured_readings(run), "outside": kept_readings(OUTSIDE)}
+    return {name: measured.rows for name, measured in found.items() if measured is not None}
 
 
 def gaze_values(context: ReportContext) -> Values:
@@ -361,12 +368,26 @@ def confusion_values(context: ReportContext) -> Values:
                 found.append((row.name, strategy, confusion(chosen)))
     best = [entry for entry in found if entry[0] == table.best.name]
     return {
+        "sentence": class_sentence(table),
         "best": best,
         "others": [entry for entry in found if entry not in best],
         "best_row": table.best,
         "strategies": table.strategies,
         "classes": run.classes,
     }
+
+
+def class_sentence(table: PipelineTable) -> str:
+    """Say which classes the best classifier finds most and least often."""
+    shares = table.best.class_accuracy.get(table.leading, {})
+    if len(shares) < 2:
+        return f"{titled(table.best.name)}: one class alone can't be confused."
+    ordered = sorted(shares, key=lambda name: -shares[name].mean)
+    most, least = (f"{name} ({percent(shares[name].mean)})" for name in (ordered[0], ordered[-1]))
+    return (
+        f"Of the classes, the {table.best.name} finds {most} most often, and {least} least often, "
+        f"with {strategy_name(table.leading)}."
+    )
 
 
 def count_states(touches: pa.Table) -> dict[str, Counter[str]]:
@@ -423,6 +444,7 @@ def methods_values(context: ReportContext) -> Values:
         "protocol": settled_protocol(list(sizes), context.run.parameters.recognition.protocol),
         "objects": len(context.run.objects),
         "classes": context.run.classes,
+        "pipelines": _pipeline_texts(context.run),
         "elevations": [
             f"{value:g}" for value in context.run.parameters.viewpoints.elevations_degrees
         ],
@@ -458,6 +480,11 @@ def provenance_values(context: ReportContext) -> Values:
     }
 
 
+def glossary_values(_: ReportContext) -> Values:
+    """Give the words that are explained where one points at them, for those who can't point."""
+    return {"words": WORDS}
+
+
 def credits_values(context: ReportContext) -> Values:
     """Give the credit of every object's model."""
     return {
@@ -470,33 +497,34 @@ CHAPTERS = {
         Section("answer", "Answers", answer_values),
         Section("method", "The method on one object of this run", method_values),
     ),
-    "Probing strategies": (
+    "Comparison": (
         Section("comparison", comparison_title, comparison_values),
         Section("touches_needed", "Accuracy against touches", touches_needed_values),
-        Section("confusion", "Confusion matrix", confusion_values),
+        Section("confusion", "Which classes are confused", confusion_values),
         Section("certainty", "How sure answers are", certainty_values),
     ),
-    "Accuracy against time": (Section("cost", "What accuracy costs in time", cost_values),),
+    "Cost": (Section("cost", "What accuracy costs in time", cost_values),),
+    "Hard cases": (
+        Section("stability", "Numerical stability in hard cases", stability_values),
+        Section("guards", "Guards of this run's claim", guards_values),
+    ),
     "Effects": (
         Section("influence", "Which effects a scene needs", influence_values),
         Section("effects", "Simulated effects, and effects not needed", effects_values),
     ),
-    "Guards and numerical stability": (
-        Section("guards", "Guards of this run's claim", guards_values),
-        Section("stability", "Numerical stability in hard cases", stability_values),
-    ),
-    "The paper's readings, people's gaze, and studies": (
+    "Objects": (Section("objects", "The objects", objects_values),),
+    "Studies": (
         Section("readings", "The paper under all its readings", readings_values),
         Section("gaze", "Attention compared with human gaze", gaze_values),
         Section("ablations", "Ablations", ablations_values),
         Section("studies", "Own studies", studies_values),
     ),
-    "Objects": (Section("objects", "The objects", objects_values),),
-    "Methods and provenance": (
+    "Methods": (
         Section("methods", "Methods text", methods_values),
         Section("parameters", "Parameters", parameters_values),
         Section("credits", "Credits", credits_values),
         Section("provenance", "What ran, where and how long", provenance_values),
+        Section("glossary", "Glossary", glossary_values),
     ),
 }
 """The page's sections in order, by their entry in the table of contents."""

@@ -165,22 +165,21 @@ def _check(row: Mapping[str, Any]) -> Check:
 
 
 def describe_checks(checks: Iterable[Check]) -> str:
-    """Say in one sentence how many cases were tried, and how near the worst came to its tolerance."""
+    """Say in a sentence or two how many cases were tried, and which came nearest to its tolerance."""
     found = list(checks)
     cases = counted(sum(check.cases for check in found), "hard case")
-    tried = (
-        f"{cases} of {counted(len({(check.family, check.requirement) for check in found}), 'kind')}"
-    )
+    kinds = {(check.family, check.requirement) for check in found}
+    tried = f"{cases} of {counted(len(kinds), 'kind')}"
     broken = [check for check in found if not check.held]
     if broken:
         names = "; ".join(dict.fromkeys(_title(check) for check in broken))
         return f"{tried}: {counted(len(broken), 'tolerance')} exceeded ({names})."
     worst = max(found, key=lambda check: check.share)
-    inexact = {check.requirement for check in found if check.share > 0}
-    exact = len({check.requirement for check in found} - inexact)
+    exact = kinds - {(check.family, check.requirement) for check in found if check.share > 0}
     return (
-        f"{tried}: all within tolerance, {exact} of them without any error; the nearest to its "
-        f"tolerance, {_title(worst)}, used {percent(worst.share, 2)} of it."
+        f"{tried} were tried, and every error is within its tolerance; {counted(len(exact), 'kind')} "
+        f"{'has' if len(exact) == 1 else 'have'} no error at all. The largest error, as a share of what "
+        f"is allowed, is {percent(worst.share, 2)} ({_title(worst)})."
     )
 
 
@@ -193,7 +192,11 @@ def stability_answer(figures: Sequence[StabilityFigures]) -> str:
 
     `figures` are those found on the run's objects, and in hard cases of the code.
     """
-    return describe_checks([check for part in figures for check in part.checks])
+    checks = [check for part in figures for check in part.checks]
+    if any(not check.held for check in checks):
+        return describe_checks(checks)
+    cases = counted(sum(check.cases for check in checks), "hard case")
+    return f"{cases} tried; every error is within its tolerance."
 
 
 def family_chart(figures: StabilityFigures) -> ShareChart:

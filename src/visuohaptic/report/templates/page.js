@@ -304,12 +304,14 @@
     });
   }
 
-  // A link to an object unfolds it, and shows it even if the filter hides it.
+  // A link unfolds what it leads to and what is around it, and shows an object even if the filter hides it.
   const reveal = () => {
     const target = document.getElementById(location.hash.slice(1));
-    if (!target?.classList.contains("object")) return;
+    if (!target) return;
     target.hidden = false;
-    target.querySelector(".fold").open = true;
+    const fold = target.querySelector(":scope > .fold");
+    if (fold) fold.open = true;
+    for (let around = target.closest("details"); around; around = around.parentElement.closest("details")) around.open = true;
     target.scrollIntoView();
   };
   window.addEventListener("hashchange", reveal);

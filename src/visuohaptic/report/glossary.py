@@ -1,0 +1,45 @@
+"""Words of the field that a newcomer may not know, explained where the page first uses them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from markupsafe import Markup, escape
+
+WORDS: Mapping[str, str] = {
+    "channel": "One map of the attention model: colour, intensity, orientation, contrast, curvature, edge, entropy, symmetry.",
+    "contourlet": "An image transform: a Laplacian pyramid whose details a directional filter bank splits into sub-bands.",
+    "correctly classified": "A test sequence (or object) whose predicted class is its true class.",
+    "coverage": "The share of objects whose prediction set holds their class. It is stated for objects like those of the training.",
+    "effect": "A physical effect that may be simulated: shading in a view, noise in an imprint, and so on.",
+    "error rate": "The share that is not correctly classified.",
+    "fixation": "A place at which the attention model rests; the first is the most salient.",
+    "imprint": "The tactile image of one touch: depth or pressure at each taxel.",
+    "pipeline": "A way from features to a class: `paper` is our reading of the paper, `best` our own.",
+    "prediction set": "Classes that together hold the true class at a stated rate.",
+    "reading": "One way to understand the paper: one option for each choice that it leaves open.",
+    "saliency map": "The weighted sum of the conspicuity maps.",
+    "scene": "The world in which a touch happens: cover, electronics, wear; `ideal` has none.",
+    "self-organising map": "A lattice of units fitted to the touches; the paper reduces 22 features to five numbers with it.",
+    "sequence": "The touches of one object from one viewpoint by one strategy, in order.",
+    "split": "One division of the objects into training and test objects.",
+}
+"""As docs/glossary.md has them, by word."""
+
+_FIRST = re.compile(rf"\b({'|'.join(sorted(WORDS, key=len, reverse=True))})(?=s?\b)", re.IGNORECASE)
+
+
+def explained(text: str) -> Markup:
+    """Escape a text, and give the first use of each word of the glossary its meaning on hover."""
+    seen: set[str] = set()
+
+    def explain(match: re.Match[str]) -> str:
+        word = match[1].lower()
+        if word in seen:
+            return match[1]
+        seen.add(word)
+        return f'<abbr title="{escape(WORDS[word])}">{match[1]}</abbr>'
+
+    # An escaped name such as &#39; has no letters of a word of the glossary.
+    return Markup(_FIRST.sub(explain, str(escape(text))))  # noqa: S704 - escaped before
