@@ -48,6 +48,11 @@ def faults(page, part=None):
     return [f"{fault['id']}: {fault['nodes'][0]['html'][:200]}" for fault in found]
 
 
+def unfold(page):
+    """Open everything that is folded."""
+    page.locator("details").evaluate_all("all => all.forEach((each) => { each.open = true; })")
+
+
 def sideways(page):
     return page.evaluate("document.documentElement.scrollWidth - innerWidth")
 
@@ -59,9 +64,7 @@ def test_every_reader_finds_a_quiet_page_without_barriers(visit, keep, folder, n
     opened = visit(folder / f"{name}.html", scheme, viewport)
     keep(opened.page, f"{name}_{reader}", full_page=name == "comparison")
     assert sideways(opened.page) <= 0
-    opened.page.locator("details").evaluate_all(
-        "all => all.forEach((each) => { each.open = true; })"
-    )
+    unfold(opened.page)
     assert sideways(opened.page) <= 0
     assert faults(opened.page) == []
     opened.page.set_viewport_size(NARROWEST)
@@ -81,6 +84,7 @@ def test_each_section_is_kept_as_a_picture(visit, keep, folder, reader):
 @pytest.mark.long
 def test_a_model_turns_by_its_buttons_and_by_the_keyboard(visit, keep, folder):
     opened = visit(folder / "report.html")
+    unfold(opened.page)
     figure = opened.page.locator(".model").first
     eye = "stage => Object.values(stage.layout.scene.camera.eye)"
     figure.locator(".open").press("Enter")
@@ -111,6 +115,7 @@ def test_a_model_turns_by_its_buttons_and_by_the_keyboard(visit, keep, folder):
 def model(visit, folder):
     """A model that was opened, on its page."""
     opened = visit(folder / "report.html")
+    unfold(opened.page)
     figure = opened.page.locator(".model").first
     figure.locator(".open").press("Enter")
     figure.locator("canvas").first.wait_for()
@@ -228,6 +233,7 @@ def test_the_filter_finds_objects_and_an_anchor_leads_past_it(visit, keep, folde
     keep(page.locator(".filter"), "filter")
     hidden = page.locator('article.object[data-name="ball/marble"]')
     assert not hidden.is_visible()
+    unfold(page)
     page.locator('#object-table a:has-text("marble")').click()
     hidden.wait_for(state="visible")
     page.locator("#object-filter").fill("")
@@ -236,7 +242,7 @@ def test_the_filter_finds_objects_and_an_anchor_leads_past_it(visit, keep, folde
 
 def test_every_anchor_leads_to_its_place(visit, folder):
     page = visit(folder / "report.html").page
-    page.locator("details").evaluate_all("all => all.forEach((each) => { each.open = true; })")
+    unfold(page)
     found = page.evaluate(
         """async () => {
           const lost = [];
@@ -259,6 +265,7 @@ def test_every_anchor_leads_to_its_place(visit, folder):
 def test_the_methods_text_is_copied(visit, folder):
     opened = visit(folder / "report.html")
     opened.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    unfold(opened.page)
     opened.page.locator("#copy-methods").click()
     opened.page.get_by_text("Copied.").wait_for()
     copied = opened.page.evaluate("navigator.clipboard.readText()")
@@ -281,6 +288,7 @@ def test_a_figure_is_copied_as_a_drawing_with_its_caption(visit, folder, part):
     opened = visit(folder / "report.html")
     page = opened.page
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    unfold(page)
     figure = page.locator(f"{part} figure:has(> figcaption .copies)").first
     caption = figure.locator("> figcaption").evaluate(
         """one => { const bare = one.cloneNode(true); bare.querySelector(".copies").remove();
@@ -361,7 +369,9 @@ def test_without_scripts_everything_can_be_read(visit, keep, folder):
     for section in page.locator("main > section").all():
         assert section.locator("h2").is_visible()
     assert page.locator("article.object").count() == len(NAMES)
+    page.locator("#methods summary").first.click()
     assert page.locator("#methods-text").is_visible()
+    page.locator("article.object .fold > summary").first.click()
     assert not page.locator("button, input, select").locator("visible=true").count()
     views = page.locator("article.object .all-views").first
     assert not views.locator(".views").is_visible()
