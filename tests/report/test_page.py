@@ -22,6 +22,8 @@ from visuohaptic.report.sections import (
     methods_values,
 )
 from visuohaptic.report.wording import percent, strategy_name
+from visuohaptic.tables.phases import PREDICTIONS
+from visuohaptic.tables.schema import read_table, write_table
 
 NASTY_CLASS = '<i onclick="alert(2)">&amp;'
 NASTY = (
@@ -297,6 +299,31 @@ def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
     assert "plotly-library" not in page.values("id")
     assert "What accuracy costs in time" not in page.text
     assert "Effects of the view" not in page.values("aria-label")
+
+
+@pytest.mark.slow
+def test_a_run_of_which_nothing_was_tested_shows_what_was_touched(tmp_path):
+    """No class has two objects, so recognition left empty tables."""
+    keys = ("cup/<b>", "ball/marble")
+    files = write_run(tmp_path, keys)
+    metrics = json.loads(files.metrics.read_text())
+    files.metrics.write_text(json.dumps({"method": metrics["method"]}))
+    empty = read_table(PREDICTIONS, files.predictions).slice(0, 0)
+    write_table(PREDICTIONS, empty, files.predictions[0])
+    page = read_page(render(files, keys))
+    assert page.mismatches == []
+    assert "Recognition tested no object yet" in page.text
+    assert "recognition needs two objects of a class: ball/marble and cup/<b>" in page.text
+    assert {element.attributes["data-name"] for element in page.named("article")} == set(keys)
+    assert "cup: <b>" in page.text
+
+
+@pytest.mark.slow
+def test_one_class_alone_makes_a_page(tmp_path):
+    keys = ("cup/mug", "cup/beaker")
+    page = read_page(render(write_run(tmp_path, keys), keys))
+    assert page.mismatches == []
+    assert "one class alone can't be confused" in page.text
 
 
 @pytest.mark.slow

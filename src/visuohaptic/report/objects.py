@@ -352,6 +352,8 @@ def _of_view(table: pa.Table, viewpoint: int) -> pa.Table:
 
 def _answers(run: Run) -> dict[str, dict[tuple[str, int], dict[str, int]]]:
     """Count what the best classifier named each object."""
+    if not run.pipelines:
+        return {}
     table = run.pipelines[0]
     chosen = pc.and_(
         pc.equal(run.predictions.column("pipeline"), table.name),

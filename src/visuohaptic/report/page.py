@@ -38,7 +38,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     environment = make_environment()
     shared = {
         "parameters": run.parameters,
-        "pipeline": run.pipelines[0],
+        "pipeline": run.pipelines[0] if run.pipelines else None,
         "several": len(run.pipelines) > 1,
     }
     chapters: dict[str, list[tuple[str, str, str]]] = {}

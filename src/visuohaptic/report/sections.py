@@ -55,6 +55,7 @@ from visuohaptic.report.provenance import (
 )
 from visuohaptic.report.questions import (
     BEST_OF_PAPER,
+    Answer,
     fixation_answer,
     readings_sentence,
     recognition_answer,
@@ -147,9 +148,7 @@ def answer_values(context: ReportContext) -> Values:
     cost = read_cost(run.files.extras.get("frontier"), run.parameters)
     unseen = UNSEEN[recognition.protocol.protocol]
     answers = (
-        recognition_answer(run.pipelines, len(run.classes), touches, unseen),
-        fixation_answer(run.pipelines, _readings_by_set(run)),
-        reproduction_answer(run.pipelines[0]),
+        *_recognition_answers(run, touches, unseen),
         cost_verdict(cost) if cost else None,
     )
     influence = influence_figures(
@@ -157,9 +156,21 @@ def answer_values(context: ReportContext) -> Values:
     )
     return {
         "answers": [one for one in answers if one is not None],
+        "untested": not run.pipelines,
         "effects": effects_answer(influence) if influence else None,
         "stability": _stability_answer(run),
     }
+
+
+def _recognition_answers(run: Run, touches: int, unseen: str) -> tuple[Answer | None, ...]:
+    """Answer what only recognition can; nothing where it tested no object."""
+    if not run.pipelines:
+        return ()
+    return (
+        recognition_answer(run.pipelines, len(run.classes), touches, unseen),
+        fixation_answer(run.pipelines, _readings_by_set(run)),
+        reproduction_answer(run.pipelines[0]),
+    )
 
 
 def _stability_answer(run: Run) -> str | None:
@@ -194,9 +205,11 @@ def _pipeline_texts(run: Run) -> list[str]:
     return [PIPELINES[table.name] for table in run.pipelines if table.name in PIPELINES]
 
 
-def comparison_values(context: ReportContext) -> Values:
+def comparison_values(context: ReportContext) -> Values | None:
     """Give the table of classifiers, beside the published one where it is comparable."""
     tables = context.run.pipelines
+    if not tables:
+        return None
     agrees, differs = agreement(tables[0]) if tables[0].name == PAPER_PIPELINE else ([], [])
     cost = read_cost(context.run.files.extras.get("frontier"), context.run.parameters)
     sentences = (
@@ -316,7 +329,7 @@ def influence_values(context: ReportContext) -> Values:
         "influence": influence_figures(extras.get("effect_influence"), scene.preset),
         "effects_answer": effects_answer,
         "accuracy": accuracy,
-        "by_scene": scene_accuracy(accuracy, 1 / len(context.run.classes)),
+        "by_scene": scene_accuracy(accuracy, 1 / max(len(context.run.classes), 1)),
         "remade": remade_name,
         "scenes": list(PRESETS),
     }
@@ -354,8 +367,10 @@ def guards_values(context: ReportContext) -> Values | None:
     return {"rows": read_table(GUARDS, [path]).to_pylist()}
 
 
-def confusion_values(context: ReportContext) -> Values:
+def confusion_values(context: ReportContext) -> Values | None:
     """Give the confusion matrices, the best classifier first."""
+    if not context.run.pipelines:
+        return None
     run, table = context.run, context.run.pipelines[0]
     found: list[tuple[str, str, Confusion]] = []
     rows = sorted(table.rows, key=lambda row: row is not table.best)
@@ -422,7 +437,7 @@ def objects_values(context: ReportContext) -> Values:
     return {
         "pages": context.pages,
         "credits": context.run.credits,
-        "best": context.run.pipelines[0].best,
+        "best": context.run.pipelines[0].best.name if context.run.pipelines else "classifier",
         "classes": context.run.classes,
         "strategies": sorted(states),
         "states": states,
@@ -435,8 +450,10 @@ def objects_values(context: ReportContext) -> Values:
     }
 
 
-def methods_values(context: ReportContext) -> Values:
-    """Give the parameters that the methods text is made of."""
+def methods_values(context: ReportContext) -> Values | None:
+    """Give the parameters that the methods text is made of; None where nothing was tested."""
+    if not context.run.pipelines:
+        return None
     weights = context.run.parameters.attention.weights.model_dump()
     sizes = Counter(key.split("/")[0] for key in context.run.tested_objects).values()
     return {

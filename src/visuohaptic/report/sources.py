@@ -68,7 +68,7 @@ def find_sources(run: Run, shown: tuple[str, int]) -> dict[str, list[Source]]:
         "answer": [*_answer(run), *_cost(run), *_stability(run), *_influence(run)],
         "comparison": [*_accuracy(run), *_votes(run)],
         "touches_needed": list(_touches_needed(run)),
-        "confusion": [_confusion(run)],
+        "confusion": [_confusion(run)] if run.pipelines else [],
         "certainty": list(_certainty(run)),
         "cost": list(_cost(run)),
         "gaze": list(_gaze(run)),
@@ -260,7 +260,6 @@ def _first_touch(run: Run, shown: tuple[str, int]) -> Source:
 
 def _objects(run: Run) -> Iterator[Source]:
     view = ("class", "object", "viewpoint")
-    table = run.pipelines[0]
     yield Source(
         "Views and maps",
         _pattern(run, run.files.views),
@@ -283,14 +282,15 @@ def _objects(run: Run) -> Iterator[Source]:
         ("image", "sensor_size", "contact_state"),
         (*view, "strategy", "touch"),
     )
-    yield Source(
-        "Classes predicted",
-        _of_pipeline(run, table.name),
-        "predictions",
-        ("predicted",),
-        ("class", "object", "strategy"),
-        {"pipeline": table.name, "classifier": table.best.key},
-    )
+    for table in run.pipelines[:1]:
+        yield Source(
+            "Classes predicted",
+            _of_pipeline(run, table.name),
+            "predictions",
+            ("predicted",),
+            ("class", "object", "strategy"),
+            {"pipeline": table.name, "classifier": table.best.key},
+        )
 
 
 def _extra(
