@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,8 +33,6 @@ MARGIN = 10.0
 LOWEST = STATED_COVERAGES[0] / 100
 """Stated coverage at the chart's left end."""
 
-BINS = 10
-
 Row = Mapping[str, Any]
 
 
@@ -51,22 +49,18 @@ class CertaintyFigures:
     least : int
         Training objects that this coverage needs before it leaves anything out.
     enough : bool
-        Whether there were so many: else the charts would show nothing but that.
+        Whether there were so many: else the chart would show nothing but that.
     rows : tuple of mapping
         By strategy and views: ``strategy``, ``views``, ``set_size``, ``area``, and as `Figure`
         ``accuracy``, ``coverage``, ``false_unknown``, ``found_unknown``.
     classes, views : int
-        Classes, each left out once; largest number of views, which the charts show.
+        Classes, each left out once; largest number of views, which the chart shows.
     strategies : tuple of str
         In the order of their colours.
     coverage : PointChart
         Measured against stated coverage.
     diagonal : tuple of float
         x1, y1, x2 and y2 of the line where both are equal.
-    strangeness : tuple of (str, PointChart)
-        By strategy: how many known and unknown objects are how strange.
-    limit : float
-        From where on an object is called unknown, percent of the width of these charts.
     """
 
     sentences: tuple[str, ...]
@@ -79,8 +73,6 @@ class CertaintyFigures:
     strategies: tuple[str, ...]
     coverage: PointChart
     diagonal: tuple[float, float, float, float]
-    strangeness: tuple[tuple[str, PointChart], ...]
-    limit: float
 
 
 def certainty_figures(
@@ -110,11 +102,6 @@ def certainty_figures(
         strategies,
         coverage_chart(most, strategies),
         (_stated_x(LOWEST), _share_y(LOWEST), _stated_x(1.0), _share_y(1.0)),
-        tuple(
-            (strategy, strangeness_chart(select(most, strategy=strategy)))
-            for strategy in strategies
-        ),
-        round(_across(stated), 2),
     )
 
 
@@ -177,38 +164,11 @@ def coverage_chart(rows: pa.Table, strategies: Sequence[str]) -> PointChart:
             label = f"{strategy_name(strategy)}, {percent(stated, 0)} stated: {percent(held)}"
             points.append(Point(stated, held, label))
         series.append(points)
-    return _chart(series, _stated_x, {x / 10: percent(x / 10, 0) for x in range(5, 11)})
-
-
-def strangeness_chart(rows: pa.Table) -> PointChart:
-    """Place how many objects are how strange, in tenths: known ones, then unknown ones."""
-    series = []
-    for known, name in ((True, "known"), (False, "unknown")):
-        values = select(rows, known=known).column("strangeness").to_numpy()
-        counts, edges = np.histogram(values, BINS, (0.0, 1.0))
-        shares = counts / max(len(values), 1)
-        series.append(
-            [
-                Point(
-                    (low + high) / 2,
-                    share,
-                    f"{percent(share)} of {name} objects, strangeness {low:.1f} to {high:.1f}",
-                )
-                for low, high, share in zip(edges[:-1], edges[1:], shares.tolist(), strict=True)
-            ]
-        )
-    return _chart(series, _across, {x / 5: f"{x / 5:g}" for x in range(6)})
-
-
-def _chart(
-    series: Sequence[Sequence[Point]], across: Callable[[float], float], ticks: Mapping[float, str]
-) -> PointChart:
-    """Place shares, 0 to 100 % upwards, over values that `across` places; `ticks` are named values."""
-    marks, lines = place_points(enumerate(series), across, _share_y)
+    marks, lines = place_points(enumerate(series), _stated_x, _share_y)
     return PointChart(
         height=HEIGHT + 44,
         bottom=HEIGHT,
-        x_ticks=tuple((round(across(x), 2), name) for x, name in ticks.items()),
+        x_ticks=tuple((round(_stated_x(x / 10), 2), percent(x / 10, 0)) for x in range(5, 11)),
         y_ticks=tuple((_share_y(y), percent(y, 0)) for y in (0.0, 0.25, 0.5, 0.75, 1.0)),
         lines=lines,
         marks=marks,
@@ -250,12 +210,8 @@ def _with_intervals(row: Row) -> Row:
     }
 
 
-def _across(share: float) -> float:
-    return MARGIN + (100 - 2 * MARGIN) * share
-
-
 def _stated_x(stated: float) -> float:
-    return _across((stated - LOWEST) / (1 - LOWEST))
+    return MARGIN + (100 - 2 * MARGIN) * (stated - LOWEST) / (1 - LOWEST)
 
 
 def _share_y(share: float) -> float:
