@@ -34,6 +34,6 @@ def test_a_row_of_shares_ends_at_its_largest_and_says_what_is_beyond_the_limit()
         [("rays", "3 cases", [(0.0, "a"), (0.5, "b")]), ("images", "", [(2.0, "c")])]
     )
     first, second = chart.rows
-    assert first.end == place_share(0.5) < chart.limit < second.end
+    assert first.end == place_share(0.5) < place_share(1.0) < second.end
     assert (first.exceeded, second.exceeded) == (False, True)
     assert first.y < second.y < chart.bottom < chart.height

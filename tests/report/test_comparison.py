@@ -1,6 +1,6 @@
 """Sentences follow the figures."""
 
-from visuohaptic.report.comparison import agreement, gain_sentence, merge_notes, read_tables
+from visuohaptic.report.comparison import gain_sentence, merge_notes, read_tables
 
 
 def interval(mean, half=0.05):
@@ -70,26 +70,6 @@ def test_the_gain_is_said_with_what_is_significant():
 def test_the_gain_is_said_to_be_insignificant_where_it_is():
     sentence = gain_sentence(table(p_values=(0.03, 0.6)))
     assert "no difference is significant (smallest Holm-adjusted p 0.06)" in sentence
-
-
-def test_agreement_and_disagreement_are_told_apart():
-    agrees, differs = agreement(table())
-    assert any("within the interval found here for support vector machine" in s for s in agrees)
-    assert any("sign of the difference is the published one for" in s for s in agrees)
-    assert any("best classifier" in s and "in both" in s for s in agrees)
-    assert any(
-        "outside the interval found here for naïve Bayes: here minus published is −26.7" in s
-        for s in differs
-    )
-
-
-def test_other_ranks_and_signs_are_disagreements():
-    agrees, differs = agreement(table(fixation=(0.3, 0.6), random=(0.4, 0.5)))
-    assert not any("sign of the difference is the published" in s for s in agrees)
-    assert any(
-        "is not the published one for support vector machine and naïve" in s for s in differs
-    )
-    assert any("is the naïve Bayes here and the support vector machine in" in s for s in differs)
 
 
 def test_only_the_papers_pipeline_stands_beside_the_paper():

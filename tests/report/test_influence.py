@@ -44,8 +44,8 @@ def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence)
     assert (ideal.milliseconds, ideal.milliseconds_always) == pytest.approx((200.0, 1000.0))
     assert (worn.name, worn.needed, worn.unneeded) == ("worn_fsr", ("noise",), ())
     assert effects_answer(figures).replace("\xa0", " ") == (
-        "Of 2 effects of touch a scene needs: ideal 1 (saves 80 % of the time), worn_fsr 1. Leaving out "
-        "the others changes no bit of an image."
+        "Of 2 effects of touch scenes need: ideal 1 (80 %), worn_fsr 1; in brackets the time saved. No bit "
+        "of an image changes."
     )
     size, noise = figures.touch
     assert (size.milliseconds, size.milliseconds_always) == pytest.approx((200.0, 400.0))

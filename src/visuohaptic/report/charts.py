@@ -248,7 +248,6 @@ class ShareChart:
 
     height: int
     bottom: int
-    limit: float
     ticks: tuple[tuple[float, str], ...]
     rows: tuple[ShareRow, ...]
 
@@ -287,7 +286,6 @@ def share_chart(
     return ShareChart(
         bottom + AXIS_HEIGHT + TITLE_HEIGHT,
         bottom,
-        place_share(1.0),
         (*ticks, (place_share(1.0), "tolerance")),
         tuple(placed),
     )

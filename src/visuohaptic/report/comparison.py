@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,6 @@ from visuohaptic.report.wording import (
     points,
     probability,
     spaced,
-    strategy_name,
 )
 
 PAPER_PIPELINE = "paper"
@@ -174,32 +173,6 @@ def gain_sentence(table: PipelineTable) -> str:
     )
 
 
-def agreement(table: PipelineTable) -> tuple[list[str], list[str]]:
-    """Say where the figures agree with the paper's Table 1, and where they differ."""
-    agrees: list[str] = []
-    differs: list[str] = []
-    known = [row for row in table.rows if row.published]
-    for strategy in table.strategies:
-        covered = [row for row in known if strategy in row.published]
-        inside = [row for row in covered if row.accuracy[strategy].holds(row.published[strategy])]
-        outside = [row for row in covered if row not in inside]
-        if inside:
-            agrees.append(
-                f"With {strategy_name(strategy)}, the published accuracy lies within the interval "
-                f"found here for {_names(inside)}."
-            )
-        if outside:
-            gaps = [row.accuracy[strategy].mean - row.published[strategy] for row in outside]
-            differs.append(
-                f"With {strategy_name(strategy)}, the published accuracy lies outside the interval "
-                f"found here for {_names(outside)}: here minus published is {_span(gaps)} percentage "
-                f"points."
-            )
-    _compare_signs(known, agrees, differs)
-    _compare_ranks(table, known, agrees, differs)
-    return agrees, differs
-
-
 def _pipeline_table(metrics: Mapping[str, Any], name: str) -> PipelineTable:
     results = metrics["results"][name]
     strategies = sorted(results, key=lambda key: (_ORDER.index(key) if key in _ORDER else 9, key))
@@ -263,55 +236,3 @@ def _adjusted(compared: Mapping[str, Any]) -> dict[tuple[str, str], float]:
     keys = [(key, strategy) for key in sorted(compared) for strategy in sorted(compared[key])]
     found = holm([compared[key][strategy]["p_value"] for key, strategy in keys])
     return dict(zip(keys, found, strict=True))
-
-
-def _compare_signs(known: Sequence[ClassifierRow], agrees: list[str], differs: list[str]) -> None:
-    both = [row for row in known if "random" in row.comparisons]
-    same = [
-        row
-        for row in both
-        if (row.comparisons["random"].difference.mean > 0)
-        == (row.published["fixation"] > row.published["random"])
-    ]
-    other = [row for row in both if row not in same]
-    if same:
-        agrees.append(
-            f"Fixations against random probing: the sign of the difference is the published one for "
-            f"{_names(same)}."
-        )
-    if other:
-        differs.append(
-            f"Fixations against random probing: the sign of the difference is not the published one "
-            f"for {_names(other)}."
-        )
-
-
-def _compare_ranks(
-    table: PipelineTable, known: Sequence[ClassifierRow], agrees: list[str], differs: list[str]
-) -> None:
-    strategy = table.leading
-    covered = [row for row in known if strategy in row.published]
-    if len(covered) < 2:
-        return
-    for word, choose in (("best", max), ("weakest", min)):
-        here = choose(covered, key=lambda row: row.accuracy[strategy].mean)
-        there = choose(covered, key=lambda row: row.published[strategy])
-        if here is there:
-            agrees.append(
-                f"The {word} classifier with {strategy_name(strategy)} is the {here.name} in both."
-            )
-        else:
-            differs.append(
-                f"The {word} classifier with {strategy_name(strategy)} is the {here.name} here and the "
-                f"{there.name} in the paper."
-            )
-
-
-def _span(gaps: Sequence[float]) -> str:
-    if len(gaps) == 1:
-        return points(gaps[0])
-    return f"{points(min(gaps))} to {points(max(gaps))}"
-
-
-def _names(rows: Sequence[ClassifierRow]) -> str:
-    return listed([row.name for row in rows])

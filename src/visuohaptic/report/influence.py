@@ -137,9 +137,9 @@ def effects_answer(figures: InfluenceFigures) -> str:
         return ""
     count = max(len(scene.needed) + len(scene.unneeded) for scene in figures.scenes)
     needed = ", ".join(map(_scene_words, figures.scenes))
-    return (
-        f"Of {counted(count, 'effect')} of touch a scene needs: {needed}. {_unchanged(figures.scenes)}"
-    ).rstrip()
+    saved = "; in brackets the time saved" if "(" in needed else ""
+    said = f"Of {counted(count, 'effect')} of touch scenes need: {needed}{saved}."
+    return f"{said} {_unchanged(figures.scenes)}".rstrip()
 
 
 def scene_accuracy(study: StudyFigures | None, chance: float) -> list[SceneAccuracy]:
@@ -273,7 +273,7 @@ def _scene_figures(name: str, rows: Sequence[Mapping[str, Any]]) -> SceneFigures
 def _scene_words(scene: SceneFigures) -> str:
     said = f"{scene.name} {len(scene.needed)}"
     saved = 1 - scene.milliseconds / scene.milliseconds_always if scene.unneeded else 0.0
-    return f"{said} (saves {percent(saved, 0)} of the time)" if saved > 0 else said
+    return f"{said} ({percent(saved, 0)})" if saved > 0 else said
 
 
 def _unchanged(scenes: Sequence[SceneFigures]) -> str:
@@ -282,7 +282,7 @@ def _unchanged(scenes: Sequence[SceneFigures]) -> str:
     if changed:
         return f"In {listed(changed)} images change without the others."
     if all(scene.equal for scene in scenes):
-        return "Leaving out the others changes no bit of an image."
+        return "No bit of an image changes."
     return ""
 
 

@@ -17,16 +17,13 @@ import pyarrow as pa
 
 from visuohaptic.gaze.stored import read_measured
 from visuohaptic.recognition.parameters import Protocol
-from visuohaptic.recognition.published import PAPER
 from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.recognition.summary import Confusion, confusion, select
 from visuohaptic.report.certainty import certainty_figures, evaluation_figures
 from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
-    PAPER_PIPELINE,
     PIPELINES,
     PipelineTable,
-    agreement,
     gain_sentence,
 )
 from visuohaptic.report.cost import (
@@ -210,7 +207,6 @@ def comparison_values(context: ReportContext) -> Values | None:
     tables = context.run.pipelines
     if not tables:
         return None
-    agrees, differs = agreement(tables[0]) if tables[0].name == PAPER_PIPELINE else ([], [])
     cost = read_cost(context.run.files.extras.get("frontier"), context.run.parameters)
     sentences = (
         gain_sentence(tables[0]),
@@ -220,9 +216,6 @@ def comparison_values(context: ReportContext) -> Values | None:
     return {
         "sentences": [sentence for sentence in sentences if sentence],
         "tables": [(table, _chart(context.run, table)) for table in tables],
-        "agrees": agrees,
-        "differs": differs,
-        "paper": PAPER,
         "method": context.run.metrics["method"],
     }
 
@@ -295,7 +288,6 @@ def cost_values(context: ReportContext) -> Values | None:
         "stored": stored,
         "large": None if stored is None else cost_figures(stored.rows, parameters),
         "study": study,
-        "seconds": context.seconds,
         "parts": [] if frontier is None else time_parts(frontier.reference),
     }
 
