@@ -29,7 +29,7 @@ from small_experiment import SMALL_OBJECTS, copy_experiment, set_parameters
 
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", "requirements.lock", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "packages", "meshes/paper", "meshes/own", "profiles",
+    "workflow", "src", "packages", "meshes/paper", "meshes/own", "plugins", "profiles",
 )  # fmt: skip
 SMALL = {
     "viewpoints": {"count": 2},

@@ -21,6 +21,7 @@ from visuohaptic.cli.printing import (
 )
 from visuohaptic.exploration.recognising import DEFAULT_MODEL
 from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.plugins import load_installed
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, TouchableObject
@@ -37,6 +38,17 @@ class UpAxis(StrEnum):
 
     Y = "y"
     Z = "z"
+
+
+def _with_plug_ins(parameters: Path | None) -> Path | None:
+    """Load plug-ins before a name of theirs is looked up."""
+    if parameters is None:
+        load_installed()
+    else:
+        from visuohaptic.parameters import read_parameters
+
+        read_parameters(parameters)
+    return parameters
 
 
 def _strategy(name: str) -> str:
@@ -97,7 +109,11 @@ def touch(
     parameters: Annotated[
         Path | None,
         typer.Option(
-            "--params", parser=file_to_read, help="All other parameters, as in params.yaml."
+            "--params",
+            parser=file_to_read,
+            is_eager=True,
+            callback=_with_plug_ins,
+            help="All other parameters, as in params.yaml; the plug-ins that it names are run.",
         ),
     ] = None,
     out: Annotated[
