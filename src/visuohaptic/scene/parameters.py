@@ -8,7 +8,7 @@ decided beside the effect in `visuohaptic.sensor`; when a visual one is needed, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -173,19 +173,20 @@ class Scene(BaseModel):
         return {**PRESETS.get(values.get("preset", "ideal"), {}), **values}
 
 
-_FIELDS = frozenset(Scene.model_fields)
+_TAKEN = frozenset({*Scene.model_fields, *EffectModes.model_fields})
+
+
+def check_free(effect: str, settings: Iterable[str]) -> None:
+    """Refuse an effect with a name, or settings with names, that the scene itself has."""
+    if twice := _TAKEN & {effect, *settings}:
+        raise RegistryError(
+            f"effect {effect} brings {', '.join(sorted(twice))}, which the scene has already; another "
+            "name is needed."
+        )
 
 
 def grow_scene(effect: str, description: str, settings: Mapping[str, tuple[Any, Any]]) -> None:
-    """Give an effect that is added its mode and its settings, in all scenes that are made from now on.
-
-    Raises `RegistryError` if the scene has a setting of such a name already.
-    """
-    if twice := _FIELDS & set(settings):
-        raise RegistryError(
-            f"effect {effect} has a setting {', '.join(sorted(twice))}, which the scene has already; "
-            "another name is needed."
-        )
+    """Give an effect that is added its mode and its settings, in all scenes that are made from now on."""
     mode = Field("auto", description=description)
     for model in (TactileModes, EffectModes):
         _grow(model, {effect: (Mode, mode)})

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.registry import Registry
-from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene, grow_scene
+from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene, check_free, grow_scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
@@ -63,6 +63,7 @@ def add_effect(entry: Effect, source: str) -> None:
 
     Raises `RegistryError` if its name or that of a setting is taken, or `before` is no effect.
     """
+    check_free(entry.name, entry.settings)
     EFFECTS.add(entry, source, entry.before)
     grow_scene(entry.name, entry.description, entry.settings)
 
