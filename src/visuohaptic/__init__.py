@@ -31,5 +31,5 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
 )
 
 # Set by a process that starts this one: before anything else knows which names there are.
-if "VISUOHAPTIC_PLUGINS" in os.environ:
+if os.environ.get("VISUOHAPTIC_PLUGINS"):
     importlib.import_module("visuohaptic.plugins").load_given()
