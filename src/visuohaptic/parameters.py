@@ -115,13 +115,13 @@ class ExperimentParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    seed: int = Field(2018, ge=0, description="Random seed")
     plugins: tuple[str, ...] = Field(
         (),
         exclude=True,  # code, and no choice: jobs go by what the files hold
         description="Files of Python that register strategies, channels, effects, descriptors, maps or "
         "classifiers of your own, such as [plugins/closest.py]; they run as your own code does",
     )
-    seed: int = Field(2018, ge=0, description="Random seed")
     workflow: WorkflowParameters = WorkflowParameters()
     meshes: MeshParameters = MeshParameters()
     viewpoints: ViewpointParameters = ViewpointParameters()

@@ -54,6 +54,28 @@ def test_a_run_with_plug_ins_is_done_once_and_again_from_the_phase_whose_plug_in
     assert distances(experiment) != touched
 
 
+def test_a_whole_run_is_planned_with_a_plug_in_of_each_kind(experiment, tmp_path):
+    every = Experiment(tmp_path / "every")
+    copy_experiment(every.folder, COPIED, SMALL_OBJECTS, SMALL)
+    for path in EXAMPLES.glob("*.py"):
+        shutil.copy(path, every.folder / "plugins")
+    every.set(
+        plugins=[f"plugins/{path.name}" for path in EXAMPLES.glob("*.py")],
+        attention={"weights": {"redness": 2.0}},
+        scene={"zero_offset": 0.05},
+        probing={"strategies": ["fixation", "closest"]},
+        features={"descriptor": "grid_means"},
+        recognition={
+            "classifiers": ["extra_trees"],
+            "self_organising_map": {"output": "principal"},
+        },
+    )
+    planned = every.planned()
+    assert {"fixations", "touches", "features", "recognition", "report"} <= set(planned)
+    ablations = every.planned("ablations_all")
+    assert ablations["block_of_study"] > 0
+
+
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
