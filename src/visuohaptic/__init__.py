@@ -14,6 +14,8 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     submod_attrs={
         "errors": ["VisuohapticError"],
         "exploration.exploring": ["Exploration", "TouchableObject", "load", "touch"],
+        "exploration.file_frame": ["FileFrame"],
+        "exploration.pose_files": ["read_poses", "write_poses"],
         "exploration.pressing": ["Pressed", "press"],
         "exploration.recognising": ["Recogniser", "Recognition", "read_recogniser"],
         "parameters": ["read_parameters"],

@@ -3,6 +3,9 @@ from .exploration.exploring import Exploration as Exploration
 from .exploration.exploring import TouchableObject as TouchableObject
 from .exploration.exploring import load as load
 from .exploration.exploring import touch as touch
+from .exploration.file_frame import FileFrame as FileFrame
+from .exploration.pose_files import read_poses as read_poses
+from .exploration.pose_files import write_poses as write_poses
 from .exploration.pressing import Pressed as Pressed
 from .exploration.pressing import press as press
 from .exploration.recognising import Recogniser as Recogniser
@@ -12,6 +15,7 @@ from .parameters import read_parameters as read_parameters
 
 __all__ = [
     "Exploration",
+    "FileFrame",
     "Pressed",
     "Recogniser",
     "Recognition",
@@ -20,7 +24,9 @@ __all__ = [
     "load",
     "press",
     "read_parameters",
+    "read_poses",
     "read_recogniser",
     "touch",
+    "write_poses",
 ]
 __version__: str

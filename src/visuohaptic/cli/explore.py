@@ -39,6 +39,15 @@ class UpAxis(StrEnum):
     Z = "z"
 
 
+class LengthUnit(StrEnum):
+    """The unit of length of a model's file."""
+
+    MM = "mm"
+    CM = "cm"
+    M = "m"
+    IN = "in"
+
+
 def _strategy(name: str) -> str:
     if name in STRATEGIES.names:
         return name
@@ -94,6 +103,10 @@ def touch(
     budget: BudgetOption = None,
     strategy: StrategyOption = "fixation",
     up: UpOption = None,
+    unit: Annotated[
+        LengthUnit | None,
+        typer.Option(help="The files' unit of length: effects then know the objects' real size."),
+    ] = None,
     parameters: Annotated[
         Path | None,
         typer.Option(
@@ -118,7 +131,7 @@ def touch(
     viewpoints = _viewpoints(viewpoints, budget)
 
     def touch_one(mesh: Path) -> tuple[Exploration, list[Path]]:
-        found = _explore(_load(mesh, up, chosen), mesh, viewpoints, strategy, chosen)
+        found = _explore(_load(mesh, up, chosen, unit), mesh, viewpoints, strategy, chosen)
         return found, found.save(folders[mesh])
 
     def say_one(mesh: Path, made: tuple[Exploration, list[Path]]) -> None:
@@ -268,13 +281,18 @@ def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | No
     return budgets()[budget.value].viewpoints
 
 
-def _load(mesh: Path, up: UpAxis | None, parameters: ExperimentParameters) -> TouchableObject:
+def _load(
+    mesh: Path,
+    up: UpAxis | None,
+    parameters: ExperimentParameters,
+    unit: LengthUnit | None = None,
+) -> TouchableObject:
     from visuohaptic.exploration.exploring import load
 
     chosen = parameters.meshes
     if up is not None:
         chosen = chosen.model_copy(update={"own_up_axis": up.value})
-    return load(mesh, parameters=chosen)
+    return load(mesh, parameters=chosen, unit=None if unit is None else unit.value)
 
 
 def _explore(
