@@ -178,3 +178,15 @@ def test_a_picture_and_a_short_name_for_many_imprints():
     felt = vh.press(ball, normals, normals, 0.4, resolution=8)
     assert repr(felt) == "<Pressed: 80 imprints of 8 x 8, 80 of which feel something>"
     assert felt.picture().size == (8 * 100 + 4, 8 * 100 + 4)
+
+
+def test_a_file_too_small_for_a_scale_is_touched_and_has_no_way_back(tmp_path):
+    mesh = trimesh.creation.icosphere(2)
+    tiny = (mesh.vertices * 1e-320, mesh.faces)
+    found = vh.load(tiny)
+    assert np.linalg.norm(found.surface.vertices, axis=1).max() == pytest.approx(1)
+    with pytest.raises(MeshError, match="so small or large"):
+        found.frame.points_in_file([[0, 0, 0]])
+    saved = found.touch(1, "random", SMALL).save(tmp_path)
+    assert {path.name for path in saved} > {"picture.png", "touches.parquet"}
+    assert not (tmp_path / "poses.csv").exists()

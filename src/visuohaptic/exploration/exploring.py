@@ -289,13 +289,15 @@ class Exploration:
             The files.
         """
         folder = Path(folder)
-        names = [*(f"{name}.parquet" for name in SCHEMAS), "poses.csv", "picture.png"]
+        poses = ["poses.csv"] if self.frame.has_way_back else []
+        names = [*(f"{name}.parquet" for name in SCHEMAS), *poses, "picture.png"]
         there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
         with tempfile.TemporaryDirectory(dir=there, prefix=".visuohaptic-") as temporary:
             waiting = Path(temporary)
             for name, schema in SCHEMAS.items():
                 write_table(schema, getattr(self, name), waiting / f"{name}.parquet")
-            write_poses(self.poses, waiting / "poses.csv")
+            for name in poses:
+                write_poses(self.poses, waiting / name)
             self.picture().save(waiting / "picture.png")
             folder.mkdir(parents=True, exist_ok=True)
             for name in names:

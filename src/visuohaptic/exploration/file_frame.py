@@ -39,9 +39,18 @@ class FileFrame:
         if self.unit is not None and self.unit not in UNITS:
             raise MeshError(f"unit is {self.unit!r}; {', '.join(UNITS)} are allowed.")
 
+    @property
+    def has_way_back(self) -> bool:
+        """Whether float64 holds the scale of the file's coordinates."""
+        return bool(np.isfinite(self.from_file).all())
+
     @cached_property
     def to_file(self) -> NDArray[np.float64]:
-        """The way back, shape (4, 4), float64."""
+        """The way back, shape (4, 4), float64; `MeshError` where the file's numbers are too small or large for one."""
+        if not self.has_way_back:
+            raise MeshError(
+                "The file's coordinates are so small or large that float64 can't hold its scale; scale the file."
+            )
         return np.asarray(np.linalg.inv(self.from_file), dtype=np.float64)
 
     @cached_property

@@ -106,24 +106,24 @@ def place(
         In the object frame.
     numpy.ndarray
         Shape (4, 4), float64: takes a point (x, y, z, 1) of the given frame into the object frame, to
-        the rounding of vertices.
+        the rounding of vertices; not finite where coordinates are so small or large that no number is its scale.
     """
     _check_finite(surface, name)
     used = surface.vertices[np.unique(surface.faces)]
     vertices, centre, half_extent = _centred_box(used, surface.vertices, name)
-    way = _moved(-centre, 1 / half_extent)
+    way = _moved(-centre, half_extent)
     if rotation is not None:
         vertices = np.einsum("nd,kd->nk", vertices, rotation)
-        way = _turned(rotation) @ way
+        way = _joined(_turned(rotation), way)
     if dimensions is not None:
         factor = _stretching(vertices, surface.faces, np.asarray(dimensions))
         vertices = vertices * factor
-        way = np.diag([*factor, 1.0]) @ way
+        way = _joined(np.diag([*factor, 1.0]), way)
     vertices, centre, radius = _unit_size(vertices, surface.faces, name)
-    way = _moved(-centre, 1 / radius) @ way
+    way = _joined(_moved(-centre, radius), way)
     cleaned = clean(replace(surface, vertices=vertices), merge_tolerance)
     vertices, centre, radius = _unit_size(cleaned.vertices, cleaned.faces, name)
-    way = _moved(-centre, 1 / radius) @ way
+    way = _joined(_moved(-centre, radius), way)
     single = vertices.astype(np.float32)
     rounded = replace(cleaned, vertices=single.astype(np.float64))
     ready = _kept(rounded, rounded.face_areas > 0)
@@ -132,11 +132,19 @@ def place(
     return ready, way
 
 
-def _moved(shift: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
-    """Give the matrix, (4, 4), that moves points and then scales them."""
-    matrix = np.diag([scale, scale, scale, 1.0])
-    matrix[:3, 3] = scale * shift
+def _moved(shift: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+    """Give the matrix, (4, 4), that moves points and then divides them by a length."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        scale = np.float64(1.0) / length
+        matrix = np.diag([scale, scale, scale, 1.0])
+        matrix[:3, 3] = scale * shift
     return matrix
+
+
+def _joined(then: NDArray[np.float64], first: NDArray[np.float64]) -> NDArray[np.float64]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        found: NDArray[np.float64] = then @ first
+    return found
 
 
 def _turned(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
