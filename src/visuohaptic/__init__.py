@@ -18,6 +18,8 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "attention.registry": ["Channel"],
         "errors": ["VisuohapticError"],
         "exploration.exploring": ["Exploration", "TouchableObject", "load", "touch"],
+        "exploration.file_frame": ["FileFrame"],
+        "exploration.pose_files": ["read_poses", "write_poses"],
         "exploration.pressing": ["Pressed", "press"],
         "exploration.recognising": ["Recogniser", "Recognition", "read_recogniser"],
         "features.descriptors": ["Descriptor"],

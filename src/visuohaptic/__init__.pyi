@@ -4,6 +4,9 @@ from .exploration.exploring import Exploration as Exploration
 from .exploration.exploring import TouchableObject as TouchableObject
 from .exploration.exploring import load as load
 from .exploration.exploring import touch as touch
+from .exploration.file_frame import FileFrame as FileFrame
+from .exploration.pose_files import read_poses as read_poses
+from .exploration.pose_files import write_poses as write_poses
 from .exploration.pressing import Pressed as Pressed
 from .exploration.pressing import press as press
 from .exploration.recognising import Recogniser as Recogniser
@@ -23,6 +26,7 @@ __all__ = [
     "Descriptor",
     "Effect",
     "Exploration",
+    "FileFrame",
     "Map",
     "Pressed",
     "Recogniser",
@@ -33,8 +37,10 @@ __all__ = [
     "load",
     "press",
     "read_parameters",
+    "read_poses",
     "read_recogniser",
     "register",
     "touch",
+    "write_poses",
 ]
 __version__: str

@@ -40,6 +40,15 @@ class UpAxis(StrEnum):
     Z = "z"
 
 
+class LengthUnit(StrEnum):
+    """The unit of length of a model's file."""
+
+    MM = "mm"
+    CM = "cm"
+    M = "m"
+    IN = "in"
+
+
 def _with_plug_ins(parameters: Path | None) -> Path | None:
     """Load plug-ins before a name of theirs is looked up."""
     if parameters is None:
@@ -106,6 +115,10 @@ def touch(
     budget: BudgetOption = None,
     strategy: StrategyOption = "fixation",
     up: UpOption = None,
+    unit: Annotated[
+        LengthUnit | None,
+        typer.Option(help="The files' unit of length: effects then know the objects' real size."),
+    ] = None,
     parameters: Annotated[
         Path | None,
         typer.Option(
@@ -134,7 +147,7 @@ def touch(
     viewpoints = _viewpoints(viewpoints, budget)
 
     def touch_one(mesh: Path) -> tuple[Exploration, list[Path]]:
-        found = _explore(_load(mesh, up, chosen), mesh, viewpoints, strategy, chosen)
+        found = _explore(_load(mesh, up, chosen, unit), mesh, viewpoints, strategy, chosen)
         return found, found.save(folders[mesh])
 
     def say_one(mesh: Path, made: tuple[Exploration, list[Path]]) -> None:
@@ -284,13 +297,18 @@ def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | No
     return budgets()[budget.value].viewpoints
 
 
-def _load(mesh: Path, up: UpAxis | None, parameters: ExperimentParameters) -> TouchableObject:
+def _load(
+    mesh: Path,
+    up: UpAxis | None,
+    parameters: ExperimentParameters,
+    unit: LengthUnit | None = None,
+) -> TouchableObject:
     from visuohaptic.exploration.exploring import load
 
     chosen = parameters.meshes
     if up is not None:
         chosen = chosen.model_copy(update={"own_up_axis": up.value})
-    return load(mesh, parameters=chosen)
+    return load(mesh, parameters=chosen, unit=None if unit is None else unit.value)
 
 
 def _explore(
