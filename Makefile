@@ -110,7 +110,7 @@ lock:
 	$(PIN) --extra workflow --constraint requirements-dev.lock --output-file requirements.lock
 
 clean:
-	rm -rf results reports/report.html reports/metrics.json reports/plots logs .snakemake
+	rm -rf results reports/report.html reports/metrics.json reports/headline.json reports/plots logs .snakemake
 
 $(PACKAGES): requirements.lock
 	@PYTHON=$(PYTHON) ./set_up.sh packages

@@ -63,7 +63,7 @@ def schema_page() -> str:
     for section in (schema, *schema["$defs"].values()):
         for field in section["properties"].values():
             if "$ref" in field:
-                del field["default"]  # the section's own fields have them
+                field.pop("default", None)  # the section's own fields have them
     dialect = {"$schema": GenerateJsonSchema.schema_dialect}
     return json.dumps(dialect | schema, indent=2, ensure_ascii=False) + "\n"
 

@@ -64,10 +64,35 @@ def test_a_parameter_takes_the_names_alone():
     assert Basket.model_json_schema()["properties"]["fruit"]["enum"] == ["apple", "cherry"]
 
 
+def test_an_entry_that_is_added_is_allowed_from_then_on():
+    nuts = Registry("nut", Fruit("acorn", 1), Fruit("walnut", 1))
+
+    class Bag(BaseModel):
+        nut: Annotated[str, nuts]
+
+    nuts.add(Fruit("hazel", 1), "a.py")
+    nuts.add(Fruit("pecan", 1), "a.py", before="walnut")
+    assert nuts.names == ("acorn", "pecan", "walnut", "hazel")
+    assert Bag(nut="hazel").nut == "hazel"
+    assert Bag.model_json_schema()["properties"]["nut"]["enum"] == list(nuts.names)
+    nuts.add(Fruit("hazel", 2), "a.py")
+    assert nuts["hazel"].seeds == 2
+
+
+@pytest.mark.parametrize("name", ["acorn", "hazel"])
+def test_a_name_of_the_package_or_of_another_plug_in_is_not_replaced(name):
+    nuts = Registry("nut", Fruit("acorn", 1))
+    nuts.add(Fruit("hazel", 1), "a.py")
+    with pytest.raises(RegistryError, match=f"'{name}' can't name a nut; .* each name once"):
+        nuts.add(Fruit(name, 2), "b.py")
+    assert nuts[name].seeds == 1
+
+
 @pytest.mark.parametrize(
     "module",
     [
         "visuohaptic.fixations.parameters",
+        "visuohaptic.features.parameters",
         "visuohaptic.recognition.parameters",
         "visuohaptic.attention.parameters",
         "visuohaptic.scene.parameters",

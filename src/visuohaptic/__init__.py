@@ -3,6 +3,9 @@
 ``import visuohaptic as vh; vh.load("mug.obj").touch(viewpoints=16).recognise()``
 """
 
+import importlib
+import os
+
 import lazy_loader
 
 __version__ = "0.1.0"
@@ -12,10 +15,23 @@ __version__ = "0.1.0"
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
+        "attention.registry": ["Channel"],
         "errors": ["VisuohapticError"],
         "exploration.exploring": ["Exploration", "TouchableObject", "load", "touch"],
+        "exploration.file_frame": ["FileFrame"],
+        "exploration.pose_files": ["read_poses", "write_poses"],
         "exploration.pressing": ["Pressed", "press"],
         "exploration.recognising": ["Recogniser", "Recognition", "read_recogniser"],
+        "features.descriptors": ["Descriptor"],
+        "fixations.probing": ["Strategy"],
         "parameters": ["read_parameters"],
+        "plugins": ["register"],
+        "recognition.classifiers": ["Classifier"],
+        "recognition.maps": ["Map"],
+        "sensor.planner": ["Effect"],
     },
 )
+
+# Set by a process that starts this one: before anything else knows which names there are.
+if os.environ.get("VISUOHAPTIC_PLUGINS"):
+    importlib.import_module("visuohaptic.plugins").load_given()

@@ -25,6 +25,10 @@ class RegistryError(VisuohapticError):
     """A name is not registered, or what is declared and what is implemented differ."""
 
 
+class PlugInError(RegistryError):
+    """A plug-in is missing, fails, or registers nothing that can be registered."""
+
+
 class TableError(VisuohapticError):
     """A table breaks its schema."""
 

@@ -22,6 +22,7 @@ from visuohaptic.fixations.parameters import (
 )
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.plugins import load_files, load_installed
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
@@ -115,14 +116,20 @@ class ExperimentParameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     seed: int = Field(2018, ge=0, description="Random seed")
+    plugins: tuple[str, ...] = Field(
+        (),
+        exclude=True,  # code, and no choice: jobs go by what the files hold
+        description="Files of Python that register strategies, channels, effects, descriptors, maps or "
+        "classifiers of your own, such as [plugins/closest.py]; they run as your own code does",
+    )
     workflow: WorkflowParameters = WorkflowParameters()
     meshes: MeshParameters = MeshParameters()
     viewpoints: ViewpointParameters = ViewpointParameters()
     rendering: RenderingParameters = RenderingParameters()
-    attention: AttentionParameters = AttentionParameters()
+    attention: AttentionParameters = Field(default_factory=AttentionParameters)
     probing: ProbingParameters = ProbingParameters()
     sensor: SensorParameters = SensorParameters()
-    scene: Scene = Scene()
+    scene: Scene = Field(default_factory=Scene)
     features: FeatureParameters = FeatureParameters()
     recognition: RecognitionParameters = RecognitionParameters()
     cost: CostParameters = CostParameters()
@@ -219,7 +226,8 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     Parameters
     ----------
     path : path
-        A file such as ``params.yaml``; what it leaves out takes its default.
+        A file such as ``params.yaml``; what it leaves out takes its default. The plug-ins that it
+        names, relative to its folder, are run.
 
     Returns
     -------
@@ -230,6 +238,8 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     ------
     ParameterError
         If the file can't be read, holds a name twice, or a name or value that is not allowed.
+    PlugInError
+        If a plug-in that it names can't be loaded.
     """
     import yaml
 
@@ -240,6 +250,8 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
         raise ParameterError(f"{path} can't be read: {_reason(error)}.") from error
     if not isinstance(values, dict):
         raise ParameterError(f"{path} holds no parameters; sections as in params.yaml are needed.")
+    load_installed()
+    load_files(values.get("plugins", ()), Path(path).parent)
     return check_parameters(values, str(path))
 
 
@@ -285,6 +297,7 @@ def as_parameters(
     ParameterError
         If a name is unknown or given twice, or a value not allowed.
     """
+    load_installed()
     if values is None:
         return ExperimentParameters()
     if isinstance(values, ExperimentParameters):
@@ -294,6 +307,7 @@ def as_parameters(
             f"parameters is of type {type(values).__name__}; a mapping or ExperimentParameters "
             "is needed."
         )
+    load_files(values.get("plugins", ()))
     return check_parameters(_nested(values), "parameters")
 
 

@@ -27,7 +27,7 @@ class Registry(Generic[Entry]):
     """All variants of one kind, in order.
 
     As metadata of a string, as in ``Annotated[str, STRATEGIES]``, it makes pydantic allow the
-    registered names alone.
+    registered names alone, those that are added later among them.
 
     Parameters
     ----------
@@ -45,14 +45,34 @@ class Registry(Generic[Entry]):
 
     def __init__(self, kind: str, *entries: Entry) -> None:
         self.kind = kind
-        self.names = tuple(entry.name for entry in entries)
-        self._entries = {entry.name: entry for entry in entries}
-        for name in self.names:
-            if not re.fullmatch("[a-z_]+", name) or self.names.count(name) > 1:
-                raise RegistryError(
-                    f"{name!r} can't name a {kind}; letters a to z and _ are allowed, and each "
-                    "name once."
-                )
+        self._entries: dict[str, Entry] = {}
+        self._sources: dict[str, str] = {}
+        for entry in entries:
+            self._check_name(entry.name)
+            self._entries[entry.name] = entry
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all entries, in order."""
+        return tuple(self._entries)
+
+    def add(self, entry: Entry, source: str, before: str | None = None) -> None:
+        """Add an entry of a plug-in, the last one or in front of another.
+
+        One that the same source added before is replaced, so that a cell of a notebook can run
+        twice. Raises `RegistryError` if the name is taken, or can't be one.
+        """
+        if self._sources.get(entry.name) != source:
+            self._check_name(entry.name)
+        following = self[before].name if before is not None else None
+        self._entries.pop(entry.name, None)
+        self._sources[entry.name] = source
+        found = list(self._entries.values())
+        place = next((at for at, one in enumerate(found) if one.name == following), len(found))
+        found.insert(place, entry)
+        # In place, for others may hold a view.
+        self._entries.clear()
+        self._entries.update((one.name, one) for one in found)
 
     def __getitem__(self, name: str) -> Entry:
         if name not in self._entries:
@@ -75,7 +95,26 @@ class Registry(Generic[Entry]):
     def __iter__(self) -> Iterator[Entry]:
         return iter(self._entries.values())
 
+    def _check_name(self, name: str) -> None:
+        if not re.fullmatch("[a-z_]+", name) or name in self._entries:
+            raise RegistryError(
+                f"{name!r} can't name a {self.kind}; letters a to z and _ are allowed, and each "
+                "name once."
+            )
+
+    def _check(self, value: object) -> object:
+        if value in self.names:
+            return value
+        from pydantic_core import PydanticKnownError
+
+        *most, last = map(repr, self.names)
+        expected = f"{', '.join(most)} or {last}" if most else last
+        raise PydanticKnownError("literal_error", {"expected": expected})
+
     def __get_pydantic_core_schema__(self, *_: object) -> CoreSchema:
         from pydantic_core import core_schema
 
-        return core_schema.literal_schema(list(self.names))
+        return core_schema.no_info_plain_validator_function(self._check)
+
+    def __get_pydantic_json_schema__(self, *_: object) -> dict[str, object]:
+        return {"enum": list(self.names), "type": "string"}

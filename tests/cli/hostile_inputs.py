@@ -265,7 +265,6 @@ _GROUP_PARAMETERS += [
 _GROUP_MODELS = [
     Case("model", "missing", ("recognise", "ring.obj"), 1, "best.skops is not there.*model_all"),
     Case("model", "folder", ("recognise", "ring.obj", "--model", "."), 1, "is a folder; the model in it is needed"),
-    Case("model", "alone", ("recognise", "ring.obj", "--model", "m.skops"), 1, "m.yaml is not there", put("m.skops", "x")),
     Case("model", "empty name", ("recognise", "ring.obj", "--model", ""), 2, "the name is empty; a file is needed"),
     Case("model", "no catalogue", ("meshes", "check"), 1, "catalogue.csv can't be read: No such file"),
     Case("model", "no run", ("report", "gone"), 1, "^error: gone"),

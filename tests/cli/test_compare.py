@@ -18,9 +18,11 @@ def figure(mean, low, high):
     return {"mean": mean, "low": low, "high": high}
 
 
-def write_run(folder, accuracy, parameters=None, classifier="naive_bayes"):
+def write_run(folder, accuracy, parameters=None, classifier="naive_bayes", by_object=None):
     (folder / "reports").mkdir(parents=True)
     cell = {"accuracy": accuracy, "object_accuracy": figure(0.5, None, None)}
+    if by_object is not None:
+        cell["by_object"] = {f"cup/{place}": [one, 1.0] for place, one in enumerate(by_object)}
     metrics = {"results": {"paper": {"fixation": {classifier: cell}}}}
     (folder / "reports" / "metrics.json").write_text(json.dumps(metrics))
     if parameters is not None:
@@ -44,7 +46,28 @@ def test_the_page_tells_parameters_accuracies_and_differences(visuohaptic, tmp_p
     assert "<script" not in page
 
 
-def test_the_difference_of_equal_runs_is_open(visuohaptic, tmp_path):
+def test_runs_over_the_same_objects_are_compared_in_pairs(visuohaptic, tmp_path):
+    spread = [0.1 * place for place in range(10)]
+    write_run(tmp_path / "a", figure(0.45, 0.25, 0.65), {}, by_object=spread)
+    better = [one + 0.05 + 0.001 * (place % 3) for place, one in enumerate(spread)]
+    write_run(tmp_path / "b", figure(0.501, 0.3, 0.7), {}, by_object=better)
+    found = json.loads(visuohaptic("compare", "a", "b", "--json").out)["figures"][0]
+    assert found["direction"] == "higher"
+    assert found["difference"]["mean"] == pytest.approx(0.0509)
+    assert 0.05 < found["difference"]["low"] < found["difference"]["high"] < 0.052
+    assert found["p_value"] == pytest.approx(2 / 2**10)
+    itself = visuohaptic("compare", "a", "a", "--json")
+    same = json.loads(itself.out)["figures"][0]
+    assert same["direction"] == "equal"
+    assert same["difference"] == {"mean": 0.0, "low": 0.0, "high": 0.0}
+    assert "equal on every object" in (tmp_path / "comparison/comparison.html").read_text()
+    other = tmp_path / "c"
+    write_run(other, figure(0.501, 0.3, 0.7), {}, by_object=better[:9])
+    unpaired = json.loads(visuohaptic("compare", "a", "c", "--json").out)["figures"][0]
+    assert (unpaired["direction"], unpaired["p_value"]) == ("open", None)
+
+
+def test_the_difference_of_equal_runs_whose_objects_are_not_known_is_open(visuohaptic, tmp_path):
     write_run(tmp_path / "a", figure(0.6, 0.5, 0.7), {})
     ended = visuohaptic("compare", "a", "a", "--json")
     assert {found["direction"] for found in json.loads(ended.out)["figures"]} == {"open"}
@@ -89,7 +112,17 @@ def test_names_are_shown_escaped_and_stay_in_the_folder(visuohaptic, tmp_path):
     assert 300 * "ö" in page
 
 
-@pytest.mark.parametrize("content", [b"", b"[]", b"{}", b'{"results": {"a": 3}}', b"\xff"])
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"[]",
+        b"{}",
+        b'{"results": {"a": 3}}',
+        b"\xff",
+        b'{"results": {"a": {"b": {"c": {"by_object": 3}}}}}',
+    ],
+)
 def test_what_is_no_metrics_file_is_named(visuohaptic, tmp_path, content):
     (tmp_path / "m.json").write_bytes(content)
     ended = visuohaptic("compare", "m.json", "m.json")

@@ -153,7 +153,7 @@ def test_nothing_leaves_the_output_folder_whatever_the_mesh_is_called(
     assert ended.code == 0, ended.err
     written = {path for path in tmp_path.rglob("*") if path.is_file()} - before
     assert {path.parent for path in written} == {tmp_path / "felt"}
-    assert len(written) == 6
+    assert len(written) == 7
 
 
 @pytest.mark.parametrize(

@@ -83,6 +83,8 @@ def test_the_tour_runs_from_end_to_end(folder, visuohaptic, monkeypatch):
         "page/report.html",
         "comparison/comparison.html",
         "mug.png",
+        "pressed/imprints.npy",
+        "pressed.png",
     }
     assert all((folder / name).is_file() for name in made)
 
@@ -98,4 +100,4 @@ def run_snakemake(folder, arguments):
 
 def test_the_tour_shows_every_command():
     shown = {command.split()[1] for command in COMMANDS if command.startswith("visuohaptic")}
-    assert shown == {"touch", "recognise", "report", "compare"}
+    assert shown == {"touch", "press", "recognise", "report", "compare"}

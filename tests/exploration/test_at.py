@@ -49,7 +49,7 @@ def test_what_is_felt_at_given_points_is_what_the_eye_lets_feel_there(ball):
 def test_it_is_pictured_and_saved_without_views(ball, tmp_path):
     felt = ball.touch(at=PLACES)
     assert felt.picture().width > 100
-    assert len(felt.save(tmp_path)) == 6
+    assert len(felt.save(tmp_path)) == 7
 
 
 @pytest.mark.parametrize(

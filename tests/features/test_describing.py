@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 
 from visuohaptic.errors import ParameterError
+from visuohaptic.features import describing
 from visuohaptic.features.describing import describe_imprints
+from visuohaptic.features.descriptors import DESCRIPTORS, Descriptor
 from visuohaptic.features.parameters import FeatureParameters
 
 
@@ -33,3 +35,24 @@ def test_levels_choose_the_bands_and_the_default_is_one_level_of_sixteen():
 def test_more_bands_than_columns_are_refused():
     with pytest.raises(ValueError, match="28 bands are more than the 16"):
         FeatureParameters(levels=(2, 3, 4))
+
+
+@pytest.mark.parametrize("name", DESCRIPTORS.names)
+def test_a_descriptor_gives_each_imprint_a_row_of_its_own(name):
+    imprints = np.random.default_rng(0).random((3, 32, 32), np.float32)
+    parameters = FeatureParameters(descriptor=name)
+    rows = describe_imprints(imprints, parameters)
+    assert rows.shape[0] == 3
+    assert 1 <= rows.shape[1] <= 16
+    for imprint, row in zip(imprints, rows, strict=True):
+        np.testing.assert_array_equal(describe_imprints(imprint[None], parameters), row[None])
+
+
+@pytest.mark.parametrize("shape", [(2, 17), (3, 4), (2,)])
+def test_a_descriptor_that_gives_other_than_a_row_each_is_refused(shape, monkeypatch):
+    wrong = Descriptor("wrong", "wrong", lambda *_: np.zeros(shape))
+    monkeypatch.setattr(describing, "DESCRIPTORS", {"contourlet": wrong})
+    with pytest.raises(
+        ParameterError, match=r"descriptor wrong gave an array of shape .* at most 16"
+    ):
+        describe_imprints(np.zeros((2, 8, 8), np.float32), FeatureParameters())

@@ -11,6 +11,7 @@ from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import ClassifierParameters, fit_classifier
 from visuohaptic.recognition.experiment import PAPER_FEATURES, gather_pipeline
+from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.parameters import (
     ProtocolParameters,
     RecognitionParameters,
@@ -76,7 +77,7 @@ def test_strategies_are_tested_on_the_same_splits():
     assert first == second
 
 
-@pytest.mark.parametrize("output", ["unit_distances", "one_hot", "lattice", "feature_groups"])
+@pytest.mark.parametrize("output", MAPS.names)
 @pytest.mark.parametrize("training", ["batch", "online"])
 def test_every_reading_of_the_map_runs_or_says_why_not(output, training):
     settings = SelfOrganisingMapParameters(

@@ -13,6 +13,7 @@ from report.synthetic import OBJECTS, PARAMETERS, STRATEGIES, write_run
 
 from visuohaptic.fixations.probing import STRATEGIES as STRATEGIES_OF_PACKAGE
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.plugins import PlugIn
 from visuohaptic.report.page import PAPER_ADDRESS, make_environment, render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.sections import (
@@ -20,6 +21,7 @@ from visuohaptic.report.sections import (
     ReportContext,
     comparison_title,
     methods_values,
+    parameters_values,
 )
 from visuohaptic.report.wording import percent, strategy_name
 from visuohaptic.tables.phases import PREDICTIONS
@@ -390,3 +392,14 @@ def test_each_of_ten_strategies_has_a_mark_and_a_colour_of_its_own():
     classes, shapes = zip(*(mark.split(">", 1) for mark in marks), strict=True)
     assert len(set(classes)) == len(set(shapes)) == 10
     assert len(STRATEGIES_OF_PACKAGE.names) + 1 <= 10  # and the adaptive one
+
+
+def test_the_page_names_the_plug_ins_of_the_run(monkeypatch):
+    mine = PlugIn("/home/me/plugins/mine.py", frozenset()), PlugIn("a.b", frozenset(), "packaged")
+    monkeypatch.setattr("visuohaptic.report.sections.loaded", lambda: mine)
+    context = SimpleNamespace(run=SimpleNamespace(parameters=ExperimentParameters()))
+    values = parameters_values(context)
+    assert values["plug_ins"] == ["mine.py", "packaged"]
+    assert "plugins" not in dict(values["groups"])
+    page = make_environment().get_template("parameters.html.jinja").render(**values)
+    assert "Plug-ins: <code>mine.py</code>, <code>packaged</code>." in page

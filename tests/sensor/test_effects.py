@@ -56,4 +56,4 @@ def test_an_effect_does_to_a_touch_what_it_does_to_it_among_others(effect):
 
 def test_every_mode_has_an_effect_and_every_effect_a_mode():
     _, records = feel(Scene())
-    assert ("adaptive_size", *records) == TACTILE_EFFECTS
+    assert ["adaptive_size", *records] == list(TACTILE_EFFECTS)

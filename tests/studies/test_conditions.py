@@ -90,6 +90,7 @@ def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():
         ({"scene.preset": "moon"}, "mine: scene.preset is 'moon': .*ideal.*"),
         ({"meshes.set": "all"}, "mine: meshes.set can't vary, for a study has the objects of the run."),
         ({"workflow": {}}, "mine: workflow can't vary, for .*"),
+        ({"plugins": ["a.py"]}, "mine: plugins can't vary, for they are code of the whole run."),
     ],
 )  # fmt: skip
 def test_what_is_not_allowed_is_refused_in_one_sentence(changes, sentence):

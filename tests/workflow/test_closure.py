@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from visuohaptic_workflow.closure import code_of
+from visuohaptic.plugins import PlugIn
+from visuohaptic_workflow.closure import code_of, with_plug_ins
 
 ROOT = Path(__file__).parents[2]
 FILES = {
@@ -58,6 +59,30 @@ def test_figures_beside_a_module_that_reads_some_count(source, tmp_path):
 def test_a_lazy_package_brings_what_its_stub_names(source, tmp_path):
     names, _ = code(source, tmp_path, "from toyhand.lazy import x\n")
     assert names >= {"lazy/__init__.py", "lazy/one.py", "lazy/two.py", "d.py"}
+
+
+def test_a_plug_in_is_code_of_the_scripts_that_run_what_it_registered_with(
+    source, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    plug_in = tmp_path / "mine.py"
+    plug_in.write_text("import sklearn\nfrom toyhand import d\n")
+    mine = PlugIn(str(plug_in), frozenset({"toyhand.c"}))
+    installed = PlugIn("mine.installed", frozenset({"toyhand.b"}), "pytest")
+    script = tmp_path / "script.py"
+    for text, homes in (("import toyhand.a", 2), ("import toyhand.c", 1), ("import toyhand.d", 0)):
+        script.write_text(text)
+        code_of.cache_clear()
+        plain = code_of(script, (source,))
+        found = with_plug_ins(plain, [mine, installed], (source,))
+        added = {str(file) for file in set(found.files) - set(plain.files)}
+        assert added == (
+            {"mine.py", *(str(source / f"toyhand/{name}") for name in ("d.py", "figures.json"))}
+            if homes
+            else set()
+        )
+        assert ("sklearn" in found.versions) == (homes > 0)
+        assert found.versions.get("pytest") == (version("pytest") if homes == 2 else None)
 
 
 @pytest.mark.parametrize("name", ["features", "report"])

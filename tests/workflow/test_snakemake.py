@@ -44,13 +44,6 @@ def test_a_touched_file_reruns_nothing(experiment):
     assert experiment.planned() == {}
 
 
-def test_snakemake_looks_for_jobs_to_start_when_one_has_ended_and_not_by_the_clock(experiment):
-    output = experiment.snakemake("--verbose", "--forcerun", "meshes", "--until", "meshes").stdout
-    assert output.count("Finished jobid") == 4
-    # Once more at the start; the end is looked for only where jobs are left.
-    assert output.count("Ready jobs") <= 4 + 1
-
-
 def test_a_parameter_of_recognition_reruns_no_touch(experiment):
     experiment.set(recognition={"classifier": {"neighbours": 3}})
     assert experiment.planned() == {

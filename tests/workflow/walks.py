@@ -29,7 +29,7 @@ from small_experiment import SMALL_OBJECTS, copy_experiment, set_parameters
 
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", "requirements.lock", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
-    "workflow", "src", "packages", "meshes/paper", "meshes/own", "profiles",
+    "workflow", "src", "packages", "meshes/paper", "meshes/own", "plugins", "profiles",
 )  # fmt: skip
 SMALL = {
     "viewpoints": {"count": 2},
@@ -52,7 +52,9 @@ with job(snakemake):
     given = hashlib.sha256(f"{snakemake.rule} {VERSION}".encode())
     parameters = {name: value for name, value in snakemake.params.items() if name != "key"}
     given.update(json.dumps(parameters, sort_keys=True).encode())
-    given.update(f"{getattr(code, 'VALUE', 0)} {version('PyWavelets')}".encode())
+    # The features alone are made with PyWavelets.
+    own = version("PyWavelets") if snakemake.rule == "features" else ""
+    given.update(f"{getattr(code, 'VALUE', 0)} {own}".encode())
     for file in sorted(set(map(str, snakemake.input))):
         for part in [Path(file)] if Path(file).is_file() else sorted(Path(file).glob("*.ply")):
             given.update(str(part).encode() + part.read_bytes())

@@ -24,11 +24,12 @@ from visuohaptic.parameters import (
     check_run,
     check_spelling,
 )
+from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.whole_files import write_whole
 from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.closing import lines_at_end
-from visuohaptic_workflow.closure import code_of
+from visuohaptic_workflow.closure import code_of, with_plug_ins
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.keys import Keys, read_record
@@ -92,6 +93,10 @@ configfile: shipped("params.yaml")
 # Those of a workflow that uses this one as a module are its own matter.
 for file in workflow.configfiles if IS_MAIN else []:
     or_stop(check_spelling, file)
+# Before anything is checked by the names that they register; jobs load them as the package is imported.
+or_stop(load_installed)
+or_stop(load_files, config.get("plugins", []))
+hand_on()
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
 # Of each sequence of touches.
@@ -269,8 +274,7 @@ def keep_times_out(item):
 def code_of_rule(name):
     """List the files of code that a rule runs, as inputs."""
     return in_clone(
-        os.path.relpath(file)
-        for file in code_of(DECLARED[name].script, tuple(SOURCES)).files
+        os.path.relpath(file) for file in find_code(DECLARED[name].script).files
     )
 
 
@@ -294,9 +298,11 @@ def keys():
     return Keys(planned_jobs(), find_code, DIGESTS, ROOT, KEPT_RECORDS)
 
 
+@cache
 def find_code(script):
-    """Find what a script runs."""
-    return code_of(script, tuple(SOURCES))
+    """Find what a script runs, plug-ins among it."""
+    sources = tuple(SOURCES)
+    return with_plug_ins(code_of(script, sources), loaded(), sources)
 
 
 def packed_code(wildcards):

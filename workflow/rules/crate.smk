@@ -22,7 +22,10 @@ rule crate:
     params:
         key=key_of_rule("crate"),
         root=os.path.relpath(ROOT),
-        parameters=PARAMETERS.model_dump(exclude={"workflow"}),
+        parameters={
+            **PARAMETERS.model_dump(exclude={"workflow"}),
+            "plugins": list(PARAMETERS.plugins),
+        },
         commit=packed_commit,
     message:
         "packing the run as an RO-Crate"

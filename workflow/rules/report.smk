@@ -12,6 +12,7 @@ rule report_all:
     input:
         "reports/report.html",
         "reports/metrics.json",
+        "reports/headline.json",
         "reports/plots/accuracy.csv",
         "reports/plots/confusion.csv",
         "results/records/metrics.json",
@@ -35,6 +36,7 @@ rule metrics:
             caption="../report/metrics.rst",
             category="Recognition",
         ),
+        headline="reports/headline.json",
         accuracy=report(
             "reports/plots/accuracy.csv",
             caption="../report/accuracy.rst",

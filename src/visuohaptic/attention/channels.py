@@ -53,10 +53,11 @@ def _in_fours(names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(names[start : start + 4]) for start in range(0, len(names), 4))
 
 
-# Channel of each plane in the stacks of four.
-SLOTS = _in_fours(
-    [name for name, entry in ENTRIES.items() if entry.planes for _ in range(entry.count)]
-)
+def _slots() -> tuple[tuple[str, ...], ...]:
+    """Name the channel of each plane in the stacks of four."""
+    return _in_fours(
+        [name for name, entry in ENTRIES.items() if entry.planes for _ in range(entry.count)]
+    )
 
 
 @dataclass(frozen=True)
@@ -170,7 +171,7 @@ def reasons_to_skip(
     """
     found = _dull_channels(colour, mask, curvature)
     weights = parameters.weights.model_dump()
-    found |= {name: "its weight is 0" for name in CHANNELS if weights[name] == 0.0}
+    found |= {name: "its weight is 0" for name in CHANNELS if not weights.get(name)}
     return {name: found[name] for name in CHANNELS if name in found}
 
 
@@ -349,7 +350,7 @@ def feature_stacks(
     entries = [channel(name) for name in channels]
     stacks = []
     steps = max(parameters.surround_offsets)
-    for slots in SLOTS:
+    for slots in _slots():
         wanted = [name for name in dict.fromkeys(slots) if name in channels]
         if not wanted:
             continue

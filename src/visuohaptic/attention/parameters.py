@@ -11,12 +11,14 @@ from pydantic import (
     create_model,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 
 from .learnt import read_learnt
-from .registry import ENTRIES, channel
+from .registry import ENTRIES, Channel, channel
 from .term_registry import TERMS
 
-CHANNELS = tuple(ENTRIES)
+CHANNELS = ENTRIES.keys()
+"""The names of all channels, those that are added later among them."""
 
 NAMED_WEIGHTS = ("equal", "human", "human_channels")
 """Names that stand for a set of weights, see `AttentionParameters`."""
@@ -95,9 +97,24 @@ else:
     )
 
 
+def grow_weights(entry: Channel) -> None:
+    """Give a channel that is added its weight, in all parameters that are made from now on."""
+    weight = Field(entry.weight, ge=0.0, description=entry.description)
+    ChannelWeights.__pydantic_fields__[entry.name] = FieldInfo.from_annotated_attribute(
+        float, weight
+    )
+    for model in (ChannelWeights, AttentionParameters):
+        model.model_rebuild(force=True)
+
+
 def _or_a_name(schema: dict[str, Any]) -> None:
     """Let editors take the names that stand for a set of weights."""
     schema["anyOf"] = [{"$ref": schema.pop("$ref")}, {"enum": list(NAMED_WEIGHTS)}]
+
+
+def _learnt_weights() -> dict[str, float]:
+    """Give the fitted weight of each channel; one that was not there has none."""
+    return dict.fromkeys(CHANNELS, 0.0) | read_learnt()["channels"]
 
 
 class AttentionParameters(BaseModel):
@@ -116,7 +133,7 @@ class AttentionParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    weights: ChannelWeights = Field(ChannelWeights(), json_schema_extra=_or_a_name)
+    weights: ChannelWeights = Field(default_factory=ChannelWeights, json_schema_extra=_or_a_name)
     terms: TermWeights = TermWeights()
     normalisation: Literal["local_maxima", "iterative", "none"] = Field(
         "local_maxima",
@@ -180,11 +197,10 @@ class AttentionParameters(BaseModel):
         if name == "equal":
             return {**values, "weights": dict.fromkeys(CHANNELS, 1.0)}
         if name == "human_channels":
-            return {**values, "weights": read_learnt()["channels"]}
+            return {**values, "weights": _learnt_weights()}
         if any(dict(values.get("terms") or {}).values()):
             raise ValueError("weights is 'human', which sets the terms too; leave terms out.")
-        learnt = read_learnt()
-        return {**values, "weights": learnt["channels"], "terms": learnt["terms"]}
+        return {**values, "weights": _learnt_weights(), "terms": read_learnt()["terms"]}
 
     @property
     def is_exponential(self) -> bool:

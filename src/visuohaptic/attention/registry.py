@@ -6,6 +6,7 @@ weights can be checked without.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -69,11 +70,27 @@ def channel(name: str) -> Channel:
     return ENTRIES[name]
 
 
-def _by_name(*channels: Channel) -> Mapping[str, Channel]:
+def add_channel(entry: Channel, source: str) -> None:
+    """Add a channel of a plug-in, the last one; one that the same source added before is replaced.
+
+    Raises `AttentionError` if its name is taken, or can't be one.
+    """
+    taken = entry.name in ENTRIES and _SOURCES.get(entry.name) != source
+    if taken or not re.fullmatch("[a-z_]+", entry.name):
+        raise AttentionError(
+            f"{entry.name!r} can't name a channel; letters a to z and _ are allowed, and each name once."
+        )
+    from .parameters import grow_weights
+
+    grow_weights(entry)
+    _ENTRIES[entry.name], _SOURCES[entry.name] = entry, source
+
+
+def _by_name(*channels: Channel) -> dict[str, Channel]:
     names = [entry.name for entry in channels]
     if len(set(names)) < len(names):
         raise AttentionError(f"channels are {', '.join(names)}; each name is allowed once.")
-    return MappingProxyType(dict(zip(names, channels, strict=True)))
+    return dict(zip(names, channels, strict=True))
 
 
 def _colour(view: WorkingView, _: AttentionParameters) -> list[Plane]:
@@ -124,7 +141,7 @@ def _symmetry(view: WorkingView, parameters: AttentionParameters) -> list[Plane]
     return [symmetry_plane(view, parameters.symmetry_radii)]
 
 
-ENTRIES = _by_name(
+_ENTRIES = _by_name(
     Channel(
         "colour", "Red-green and blue-yellow double opponency", _colour,
         count=2, two_sided=True, needs="hues",
@@ -140,4 +157,7 @@ ENTRIES = _by_name(
     Channel("entropy", "Entropy of the local grey level histogram", _entropy, needs="colours", weight=0.0),
     Channel("symmetry", "Radial symmetry of gradients", _symmetry, needs="colours", weight=0.0),
 )  # fmt: skip
+_SOURCES: dict[str, str] = {}
+
+ENTRIES: Mapping[str, Channel] = MappingProxyType(_ENTRIES)
 """Every channel, in the order in which maps are added up."""

@@ -77,8 +77,9 @@ def conspicuity_maps(
             if name in totals:
                 totals[name] += total[:, :, index]
                 strongest[name] = max(strongest[name], float(peaks[index]))
-    for start in range(0, len(CHANNELS), 4):
-        _promote_sums(CHANNELS[start : start + 4], totals, strongest, parameters)
+    every = tuple(CHANNELS)
+    for start in range(0, len(every), 4):
+        _promote_sums(every[start : start + 4], totals, strongest, parameters)
     return maps
 
 

@@ -7,7 +7,17 @@ from typing import Annotated
 import typer
 
 from visuohaptic import __version__
-from visuohaptic.cli import compare, evaluate, explore, export, gaze, images, meshes, report
+from visuohaptic.cli import (
+    compare,
+    evaluate,
+    explore,
+    export,
+    gaze,
+    images,
+    meshes,
+    press,
+    report,
+)
 from visuohaptic.cli.main import DEBUG
 from visuohaptic.cli.printing import say
 
@@ -19,6 +29,7 @@ app = typer.Typer(
 )
 app.command()(explore.touch)
 app.command()(explore.recognise)
+app.command()(press.press)
 app.command()(evaluate.evaluate)
 app.command()(report.report)
 app.command()(compare.compare)

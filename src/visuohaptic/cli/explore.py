@@ -21,6 +21,7 @@ from visuohaptic.cli.printing import (
 )
 from visuohaptic.exploration.recognising import DEFAULT_MODEL
 from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.plugins import load_installed
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, TouchableObject
@@ -37,6 +38,26 @@ class UpAxis(StrEnum):
 
     Y = "y"
     Z = "z"
+
+
+class LengthUnit(StrEnum):
+    """The unit of length of a model's file."""
+
+    MM = "mm"
+    CM = "cm"
+    M = "m"
+    IN = "in"
+
+
+def _with_plug_ins(parameters: Path | None) -> Path | None:
+    """Load plug-ins before a name of theirs is looked up."""
+    if parameters is None:
+        load_installed()
+    else:
+        from visuohaptic.parameters import read_parameters
+
+        read_parameters(parameters)
+    return parameters
 
 
 def _strategy(name: str) -> str:
@@ -94,10 +115,18 @@ def touch(
     budget: BudgetOption = None,
     strategy: StrategyOption = "fixation",
     up: UpOption = None,
+    unit: Annotated[
+        LengthUnit | None,
+        typer.Option(help="The files' unit of length: effects then know the objects' real size."),
+    ] = None,
     parameters: Annotated[
         Path | None,
         typer.Option(
-            "--params", parser=file_to_read, help="All other parameters, as in params.yaml."
+            "--params",
+            parser=file_to_read,
+            is_eager=True,
+            callback=_with_plug_ins,
+            help="All other parameters, as in params.yaml; the plug-ins that it names are run.",
         ),
     ] = None,
     out: Annotated[
@@ -118,7 +147,7 @@ def touch(
     viewpoints = _viewpoints(viewpoints, budget)
 
     def touch_one(mesh: Path) -> tuple[Exploration, list[Path]]:
-        found = _explore(_load(mesh, up, chosen), mesh, viewpoints, strategy, chosen)
+        found = _explore(_load(mesh, up, chosen, unit), mesh, viewpoints, strategy, chosen)
         return found, found.save(folders[mesh])
 
     def say_one(mesh: Path, made: tuple[Exploration, list[Path]]) -> None:
@@ -268,13 +297,18 @@ def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | No
     return budgets()[budget.value].viewpoints
 
 
-def _load(mesh: Path, up: UpAxis | None, parameters: ExperimentParameters) -> TouchableObject:
+def _load(
+    mesh: Path,
+    up: UpAxis | None,
+    parameters: ExperimentParameters,
+    unit: LengthUnit | None = None,
+) -> TouchableObject:
     from visuohaptic.exploration.exploring import load
 
     chosen = parameters.meshes
     if up is not None:
         chosen = chosen.model_copy(update={"own_up_axis": up.value})
-    return load(mesh, parameters=chosen)
+    return load(mesh, parameters=chosen, unit=None if unit is None else unit.value)
 
 
 def _explore(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,8 @@ import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.exploration.file_frame import FileFrame
+from visuohaptic.exploration.pose_files import write_poses
 from visuohaptic.exploration.recognising import (
     DEFAULT_MODEL,
     UNKNOWN,
@@ -55,11 +57,14 @@ class TouchableObject:
         In the object frame.
     seconds : float
         What reading and preparing it took.
+    frame : FileFrame
+        The frame of the file that it came from.
     """
 
     key: str
     surface: Surface
     seconds: float
+    frame: FileFrame = field(default_factory=lambda: FileFrame(np.eye(4)))
 
     def __repr__(self) -> str:
         return f"<TouchableObject {self.key}: {len(self.surface.faces):,} triangles>"
@@ -113,8 +118,8 @@ class TouchableObject:
             If no viewpoint sees a place to touch.
         """
         if at is not None or normals is not None:
-            return self._touch_at(at, normals, viewpoints, as_parameters(parameters))
-        chosen = _with_choices(as_parameters(parameters), viewpoints, strategy)
+            return self._touch_at(at, normals, viewpoints, self._sized(parameters))
+        chosen = _with_choices(self._sized(parameters), viewpoints, strategy)
         tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
         if not tables["touches"].num_rows:
             raise MeshError(
@@ -122,7 +127,19 @@ class TouchableObject:
                 "view, or no sensor comes there; a larger rendering.resolution or strategy random touches it."
             )
         seconds = {"prepare": self.seconds, **seconds}
-        return Exploration(self.key, self.surface, chosen, strategy, seconds, **tables)
+        return Exploration(
+            self.key, self.surface, chosen, strategy, seconds, **tables, frame=self.frame
+        )
+
+    def _sized(self, values: Parameters | None) -> ExperimentParameters:
+        """Let the scene have the object's real size, where its file's unit is known and nobody says otherwise."""
+        parameters = as_parameters(values)
+        scene = parameters.scene
+        if self.frame.radius_m is None or "object_radius_m" in scene.model_fields_set:
+            return parameters
+        sized = {**scene.model_dump(exclude_unset=True), "object_radius_m": self.frame.radius_m}
+        values = {**parameters.model_dump(exclude_unset=True), "scene": sized}
+        return check_parameters(values, "the object's size")
 
     def _touch_at(
         self,
@@ -140,7 +157,9 @@ class TouchableObject:
         check_run(parameters, "touch")
         tables, seconds = touch_points(self.key, self.surface, at, normals, parameters)
         seconds = {"prepare": self.seconds, **seconds}
-        return Exploration(self.key, self.surface, parameters, STRATEGY, seconds, **tables)
+        return Exploration(
+            self.key, self.surface, parameters, STRATEGY, seconds, **tables, frame=self.frame
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +179,10 @@ class Exploration:
     seconds : mapping of str to float
         What each phase took: prepare, look, touch, describe.
     views, fixations, touches, effects, features : pyarrow.Table
-        As `visuohaptic.tables.schema` describes them.
+        As `visuohaptic.tables.schema` describes them, in the object frame; ``frame.table(touches)`` gives
+        one in the file's.
+    frame : FileFrame
+        The frame of the object's file.
     """
 
     key: str
@@ -173,6 +195,7 @@ class Exploration:
     touches: pa.Table
     effects: pa.Table
     features: pa.Table
+    frame: FileFrame = field(default_factory=lambda: FileFrame(np.eye(4)))
 
     def __repr__(self) -> str:
         touches, seconds = self.touches.num_rows, sum(self.seconds.values())
@@ -197,6 +220,11 @@ class Exploration:
         1 is contact and 0 is out of reach; r is the sensor's resolution.
         """
         return images(self.touches)
+
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        """Poses of the touches in the file's frame, shape (n, 4, 4), as `FileFrame.poses` gives them."""
+        return self.frame.poses(self.touches)
 
     def recognise(self, model: str | Path | Recogniser = DEFAULT_MODEL) -> Recognition:
         """Name the object from its touches.
@@ -247,7 +275,7 @@ class Exploration:
         return draw_exploration(self.surface, self.parameters, self.views, self.touches)
 
     def save(self, folder: str | Path) -> list[Path]:
-        """Write every table and the picture.
+        """Write every table, the picture, and the touches' poses in the frame of the object's file, as CSV.
 
         Parameters
         ----------
@@ -261,13 +289,16 @@ class Exploration:
             The files.
         """
         folder = Path(folder)
-        names = [*(f"{name}.parquet" for name in SCHEMAS), "picture.png"]
+        poses = ["poses.csv"] if self.frame.has_way_back else []
+        names = [*(f"{name}.parquet" for name in SCHEMAS), *poses, "picture.png"]
         there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
         with tempfile.TemporaryDirectory(dir=there, prefix=".visuohaptic-") as temporary:
             waiting = Path(temporary)
             for name, schema in SCHEMAS.items():
                 write_table(schema, getattr(self, name), waiting / f"{name}.parquet")
-            self.picture().save(waiting / names[-1])
+            for name in poses:
+                write_poses(self.poses, waiting / name)
+            self.picture().save(waiting / "picture.png")
             folder.mkdir(parents=True, exist_ok=True)
             for name in names:
                 (waiting / name).replace(folder / name)
@@ -279,6 +310,7 @@ def load(
     key: str | None = None,
     parameters: MeshParameters | Parameters | None = None,
     file_type: str | None = None,
+    unit: str | None = None,
 ) -> TouchableObject:
     """Read an object and make it ready.
 
@@ -295,6 +327,9 @@ def load(
         Which axis points up, and tolerances: section `meshes`, or all parameters.
     file_type : str, optional
         Format of an open file, such as ``obj``; without it as its name ends.
+    unit : {"mm", "cm", "m", "in"}, optional
+        The source's unit of length. With it the scene's effects know the object's real size; without it
+        they take `scene.object_radius_m`.
 
     Returns
     -------
@@ -304,15 +339,16 @@ def load(
     Raises
     ------
     MeshError
-        If the source can't be read or has nothing to touch, or the key is no `class/name`.
+        If the source can't be read or has nothing to touch, the key is no `class/name`, or the unit is none.
     ParameterError
         If a parameter is not allowed.
     """
     started = time.perf_counter()
     if key is not None and (key.count("/") != 1 or not all(key.split("/"))):
         raise MeshError(f"{key!r} is no key of an object; 'class/name' is allowed.")
-    found, surface = read_source(source, file_type, mesh_parameters(parameters))
-    return TouchableObject(found if key is None else key, surface, time.perf_counter() - started)
+    found, surface, way = read_source(source, file_type, mesh_parameters(parameters))
+    seconds = time.perf_counter() - started
+    return TouchableObject(found if key is None else key, surface, seconds, FileFrame(way, unit))
 
 
 def touch(

@@ -149,7 +149,10 @@ def check_alike(exploration: Exploration, recogniser: Recogniser) -> None:
         for parameters in (exploration.parameters, recogniser.parameters)
     )
     names = sorted(set(here) | set(there))
-    unlike = [name for name in names if here.get(name) != there.get(name) and name not in _FREE]
+    covers = {exploration.parameters.scene.cover, recogniser.parameters.scene.cover}
+    # A sensor without a cover measures shapes, whatever the object's real size is.
+    free = (*_FREE, "scene.object_radius_m") if covers == {"none"} else _FREE
+    unlike = [name for name in names if here.get(name) != there.get(name) and name not in free]
     if unlike:
         found = ", ".join(
             f"{name} {here.get(name)} (the model's is {there.get(name)})" for name in unlike

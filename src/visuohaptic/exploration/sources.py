@@ -6,14 +6,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, Model, read_catalogue
 from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import prepare_object, prepare_surface
+from visuohaptic.meshes.preparing import place_object, place_surface
 from visuohaptic.parameters import ExperimentParameters, as_parameters
 
 if TYPE_CHECKING:
@@ -30,15 +31,15 @@ _ALLOWED = "a path, a trimesh.Trimesh or Scene, (vertices, faces) or an open bin
 
 def read_source(
     source: Source, file_type: str | None, parameters: MeshParameters
-) -> tuple[str, Surface]:
-    """Read an object from wherever it is, and make it ready: its key and its surface.
+) -> tuple[str, Surface, NDArray[np.float64]]:
+    """Read an object from wherever it is, and make it ready: its key, its surface, and the way from its file's frame.
 
     `file_type` is the format of an open file, such as ``obj``; without it as its name ends. Raises
     `MeshError` if it is no source, can't be read, or has nothing to touch.
     """
     if isinstance(source, str | Path):
         model = _model_of(Path(source))
-        return model.key, prepare_object(model, source, parameters)
+        return model.key, *place_object(model, source, parameters)
     name, surface = UNNAMED, None
     if isinstance(source, tuple) and len(source) == 2:
         surface = surface_of_arrays(source[0], source[1], UNNAMED)
@@ -48,7 +49,7 @@ def read_source(
         name, surface = _read_open(source, file_type, parameters)
     if surface is None:
         raise MeshError(f"The object is of type {type(source).__name__}; {_ALLOWED}.")
-    return f"{UNKNOWN_CLASS}/{name}", prepare_surface(surface, name, parameters)
+    return f"{UNKNOWN_CLASS}/{name}", *place_surface(surface, name, parameters)
 
 
 def is_one_source(value: Any) -> bool:

@@ -7,8 +7,9 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.errors import ParameterError
+from visuohaptic.features.descriptors import DESCRIPTORS
 from visuohaptic.features.imprint_shape import describe_imprint_shape
-from visuohaptic.features.parameters import FeatureParameters
+from visuohaptic.features.parameters import BANDS, FeatureParameters
 from visuohaptic.tables.phases import (
     CONTOURLET_FEATURES,
     FEATURES,
@@ -40,39 +41,17 @@ def describe_imprints(
     Raises
     ------
     ParameterError
-        If imprints of this resolution can't be divided into 16 bands.
+        If imprints of this resolution can't be divided into 16 bands, or a descriptor gives other
+        than a row for each.
     """
-    from contourlets import Contourlet, LevelsError, band_deviations, wavelet_deviations
-
-    if parameters.descriptor == "image_statistics":
-        return describe_imprint_shape(imprints)
-    if parameters.descriptor == "wavelet":
-        return wavelet_deviations(imprints, "db2", parameters.wavelet_levels)
-    if parameters.descriptor == "nonsubsampled_contourlet":
-        return nonsubsampled_deviations(imprints)
-    try:
-        transform = Contourlet(
-            parameters.levels,
-            parameters.pyramid_filter,
-            parameters.directional_filter,
-            parameters.extension,
-        )
-        return band_deviations(imprints, transform)
-    except LevelsError as error:
-        if parameters.levels != (4,):
-            raise ParameterError(f"sensor.resolution or features.levels: {error}") from None
+    entry = DESCRIPTORS[parameters.descriptor]
+    found = entry.describe(imprints, parameters)
+    if found.ndim != 2 or len(found) != len(imprints) or found.shape[1] > BANDS:
         raise ParameterError(
-            f"sensor.resolution is {imprints.shape[1]}; multiples of 8, and odd numbers from 3 on, "
-            "are allowed, as a contourlet divides the imprint into 16 bands."
-        ) from None
-
-
-def nonsubsampled_deviations(imprints: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Give the deviations (N - 1) of a nonsubsampled contourlet's 16 bands: (n, r, r) to (n, 16)."""
-    from contourlets import NonsubsampledContourlet
-
-    bands = NonsubsampledContourlet(levels=(4,)).forward(imprints.astype(np.float64)).levels[0]
-    return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
+            f"descriptor {entry.name} gave an array of shape {found.shape} for {len(imprints)} imprints; "
+            f"a row each, of at most {BANDS} numbers, is needed."
+        )
+    return found
 
 
 def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Table:

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
+from visuohaptic.features.descriptors import DESCRIPTORS
+
 BANDS = 16
 """Columns of a table of features for contourlet bands."""
 
@@ -15,12 +17,10 @@ class FeatureParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    descriptor: Literal["contourlet", "nonsubsampled_contourlet", "wavelet", "image_statistics"] = (
-        Field(
-            "contourlet",
-            description="What describes an imprint: deviations of 16 contourlet bands, of 16 bands of a "
-            "nonsubsampled contourlet, of the bands of a wavelet (db2, three a level), or 13 statistics of the imprint",
-        )
+    descriptor: Annotated[str, DESCRIPTORS] = Field(
+        "contourlet",
+        description="What describes an imprint: deviations of 16 contourlet bands, of 16 bands of a "
+        "nonsubsampled contourlet, of the bands of a wavelet (db2, three a level), or 13 statistics of the imprint",
     )
     wavelet_levels: int = Field(
         3, ge=1, le=3, description="Levels of the wavelet (descriptor `wavelet` only)"

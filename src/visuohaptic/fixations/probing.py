@@ -67,6 +67,9 @@ class Strategy:
     chance : str, optional
         Name of its generators, also of the sensor's noise; without it its own name. Strategies
         with one name draw the same.
+    uniform : bool
+        Whether its places, those out of reach among them, are uniform over the surface, by area; a
+        guard of the run holds it to that.
     """
 
     name: str
@@ -76,6 +79,7 @@ class Strategy:
     looks: bool = True
     unreachable: Unreachable | None = None
     chance: str | None = None
+    uniform: bool = False
 
 
 @dataclass(frozen=True)
@@ -392,7 +396,14 @@ def _walk(
 STRATEGIES = Registry(
     "probing strategy",
     Strategy("fixation", "eye fixations", _follow_the_eye, random=False),
-    Strategy("random", "random probing", _probe_anywhere, looks=False, unreachable="replace"),
+    Strategy(
+        "random",
+        "random probing",
+        _probe_anywhere,
+        looks=False,
+        unreachable="replace",
+        uniform=True,
+    ),
     Strategy(
         "random_anywhere",
         "random probing, out of reach too",
@@ -400,6 +411,7 @@ STRATEGIES = Registry(
         looks=False,
         unreachable="keep",
         chance="random",
+        uniform=True,
     ),
     Strategy("random_visible", "random probing of what is seen", _probe_what_is_seen, looks=False),
     Strategy("random_walk", "a random walk over the surface", _walk, looks=False),

@@ -12,6 +12,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.geometry.surface import read_surface, set_aside_reason
 from visuohaptic.guards.areas import coordinates, guard_areas
 from visuohaptic.guards.leaks import guard_chance, guard_unseen, sample_objects
@@ -26,7 +27,7 @@ from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import FEATURES, FIXATIONS, POINT_NAMES, PREDICTIONS
 from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
 
-UNIFORM_STRATEGIES = ("random", "random_anywhere")
+UNIFORM_STRATEGIES = tuple(entry.name for entry in STRATEGIES if entry.uniform)
 """Strategies whose places, in reach or not, are drawn by area; both have the same draws."""
 
 MESHES = 12

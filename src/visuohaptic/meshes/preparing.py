@@ -21,6 +21,13 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
 
     Raises `MeshError`, which names the file, if it can't be read or has nothing to touch.
     """
+    return place_object(model, path, parameters)[0]
+
+
+def place_object(
+    model: Model, path: str | Path, parameters: MeshParameters
+) -> tuple[Surface, NDArray[np.float64]]:
+    """Do the same, and give what `place` gives."""
     if str(path).endswith(".ply.gz"):
         surface = read_surface(path, parameters.largest_megabytes)
         rotation = np.eye(3) if model.rotation is None else np.reshape(model.rotation, (3, 3))
@@ -29,13 +36,15 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
 
         surface = read_model(path, parameters.largest_megabytes)
         rotation = UP_AXES[parameters.own_up_axis]
-    return normalise(surface, str(path), rotation, model.dimensions, parameters.merge_tolerance)
+    return place(surface, str(path), rotation, model.dimensions, parameters.merge_tolerance)
 
 
-def prepare_surface(surface: Surface, name: str, parameters: MeshParameters) -> Surface:
-    """Make ready a surface in memory, as `prepare_object` does a user's own file."""
+def place_surface(
+    surface: Surface, name: str, parameters: MeshParameters
+) -> tuple[Surface, NDArray[np.float64]]:
+    """Make ready a surface in memory, as `place_object` does a user's own file."""
     up = UP_AXES[parameters.own_up_axis]
-    return normalise(surface, name, up, merge_tolerance=parameters.merge_tolerance)
+    return place(surface, name, up, merge_tolerance=parameters.merge_tolerance)
 
 
 def normalise(
@@ -79,20 +88,69 @@ def normalise(
     MeshError
         If a vertex is NaN or infinite, a face names no vertex, or there is no area.
     """
+    return place(surface, name, rotation, dimensions, merge_tolerance)[0]
+
+
+def place(
+    surface: Surface,
+    name: str,
+    rotation: NDArray[np.float64] | None = None,
+    dimensions: tuple[float, float, float] | None = None,
+    merge_tolerance: float = 1e-6,
+) -> tuple[Surface, NDArray[np.float64]]:
+    """Do as `normalise` does, and give the way there.
+
+    Returns
+    -------
+    Surface
+        In the object frame.
+    numpy.ndarray
+        Shape (4, 4), float64: takes a point (x, y, z, 1) of the given frame into the object frame, to
+        the rounding of vertices; not finite where coordinates are so small or large that no number is its scale.
+    """
     _check_finite(surface, name)
-    vertices = _centred_box(surface.vertices[np.unique(surface.faces)], surface.vertices, name)
+    used = surface.vertices[np.unique(surface.faces)]
+    vertices, centre, half_extent = _centred_box(used, surface.vertices, name)
+    way = _moved(-centre, half_extent)
     if rotation is not None:
         vertices = np.einsum("nd,kd->nk", vertices, rotation)
+        way = _joined(_turned(rotation), way)
     if dimensions is not None:
-        vertices = _stretch(vertices, surface.faces, np.asarray(dimensions))
-    scaled = replace(surface, vertices=_unit_size(vertices, surface.faces, name))
-    cleaned = clean(scaled, merge_tolerance)
-    single = _unit_size(cleaned.vertices, cleaned.faces, name).astype(np.float32)
+        factor = _stretching(vertices, surface.faces, np.asarray(dimensions))
+        vertices = vertices * factor
+        way = _joined(np.diag([*factor, 1.0]), way)
+    vertices, centre, radius = _unit_size(vertices, surface.faces, name)
+    way = _joined(_moved(-centre, radius), way)
+    cleaned = clean(replace(surface, vertices=vertices), merge_tolerance)
+    vertices, centre, radius = _unit_size(cleaned.vertices, cleaned.faces, name)
+    way = _joined(_moved(-centre, radius), way)
+    single = vertices.astype(np.float32)
     rounded = replace(cleaned, vertices=single.astype(np.float64))
     ready = _kept(rounded, rounded.face_areas > 0)
     if not len(ready.faces):
         raise MeshError(f"{name} has no area; a surface with at least one triangle is needed.")
-    return ready
+    return ready, way
+
+
+def _moved(shift: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+    """Give the matrix, (4, 4), that moves points and then divides them by a length."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        scale = np.float64(1.0) / length
+        matrix = np.diag([scale, scale, scale, 1.0])
+        matrix[:3, 3] = scale * shift
+    return matrix
+
+
+def _joined(then: NDArray[np.float64], first: NDArray[np.float64]) -> NDArray[np.float64]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        found: NDArray[np.float64] = then @ first
+    return found
+
+
+def _turned(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    return matrix
 
 
 def clean(surface: Surface, merge_tolerance: float) -> Surface:
@@ -143,30 +201,34 @@ def _check_finite(surface: Surface, name: str) -> None:
 
 def _centred_box(
     used: NDArray[np.float64], vertices: NDArray[np.float64], name: str
-) -> NDArray[np.float64]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Give vertices within the unit cube, what was taken from them, and by what they were divided."""
     low, high = used.min(axis=0), used.max(axis=0)
     # Halves first: the extent of a mesh near the largest float64 would overflow.
     centre, half_extent = 0.5 * low + 0.5 * high, (0.5 * high - 0.5 * low).max()
     if not half_extent > 0:
         raise MeshError(f"{name} has no area; all its vertices are at one point.")
-    return np.clip((vertices - centre) / half_extent, -1.0, 1.0)
+    return np.clip((vertices - centre) / half_extent, -1.0, 1.0), centre, float(half_extent)
 
 
-def _stretch(
+def _stretching(
     vertices: NDArray[np.float64], faces: NDArray[np.int64], dimensions: NDArray[np.float64]
 ) -> NDArray[np.float64]:
+    """Give the factor of each axis, shape (3,)."""
     extent = np.ptp(vertices[np.unique(faces)], axis=0)
-    factor = np.divide(dimensions, extent, out=np.ones(3), where=extent > 0)
-    return vertices * factor
+    return np.divide(dimensions, extent, out=np.ones(3), where=extent > 0)
 
 
 def _unit_size(
     vertices: NDArray[np.float64], faces: NDArray[np.int64], name: str
-) -> NDArray[np.float64]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Give vertices about the centroid within the unit ball, the centroid, and the radius."""
     triangles = vertices[faces]
     crosses = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     areas = np.linalg.norm(crosses, axis=1)
     if not areas.sum() > 0:
         raise MeshError(f"{name} has no area; a surface with at least one triangle is needed.")
-    centred = vertices - np.average(triangles.mean(axis=1), axis=0, weights=areas)
-    return centred / np.linalg.norm(centred[np.unique(faces)], axis=1).max()
+    centre = np.average(triangles.mean(axis=1), axis=0, weights=areas)
+    centred = vertices - centre
+    radius = np.linalg.norm(centred[np.unique(faces)], axis=1).max()
+    return centred / radius, centre, float(radius)

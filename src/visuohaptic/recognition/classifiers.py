@@ -51,6 +51,41 @@ class Classifier:
     grid: Mapping[str, Sequence[Any]]
     deterministic: bool = False
 
+    @classmethod
+    def of(cls, name: str, estimator: Any, label: str = "") -> Classifier:
+        """Make an entry of any scikit-learn classifier.
+
+        Parameters
+        ----------
+        name : str
+            What parameters and tables call it.
+        estimator : object
+            Unfitted; each fit takes a copy. Where it has a `random_state`, that is the seed of the
+            fit, whatever was set.
+        label : str, optional
+            What the report calls it; without it its name with blanks.
+
+        Returns
+        -------
+        Classifier
+            To be registered. Pipeline `best` tries no settings of it.
+        """
+
+        def fit(
+            _: ClassifierParameters,
+            features: NDArray[np.float64],
+            labels: NDArray[np.int64],
+            seed: int,
+        ) -> Fit:
+            from sklearn.base import clone
+
+            found = clone(estimator)
+            if "random_state" in found.get_params(deep=False):
+                found.set_params(random_state=seed)
+            return found.fit(features, labels), None
+
+        return cls(name, label or name.replace("_", " "), fit, {})
+
 
 class ClassifierParameters(BaseModel):
     """Settings of the classifiers.

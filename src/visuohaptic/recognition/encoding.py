@@ -11,18 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.parameters import (
     RecognitionParameters,
     Scaling,
     SelfOrganisingMapParameters,
     SequenceParameters,
-)
-from visuohaptic.recognition.self_organising_map import (
-    SelfOrganisingMap,
-    fit_batch_map,
-    fit_online_map,
-    lattice,
-    line,
 )
 from visuohaptic.recognition.sequence_features import sequence_features
 
@@ -56,25 +50,11 @@ class Standardiser:
 
 
 @dataclass(frozen=True)
-class FeatureGroups:
-    """Groups of features that a map over the features found; without a map a group each.
-
-    Attributes
-    ----------
-    weights : numpy.ndarray
-        Shape (k, m), float64: columns average the features of one group; an
-        empty group's column is zero.
-    """
-
-    weights: NDArray[np.float64]
-
-
-@dataclass(frozen=True)
 class SequenceEncoder:
     """What was fitted on the training sequences: touch scaling, map, feature scaling."""
 
     touch_scaling: Standardiser
-    reduction: SelfOrganisingMap | FeatureGroups
+    reduction: Any
     map_parameters: SelfOrganisingMapParameters
     sequence_parameters: SequenceParameters
     feature_scaling: Standardiser
@@ -90,7 +70,7 @@ class SequenceEncoder:
         Returns
         -------
         numpy.ndarray
-            Shape (s, m * (1 + levels) * 3), float64, scaled.
+            Shape (s, m * (1 + levels) * 3), float64, scaled; m numbers are left of a touch.
         """
         return self.feature_scaling.apply(self._unscaled(sequences))
 
@@ -102,15 +82,11 @@ class SequenceEncoder:
         """
         touches = sequences.reshape(-1, sequences.shape[-1])
         scaled = self.touch_scaling.apply(touches)
-        reduced = _reduce_touches(scaled, self.reduction, self.map_parameters)
-        reduced = reduced.reshape(*sequences.shape[:2], -1)
-        sizes = self.touch_scaling.sizes(touches)
-        if isinstance(self.reduction, FeatureGroups):
-            sizes = sizes @ np.abs(self.reduction.weights)
-        elif self.map_parameters.output == "unit_distances":
-            sizes = _lengths(sizes)[:, None] + _lengths(self.reduction.weights)
-        else:
+        entry = MAPS[self.map_parameters.output]
+        reduced = entry.reduce(self.reduction, scaled).reshape(*sequences.shape[:2], -1)
+        if entry.sizes is None:
             return reduced
+        sizes = entry.sizes(self.reduction, self.touch_scaling.sizes(touches))
         return _without_rounding(reduced, sizes.reshape(reduced.shape))
 
     def _unscaled(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -122,7 +98,7 @@ class TouchReduction:
     """What was fitted on single touches, and the state of the random generator afterwards."""
 
     scaling: Standardiser
-    reduction: SelfOrganisingMap | FeatureGroups
+    reduction: Any
     state: Any
 
 
@@ -168,7 +144,7 @@ def fit_reduction(
     """Fit touch scaling and map on the training touches, shape (n, k), float64."""
     scaling = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
     settings = parameters.self_organising_map
-    reduction = _fit_reduction(scaling.apply(touches), settings, generator)
+    reduction = MAPS[settings.output].fit(scaling.apply(touches), settings, generator)
     return TouchReduction(scaling, reduction, generator.bit_generator.state)
 
 
@@ -178,8 +154,8 @@ def _digest(
     generator: np.random.Generator,
 ) -> bytes:
     settings = parameters.self_organising_map.model_dump()
-    if settings["output"] == "one_hot":
-        settings["output"] = "unit_distances"  # the same map, read in another way
+    entry = MAPS[settings["output"]]
+    settings["output"] = entry.fitted_as or entry.name  # the same map, read in another way
     how = (parameters.touch_scaling, touches.shape, settings, generator.bit_generator.state)
     return hashlib.blake2b(repr(how).encode() + touches.tobytes(), digest_size=16).digest()
 
@@ -222,13 +198,8 @@ def fit_sequence_encoder(
     fit = fit_reduction if memory is None else memory.reduction
     fitted = fit(touches, parameters, generator)
     settings = parameters.self_organising_map
-    outputs = touches.shape[1] if settings.output == "none" else settings.outputs
     unscaled = SequenceEncoder(
-        fitted.scaling,
-        fitted.reduction,
-        settings,
-        parameters.sequence,
-        _identity(outputs * (1 + parameters.sequence.levels) * 3),
+        fitted.scaling, fitted.reduction, settings, parameters.sequence, _identity(1)
     )
     encoded = unscaled.encode(sequences)
     # A skewness has no unit, so a column of skewnesses near 0 is rounding; deviation and rms have one.
@@ -258,45 +229,6 @@ def _identity(columns: int) -> Standardiser:
     return Standardiser(np.zeros(columns), np.ones(columns))
 
 
-def _fit_reduction(
-    touches: NDArray[np.float64],
-    settings: SelfOrganisingMapParameters,
-    generator: np.random.Generator,
-) -> SelfOrganisingMap | FeatureGroups:
-    if settings.output == "none":
-        return FeatureGroups(np.eye(touches.shape[1]))
-    if settings.output == "lattice":
-        places = lattice(settings.outputs, settings.lattice_levels)
-        return _fit_map(touches, places, settings, generator)
-    places = line(settings.outputs)
-    if settings.output == "feature_groups":
-        # The features are what the map orders here, each described by its value at every touch.
-        features = touches.T
-        return _group_features(_fit_map(features, places, settings, generator), features)
-    return _fit_map(touches, places, settings, generator)
-
-
-def _fit_map(
-    rows: NDArray[np.float64],
-    places: NDArray[np.float64],
-    settings: SelfOrganisingMapParameters,
-    generator: np.random.Generator,
-) -> SelfOrganisingMap:
-    if settings.training == "batch":
-        return fit_batch_map(rows, places, settings)
-    return fit_online_map(rows, places, settings, generator)
-
-
-def _group_features(fitted: SelfOrganisingMap, features: NDArray[np.float64]) -> FeatureGroups:
-    member = np.eye(len(fitted.weights))[fitted.nearest(features)]
-    return FeatureGroups(member / np.maximum(member.sum(axis=0), 1))
-
-
-def _lengths(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    lengths: NDArray[np.float64] = np.linalg.norm(rows, axis=1)
-    return lengths
-
-
 def _without_rounding(
     sequences: NDArray[np.float64], sizes: NDArray[np.float64]
 ) -> NDArray[np.float64]:
@@ -309,18 +241,3 @@ def _without_rounding(
     middle = np.where(np.abs(middle) > noise, middle, 0.0)
     constant = np.ptp(sequences, axis=1, keepdims=True) <= noise
     return np.where(constant, middle, sequences)
-
-
-def _reduce_touches(
-    touches: NDArray[np.float64],
-    reduction: SelfOrganisingMap | FeatureGroups,
-    settings: SelfOrganisingMapParameters,
-) -> NDArray[np.float64]:
-    if isinstance(reduction, FeatureGroups):
-        return touches @ reduction.weights
-    if settings.output == "unit_distances":
-        return reduction.distances(touches)
-    nearest = reduction.nearest(touches)
-    if settings.output == "one_hot":
-        return np.eye(settings.outputs)[nearest]
-    return reduction.positions[nearest]

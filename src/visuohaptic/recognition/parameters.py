@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from visuohaptic.recognition.classifiers import ClassifierName, ClassifierParameters
+from visuohaptic.recognition.maps import MAPS
 
 Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding", "azimuth_free"]
 """Groups of descriptors: what the skin tells, what the sensor does, where it is."""
@@ -37,13 +38,10 @@ class _Section(BaseModel):
 class SelfOrganisingMapParameters(_Section):
     """The map that reduces a touch's 22 features to five."""
 
-    output: Literal["unit_distances", "one_hot", "lattice", "feature_groups", "none"] = Field(
+    output: Annotated[str, MAPS] = Field(
         "feature_groups",
-        description="What the five numbers of a touch are; `unit_distances`: its distance to each "
-        "of five units; `one_hot`: 1 for the nearest of five units and 0 for the others; "
-        "`lattice`: the nearest unit's place on a lattice of five axes; `feature_groups`: the "
-        "means of five groups of features, found by a map over the features; `none`: there is no "
-        "map, and a touch keeps all its features",
+        description="What the five numbers of a touch are; "
+        + "; ".join(f"`{entry.name}`: {entry.description}" for entry in MAPS),
     )
     outputs: int = Field(5, ge=2, le=8, description="Numbers that are left of a touch")
     lattice_levels: int = Field(

@@ -52,6 +52,18 @@ class SelfOrganisingMap:
         return _nearest(touches, self.weights)
 
 
+def fit_map(
+    rows: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    parameters: SelfOrganisingMapParameters,
+    generator: np.random.Generator,
+) -> SelfOrganisingMap:
+    """Fit a map in the way that `parameters.training` names."""
+    if parameters.training == "batch":
+        return fit_batch_map(rows, positions, parameters)
+    return fit_online_map(rows, positions, parameters, generator)
+
+
 def fit_batch_map(
     touches: NDArray[np.float64],
     positions: NDArray[np.float64],

@@ -14,7 +14,8 @@ from pydantic import BaseModel
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.certainty import Calibration, Landmarks
 from visuohaptic.recognition.descriptors import WaveBasis
-from visuohaptic.recognition.encoding import FeatureGroups, SequenceEncoder, Standardiser
+from visuohaptic.recognition.encoding import SequenceEncoder, Standardiser
+from visuohaptic.recognition.maps import FeatureGroups
 from visuohaptic.recognition.model import RecognitionModel, SequenceDescriber
 from visuohaptic.recognition.parameters import (
     BestParameters,
@@ -164,6 +165,11 @@ def _stored(value: object) -> object:
     if isinstance(value, BaseModel):
         return {"parameters": type(value).__name__, "values": value.model_dump_json()}
     if is_dataclass(value):
+        if type(value).__name__ not in _PARTS:
+            raise RecognitionError(
+                f"A {type(value).__name__} can't be saved so that loading runs no code; "
+                f"{', '.join(_PARTS)} can."
+            )
         own = {part.name: _stored(getattr(value, part.name)) for part in fields(value)}
         return {"part": type(value).__name__, **own}
     if isinstance(value, Mapping):

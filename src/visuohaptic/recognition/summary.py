@@ -30,6 +30,8 @@ METHOD = {
     "majority, a tie between k classes counting 1/k",
     "balanced_accuracy": "mean over classes of the mean over a class's objects of their accuracy",
     "class_accuracy": "mean over a class's objects of their accuracy",
+    "by_object": "each object's share of test sequences correctly classified, over all splits that tested it, and "
+    "its weight in accuracy",
     "interval": "expanded percentile bootstrap over objects, not sequences, with the trained "
     "classifiers as they are; where all objects agree, the exact binomial limit",
     "comparison": "paired over objects: mean difference, bootstrap interval, and two-sided p "
@@ -89,8 +91,8 @@ def summarise(
     dict
         ``method`` (what each figure means), ``results[pipeline][strategy][classifier]``
         (``accuracy``, ``object_accuracy``, ``balanced_accuracy`` and each of
-        ``class_accuracy`` with ``mean``, ``low``, ``high``; ``splits``, ``repeats``,
-        ``objects``, ``sequences``, ``notes``), and
+        ``class_accuracy`` with ``mean``, ``low``, ``high``; ``by_object``, each object's accuracy and its
+        weight in the mean; ``splits``, ``repeats``, ``objects``, ``sequences``, ``notes``), and
         ``comparisons[pipeline][classifier][other strategy]`` (fixation minus the
         other: ``difference``, ``p_value``, ``objects``, ``exact``). JSON-able; an
         end of an interval that does not exist is None.
@@ -238,6 +240,12 @@ def _summarise_cell(
             balanced_interval(figures.accuracy, figures.classes, parameters, generator)
         ),
         "class_accuracy": _class_accuracy(figures, parameters, generator),
+        "by_object": {
+            "/".join(name): [float(accuracy), float(weight)]
+            for name, accuracy, weight in zip(
+                figures.objects, figures.accuracy, figures.weights, strict=True
+            )
+        },
         "splits": len(set(rows.column("split").to_pylist())),
         "repeats": len(set(rows.column("seed").to_pylist())),
         "objects": len(figures.objects),

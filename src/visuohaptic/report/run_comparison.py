@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from importlib.resources import files as package_files
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from visuohaptic.errors import ParameterError, ReportError
 from visuohaptic.optional_packages import require
@@ -19,6 +21,11 @@ from visuohaptic.report.comparison import Figure, pipeline_order
 from visuohaptic.report.objects import FixationMark
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.wording import classifier_name, strategy_name
+
+ByObject = Mapping[str, tuple[float, float]]
+
+EQUAL = Figure(0.0, 0.0, 0.0)
+"""The difference of two runs that agree on every object."""
 
 MEASURES = ("accuracy", "object_accuracy", "balanced_accuracy")
 _METRICS = "reports/metrics.json"
@@ -43,6 +50,8 @@ class MeasuredRun:
         By (measure, pipeline, strategy, classifier).
     archive : Archive or None
         What the run's report carries; None where no report of these figures is at hand.
+    by_object : mapping
+        By (pipeline, strategy, classifier): each object's accuracy and its weight, by its name.
     """
 
     source: str
@@ -50,6 +59,7 @@ class MeasuredRun:
     parameters_source: str
     figures: Mapping[tuple[str, str, str, str], Figure]
     archive: Archive | None = None
+    by_object: Mapping[tuple[str, str, str], ByObject] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -63,7 +73,11 @@ class ChangedParameter:
 
 @dataclass(frozen=True)
 class ChangedFigure:
-    """One figure of both runs; None on a side that does not have it."""
+    """One figure of both runs; None on a side that does not have it.
+
+    The p value is that of the sign-change test over the objects that both runs tested; None where they are not
+    the same.
+    """
 
     measure: str
     pipeline: str
@@ -72,11 +86,14 @@ class ChangedFigure:
     first: Figure | None
     second: Figure | None
     difference: Figure | None
+    p_value: float | None = None
 
     @property
     def direction(self) -> str:
-        """`higher` or `lower` where the difference's interval leaves out 0, else `open`."""
+        """`equal` on every object, `higher` or `lower` where the difference's interval leaves out 0, else `open`."""
         found = self.difference
+        if found == EQUAL:
+            return "equal"
         if found is None or found.low is None or found.high is None:
             return "open"
         return "higher" if found.low > 0 else "lower" if found.high < 0 else "open"
@@ -126,12 +143,13 @@ class RunComparison:
             if figure.measure == MEASURES[0] and figure.difference is not None
         ]
         counts = {
-            name: sum(figure.direction == name for figure in shared) for name in ("higher", "lower")
+            name: sum(figure.direction == name for figure in shared)
+            for name in ("higher", "lower", "equal")
         }
         return (
             f"{changed if self.parameters_known else 'parameters not known'}; "
             f"accuracies that both runs have: {len(shared)}; beyond their intervals, higher in the "
-            f"second: {counts['higher']}, lower: {counts['lower']}."
+            f"second: {counts['higher']}, lower: {counts['lower']}; equal on every object: {counts['equal']}."
         )
 
     def as_values(self) -> dict[str, Any]:
@@ -165,13 +183,16 @@ def read_measured_run(source: str | Path) -> MeasuredRun:
         ) from error
     if file.suffix == ".html":
         return _of_archive(read_archive(content.decode("utf-8", "replace"), str(file)), str(file))
-    figures = _figures(_parsed(content, str(file)), str(file))
+    metrics = _parsed(content, str(file))
+    figures = _figures(metrics, str(file))
     archive = _report_beside(file, figures)
     if archive is not None:
         return _of_archive(archive, str(file))
     found = _find_parameters(file)
     values = None if found is None else _yaml(found.read_bytes(), str(found))
-    return MeasuredRun(str(file), values, str(found), figures)
+    return MeasuredRun(
+        str(file), values, str(found), figures, by_object=_by_object(metrics, str(file))
+    )
 
 
 def compare_runs(first: MeasuredRun, second: MeasuredRun) -> RunComparison:
@@ -215,8 +236,7 @@ def difference_of(first: Figure, second: Figure) -> Figure:
     """Give second minus first, with an interval from theirs.
 
     The method of variance estimates recovery (G. Y. Zou, A. Donner, Statist. Med. 27:1693-1702,
-    2008) for independent estimates. Runs over the same objects have correlated errors, so the true
-    interval is narrower.
+    2008) for independent estimates, as of runs over other objects.
     """
     mean = second.mean - first.mean
     ends = (first.low, first.high, second.low, second.high)
@@ -281,7 +301,8 @@ def _archive_of(
 
 def _of_archive(archive: Archive, source: str) -> MeasuredRun:
     figures = _figures(archive.metrics, source)
-    return MeasuredRun(source, archive.parameters, f"{source}: report", figures, archive)
+    objects = _by_object(archive.metrics, source)
+    return MeasuredRun(source, archive.parameters, f"{source}: report", figures, archive, objects)
 
 
 def _read_experiment(name: str) -> MeasuredRun:
@@ -299,7 +320,8 @@ def _read_experiment(name: str) -> MeasuredRun:
             f"{name} is no file, and no experiment of this repository that has {_METRICS} "
             f"({error}); `dvc exp show` lists the experiments."
         ) from error
-    figures = _figures(_parsed(metrics, name), name)
+    parsed = _parsed(metrics, name)
+    figures = _figures(parsed, name)
     source = f"{name}:{_PARAMETERS}"
     try:
         page = dvc.api.read(f"reports/{_REPORT}", rev=name)
@@ -307,7 +329,8 @@ def _read_experiment(name: str) -> MeasuredRun:
         # Kept by DVC, and perhaps not at hand: seconds and views are left out then.
         page = ""
     archive = _archive_of(page, name, figures)
-    return MeasuredRun(name, _yaml(parameters, source), source, figures, archive)
+    values = _yaml(parameters, source)
+    return MeasuredRun(name, values, source, figures, archive, _by_object(parsed, name))
 
 
 def _parsed(content: bytes, source: str) -> Mapping[str, Any]:
@@ -329,6 +352,22 @@ def _figures(metrics: Mapping[str, Any], source: str) -> dict[tuple[str, str, st
             for classifier, figures in classifiers.items()
             for measure in MEASURES
             if measure in figures
+        }
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise _no_metrics(source) from error
+
+
+def _by_object(metrics: Mapping[str, Any], source: str) -> dict[tuple[str, str, str], ByObject]:
+    """Give objects' accuracies; nothing of metrics of a version that kept none."""
+    try:
+        return {
+            (pipeline, strategy, classifier): {
+                name: (float(accuracy), float(weight))
+                for name, (accuracy, weight) in figures.get("by_object", {}).items()
+            }
+            for pipeline, strategies in metrics["results"].items()
+            for strategy, classifiers in strategies.items()
+            for classifier, figures in classifiers.items()
         }
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise _no_metrics(source) from error
@@ -418,10 +457,25 @@ def _changed_figure(
     key: tuple[str, str, str, str], first: MeasuredRun, second: MeasuredRun
 ) -> ChangedFigure:
     before, after = first.figures.get(key), second.figures.get(key)
-    both = before is not None and after is not None
-    return ChangedFigure(
-        *key,
-        first=before,
-        second=after,
-        difference=difference_of(before, after) if both else None,  # type: ignore[arg-type]
-    )
+    if before is None or after is None:
+        return ChangedFigure(*key, first=before, second=after, difference=None)
+    sides = [run.by_object.get(key[1:], {}) for run in (first, second)]
+    if key[0] != MEASURES[0] or not sides[0] or set(sides[0]) != set(sides[1]):
+        return ChangedFigure(*key, before, after, difference_of(before, after))
+    return ChangedFigure(*key, before, after, *paired_difference(*sides))
+
+
+def paired_difference(first: ByObject, second: ByObject) -> tuple[Figure, float]:
+    """Give second minus first over the same objects, with its interval and the p value of the sign-change test."""
+    from visuohaptic.recognition.intervals import compare_paired
+    from visuohaptic.recognition.parameters import IntervalParameters
+    from visuohaptic.seeds import spawn_generator
+
+    names = sorted(first)
+    before, weights = np.array([first[name] for name in names]).T
+    after = np.array([second[name][0] for name in names])
+    if np.array_equal(before, after):
+        return EQUAL, 1.0
+    generator = spawn_generator(0, "compared runs")
+    found = compare_paired(after, before, weights, IntervalParameters(), generator)
+    return Figure(found.difference.mean, found.difference.low, found.difference.high), found.p_value

@@ -16,6 +16,7 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.gaze.stored import read_measured
+from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.recognition.summary import Confusion, confusion, select
@@ -472,8 +473,10 @@ def parameters_values(context: ReportContext) -> Values:
         "groups": [
             (name, list(_flattened(getattr(model, name), name)))
             for name in type(model).model_fields
-            if name not in {"seed", "workflow"}  # no result depends on how work is divided
+            # No result depends on how work is divided; plug-ins have a sentence of their own.
+            if name not in {"seed", "workflow", "plugins"}
         ],
+        "plug_ins": [one.package or Path(one.source).name for one in loaded()],
         "seed": model.seed,
     }
 

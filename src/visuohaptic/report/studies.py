@@ -9,6 +9,7 @@ from typing import Any
 
 from visuohaptic.report.comparison import PAPER_PIPELINE, SIGNIFICANCE
 from visuohaptic.report.wording import counted, listed, percent, points, probability, spaced
+from visuohaptic.studies.ablations import OTHER_DESCRIPTORS
 from visuohaptic.studies.declared import PACKAGED
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY_FIGURES
@@ -28,9 +29,7 @@ NAMES = {
     "azimuth_free": "no azimuth in the descriptors",
     "azimuth_free_turned_upright": "no azimuth, objects turned about the vertical",
     "contourlet_only": "contourlet bands as the only descriptor of the imprint",
-    "nonsubsampled_contourlet": "nonsubsampled contourlet instead",
-    "wavelet": "wavelet (db2, three levels) instead",
-    "image_statistics": "statistics of the raw imprint instead",
+    **{entry.name: f"{entry.label} instead" for entry in OTHER_DESCRIPTORS},
     "cutaneous_only": "cutaneous cues only",
     "kinesthetic_only": "kinesthetic cues only",
     "fixed_sensor_size": "sensor of fixed size",

@@ -8,9 +8,13 @@ decided beside the effect in `visuohaptic.sensor`; when a visual one is needed, 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic.fields import FieldInfo
+
+from visuohaptic.errors import RegistryError
 
 Mode = Literal["auto", "always", "never"]
 Cover = Literal["none", "winkler", "half_space"]
@@ -56,7 +60,8 @@ class EffectModes(VisualModes, TactileModes):
     """When each effect is simulated: `auto` only where it matters, `always`, or `never`."""
 
 
-TACTILE_EFFECTS = tuple(TactileModes.model_fields)
+TACTILE_EFFECTS = TactileModes.model_fields.keys()
+"""The names of the sensor's effects, those that are added later among them."""
 VISUAL_EFFECTS = tuple(VisualModes.model_fields)
 
 
@@ -142,7 +147,7 @@ class Scene(BaseModel):
     bits: int | None = Field(
         None, ge=1, le=24, description="Resolution of the converter (bits); none: no rounding"
     )
-    effects: EffectModes = EffectModes()
+    effects: EffectModes = Field(default_factory=EffectModes)
 
     def with_effects(self, mode: Mode) -> Scene:
         """Give the same scene with one mode for every effect.
@@ -166,6 +171,32 @@ class Scene(BaseModel):
         if not isinstance(values, dict):
             return values
         return {**PRESETS.get(values.get("preset", "ideal"), {}), **values}
+
+
+_TAKEN = frozenset({*Scene.model_fields, *EffectModes.model_fields})
+
+
+def check_free(effect: str, settings: Iterable[str]) -> None:
+    """Refuse an effect with a name, or settings with names, that the scene itself has."""
+    if twice := _TAKEN & {effect, *settings}:
+        raise RegistryError(
+            f"effect {effect} brings {', '.join(sorted(twice))}, which the scene has already; another "
+            "name is needed."
+        )
+
+
+def grow_scene(effect: str, description: str, settings: Mapping[str, tuple[Any, Any]]) -> None:
+    """Give an effect that is added its mode and its settings, in all scenes that are made from now on."""
+    mode = Field("auto", description=description)
+    for model in (TactileModes, EffectModes):
+        _grow(model, {effect: (Mode, mode)})
+    _grow(Scene, settings)
+
+
+def _grow(model: type[BaseModel], added: Mapping[str, tuple[Any, Any]]) -> None:
+    for name, (kind, field) in added.items():
+        model.__pydantic_fields__[name] = FieldInfo.from_annotated_attribute(kind, field)
+    model.model_rebuild(force=True)
 
 
 _FSR400: dict[str, object] = {

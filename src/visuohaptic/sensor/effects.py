@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.registry import Registry
-from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene
+from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene, check_free, grow_scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
@@ -49,10 +49,23 @@ def simulate(
     signal = Signal(outputs, outputs)
     records = []
     for effect in EFFECTS:
-        signal, record = apply_effect(effect, getattr(modes, effect.name), situation, signal)
+        mode = getattr(modes, effect.name, None)
+        if mode is None:  # the scene was made before a plug-in brought the effect
+            continue
+        signal, record = apply_effect(effect, mode, situation, signal)
         records.append(record)
     # Adding zero turns a negative zero into zero.
     return np.clip(signal.now, 0.0, 1.0) + 0.0, tuple(records)
+
+
+def add_effect(entry: Effect, source: str) -> None:
+    """Add an effect of a plug-in, and its mode and settings to the scene.
+
+    Raises `RegistryError` if its name or that of a setting is taken, or `before` is no effect.
+    """
+    check_free(entry.name, entry.settings)
+    EFFECTS.add(entry, source, entry.before)
+    grow_scene(entry.name, entry.description, entry.settings)
 
 
 def peak_depth_m(scene: Scene) -> float:

@@ -93,7 +93,7 @@ def cast_heights(
     poses: Poses,
     sizes: NDArray[np.float64],
     lifts: NDArray[np.float64],
-    resolution: int,
+    resolution: int | tuple[int, int],
 ) -> NDArray[np.float64]:
     """Cast the sensing points along the normals and give the surface's height at each.
 
@@ -105,40 +105,43 @@ def cast_heights(
         n sensors.
     sizes, lifts : numpy.ndarray
         Shape (n,) each, float64, object radii: edge of each square, and the height above the
-        tangent plane at which its rays start.
-    resolution : int
-        Sensing points r along the edge.
+        tangent plane at which its rays start. Rectangles have sizes of shape (n, 2): along the rows'
+        axis, along the columns'.
+    resolution : int or (int, int)
+        Sensing points r along the edge, or r rows and c columns.
 
     Returns
     -------
     numpy.ndarray
-        Shape (n, r, r), float64, object radii: height of the first surface
+        Shape (n, r, r) or (n, r, c), float64, object radii: height of the first surface
         met above the tangent plane, negative below it, minus infinity where nothing is met.
         Row and column index run along `Poses.rows` and `Poses.columns`.
     """
-    heights = np.full((len(poses), resolution, resolution), -np.inf)
-    step = max(1, RAYS_IN_FLIGHT // resolution**2)
+    grid = (resolution, resolution) if isinstance(resolution, int) else resolution
+    edges = sizes if sizes.ndim == 2 else np.column_stack([sizes, sizes])
+    heights = np.full((len(poses), *grid), -np.inf)
+    step = max(1, RAYS_IN_FLIGHT // (grid[0] * grid[1]))
     for start in range(0, len(poses), step):
         part = slice(start, start + step)
-        heights[part] = _cast_part(caster, poses[part], sizes[part], lifts[part], resolution)
+        heights[part] = _cast_part(caster, poses[part], edges[part], lifts[part], grid)
     return heights
 
 
 def _cast_part(
     caster: RayCaster,
     poses: Poses,
-    sizes: NDArray[np.float64],
+    edges: NDArray[np.float64],
     lifts: NDArray[np.float64],
-    resolution: int,
+    grid: tuple[int, int],
 ) -> NDArray[np.float64]:
-    origins, directions = _rays(poses, sizes, lifts, resolution)
-    drop = CRACK_DEPTH * sizes / resolution
+    origins, directions = _rays(poses, edges, lifts, grid)
+    drop = np.max(CRACK_DEPTH * edges / np.array(grid), axis=1)
 
     def falls_between(distances: NDArray[np.float64]) -> NDArray[np.bool_]:
-        return _falls_between(distances.reshape(-1, resolution, resolution), drop).ravel()
+        return _falls_between(distances.reshape(-1, *grid), drop).ravel()
 
     distances = caster.first_hits(origins, directions, falls_between).distance
-    return lifts[:, None, None] - distances.reshape(-1, resolution, resolution)
+    return lifts[:, None, None] - distances.reshape(-1, *grid)
 
 
 def smooth_normals(
@@ -166,7 +169,7 @@ def smooth_normals(
     """
     count = len(poses)
     origins, directions = _rays(
-        poses, np.full(count, size), np.full(count, clearance), SMOOTHING_RESOLUTION
+        poses, np.full((count, 2), size), np.full(count, clearance), (SMOOTHING_RESOLUTION,) * 2
     )
     hits = caster.first_hits(origins, directions)
     normals = caster.surface.face_normals[hits.face]
@@ -178,15 +181,17 @@ def smooth_normals(
 
 
 def _rays(
-    poses: Poses, sizes: NDArray[np.float64], lifts: NDArray[np.float64], resolution: int
+    poses: Poses, edges: NDArray[np.float64], lifts: NDArray[np.float64], grid: tuple[int, int]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     # Component by component, so that NumPy's inner loops run along the rays.
-    reach = 0.5 * sizes[:, None] * sensing_offsets(resolution)
+    down, aside = (
+        0.5 * edges[:, [place]] * sensing_offsets(count) for place, count in enumerate(grid)
+    )
     centres = (poses.points + lifts[:, None] * poses.normals).T
-    along_rows = centres[:, :, None] + reach * poses.rows.T[:, :, None]
-    along_columns = reach * poses.columns.T[:, :, None]
+    along_rows = centres[:, :, None] + down * poses.rows.T[:, :, None]
+    along_columns = aside * poses.columns.T[:, :, None]
     origins = along_rows[:, :, :, None] + along_columns[:, :, None, :]
-    directions = np.repeat(-poses.normals.T, resolution**2, axis=1)
+    directions = np.repeat(-poses.normals.T, grid[0] * grid[1], axis=1)
     return origins.reshape(3, -1).T, directions.T
 
 

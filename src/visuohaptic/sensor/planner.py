@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,12 +113,21 @@ class Effect:
         stay the same, bit for bit.
     example : mapping of str to object
         Fields of a scene in which a pressed sensor needs it; tests of every effect use it.
+    description : str
+        What it is, in a few words; of this package's own the scene has it.
+    settings : mapping of str to tuple
+        Type and pydantic's ``Field`` of each field that a plug-in's effect adds to the scene.
+    before : str, optional
+        The effect that a plug-in's is in front of; without it, it is the last.
     """
 
     name: str
     call: Callable[[Situation, Signal], Call]
     run: Callable[[Situation, Signal], Signal]
     example: Mapping[str, object]
+    description: str = ""
+    settings: Mapping[str, tuple[Any, Any]] = field(default_factory=dict)
+    before: str | None = None
 
 
 def apply_effect(

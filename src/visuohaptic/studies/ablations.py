@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.features.descriptors import DESCRIPTORS
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.scene.parameters import PRESETS
 from visuohaptic.studies.conditions import Changes, Condition, Study
 
 WHOLE = "whole_method"
@@ -26,14 +28,17 @@ _AZIMUTH_FREE: Changes = {
     "recognition.pipelines": ("best",),
 }
 
+OTHER_DESCRIPTORS = tuple(entry for entry in DESCRIPTORS if entry.name != "contourlet")
+"""What describes an imprint instead of the contourlet."""
+
 PARTS: dict[str, Changes] = {
     WHOLE: {},
     "cutaneous_only": {"recognition.cues": ("cutaneous",), "recognition.best.cues": _SKIN},
     "kinesthetic_only": {"recognition.cues": ("kinesthetic",), "recognition.best.cues": _POSE},
     "contourlet_only": _ONE_DESCRIPTOR,
     **{
-        descriptor: {"features.descriptor": descriptor, **_ONE_DESCRIPTOR}
-        for descriptor in ("nonsubsampled_contourlet", "wavelet", "image_statistics")
+        entry.name: {"features.descriptor": entry.name, **_ONE_DESCRIPTOR}
+        for entry in OTHER_DESCRIPTORS
     },
     "fixed_sensor_size": {"scene.effects.adaptive_size": "never"},
     "without_map": {
@@ -45,7 +50,7 @@ PARTS: dict[str, Changes] = {
     "turned_any_way": {"recognition.protocol.turns": "any"},
     "azimuth_free": _AZIMUTH_FREE,
     "azimuth_free_turned_upright": {**_AZIMUTH_FREE, "recognition.protocol.turns": "vertical"},
-    **{preset: {"scene.preset": preset} for preset in ("ideal", "fsr400", "worn_fsr")},
+    **{preset: {"scene.preset": preset} for preset in PRESETS},
     **{f"without_{channel}": {f"attention.weights.{channel}": 0.0} for channel in CHANNELS},
 }
 """What each ablation changes, the whole method first."""

@@ -29,6 +29,7 @@ Phase = Literal["views", "touches", "features"]
 
 _ORDER: tuple[Phase, ...] = ("views", "touches", "features")
 _FIXED = {
+    "plugins": "they are code of the whole run",
     "workflow": "it changes no result",
     "meshes": "a study has the objects of the run",
     "cost": "it belongs to the study cost",

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import ast
+import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from visuohaptic.plugins import PlugIn
 
 MACHINERY = "visuohaptic_workflow.jobs"
 """What every job has around its work; no number depends on it."""
@@ -83,6 +87,44 @@ def code_of(script: Path, sources: tuple[Path, ...]) -> Code:
         files |= {file, *(_data_beside(file) if "importlib" in found else ())}
         waiting |= found | {name for one in found for name in _lazy_modules(one, packages)}
     return Code(tuple(sorted(files)), {name: version_of(name) for name in sorted(others)})
+
+
+def with_plug_ins(code: Code, plug_ins: Iterable[PlugIn], sources: tuple[Path, ...]) -> Code:
+    """Add to what a script runs the plug-ins that registered with one of its modules.
+
+    Parameters
+    ----------
+    code : Code
+        What the script runs without them.
+    plug_ins : iterable of PlugIn
+        All that are loaded. A file counts with what it imports, an installed one by its version.
+    sources : tuple of path
+        As `code_of` takes them.
+
+    Returns
+    -------
+    Code
+        Files of plug-ins are relative to the working folder.
+    """
+    files, versions = set(code.files), dict(code.versions)
+    for plug_in in plug_ins:
+        if not {_module_file(home, sources) for home in plug_in.homes} & set(code.files):
+            continue
+        if plug_in.file is None:
+            versions[str(plug_in.package)] = version_of(str(plug_in.package))
+            continue
+        own = code_of(plug_in.file, sources)
+        files |= {*own.files, Path(os.path.relpath(plug_in.file))} - {plug_in.file}
+        names = _imports_of(plug_in.file.read_text(encoding="utf-8"))
+        packages = {package.name for source in sources for package in source.iterdir()}
+        others = {name.partition(".")[0] for name in names} - sys.stdlib_module_names - packages
+        versions |= own.versions | {name: version_of(name) for name in others}
+    return Code(tuple(sorted(files)), dict(sorted(versions.items())))
+
+
+def _module_file(module: str, sources: tuple[Path, ...]) -> Path:
+    paths = [source.joinpath(*module.split(".")).with_suffix(".py") for source in sources]
+    return next((path for path in paths if path.exists()), paths[0])
 
 
 @cache

@@ -110,7 +110,7 @@ def list_code(root: str | Path) -> list[str]:
         root / name
         for name in ("Snakefile", "pyproject.toml", "requirements.lock", "meshes/catalogue.csv")
     ]
-    for folder in ("workflow", "src", "packages/contourlets/src"):
+    for folder in ("workflow", "src", "packages/contourlets/src", "plugins"):
         files += [
             file for file in sorted((root / folder).rglob("*"))
             if file.is_file() and "__pycache__" not in file.parts and file != root / "workflow/Snakefile"

@@ -100,6 +100,7 @@ class Keys:
         self._root, self._kept = root, frozenset(kept)
         self._makers = {file: job.record for job in self.jobs.values() for file in job.outputs}
         self._parts: dict[str, Parts] = {}
+        self._keys: dict[str, str] = {}
         self._code: dict[Path, dict[str, str]] = {}
         self._reasons: dict[str, str | None] = {}
 
@@ -132,7 +133,9 @@ class Keys:
 
     def key(self, record: str) -> str:
         """Give a job's key."""
-        return key_of(self.parts(record))
+        if record not in self._keys:
+            self._keys[record] = key_of(self.parts(record))
+        return self._keys[record]
 
     def given(self, record: str) -> Parts:
         """Give what a job is told: its key's parts, its files of code and sources, and what marks these today."""
@@ -163,7 +166,7 @@ class Keys:
         kept, today = read_record(record), self.parts(record)
         if not kept:
             return "new" if not Path(record).exists() else "record: none of this version"
-        if kept["key"] != key_of(today):
+        if kept["key"] != self.key(record):
             return self._difference(kept["parts"], today)
         for file in self.jobs[record].tables:
             if self._digest(file) != kept["tables"].get(file):
@@ -184,7 +187,7 @@ class Keys:
     def _key_taken(self, maker: str, taker: str) -> str:
         if maker in self._kept and taker not in self._kept and (kept := read_record(maker)):
             return str(kept["key"])
-        return key_of(self.parts(maker))
+        return self.key(maker)
 
     def _code_of(self, script: Path) -> dict[str, str]:
         if script not in self._code:

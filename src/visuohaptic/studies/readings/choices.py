@@ -15,7 +15,6 @@ from operator import attrgetter
 from typing import Literal
 
 from visuohaptic.attention.learnt import read_learnt
-from visuohaptic.attention.parameters import CHANNELS
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import Changes
 
@@ -75,6 +74,7 @@ _DISTANCE = (
     "distance between points on a tangential plane (representing the surface of the sensor) and the "
     "object (section 3.2)"
 )
+_EIGHT = tuple(read_learnt()["channels"])  # those of the package, and of no plug-in
 _NAMED_CHANNELS = {"colour", "contrast", "curvature", "intensity", "orientation"}
 _SCIKIT_LEARN: Changes = {
     f"{_CLASSIFIER}.neighbours": 5,
@@ -178,13 +178,14 @@ CHOICES: tuple[Choice, ...] = (
         "a series of features extracted in field of view such as color opponency, contrast, "
         "curvature, intensity, orientation etc. (section 3.1)",
         {
-            "eight_equal": {f"attention.weights.{name}": 1.0 for name in CHANNELS},
+            "eight_equal": dict.fromkeys((f"attention.weights.{name}" for name in _EIGHT), 1.0),
             "eight_fitted": {
                 f"attention.weights.{name}": weight
                 for name, weight in read_learnt()["channels"].items()
             },
             "five_named": {
-                f"attention.weights.{name}": float(name in _NAMED_CHANNELS) for name in CHANNELS
+                f"attention.weights.{name}": float(name in _NAMED_CHANNELS)
+                for name in _EIGHT
             },
         },
     ),

@@ -1,0 +1,32 @@
+"""A map of one's own: a touch becomes its first principal components."""
+
+import visuohaptic as vh
+from visuohaptic.recognition.maps import FeatureGroups, Map
+
+
+def fit(touches, settings, generator):
+    """Find the directions in which the training touches vary most, as weights of the features."""
+    import numpy as np
+
+    _, _, directions = np.linalg.svd(touches - touches.mean(axis=0), full_matrices=False)
+    return FeatureGroups(directions[: settings.outputs].T)
+
+
+def reduce(fitted, touches):
+    """Weigh and add the features of touches."""
+    return touches @ fitted.weights
+
+
+vh.register(Map("principal", "its first principal components", fit, reduce))
+
+if __name__ == "__main__":
+    import numpy as np
+
+    from visuohaptic.recognition.encoding import fit_sequence_encoder
+    from visuohaptic.recognition.parameters import RecognitionParameters
+
+    chosen = RecognitionParameters(self_organising_map={"output": "principal", "outputs": 3})
+    generator = np.random.default_rng(0)
+    sequences = generator.normal(size=(20, 5, 22)) * np.arange(1, 23)
+    reduced = fit_sequence_encoder(sequences, chosen, generator).reduce(sequences)
+    print(reduced.shape, *reduced.std(axis=(0, 1)).round(1))

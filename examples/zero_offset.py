@@ -1,0 +1,41 @@
+"""An effect of the sensor of one's own: cells that nothing loads give an output all the same."""
+
+import numpy as np
+from pydantic import Field
+
+import visuohaptic as vh
+from visuohaptic.sensor.planner import Call
+
+
+def call(situation, signal):
+    """Say which touches need it, and why or why not: quick, and before anything is simulated."""
+    offset = situation.scene.zero_offset
+    return Call(np.full(len(situation), offset > 0), f"an offset of {offset:g} of full scale")
+
+
+def run(situation, signal):
+    """Add the offset to all outputs."""
+    return signal.map(lambda values: values + situation.scene.zero_offset)
+
+
+vh.register(
+    vh.Effect(
+        "zero_offset",
+        call,
+        run,
+        example={"zero_offset": 0.1},
+        description="Output of cells that nothing loads",
+        settings={
+            "zero_offset": (float, Field(0.0, ge=0, le=0.5, description="Offset (of full scale)"))
+        },
+        before="noise",
+    )
+)
+
+if __name__ == "__main__":
+    from visuohaptic.scene.parameters import Scene
+    from visuohaptic.sensor import Situation, simulate
+
+    situation = Situation(Scene(zero_offset=0.1), np.zeros((1, 2, 2)), np.full(1, 1e-3), None)
+    readings, records = simulate(situation, np.array([[[0.0, 0.5], [0.95, 1.0]]]))
+    print(*readings.ravel(), "by", *(record.effect for record in records if record.runs))

@@ -1,0 +1,78 @@
+"""`visuohaptic press`: sensors at poses of one's own on a mesh, in the frame of its file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from visuohaptic.cli.explore import LengthUnit
+from visuohaptic.cli.printing import file_to_read, folder_to_write, say
+
+
+def press(
+    mesh: Annotated[
+        Path, typer.Argument(metavar="MESH", parser=file_to_read, help="The mesh file.")
+    ],
+    poses: Annotated[
+        Path,
+        typer.Option(
+            parser=file_to_read,
+            help="CSV file: x, y, z in the mesh's unit, and qw, qx, qy, qz, or normal_x, normal_y, normal_z and roll in degrees.",
+        ),
+    ],
+    size: Annotated[float, typer.Option(help="Width of the sensors, in the mesh's unit.")],
+    height: Annotated[
+        float | None, typer.Option(help="Their height.", show_default="the width")
+    ] = None,
+    resolution: Annotated[int, typer.Option(help="Sensing points along the width.")] = 32,
+    depth: Annotated[
+        float | None,
+        typer.Option(help="How deep below its plane a sensor feels.", show_default="a third"),
+    ] = None,
+    scene: Annotated[
+        str | None, typer.Option(help="What is simulated: ideal, fsr400 or worn_fsr.")
+    ] = None,
+    unit: Annotated[
+        LengthUnit | None, typer.Option(help="The mesh's unit of length, for a scene.")
+    ] = None,
+    out: Annotated[
+        Path, typer.Option(parser=folder_to_write, help="Folder for the imprints and the picture.")
+    ] = Path("pressed"),
+) -> None:
+    """Press sensors on a mesh at given poses.
+
+    Writes imprints.npy, heights.npy and picture.png. `visuohaptic touch` writes poses of its own, which
+    can be pressed again, as poses.csv.
+
+    Example: visuohaptic press mug.stl --poses poses.csv --size 10
+    """
+    import numpy as np
+
+    from visuohaptic.exploration.pose_files import read_poses
+    from visuohaptic.exploration.pressing import press as press_sensors
+    from visuohaptic.meshes.model_files import read_model
+    from visuohaptic.meshes.parameters import MeshParameters
+
+    surface = read_model(mesh, MeshParameters().largest_megabytes)
+    tall = size if height is None else height
+    pressed = press_sensors(
+        (surface.vertices, surface.faces),
+        poses=read_poses(poses),
+        size=(size, tall),
+        resolution=(
+            max(2, round(resolution * tall / size)) if size > 0 else resolution,
+            resolution,
+        ),
+        depth=depth,
+        scene=scene,
+        unit=None if unit is None else unit.value,
+    )
+    out.mkdir(parents=True, exist_ok=True)
+    np.save(out / "imprints.npy", pressed.images, allow_pickle=False)
+    np.save(out / "heights.npy", pressed.heights, allow_pickle=False)
+    pressed.picture().save(out / "picture.png")
+    say(f"{mesh}: {pressed!r}")
+    for name in ("imprints.npy", "heights.npy", "picture.png"):
+        say(f"  {out / name}")

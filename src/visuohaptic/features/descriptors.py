@@ -1,0 +1,99 @@
+"""Descriptors: the numbers that describe an imprint, one entry each.
+
+Heavy libraries are imported by the functions that use them, so that the descriptors' names can be
+checked without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.registry import Registry
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from visuohaptic.features.parameters import FeatureParameters
+
+    Describe = Callable[[NDArray[np.float32], FeatureParameters], NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Descriptor:
+    """What describes an imprint.
+
+    Attributes
+    ----------
+    name : str
+        What parameters and tables call it.
+    label : str
+        What the report calls it.
+    describe : callable
+        Takes imprints, shape (n, r, r), float32, in [0, 1], and the section `features`; gives
+        numbers, shape (n, k), float64, k at most 16. Each row depends on its own imprint alone.
+    """
+
+    name: str
+    label: str
+    describe: Describe
+
+
+def _contourlet_deviations(
+    imprints: NDArray[np.float32], parameters: FeatureParameters
+) -> NDArray[np.float64]:
+    from contourlets import Contourlet, LevelsError, band_deviations
+
+    try:
+        transform = Contourlet(
+            parameters.levels,
+            parameters.pyramid_filter,
+            parameters.directional_filter,
+            parameters.extension,
+        )
+        return band_deviations(imprints, transform)
+    except LevelsError as error:
+        if parameters.levels != (4,):
+            raise ParameterError(f"sensor.resolution or features.levels: {error}") from None
+        raise ParameterError(
+            f"sensor.resolution is {imprints.shape[1]}; multiples of 8, and odd numbers from 3 on, "
+            "are allowed, as a contourlet divides the imprint into 16 bands."
+        ) from None
+
+
+def _nonsubsampled_deviations(
+    imprints: NDArray[np.float32], _: FeatureParameters
+) -> NDArray[np.float64]:
+    """Give the deviations (N - 1) of a nonsubsampled contourlet's 16 bands."""
+    import numpy as np
+
+    from contourlets import NonsubsampledContourlet
+
+    bands = NonsubsampledContourlet(levels=(4,)).forward(imprints.astype(np.float64)).levels[0]
+    return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
+
+
+def _wavelet_deviations(
+    imprints: NDArray[np.float32], parameters: FeatureParameters
+) -> NDArray[np.float64]:
+    from contourlets import wavelet_deviations
+
+    return wavelet_deviations(imprints, "db2", parameters.wavelet_levels)
+
+
+def _image_statistics(imprints: NDArray[np.float32], _: FeatureParameters) -> NDArray[np.float64]:
+    from visuohaptic.features.imprint_shape import describe_imprint_shape
+
+    return describe_imprint_shape(imprints)
+
+
+DESCRIPTORS = Registry(
+    "descriptor of imprints",
+    Descriptor("contourlet", "deviations of 16 contourlet bands", _contourlet_deviations),
+    Descriptor("nonsubsampled_contourlet", "nonsubsampled contourlet", _nonsubsampled_deviations),
+    Descriptor("wavelet", "wavelet (db2, three levels)", _wavelet_deviations),
+    Descriptor("image_statistics", "statistics of the raw imprint", _image_statistics),
+)

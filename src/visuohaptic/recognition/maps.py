@@ -1,0 +1,153 @@
+"""Maps: what is left of a touch's features before they become a sequence, one entry each.
+
+Heavy libraries are imported by the functions that use them, so that the maps' names can be checked
+without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from visuohaptic.registry import Registry
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
+    from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
+
+    Rows = NDArray[np.float64]
+    Fit = Callable[[Rows, SelfOrganisingMapParameters, np.random.Generator], Any]
+
+
+@dataclass(frozen=True)
+class Map:
+    """A way to reduce a touch to a few numbers.
+
+    Attributes
+    ----------
+    name : str
+        What parameters call it.
+    description : str
+        What the numbers are.
+    fit : callable
+        Takes training touches, shape (n, k), float64, the section
+        `recognition.self_organising_map` and a random generator; gives what `reduce` takes. A
+        model can be saved if that is a `FeatureGroups` or a `SelfOrganisingMap`.
+    reduce : callable
+        Takes what was fitted and touches, shape (n, k); gives their numbers, shape (n, m).
+    sizes : callable, optional
+        Takes what was fitted and the sizes, shape (n, k), of what features were computed from;
+        gives those of what the numbers were computed from, shape (n, m). Numbers of a sequence
+        that differ by rounding beside them are made equal; without it all stay as they are.
+    fitted_as : str, optional
+        Another map that fits the same, so that it need not be fitted again.
+    """
+
+    name: str
+    description: str
+    fit: Fit
+    reduce: Callable[[Any, Rows], Rows]
+    sizes: Callable[[Any, Rows], Rows] | None = None
+    fitted_as: str | None = None
+
+
+@dataclass(frozen=True)
+class FeatureGroups:
+    """Weighted sums of features.
+
+    Attributes
+    ----------
+    weights : numpy.ndarray
+        Shape (k, m), float64: columns average the features of one group; an
+        empty group's column is zero.
+    """
+
+    weights: Rows
+
+
+def _fit_lattice(
+    touches: Rows, settings: SelfOrganisingMapParameters, generator: np.random.Generator
+) -> SelfOrganisingMap:
+    from visuohaptic.recognition.self_organising_map import fit_map, lattice
+
+    return fit_map(touches, lattice(settings.outputs, settings.lattice_levels), settings, generator)
+
+
+def _fit_line(
+    rows: Rows, settings: SelfOrganisingMapParameters, generator: np.random.Generator
+) -> SelfOrganisingMap:
+    from visuohaptic.recognition.self_organising_map import fit_map, line
+
+    return fit_map(rows, line(settings.outputs), settings, generator)
+
+
+def _fit_groups(
+    touches: Rows, settings: SelfOrganisingMapParameters, generator: np.random.Generator
+) -> FeatureGroups:
+    """Let a map order the features, each described by its value at every touch."""
+    import numpy as np
+
+    features = touches.T
+    fitted = _fit_line(features, settings, generator)
+    member = np.eye(len(fitted.weights))[fitted.nearest(features)]
+    return FeatureGroups(member / np.maximum(member.sum(axis=0), 1))
+
+
+def _keep_features(touches: Rows, *_: object) -> FeatureGroups:
+    import numpy as np
+
+    return FeatureGroups(np.eye(touches.shape[1]))
+
+
+def _average(fitted: FeatureGroups, touches: Rows) -> Rows:
+    return touches @ fitted.weights
+
+
+def _average_sizes(fitted: FeatureGroups, sizes: Rows) -> Rows:
+    return sizes @ abs(fitted.weights)
+
+
+def _distances(fitted: SelfOrganisingMap, touches: Rows) -> Rows:
+    return fitted.distances(touches)
+
+
+def _distance_sizes(fitted: SelfOrganisingMap, sizes: Rows) -> Rows:
+    import numpy as np
+
+    return np.linalg.norm(sizes, axis=1)[:, None] + np.linalg.norm(fitted.weights, axis=1)
+
+
+def _one_hot(fitted: SelfOrganisingMap, touches: Rows) -> Rows:
+    import numpy as np
+
+    return np.eye(len(fitted.weights))[fitted.nearest(touches)]
+
+
+def _places(fitted: SelfOrganisingMap, touches: Rows) -> Rows:
+    return fitted.positions[fitted.nearest(touches)]
+
+
+MAPS = Registry(
+    "map of touches",
+    Map(
+        "unit_distances", "its distance to each of five units", _fit_line, _distances,
+        sizes=_distance_sizes,
+    ),
+    Map(
+        "one_hot", "1 for the nearest of five units and 0 for the others", _fit_line, _one_hot,
+        fitted_as="unit_distances",
+    ),
+    Map("lattice", "the nearest unit's place on a lattice of five axes", _fit_lattice, _places),
+    Map(
+        "feature_groups", "the means of five groups of features, found by a map over the features",
+        _fit_groups, _average, sizes=_average_sizes,
+    ),
+    Map(
+        "none", "there is no map, and a touch keeps all its features", _keep_features, _average,
+        sizes=_average_sizes,
+    ),
+)  # fmt: skip

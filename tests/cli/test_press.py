@@ -1,0 +1,49 @@
+"""`visuohaptic press`: poses out of a touch, and back."""
+
+import numpy as np
+import pytest
+import trimesh
+
+
+@pytest.fixture
+def bottle(tmp_path):
+    profile = [[0, 0], [25, 0], [25, 70], [10, 90], [10, 120], [0, 120]]
+    trimesh.creation.revolve(profile, sections=48).export(tmp_path / "bottle.stl")
+    return tmp_path / "bottle.stl"
+
+
+def test_poses_of_a_touch_are_pressed_again_on_the_same_file(visuohaptic, tmp_path, bottle):
+    touched = visuohaptic(
+        "touch", bottle, "--up", "z", "--unit", "mm", "--viewpoints", 1, "--out", "felt"
+    )
+    assert touched.code == 0, touched.err
+    pressed = visuohaptic(
+        "press", bottle, "--poses", "felt/poses.csv", "--size", 12, "--height", 6, "--resolution", 24, "--unit", "mm"
+    )  # fmt: skip
+    assert pressed.code == 0, pressed.err
+    images = np.load(tmp_path / "pressed/imprints.npy")
+    assert images.shape[1:] == (12, 24)
+    assert len(images) == len((tmp_path / "felt/poses.csv").read_text().splitlines()) - 1
+    # A touched place lies on the surface, so the middle of each imprint is in contact.
+    assert (images[:, 5:7, 11:13].max(axis=(1, 2)) > 0.9).all()
+    assert np.isfinite(np.load(tmp_path / "pressed/heights.npy")).any()
+    assert (tmp_path / "pressed/picture.png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--size", 0), "size holds 0"),
+        (("--size", 5, "--resolution", 1), "resolution is"),
+        (("--size", 5, "--scene", "fsr400"), "unit is None"),
+        (("--size", 5, "--scene", "wet", "--unit", "mm"), "scene.preset is 'wet'"),
+    ],
+)
+def test_wrong_measures_are_one_sentence_and_write_nothing(
+    visuohaptic, tmp_path, bottle, options, sentence
+):
+    (tmp_path / "poses.csv").write_text("x,y,z,normal_x,normal_y,normal_z\n25,0,30,1,0,0\n")
+    ended = visuohaptic("press", bottle, "--poses", "poses.csv", *options)
+    assert ended.code == 1
+    assert sentence in ended.err
+    assert not (tmp_path / "pressed").exists()

@@ -1,0 +1,192 @@
+"""What was touched is found again in the frame of the object's file, and pressed again there."""
+
+import numpy as np
+import pyarrow.compute as pc
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+
+import visuohaptic as vh
+from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.exploration.pose_files import read_poses, write_poses
+
+SMALL = {"rendering.resolution": 64, "sensor.normal": "given"}
+
+
+def lying_bottle():
+    """A bottle of 120 mm that lies far from the origin, its axis along z, as printers like it."""
+    profile = [[0, 0], [25, 0], [25, 70], [10, 90], [10, 120], [0, 120]]
+    mesh = trimesh.creation.revolve(profile, sections=64)
+    mesh.apply_translation([300.0, -40.0, 7.0])
+    return mesh
+
+
+@pytest.fixture(scope="module")
+def touched():
+    mesh = lying_bottle()
+    parameters = {**SMALL, "meshes.own_up_axis": "z"}
+    found = vh.load(mesh, parameters=parameters, unit="mm")
+    return mesh, found, found.touch(2, "random", parameters)
+
+
+def test_the_way_from_the_file_takes_its_vertices_to_the_surface(touched):
+    mesh, found, _ = touched
+    there = found.frame.points_in_object(mesh.vertices)
+    np.testing.assert_allclose(np.linalg.norm(there, axis=1).max(), 1.0, atol=1e-6)
+    distances = np.abs(found.surface.vertices[:, None] - there[None]).max(axis=2).min(axis=1)
+    assert distances.max() < 2e-7
+    np.testing.assert_allclose(found.frame.points_in_file(there), mesh.vertices, atol=1e-10)
+
+
+def test_touches_lie_on_the_file_s_own_mesh_and_face_outwards(touched):
+    mesh, _, explored = touched
+    table = explored.frame.table(explored.touches)
+    assert table.schema.metadata == {b"frame": b"file", b"unit": b'"mm"'}
+    points = np.column_stack([table.column(axis).to_numpy() for axis in "xyz"])
+    normals = np.column_stack([table.column(f"normal_{axis}").to_numpy() for axis in "xyz"])
+    for point, normal in zip(points, normals, strict=True):
+        corners = np.tile(point, (len(mesh.faces), 1))
+        distances = np.linalg.norm(
+            trimesh.triangles.closest_point(mesh.triangles, corners) - point, axis=1
+        )
+        # In mm; vertices are float32 in the object frame. Faces meet at edges, so several may be as near.
+        assert distances.min() < 1e-4
+        assert (mesh.face_normals[distances < 1e-4] @ normal > 0.5).any()
+    assert pc.max(table.column("sensor_size")).as_py() == pytest.approx(0.3 * explored.frame.radius)
+
+
+def test_a_pose_pressed_on_the_file_s_mesh_feels_what_the_touch_felt(touched):
+    mesh, _, explored = touched
+    sizes = explored.touches.column("sensor_size").to_numpy() * explored.frame.radius
+    whole = np.array(explored.touches.column("contact_state").to_pylist()) == "full"
+    assert whole.sum() >= 5
+    felt = vh.press(
+        mesh, poses=explored.poses[whole], size=sizes[whole], depth=0.1 * explored.frame.radius
+    )
+    rough = felt.images - felt.images.max(axis=(1, 2), keepdims=True)
+    span = np.maximum(-rough.min(axis=(1, 2), keepdims=True), 1e-3 / 0.1)
+    again = np.where(felt.images.max(axis=(1, 2), keepdims=True) > 0, 1 + rough / span, 0)
+    np.testing.assert_allclose(np.clip(again, 0, 1), explored.imprints[whole], atol=2e-4)
+
+
+def test_poses_are_rotations_and_come_back_from_a_file_to_the_last_digits(touched, tmp_path):
+    poses = touched[2].poses
+    axes = poses[:, :3, :3]
+    np.testing.assert_allclose(
+        axes @ np.swapaxes(axes, 1, 2), np.tile(np.eye(3), (len(poses), 1, 1)), atol=1e-12
+    )
+    assert (np.linalg.det(axes) > 0).all()
+    write_poses(poses, tmp_path / "poses.csv")
+    np.testing.assert_allclose(read_poses(tmp_path / "poses.csv"), poses, rtol=1e-13, atol=1e-12)
+
+
+def test_the_unit_gives_the_scene_the_object_s_real_size():
+    mesh = trimesh.creation.icosphere(3, radius=5.0)
+    sized = vh.load(mesh, unit="mm")
+    assert sized.frame.radius_m == pytest.approx(0.005, rel=1e-6)
+    felt = {
+        unit: vh.load(mesh, "a/ball", unit=unit).touch(
+            1, "random", {**SMALL, "scene.preset": "fsr400"}
+        )
+        for unit in (None, "mm", "m")
+    }
+    sizes = {unit: one.parameters.scene.object_radius_m for unit, one in felt.items()}
+    assert sizes == {
+        None: 0.05,
+        "mm": pytest.approx(0.005, rel=1e-6),
+        "m": pytest.approx(5, rel=1e-6),
+    }
+    assert not np.array_equal(felt["mm"].imprints, felt["m"].imprints)
+    own = vh.load(mesh, unit="mm").touch(1, "random", {**SMALL, "scene.object_radius_m": 0.02})
+    assert own.parameters.scene.object_radius_m == 0.02
+
+
+def test_an_unknown_unit_is_refused():
+    with pytest.raises(MeshError, match=r"unit is 'feet'; mm, cm, m, in are allowed"):
+        vh.load(lying_bottle(), unit="feet")
+
+
+def test_a_file_of_points_and_normals_stands_as_press_does(tmp_path):
+    ball = trimesh.creation.icosphere(4, radius=10.0)
+    normals = np.array([[0.0, 0.0, 2.0], [1.0, 1.0, 0.0]])
+    (tmp_path / "poses.csv").write_text(
+        "x,y,z,normal_x,normal_y,normal_z,roll\n0,0,10,0,0,2,0\n7.07,7.07,0,1,1,0,30\n"
+    )
+    read = vh.press(ball, poses=read_poses(tmp_path / "poses.csv"), size=2.0)
+    given = vh.press(ball, [[0, 0, 10], [7.07, 7.07, 0]], normals, 2.0, roll=[0, 30])
+    np.testing.assert_allclose(read.heights, given.heights, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x,y\n1,2\n", "no column z"),
+        ("x,y,z\n1,2,3\n", "no column normal_x"),
+        ("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "quaternion of pose 0 has the length 0"),
+        ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,a,0,1\n", "line 2: 1,2,3,a,0,1 are no numbers"),
+        ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,1\n", "line 2 has 4 numbers for 6 columns"),
+    ],
+)
+def test_a_wrong_file_of_poses_is_refused_in_a_sentence(tmp_path, text, sentence):
+    (tmp_path / "poses.csv").write_text(text)
+    with pytest.raises(ParameterError, match=sentence):
+        read_poses(tmp_path / "poses.csv")
+
+
+def test_turned_and_rectangular_sensors_feel_the_turned_surface():
+    wall = trimesh.creation.box((40.0, 10.0, 4.0))
+    pose = np.eye(4)
+    pose[2, 3] = 2.0
+    turned = pose.copy()
+    turned[:3, :3] = Rotation.from_euler("z", 90, degrees=True).as_matrix()
+    wide = vh.press(wall, poses=[pose, turned], size=(20.0, 8.0), resolution=(8, 20))
+    assert wide.images.shape == (2, 8, 20)
+    assert (wide.images[0] == 1).all()
+    # The wall is 10 wide: half of the turned sensor's 20 columns stand over it.
+    assert ((wide.images[1] == 1).sum(axis=1) == 10).all()
+    by_roll = vh.press(wall, poses=[pose], size=(20.0, 8.0), resolution=(8, 20), roll=90.0)
+    np.testing.assert_array_equal(by_roll.images[0], wide.images[1])
+
+
+def test_points_that_are_felt_lie_on_the_mesh():
+    ball = trimesh.creation.icosphere(5, radius=10.0)
+    felt = vh.press(ball, [[0, 10, 0]], [[0, 1, 0]], (6.0, 3.0), resolution=(6, 12))
+    points = felt.points.reshape(-1, 3)
+    assert np.isfinite(points).all()
+    np.testing.assert_allclose(np.linalg.norm(points, axis=1), 10.0, atol=0.02)
+    assert (felt.points[0, :, 0, :] != felt.points[0, :, -1, :]).any()
+
+
+def test_a_scene_needs_a_unit_and_square_cells_and_changes_the_images():
+    ball = trimesh.creation.icosphere(4, radius=50.0)
+    place = {"points": [[0, 50, 0]], "normals": [[0, 1, 0]], "depth": 5.0}
+    ideal = vh.press(ball, **place, size=10.0)
+    covered = vh.press(ball, **place, size=10.0, scene="fsr400", unit="mm")
+    assert covered.images.shape == ideal.images.shape
+    assert not np.array_equal(covered.images, ideal.images)
+    np.testing.assert_array_equal(covered.heights, ideal.heights)
+    with pytest.raises(ParameterError, match="unit is None; mm, cm, m, in are allowed"):
+        vh.press(ball, **place, size=10.0, scene="fsr400")
+    with pytest.raises(ParameterError, match="A scene needs square sensors"):
+        vh.press(ball, **place, size=(10.0, 5.0), scene="fsr400", unit="mm")
+
+
+def test_a_picture_and_a_short_name_for_many_imprints():
+    ball = trimesh.creation.icosphere(3, radius=1.0)
+    normals = np.random.default_rng(0).normal(size=(80, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    felt = vh.press(ball, normals, normals, 0.4, resolution=8)
+    assert repr(felt) == "<Pressed: 80 imprints of 8 x 8, 80 of which feel something>"
+    assert felt.picture().size == (8 * 100 + 4, 8 * 100 + 4)
+
+
+def test_a_file_too_small_for_a_scale_is_touched_and_has_no_way_back(tmp_path):
+    mesh = trimesh.creation.icosphere(2)
+    tiny = (mesh.vertices * 1e-320, mesh.faces)
+    found = vh.load(tiny)
+    assert np.linalg.norm(found.surface.vertices, axis=1).max() == pytest.approx(1)
+    with pytest.raises(MeshError, match="so small or large"):
+        found.frame.points_in_file([[0, 0, 0]])
+    saved = found.touch(1, "random", SMALL).save(tmp_path)
+    assert {path.name for path in saved} > {"picture.png", "touches.parquet"}
+    assert not (tmp_path / "poses.csv").exists()

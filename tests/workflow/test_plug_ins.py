@@ -1,0 +1,95 @@
+"""Plug-ins of the user: jobs run with them, and an edit of one reruns what uses it, and nothing else."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment
+from workflow.conftest import SMALL, Experiment
+
+pytestmark = [pytest.mark.workflow, pytest.mark.long]
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+OURS = {
+    **SMALL,
+    "plugins": ["plugins/closest.py", "plugins/grid_means.py"],
+    "probing": {"strategies": ["closest"]},
+    "features": {"descriptor": "grid_means"},
+}
+
+
+@pytest.fixture(scope="module")
+def experiment(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plug_ins") / "experiment"
+    copy_experiment(folder, COPIED, SMALL_OBJECTS[:1], OURS)
+    for name in ("closest", "grid_means"):
+        shutil.copy(EXAMPLES / f"{name}.py", folder / "plugins")
+    return Experiment(folder)
+
+
+def distances(experiment):
+    return experiment.table("touches").to_pandas()[["x", "y", "z"]].to_numpy().tolist()
+
+
+def test_a_run_with_plug_ins_is_done_once_and_again_from_the_phase_whose_plug_in_was_edited(
+    experiment,
+):
+    experiment.snakemake("features_all")
+    assert experiment.planned("features_all") == {}
+    assert set(experiment.table("features")["strategy"].to_pylist()) == {"closest"}
+    touched = distances(experiment)
+
+    plug_in = experiment.folder / "plugins/grid_means.py"
+    plug_in.write_text(
+        plug_in.read_text().replace("part.mean", "part.max").replace(", dtype=float", "")
+    )
+    assert experiment.planned("features_all") == {"features": 1}
+
+    plug_in = experiment.folder / "plugins/closest.py"
+    plug_in.write_text(plug_in.read_text().replace("argsort(distances", "argsort(-distances"))
+    planned = {"fixations": 1, "touches": 1, "features": 1}
+    assert experiment.planned("features_all") == planned
+    experiment.snakemake("features_all")
+    assert experiment.planned("features_all") == {}
+    assert distances(experiment) != touched
+
+
+def test_a_whole_run_is_planned_with_a_plug_in_of_each_kind(experiment, tmp_path):
+    every = Experiment(tmp_path / "every")
+    copy_experiment(every.folder, COPIED, SMALL_OBJECTS, SMALL)
+    for path in EXAMPLES.glob("*.py"):
+        shutil.copy(path, every.folder / "plugins")
+    every.set(
+        plugins=[f"plugins/{path.name}" for path in EXAMPLES.glob("*.py")],
+        attention={"weights": {"redness": 2.0}},
+        scene={"zero_offset": 0.05},
+        probing={"strategies": ["fixation", "closest"]},
+        features={"descriptor": "grid_means"},
+        recognition={
+            "classifiers": ["extra_trees"],
+            "self_organising_map": {"output": "principal"},
+        },
+    )
+    planned = every.planned()
+    assert {"fixations", "touches", "features", "recognition", "report"} <= set(planned)
+    ablations = every.planned("ablations_all")
+    assert ablations["block_of_study"] > 0
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (None, "plugins names plugins/other.py, which is not there; a file of Python is needed."),
+        ("1 / 0", "plug-in plugins/other.py can't be loaded: ZeroDivisionError: division by zero."),
+        ("x = 1", "plug-in plugins/other.py registers nothing; it must call visuohaptic.register."),
+    ],
+)
+def test_a_missing_or_broken_plug_in_ends_in_one_sentence(content, sentence, experiment, tmp_path):
+    other = experiment.copy(tmp_path / "other")
+    other.set(plugins=["plugins/other.py"])
+    if content is not None:
+        (other.folder / "plugins/other.py").write_text(content)
+    ended = other.snakemake("-n", "features_all", check=False)
+    assert ended.returncode == 1
+    assert sentence in ended.stdout
+    assert "Traceback" not in ended.stdout
