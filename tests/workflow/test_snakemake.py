@@ -87,7 +87,7 @@ def test_accuracy_by_effect_is_measured_on_request_and_then_kept(experiment):
     experiment.set(sensor={"largest_size": 0.25})
     planned = experiment.planned()
     assert planned["effect_influence"] == 1
-    assert planned["features_of_study"] == 22 + 1
+    assert planned["features_of_study"] == 22
     assert planned["block_of_study"] == 1 + 1
 
 
