@@ -132,12 +132,18 @@ def speed_table(results: dict[str, Any]) -> str:
     lines = ["| run | both pipelines | of processors | the paper's alone |", "|---|---|---|---|"]
     for name, label in RUNS.items():
         paper = f"{alone[f'{name}_s']:.1f} s" if f"{name}_s" in alone else ""
-        lines.append(
-            f"| {label} | {workflow[f'{name}_s']:.1f} s | {workflow[f'{name}_cpu_s']:.1f} s | {paper} |"
-        )
+        # Figures of before `make bench` counted processors have none of these.
+        of_processors = workflow.get(f"{name}_cpu_s")
+        spent = "not counted" if of_processors is None else f"{of_processors:.1f} s"
+        lines.append(f"| {label} | {workflow[f'{name}_s']:.1f} s | {spent} | {paper} |")
+    how = (
+        f", load {workflow['load_before']} before, with bytecode"
+        if "load_before" in workflow
+        else ""
+    )
     sentence = (
-        f"On {machine['processor']}, {machine['cores']} cores, load {workflow['load_before']} before, with "
-        f"bytecode; {workflow['jobs']} jobs in a cold run. `make bench` measures again."
+        f"On {machine['processor']}, {machine['cores']} cores{how}; {workflow['jobs']} jobs in a cold run. "
+        "`make bench` measures again."
     )
     return "\n".join([*lines, "", textwrap.fill(sentence, 100, break_on_hyphens=False)])
 
