@@ -16,7 +16,7 @@ from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_paramet
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
-SCREEN = "PYTHONPATH=$PWD/src:$PWD/packages/contourlets/src:$PWD/workflow/lib python -P -m visuohaptic_workflow.screen --cores 2"
+WHY = "PYTHONPATH=$PWD/src:$PWD/packages/contourlets/src:$PWD/workflow/lib python -P -m visuohaptic_workflow.why"
 # Three classes, so that one can be unknown, and two of them with a test object and two to train.
 OBJECTS = (
     "bs0_yogurtBottle", "bsby_beer_bottle", "sc_com_bath2_jabon_pijo",
@@ -41,7 +41,12 @@ SMALL = {
 }  # fmt: skip
 
 IN_ANOTHER_FORM = {
-    "make": (SCREEN, "`make` makes .venv and then runs this"),
+    "make": ("snakemake --cores 2", "`make` makes .venv and then runs this"),
+    "make why": (WHY, "`make` makes .venv and then runs this"),
+    "make verify": (
+        f"{WHY} verify || test $? = 1",
+        "the same; studies and models of the commands before may be of an earlier state",
+    ),
     "snakemake -j2 readings_all": (
         "snakemake -n -- readings_all && snakemake -j2 -- results/reading/r017.json",
         "684 readings take minutes even here: what would run, and one of them",
