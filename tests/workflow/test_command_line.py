@@ -10,6 +10,7 @@ from workflow.conftest import Experiment
 from workflow.walks import make_experiment
 
 from visuohaptic_workflow.one_run import FolderInUseError, check_writable
+from visuohaptic_workflow.planning import triggers_asked_for
 
 pytestmark = pytest.mark.workflow
 
@@ -81,7 +82,9 @@ def test_the_workflow_runs_in_a_folder_named_by_an_option(fresh, tmp_path):
 def test_a_folder_that_this_user_may_not_write_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(os, "access", lambda *_: False)
-    with pytest.raises(FolderInUseError, match="can't be written; `make why` says"):
+    with pytest.raises(
+        FolderInUseError, match=r"can't be written \(permission denied\); `make why` says"
+    ):
         check_writable()
 
 
@@ -117,6 +120,27 @@ def test_a_wrong_parameter_is_named_before_anything_runs(fresh):
     assert result.returncode == 1
     assert "sensor.largest_size is -1: input should be greater than 0" in result.stdout
     assert not (fresh.folder / "results").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "asked"),
+    [
+        (["-n", "--rerun-triggers", "params", "--", "all"], {"params"}),
+        (["--rerun-triggers", "mtime", "code", "-j2"], {"mtime", "code"}),
+        (["--rerun-triggers=input"], {"input"}),
+        (["-j2", "features_all"], set()),
+    ],
+)
+def test_triggers_are_read_however_they_are_written(arguments, asked):
+    assert triggers_asked_for(arguments) == asked
+
+
+def test_a_lock_that_can_t_be_made_is_one_sentence(fresh):
+    (fresh.folder / ".cache/run.lock").mkdir(parents=True)
+    result = fresh.snakemake(check=False)
+    assert result.returncode == 1
+    assert f"{fresh.folder} can't be written" in result.stdout
+    assert "Traceback" not in result.stdout
 
 
 def test_reasons_of_snakemake_that_go_by_other_things_than_keys_are_refused(fresh):

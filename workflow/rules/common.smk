@@ -40,7 +40,12 @@ from visuohaptic_workflow.one_run import (
     claim_folder,
     is_claimed_by_another,
 )
-from visuohaptic_workflow.planning import Declared, fill, plan_jobs
+from visuohaptic_workflow.planning import (
+    Declared,
+    fill,
+    plan_jobs,
+    triggers_asked_for,
+)
 from visuohaptic_workflow.records import PREFIX
 from visuohaptic_workflow.why import ASKED, answer
 
@@ -54,7 +59,7 @@ IS_PLANNER = os.environ.setdefault("VISUOHAPTIC_RUN", HERE) == HERE
 IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None
 if IS_KEYED and IS_PLANNER:
     os.environ[PREFIX] = sys.prefix
-    if "--rerun-triggers" in sys.argv and "mtime" not in sys.argv:
+    if triggers_asked_for(sys.argv) - {"mtime"}:
         raise WorkflowError(
             "Keys decide what runs here, and Snakemake's other reasons would run it again for ever: "
             "leave out --rerun-triggers, or say --rerun-triggers mtime."

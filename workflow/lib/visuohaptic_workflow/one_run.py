@@ -55,10 +55,14 @@ def check_writable() -> None:
         If this user may not write here.
     """
     if not os.access(Path.cwd(), os.W_OK):
-        raise FolderInUseError(
-            f"{Path.cwd()} can't be written; `make why` says what would run here. To run the workflow, "
-            "choose a folder of your own: snakemake -s PATH/Snakefile -d FOLDER."
-        )
+        raise FolderInUseError(_not_writable("permission denied"))
+
+
+def _not_writable(reason: str) -> str:
+    return (
+        f"{Path.cwd()} can't be written ({reason}); `make why` says what would run here. To run the workflow, choose "
+        "a folder of your own: snakemake -s PATH/Snakefile -d FOLDER."
+    )
 
 
 def is_claimed_by_another() -> bool:
@@ -79,8 +83,11 @@ def hold_job_lock() -> None:
 
 
 def _lock_owner_file() -> IO[str]:
-    STATE.mkdir(exist_ok=True)
-    stream = _OWNER.open("a+", encoding="utf-8")
+    try:
+        STATE.mkdir(exist_ok=True)
+        stream = _OWNER.open("a+", encoding="utf-8")
+    except OSError as error:
+        raise FolderInUseError(_not_writable(str(error.strerror))) from error
     # A dry run may look at the lock for a moment.
     if not _try_lock(stream, seconds=0.5):
         stream.seek(0)

@@ -71,6 +71,22 @@ def plan_jobs(
         )
 
 
+def triggers_asked_for(arguments: Sequence[str]) -> set[str]:
+    """Give the values of `--rerun-triggers` on a command line of Snakemake, empty where it is not there."""
+    found: set[str] = set()
+    taking = False
+    for argument in arguments:
+        name, is_joined, value = argument.partition("=")
+        if name == "--rerun-triggers":
+            taking = True
+            found |= {value} if is_joined else set()
+        elif argument.startswith("-"):
+            taking = False
+        elif taking:
+            found.add(argument)
+    return found
+
+
 def fill(pattern: str, wildcards: Any) -> str:
     """Put the values of wildcards into a pattern."""
     return _WILDCARD.sub(lambda match: str(getattr(wildcards, match[1])), pattern)
