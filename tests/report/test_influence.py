@@ -44,7 +44,7 @@ def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence)
     assert (ideal.milliseconds, ideal.milliseconds_always) == pytest.approx((200.0, 1000.0))
     assert (worn.name, worn.needed, worn.unneeded) == ("worn_fsr", ("noise",), ())
     assert effects_answer(figures).replace("\xa0", " ") == (
-        "Of 2 effects of touch scenes need: ideal 1 (80 %), worn_fsr 1; in brackets the time saved. No bit "
+        "Of 2 effects of touch so many are needed: ideal 1 (80 %), worn_fsr 1, in brackets the time that leaving out the others saves. No bit "
         "of an image changes."
     )
     size, noise = figures.touch

@@ -137,8 +137,8 @@ def effects_answer(figures: InfluenceFigures) -> str:
         return ""
     count = max(len(scene.needed) + len(scene.unneeded) for scene in figures.scenes)
     needed = ", ".join(map(_scene_words, figures.scenes))
-    saved = "; in brackets the time saved" if "(" in needed else ""
-    said = f"Of {counted(count, 'effect')} of touch scenes need: {needed}{saved}."
+    saved = ", in brackets the time that leaving out the others saves" if "(" in needed else ""
+    said = f"Of {counted(count, 'effect')} of touch so many are needed: {needed}{saved}."
     return f"{said} {_unchanged(figures.scenes)}".rstrip()
 
 
