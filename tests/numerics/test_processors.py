@@ -22,13 +22,17 @@ ROUNDED = {"features": 1e-12, "recognition": 1e-12}
 
 EMULATOR = "qemu-x86_64"
 # The emulator's gathers of AVX2 are wrong (QEMU 7.2), and NumPy sorts with them: there it takes its older kernels,
-# and its kernels for AVX2 are tested on the processor itself.
+# and its kernels for AVX2 are tested on the processor itself. OpenBLAS takes emulated processors for its host's family
+# where that is newer than it knows, and then runs instructions that they don't have: its kernels are named.
 PROCESSORS = {
     "NumPy for AVX2": ([], {"NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL"}),
     "OpenBLAS for Haswell": ([], {"OPENBLAS_CORETYPE": "Haswell"}),
     "OpenBLAS for Prescott": ([], {"OPENBLAS_CORETYPE": "Prescott"}),
-    "Haswell": ([EMULATOR, "-cpu", "Haswell"], {"NPY_DISABLE_CPU_FEATURES": "X86_V3"}),
-    "SandyBridge": ([EMULATOR, "-cpu", "SandyBridge"], {}),
+    "Haswell": (
+        [EMULATOR, "-cpu", "Haswell"],
+        {"NPY_DISABLE_CPU_FEATURES": "X86_V3", "OPENBLAS_CORETYPE": "Haswell"},
+    ),
+    "SandyBridge": ([EMULATOR, "-cpu", "SandyBridge"], {"OPENBLAS_CORETYPE": "Sandybridge"}),
 }
 
 

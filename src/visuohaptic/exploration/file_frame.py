@@ -11,6 +11,7 @@ import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.vectors import product
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
 """Metres of each unit of length that a file may have."""
@@ -65,22 +66,17 @@ class FileFrame:
 
     def points_in_file(self, points: ArrayLike) -> NDArray[np.float64]:
         """Take points of the object frame, shape (n, 3), to the file's."""
-        found: NDArray[np.float64] = (
-            np.asarray(points, np.float64) @ self.to_file[:3, :3].T + self.to_file[:3, 3]
-        )
-        return found
+        return product(np.asarray(points, np.float64), self.to_file[:3, :3].T) + self.to_file[:3, 3]
 
     def points_in_object(self, points: ArrayLike) -> NDArray[np.float64]:
         """Take points of the file's frame, shape (n, 3), to the object's."""
-        found: NDArray[np.float64] = (
-            np.asarray(points, np.float64) @ self.from_file[:3, :3].T + self.from_file[:3, 3]
-        )
-        return found
+        turned = product(np.asarray(points, np.float64), self.from_file[:3, :3].T)
+        return turned + self.from_file[:3, 3]
 
     def normals_in_file(self, normals: ArrayLike) -> NDArray[np.float64]:
         """Take unit normals of the object frame, shape (n, 3), to the file's."""
         # A plane's normal goes the way of its equation, which differs from that of points where a model was stretched.
-        return _unit(np.asarray(normals, np.float64) @ self.from_file[:3, :3])
+        return _unit(product(np.asarray(normals, np.float64), self.from_file[:3, :3]))
 
     def poses(self, touches: pa.Table) -> NDArray[np.float64]:
         """Give the poses of touches in the file's frame.
@@ -98,7 +94,7 @@ class FileFrame:
         """
         poses = np.tile(np.eye(4), (touches.num_rows, 1, 1))
         outward = self.normals_in_file(_rows(touches, "normal_"))
-        along = _unit(_rows(touches, "tangent_") @ self.to_file[:3, :3].T)
+        along = _unit(product(_rows(touches, "tangent_"), self.to_file[:3, :3].T))
         along = _unit(along - np.einsum("nd,nd->n", along, outward)[:, None] * outward)
         poses[:, :3, 0], poses[:, :3, 1], poses[:, :3, 2] = along, np.cross(outward, along), outward
         poses[:, :3, 3] = self.points_in_file(_rows(touches, ""))

@@ -13,3 +13,9 @@ def dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.f
         + first[..., 1] * second[..., 1]
         + first[..., 2] * second[..., 2]
     )
+
+
+def product(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give the product of matrices, (n, k) and (k, m): of points and frames, never of a size that needs a BLAS."""
+    found: NDArray[np.float64] = np.einsum("nk,km->nm", first, second)
+    return found

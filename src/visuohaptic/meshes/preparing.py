@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface, read_surface
+from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
 
@@ -143,8 +144,7 @@ def _moved(shift: NDArray[np.float64], length: float) -> NDArray[np.float64]:
 
 def _joined(then: NDArray[np.float64], first: NDArray[np.float64]) -> NDArray[np.float64]:
     with np.errstate(over="ignore", invalid="ignore"):
-        found: NDArray[np.float64] = then @ first
-    return found
+        return product(then, first)
 
 
 def _turned(rotation: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.xml_claims import check_placed, check_size, parse_xml
 
 Key = tuple[str, str]
@@ -146,8 +147,8 @@ def _place(objects: dict[Key, _Object]) -> tuple[NDArray[np.float64], NDArray[np
     while waiting:
         key, matrix = waiting.pop()
         found = objects[key]
-        vertices.append(found.vertices @ matrix[:3, :3] + matrix[3, :3])
+        vertices.append(product(found.vertices, matrix[:3, :3]) + matrix[3, :3])
         faces.append(found.faces + count)
         count += len(found.vertices)
-        waiting += [(one, inner @ matrix) for one, inner in reversed(found.components)]
+        waiting += [(one, product(inner, matrix)) for one, inner in reversed(found.components)]
     return np.concatenate(vertices), np.concatenate(faces)
