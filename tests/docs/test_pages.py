@@ -21,7 +21,9 @@ from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
 from visuohaptic.cli.commands import app
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.studies.registry import find_studies
 
 ROOT = Path(__file__).parents[2]
 PAGES = (
@@ -32,7 +34,9 @@ PAGES = (
 )
 # Pages whose Python has a test of its own.
 RUN_ELSEWHERE = {"tour.md"}
-STUDIES = {f"study_{file.stem}" for file in ROOT.glob("studies/*.yaml") if file.stem != "dvc"}
+FOUND = find_studies(ExperimentParameters(), [ROOT / "studies"]).values()
+STUDIES = {f"study_{study.name}" for study in FOUND}
+STUDIES |= {f"{study.name}_all" for study in FOUND if study.is_coded}
 RULES = STUDIES | set(
     re.findall(
         r"^rule (\w+):", "".join(f.read_text() for f in ROOT.glob("workflow/rules/*.smk")), re.M
@@ -70,8 +74,7 @@ def read_snakemake(arguments):
     brought = [word for word in arguments if word not in {"--profile", "profiles/slurm"}]
     chosen = get_argument_parser().parse_args(brought)
     targets = set(getattr(chosen, "targets", None) or ())
-    studies = {f"study_{file.stem}" for file in (ROOT / "studies").glob("*.yaml")}
-    assert {target for target in targets if "/" not in target} <= RULES | studies | {"all"}
+    assert {target for target in targets if "/" not in target} <= RULES | {"all"}
 
 
 def read_dvc(arguments):

@@ -1,6 +1,5 @@
 """What accuracy costs: the steps, the chart, and the sentences follow from the rows."""
 
-import json
 import re
 
 import numpy as np
@@ -9,7 +8,6 @@ from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 from studies.cost.test_front import BLIND, RENDER, cost_rows, cost_table
 
-from visuohaptic.report import sections
 from visuohaptic.report.cost import (
     cost_chart,
     cost_figures,
@@ -23,7 +21,6 @@ from visuohaptic.report.cost import (
 )
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.studies.cost.stored import StoredFrontier, store_frontier
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
 
@@ -197,8 +194,7 @@ def test_a_saving_is_given_with_how_sure_its_price_is(lost, verdict):
 
 
 @pytest.mark.slow
-def test_the_page_tells_what_accuracy_costs(tmp_path, monkeypatch):
-    monkeypatch.setattr(sections, "stored_frontier", lambda: None)
+def test_the_page_tells_what_accuracy_costs(tmp_path):
     table = cost_table([*POINTS, ("16 touches", 0.5, 0.0)], failed=["8 × 8"])
     write_table(COST, table, tmp_path / "cost.parquet")
     files = write_run(tmp_path)
@@ -211,17 +207,6 @@ def test_the_page_tells_what_accuracy_costs(tmp_path, monkeypatch):
     assert "All 5 settings" in text
     assert "wrong" not in text
     assert "dominated" in text
-    assert "The same settings on" not in text
-    store_frontier(
-        tmp_path / "cost.parquet", tmp_path / "kept.json", "make frontier", "a processor"
-    )
-    kept = StoredFrontier(**json.loads((tmp_path / "kept.json").read_text()) | {"objects": 142})
-    monkeypatch.setattr(sections, "stored_frontier", lambda: kept)
-    page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
-    assert page.mismatches == []
-    assert "The same settings on 142 objects" in page.text
-    measured = f"not in this run: {kept.date}, a processor, make frontier"
-    assert measured in page.text
     assert "of the run's" not in page.text
     few = PARAMETERS.cost.model_copy(update={"maximum_objects": 2})
     sampled = PARAMETERS.model_copy(update={"cost": few})

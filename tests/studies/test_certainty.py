@@ -7,9 +7,12 @@ import pytest
 from recognition.synthetic import features_table
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.fixations.parameters import ProbingParameters
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition import select
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
 from visuohaptic.studies.certainty import make_certainty, measure_certainty, summarise_certainty
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import CERTAINTY
@@ -77,8 +80,10 @@ def test_table_and_summary_are_written(tmp_path):
     table = features_table(objects=(3, 3, 3), viewpoints=2, separation=2.0)
     write_table(FEATURES, table, tmp_path / "features.parquet")
     files = tmp_path / "certainty.parquet", tmp_path / "certainty.json"
-    make_certainty(
-        [tmp_path / "features.parquet"], *files, ["fixation"], "naive_bayes", PARAMETERS, 1
+    run = ExperimentParameters(
+        seed=1, probing=ProbingParameters(strategies=("fixation",)), recognition=PARAMETERS
     )
+    inputs = {"features": [tmp_path / "features.parquet"]}
+    make_certainty(Given("certainty", inputs, files, run))
     assert read_table(CERTAINTY, files[0]).num_rows
     assert {one["views"] for one in json.loads(files[1].read_text())} == {1, 2}

@@ -5,15 +5,15 @@ import pytest
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import Scene
-from visuohaptic.studies.conditions import Condition, Study, plan_study, with_changes
-from visuohaptic.studies.declared import declared_studies, make_blocks
+from visuohaptic.studies.conditions import make_blocks, plan_study, with_changes
+from visuohaptic.studies.study import Condition, Study
 
 RUN = ExperimentParameters()
 
 
 def plan(*changes, run=RUN):
     conditions = tuple(Condition(f"c{number}", one) for number, one in enumerate(changes))
-    return plan_study(Study("mine", "Mine", conditions), run)
+    return plan_study(Study("mine", "Mine", lambda _: conditions), run)
 
 
 @pytest.mark.parametrize(
@@ -115,14 +115,5 @@ def test_thousands_of_conditions_become_blocks_of_25():
     assert len(make_blocks(found, None)) == 40
 
 
-@pytest.mark.slow
-def test_the_packages_studies_can_be_planned_for_every_run():
-    for values in ({}, {"recognition": {"pipelines": ["best"]}}, {"scene": {"preset": "worn_fsr"}}):
-        run = ExperimentParameters.from_mapping(values)
-        studies = declared_studies(run, [])
-        assert list(studies) == [
-            "frontier", "cost", "curves", "ablations", "effects", "readings",
-        ]  # fmt: skip
-        for study in studies.values():
-            names = [one.condition.name for one in plan_study(study, run).conditions]
-            assert len(set(names)) == len(names)
+def test_a_study_without_conditions_has_no_block():
+    assert make_blocks(plan(), None) == {}

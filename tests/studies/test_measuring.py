@@ -14,11 +14,9 @@ from visuohaptic.errors import ParameterError, RecognitionError
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.recognition.sequences import whole_sequences
 from visuohaptic.studies import measuring
-from visuohaptic.studies.ablations import ALONE, ablation_study
+from visuohaptic.studies.ablations import ABLATIONS, ALONE
 from visuohaptic.studies.conditions import (
-    Condition,
     Plan,
-    Study,
     describe_conditions,
     describe_study,
     plan_study,
@@ -32,6 +30,7 @@ from visuohaptic.studies.measuring import (
     measure_condition,
     remake_features,
 )
+from visuohaptic.studies.study import Condition, Study
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
@@ -88,14 +87,14 @@ def ablations(tmp_path_factory):
     sources, features = write_sources(
         tmp_path_factory.mktemp("earlier"), small_surfaces(), EARLIER_RUN
     )
-    plan = plan_study(ablation_study(EARLIER_RUN), EARLIER_RUN)
+    plan = plan_study(ABLATIONS, EARLIER_RUN)
     made = {None: read_table(FEATURES, features)}
     made |= {key: remake_features(remake, sources) for key, remake in plan.remakes.items()}
     return plan, made
 
 
 def mine(*conditions, run=RUN):
-    return plan_study(Study("mine", "Mine", conditions), run)
+    return plan_study(Study("mine", "Mine", lambda _: conditions), run)
 
 
 def cells(planned, features, memory=None):
@@ -210,7 +209,7 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
         Condition("too many", {**ALONE, "recognition.protocol.protocol": "grouped_folds"}, votes=9),
         Condition("fine", {**ALONE, "recognition.classifier.svm_penalty": 2.0}),
     )
-    study = Study("mine", "Mine", conditions)
+    study = Study("mine", "Mine", lambda _: conditions)
     plan = plan_study(study, RUN)
     made = {}
     for key, remake in plan.remakes.items():

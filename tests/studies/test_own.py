@@ -4,7 +4,6 @@ import pytest
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.declared import declared_studies
 from visuohaptic.studies.own import read_study
 
 RUN = ExperimentParameters()
@@ -13,7 +12,7 @@ RUN = ExperimentParameters()
 def study(folder, text, name="mine"):
     path = folder / f"{name}.yaml"
     path.write_text(text)
-    return read_study(path, RUN, reserved=("cost",))
+    return read_study(path, RUN)
 
 
 def test_conditions_follow_the_one_that_changes_nothing(tmp_path):
@@ -21,9 +20,9 @@ def test_conditions_follow_the_one_that_changes_nothing(tmp_path):
         tmp_path, "title: Palm\nconditions:\n  palm 0.2: {sensor.largest_size: 0.2}\n  palm 0.4: {sensor.largest_size: 0.4}\n"
     )  # fmt: skip
     assert (found.name, found.title) == ("mine", "Palm")
-    assert [one.name for one in found.conditions] == ["as run", "palm 0.2", "palm 0.4"]
-    assert found.conditions[2].changes["sensor.largest_size"] == 0.4
-    assert "sensor.largest_size" not in found.conditions[0].changes
+    assert [one.name for one in found.conditions(RUN)] == ["as run", "palm 0.2", "palm 0.4"]
+    assert found.conditions(RUN)[2].changes["sensor.largest_size"] == 0.4
+    assert "sensor.largest_size" not in found.conditions(RUN)[0].changes
 
 
 PAIR = "title: P\nconditions:\n  one: {recognition.touches: 1}\n  two: {recognition.touches: 2}\n"
@@ -31,7 +30,7 @@ PAIR = "title: P\nconditions:\n  one: {recognition.touches: 1}\n  two: {recognit
 
 def test_a_condition_may_be_compared_with_another_than_the_first(tmp_path):
     found = study(tmp_path, PAIR + "compared_with: {two: one}\n")
-    assert [one.compared_with for one in found.conditions] == [None, None, "one"]
+    assert [one.compared_with for one in found.conditions(RUN)] == [None, None, "one"]
 
 
 def test_a_condition_that_is_not_there_is_compared_with_nothing(tmp_path):
@@ -43,9 +42,9 @@ def test_a_grid_is_every_combination(tmp_path):
     found = study(
         tmp_path, "title: G\ngrid: {recognition.touches: [1, 2], recognition.classifier.neighbours: [1, 3, 5]}\n"
     )  # fmt: skip
-    assert len(found.conditions) == 1 + 6
-    assert found.conditions[1].name == "touches 1, neighbours 1"
-    assert found.conditions[6].changes["recognition.classifier.neighbours"] == 5
+    assert len(found.conditions(RUN)) == 1 + 6
+    assert found.conditions(RUN)[1].name == "touches 1, neighbours 1"
+    assert found.conditions(RUN)[6].changes["recognition.classifier.neighbours"] == 5
 
 
 def test_combinations_with_long_names_stay_apart(tmp_path):
@@ -61,7 +60,7 @@ grid:
   recognition.sequence.degrees_of_freedom: [sample, population]
 """,
     )
-    names = [one.name for one in found.conditions]
+    names = [one.name for one in found.conditions(RUN)]
     assert len(set(names)) == len(names) == 33
     assert all(len(name) <= 100 for name in names)
 
@@ -72,7 +71,7 @@ def test_what_is_common_holds_for_all_and_a_condition_goes_before_it(tmp_path):
         "title: C\ncommon: {recognition.classifiers: [naive_bayes], recognition.touches: 3}\n"
         "conditions: {four: {recognition.touches: 4}}\n",
     )
-    first, second = (one.changes for one in found.conditions)
+    first, second = (one.changes for one in found.conditions(RUN))
     assert first["recognition.classifiers"] == second["recognition.classifiers"] == ["naive_bayes"]
     assert (first["recognition.touches"], second["recognition.touches"]) == (3, 4)
 
@@ -102,16 +101,3 @@ def test_errors_name_the_file_the_condition_and_what_is_allowed(tmp_path, text, 
     assert said.startswith(f"{tmp_path / 'mine.yaml'}")
     assert sentence in said
     assert "\n" not in said
-
-
-@pytest.mark.parametrize("name", ["cost", "My", "a-b", "..", "a b", "ä", "x" * 50])
-def test_a_files_name_must_be_plain_and_free(tmp_path, name):
-    with pytest.raises(ParameterError, match="is no name of a study"):
-        study(tmp_path, "title: T\nconditions: {a: {}}", name)
-
-
-@pytest.mark.parametrize("name", ["readings", "certainty"])
-def test_a_name_of_the_packages_own_studies_is_taken(tmp_path, name):
-    (tmp_path / f"{name}.yaml").write_text("title: T\nconditions: {a: {}}")
-    with pytest.raises(ParameterError, match=f"none of .*{name}"):
-        declared_studies(ExperimentParameters(), [tmp_path / f"{name}.yaml"])

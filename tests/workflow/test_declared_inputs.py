@@ -9,7 +9,7 @@ pytestmark = pytest.mark.workflow
 
 ALL_BUT_MESHES = {
     "fixations", "touches", "features", "recognition", "metrics", "report", "block_of_study",
-    "cost_seconds", "cost", "effect_influence", "stability_of_object",
+    "frontier_seconds", "frontier", "effect_influence", "stability_of_object",
     "guards", "guards_hold",
 }  # fmt: skip
 OF_THE_SHAPE = ("width_cm", "depth_cm", "height_cm", "rotation")

@@ -47,7 +47,7 @@ def test_a_touched_file_reruns_nothing(experiment):
 def test_a_parameter_of_recognition_reruns_no_touch(experiment):
     experiment.set(recognition={"classifier": {"neighbours": 3}})
     assert experiment.planned() == {
-        "recognition": 2, "metrics": 1, "block_of_study": 1, "cost_seconds": 1, "cost": 1, "report": 1, "guards": 1, "guards_hold": 1,
+        "recognition": 2, "metrics": 1, "block_of_study": 1, "frontier_seconds": 1, "frontier": 1, "report": 1, "guards": 1, "guards_hold": 1,
     }  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ import yaml
 from source_folders import SOURCES
 
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.registry import STUDIES
 from visuohaptic_workflow.closure import code_of
 
 ROOT = Path(__file__).parents[2]
@@ -19,13 +21,23 @@ SCRIPTS = {
     ]
     for stage, entry in STAGES.items()
 }
+STEPS = {
+    step.name: Path(find_spec(step.work.partition(":")[0]).origin)
+    for study in STUDIES
+    for step in study.steps
+}
+
+
+def rules_of(stage):
+    command = STAGES[stage]["cmd"].partition("--allowed-rules")[2].partition("--")[0]
+    return set(command.split())
 
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_a_stage_depends_on_every_module_that_its_scripts_run(stage):
     files = {
         file.relative_to(ROOT)
-        for script in SCRIPTS[stage]
+        for script in [*SCRIPTS[stage], *(STEPS[rule] for rule in rules_of(stage) & {*STEPS})]
         for file in code_of(ROOT / script, tuple(SOURCES)).files
     }
     named = [Path(dependency) for dependency in STAGES[stage]["deps"]]
@@ -40,17 +52,10 @@ def test_no_output_of_a_stage_persists(stage):
 
 # Other studies are made on request; studies/dvc.yaml has their stages.
 ASIDE = {
-    "workflow/scripts/certainty.py",
     "workflow/scripts/export.py",
     "workflow/scripts/crate.py",
     "workflow/scripts/gaze.py",
-    "workflow/scripts/reading.py",
-    "workflow/scripts/readings.py",
-    "workflow/scripts/readings_page.py",
-    "workflow/scripts/study_adaptive.py",
-    "workflow/scripts/study_candidates.py",
     "workflow/scripts/study_figures.py",
-    "workflow/scripts/touches_needed.py",
 }
 
 
@@ -104,11 +109,6 @@ import json
 
 print("PARAMETERS", json.dumps([[job.rule, job.find_params()] for job in planned_jobs()], default=str))
 """
-
-
-def rules_of(stage):
-    command = STAGES[stage]["cmd"].partition("--allowed-rules")[2].partition("--")[0]
-    return set(command.split())
 
 
 @pytest.mark.long

@@ -21,7 +21,7 @@ MINE = {
     },
 }
 # What a change of recognition makes again for the report's frontier.
-FRONTIER = {"block_of_study": 3, "cost_seconds": 1, "cost": 1}
+FRONTIER = {"block_of_study": 3, "frontier_seconds": 1, "frontier": 1}
 EARLIER = "was measured with an earlier state"
 FIGURES = "results/studies/mine.parquet"
 
@@ -145,7 +145,7 @@ def test_a_changed_parameter_of_the_run_reruns_what_depends_on_it(studied, tmp_p
     assert planned(experiment) == {
         "figures_of_study": 1,
         "metrics": 1,
-        "cost": 1,
+        "frontier": 1,
         "report": 1,
         "guards": 1,
         "guards_hold": 1,

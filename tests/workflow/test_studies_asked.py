@@ -2,9 +2,11 @@
 
 import pytest
 
+from visuohaptic.studies.registry import STUDIES as PACKAGED
+from visuohaptic.studies.study import Study
 from visuohaptic_workflow.studies_asked import studies_asked_for
 
-STUDIES = ("cost", "curves", "readings", "certainty", "palm", "palm_size", "touches")
+STUDIES = (*PACKAGED, *(Study(name, "Mine") for name in ("palm", "palm_size", "touches")))
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,8 @@ from pathlib import Path
 # This file's own place: the folder of the Snakefile that was called may be another workflow's.
 ROOT = Path(os.path.abspath(sys._getframe().f_code.co_filename)).parents[2]
 SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib"]
+# Where the user's studies lie: in the working folder, and in the clone.
+STUDY_FOLDERS = [Path("studies").absolute(), ROOT / "studies"]
 sys.path[:0] = map(str, SOURCES)
 
 from visuohaptic.errors import VisuohapticError
@@ -306,7 +308,7 @@ def keys():
 @cache
 def find_code(script):
     """Find what a script runs, plug-ins among it."""
-    sources = tuple(SOURCES)
+    sources = (*SOURCES, *(folder for folder in STUDY_FOLDERS if folder.is_dir()))
     return with_plug_ins(code_of(script, sources), loaded(), sources)
 
 

@@ -1,8 +1,8 @@
 """Model: features of all objects → the recognition model that `visuohaptic recognise` loads.
 
 Takes results/features/; gives results/models/best.skops, which holds no code, but the parameters with
-which its touches were made. A model of other touches than those of the first strategy is made by its name, such as results/models/best_random.skops. `certainty_all` measures how far the answers
-of such models can be relied on: results/certainty.parquet and reports/certainty.json.
+which its touches were made. A model of other touches than those of the first strategy is made by its name, such as
+results/models/best_random.skops. Study `certainty` measures how far the answers of such models can be relied on.
 """
 
 MODELS = {
@@ -20,46 +20,6 @@ rule model_all:
     input:
         "results/models/best.skops",
         "results/records/model/best.json",
-
-
-rule study_certainty:
-    input:
-        "results/certainty.parquet",
-        "reports/certainty.json",
-        "results/records/certainty.json",
-        report_of_study,
-
-
-rule certainty_all:
-    input:
-        rules.study_certainty.input,
-
-
-rule certainty:
-    input:
-        takes(
-            "certainty",
-            "certainty.py",
-            features=parts_of("features"),
-        ),
-    output:
-        table="results/certainty.parquet",
-        metrics="reports/certainty.json",
-        record="results/records/certainty.json",
-    log:
-        "logs/certainty.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("certainty"),
-        classifier="support_vector_machine",
-        strategies=PARAMETERS.probing.strategies,
-        recognition=PARAMETERS.recognition.model_dump(exclude={"pipelines"}),
-        seed=PARAMETERS.seed,
-    message:
-        "naming known and unknown objects by models that lack a class"
-    script:
-        "../scripts/certainty.py"
 
 
 rule model:

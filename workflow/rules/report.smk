@@ -85,7 +85,7 @@ rule report:
             measured=[
                 *(
                     file
-                    for file, study in {**STUDY_FIGURES, **SPECIAL_FIGURES}.items()
+                    for file, study in SHOWN_FILES.items()
                     if is_shown(file, study)
                 ),
                 *in_clone(filter(os.path.exists, MEASURED_BESIDE)),

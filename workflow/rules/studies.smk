@@ -1,120 +1,47 @@
 """Studies: conditions that each change some parameters → how accuracy changes with them.
 
 Takes results/meshes/, results/fixations/, results/touches/ and results/features/, and of a user's own studies
-studies/<study>.yaml; gives results/study_features/<study>/ (what conditions share, made once),
-results/study_blocks/<study>/ (some conditions a job), results/studies/<study>.parquet and reports/studies/<study>.json.
-Studies `cost` and `curves` also give results/cost.parquet and results/touches_needed.parquet. Study `frontier`, which
-gives results/frontier.parquet, and what effects cost, results/effect_influence.parquet, are part of `all`. The others
-are not: `snakemake -j2 study_<study>` makes one (of those of the package also `cost_all`, `curves_all`,
-`ablations_all`, `effects_all`, `readings_all`) and writes the report; later runs keep it up to date, or leave it as it is
-(`workflow.keep_studies_current`).
+studies/<study>.yaml or .py; gives results/study_features/<study>/ (what conditions share, made once),
+results/study_blocks/<study>/ (some conditions a job), results/studies/<study>.parquet and reports/studies/<study>.json,
+and what a study's own steps make (`visuohaptic.studies.study.Step`). Studies `frontier` and `influence` are part of
+`all`. The others are not: `snakemake -j2 study_<study>` makes one, as `<study>_all` does for those of Python, and writes
+the report; later runs keep it up to date, or leave it as it is (`workflow.keep_studies_current`).
 """
 
-# The frontier and the readings have tables and sections of their own.
-STUDY_FIGURES = {
-    f"results/studies/{study}.parquet": study
-    for study in STUDIES
-    if study not in {"frontier", "readings"}
-}
-SPECIAL_FIGURES = {
-    "results/readings.parquet": "readings",
-    "reports/readings.json": "readings",
-    "results/cost.parquet": "cost",
-    "results/touches_needed.parquet": "curves",
-    "results/certainty.parquet": "certainty",
-    "reports/certainty.json": "certainty",
-}
 TEMPLATES = in_clone(
     sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
-)
-# A few objects, spread over all, are enough to measure run times.
-COST_SAMPLE = SAMPLE[:: max(1, -(-len(SAMPLE) // PARAMETERS.cost.objects))]
-EFFECT_SAMPLE = OBJECTS[:: max(1, -(-len(OBJECTS) // 2))]
-# Everything that a condition may depend on.
-RUN = PARAMETERS.model_dump(
-    exclude={
-        "workflow": True,
-        "meshes": True,
-        "cost": True,
-        "gaze": True,
-        "recognition": {"intervals"},
-    }
-)
-RUN_AND_INTERVALS = PARAMETERS.model_dump(
-    exclude={"workflow", "meshes", "cost", "gaze"}
 )
 
 
 wildcard_constraints:
-    weighed="frontier|cost",
     study="|".join(sorted(STUDIES)),
     key="[0-9a-f]+",
-    reading="[a-z][0-9]+",
     block=r"\d+-\d+",
 
 
-for study in set(STUDIES) - {"readings"}:
+for study in STUDIES.values():
 
     rule:
         name:
-            f"study_{study}"
+            f"study_{study.name}"
         input:
-            f"results/studies/{study}.parquet",
-            f"reports/studies/{study}.json",
+            study.targets,
             # By name, so that a lost block is missed although its figures are there.
-            study_blocks(study),
+            study_blocks(study.name),
             report_of_study,
 
 
-rule frontier_all:
-    input:
-        "results/frontier.parquet",
-        # By name, so that a lost block is missed although its figures are there.
-        study_blocks("frontier"),
+# Those of the package and of Python; those that are part of every run, without the report.
+for study in STUDIES.values():
+    if study.is_coded:
 
-
-rule influence_all:
-    input:
-        "results/effect_influence.parquet",
-
-
-rule cost_all:
-    input:
-        "results/cost.parquet",
-        rules.study_cost.input,
-
-
-rule curves_all:
-    input:
-        "results/touches_needed.parquet",
-        "reports/curves.json",
-        rules.study_curves.input,
-
-
-rule ablations_all:
-    input:
-        rules.study_ablations.input,
-
-
-rule effects_all:
-    input:
-        "results/effect_influence.parquet",
-        rules.study_effects.input,
-
-
-rule study_readings:
-    input:
-        "results/readings.parquet",
-        "reports/readings.json",
-        "reports/readings.html",
-        # By name, so that a lost block is missed although its figures are there.
-        study_blocks("readings"),
-        report_of_study,
-
-
-rule readings_all:
-    input:
-        rules.study_readings.input,
+        rule:
+            name:
+                f"{study.name}_all"
+            input:
+                study.targets,
+                study_blocks(study.name),
+                [] if study.is_part_of_run else report_of_study,
 
 
 rule features_of_study:
@@ -164,7 +91,7 @@ rule block_of_study:
         conditions=block_conditions,
         sample=sample_of_study,
         remade=block_keys,
-        parameters=RUN,
+        parameters=PARAMETERS.model_dump(**OF_CONDITIONS),
     message:
         "measuring conditions {wildcards.block} of study {wildcards.study}"
     script:
@@ -197,243 +124,43 @@ rule figures_of_study:
         "../scripts/study_figures.py"
 
 
-rule readings:
-    input:
-        takes(
-            "readings",
-            "readings.py",
-            parts=study_blocks("readings"),
-        ),
-    output:
-        readings="results/readings.parquet",
-        metrics="reports/readings.json",
-        record="results/records/readings.json",
-    log:
-        "logs/readings.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("readings"),
-        intervals=PARAMETERS.recognition.intervals.model_dump(),
-        seed=PARAMETERS.seed,
-    message:
-        "summing up the paper's readings"
-    script:
-        "../scripts/readings.py"
+for study, step in STEPS:
 
-
-rule readings_page:
-    input:
-        takes(
-            "readings_page",
-            "readings_page.py",
-            readings="results/readings.parquet",
-            templates=TEMPLATES,
-        ),
-    output:
-        "reports/readings.html",
-        record="results/records/readings_page.json",
-    log:
-        "logs/readings_page.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("readings_page"),
-    message:
-        "writing the page of the paper's readings"
-    script:
-        "../scripts/readings_page.py"
-
-
-# One dot of the page: `snakemake -j2 results/reading/r017.json`.
-rule reading:
-    input:
-        takes(
-            "reading",
-            "reading.py",
-            features=features_of_reading,
-            made=made_of_reading,
-        ),
-    output:
-        "results/reading/{reading}.json",
-        record="results/records/reading/{reading}.json",
-    log:
-        "logs/reading/{reading}.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("reading"),
-        condition=condition_of_reading,
-        remade=keys_of_reading,
-        parameters=RUN_AND_INTERVALS,
-    message:
-        "measuring reading {wildcards.reading} of the paper"
-    script:
-        "../scripts/reading.py"
-
-
-rule candidates_of_study:
-    input:
-        takes(
-            "candidates_of_study",
-            "study_candidates.py",
-            meshes=meshes_of(),
-        ),
-    output:
-        "results/study_candidates.parquet",
-        record="results/records/candidates_of_study.json",
-    log:
-        "logs/study_candidates.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("candidates_of_study"),
-        parameters=PARAMETERS.model_dump(
-            exclude={"workflow", "meshes", "cost", "gaze", "recognition", "probing"}
-        ),
-    message:
-        "touching objects wherever the strategy adaptive may choose to"
-    script:
-        "../scripts/study_candidates.py"
-
-
-rule adaptive_of_study:
-    input:
-        takes(
-            "adaptive_of_study",
-            "study_adaptive.py",
-            candidates="results/study_candidates.parquet",
-        ),
-    output:
-        "results/study_adaptive/{pipeline}.parquet",
-        record="results/records/adaptive_of_study/{pipeline}.json",
-    log:
-        "logs/study_adaptive/{pipeline}.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("adaptive_of_study"),
-        parameters=RUN,
-    message:
-        "naming objects after 1, 2 and more adaptive touches, pipeline {wildcards.pipeline}"
-    script:
-        "../scripts/study_adaptive.py"
-
-
-rule touches_needed:
-    input:
-        takes(
-            "touches_needed",
-            "touches_needed.py",
-            parts=study_blocks("curves"),
-        ),
-    output:
-        needed="results/touches_needed.parquet",
-        metrics="reports/curves.json",
-        record="results/records/touches_needed.json",
-    log:
-        "logs/touches_needed.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("touches_needed"),
-        intervals=PARAMETERS.recognition.intervals.model_dump(),
-        seed=PARAMETERS.seed,
-    message:
-        "summing up the curves over touches"
-    script:
-        "../scripts/touches_needed.py"
-
-
-rule cost_seconds:
-    input:
-        takes(
-            "cost_seconds",
-            "cost_seconds.py",
-            meshes=meshes_of(COST_SAMPLE),
-            features=parts_of("features", objects=SAMPLE),
-            made=all_made_features,
-        ),
-    output:
-        "results/{weighed}_seconds.parquet",
-        record="results/records/{weighed}_seconds.json",
-    log:
-        "logs/{weighed}_seconds.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    # It works on one; where it measures the whole study, it takes all there are, so that no other
-    # job is in its way.
-    threads: cores_for_timing
-    params:
-        key=key_of_rule("cost_seconds"),
-        study=weighed_study,
-        timed=COST_SAMPLE,
-        sample=None if SAMPLE == OBJECTS else SAMPLE,
-        remade=all_keys,
-        parameters={
-            **RUN,
-            "cost": PARAMETERS.cost.model_dump(
-                exclude={"touch_seconds", "look_seconds"}
+    rule:
+        name:
+            step.name
+        input:
+            takes(
+                step.name,
+                code_of_step(step),
+                **inputs_of_step(study, step),
+                runs=in_clone([shipped("workflow/scripts/study_step.py")]),
             ),
-        },
-    message:
-        "timing all settings of study {wildcards.weighed} side by side"
-    script:
-        "../scripts/cost_seconds.py"
-
-
-rule cost:
-    input:
-        takes(
-            "cost",
-            "cost.py",
-            parts=weighed_blocks,
-            seconds="results/{weighed}_seconds.parquet",
-        ),
-    output:
-        "results/{weighed}.parquet",
-        record="results/records/{weighed}.json",
-    log:
-        "logs/{weighed}.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("cost"),
-        study=weighed_study,
-        parameters=PARAMETERS.model_dump(exclude={"workflow", "meshes", "gaze"}),
-    message:
-        "weighing accuracy against time, study {wildcards.weighed}"
-    script:
-        "../scripts/cost.py"
-
-
-rule effect_influence:
-    input:
-        takes(
-            "effect_influence",
-            "effect_influence.py",
-            meshes=meshes_of(EFFECT_SAMPLE),
-            fixations=parts_of(
-                "fixations", objects=EFFECT_SAMPLE, views=view_blocks()[:1]
+        output:
+            *step.files,
+            record=step.record,
+        log:
+            step.record.replace("results/records", "logs").replace(".json", ".log"),
+        conda:
+            "../envs/visuohaptic.yaml"
+        # It works on one; what measures run times takes all there are, so that no other job is in its way.
+        threads: all_cores if step.is_alone else 1
+        params:
+            key=key_of_rule(step.name),
+            study=study.name,
+            work=step.work,
+            inputs=list(inputs_of_step(study, step)),
+            files=len(step.files),
+            parameters=PARAMETERS.model_dump(**step.needs),
+            measured=(
+                measured_objects(study, step)
+                if {"meshes", "fixations"} & {*step.takes}
+                else None
             ),
-        ),
-    output:
-        "results/effect_influence.parquet",
-        record="results/records/effect_influence.json",
-    log:
-        "logs/effect_influence.log",
-    conda:
-        "../envs/visuohaptic.yaml"
-    params:
-        key=key_of_rule("effect_influence"),
-        sample=EFFECT_SAMPLE,
-        viewpoints=PARAMETERS.viewpoints.model_dump(),
-        rendering=PARAMETERS.rendering.model_dump(),
-        sensor=PARAMETERS.sensor.model_dump(),
-        scene=PARAMETERS.scene.model_dump(),
-        seed=PARAMETERS.seed,
-        wanted=WANTED,
-    message:
-        "measuring what each effect costs, and how far it moves images"
-    script:
-        "../scripts/effect_influence.py"
+            sample=sample_of(study.name),
+            remade=remade_for(study, step),
+            condition=described_condition(study, step),
+        message:
+            f"study {study.name}: {step.name.replace('_', ' ')}"
+        script:
+            "../scripts/study_step.py"

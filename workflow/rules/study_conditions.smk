@@ -1,27 +1,19 @@
 """What the rules of studies share: conditions, their blocks, and what each job takes."""
 
+from importlib.util import find_spec
+
 from visuohaptic.studies.conditions import (
     describe_conditions,
     describe_study,
+    make_blocks,
     plan_study,
 )
-from visuohaptic.studies.declared import declared_studies, make_blocks
+from visuohaptic.studies.registry import find_studies
 from visuohaptic.studies.sampling import sample_objects
-from visuohaptic_workflow.studies_asked import (
-    belongs_to,
-    names_rule,
-    studies_asked_for,
-)
+from visuohaptic.studies.study import OF_CONDITIONS
+from visuohaptic_workflow.studies_asked import names_rule, studies_asked_for
 
-STUDIES = or_stop(
-    declared_studies,
-    PARAMETERS,
-    [
-        file
-        for file in Path(shipped("studies")).glob("*.yaml")
-        if file.name != "dvc.yaml"
-    ],
-)
+STUDIES = or_stop(find_studies, PARAMETERS, STUDY_FOLDERS)
 PLANS = {
     name: or_stop(plan_study, study, PARAMETERS) for name, study in STUDIES.items()
 }
@@ -29,34 +21,33 @@ BLOCKS = {
     name: make_blocks(plan, PARAMETERS.workflow.conditions_per_job)
     for name, plan in PLANS.items()
 }
-# With thousands of objects these would take longer than all the rest.
-SAMPLED_STUDIES = {"frontier", "cost"}
+# Each step with its study; those of one name would be one rule.
+STEPS = [(study, step) for study in STUDIES.values() for step in study.steps]
+# With thousands of objects the sampled studies would take longer than all the rest.
 SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
 
 
-def figures_of(study):
-    """Name the table that sums up a study."""
-    if study in {"readings", "certainty"}:
-        return f"results/{study}.parquet"
-    return f"results/studies/{study}.parquet"
+def some_of(objects, count):
+    """Choose some objects, spread over all; for run times, or for what effects do, few are enough."""
+    return objects[:: max(1, -(-len(objects) // count))]
 
 
-# What the report shows beside the run itself; certainty has no conditions.
-SHOWN_STUDIES = [*STUDIES, "certainty"]
+# Jobs on other machines parse these files, too, and have other arguments.
 if IS_PLANNER:
     os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
 ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
-ASKED_STUDIES = studies_asked_for(ARGUMENTS, SHOWN_STUDIES)
+ASKED_STUDIES = studies_asked_for(ARGUMENTS, STUDIES.values())
 # Measured once, and left as they are.
-KEPT_STUDIES = {
-    name
-    for name in SHOWN_STUDIES
-    if IS_KEYED and IS_PLANNER and name != "frontier"
-    # The readings take half an hour, so only their own target brings them up to date.
-    and (name == "readings" or not PARAMETERS.workflow.keep_studies_current)
-    and name not in ASKED_STUDIES
-    and Path(figures_of(name)).exists()
-}
+KEPT_STUDIES = [
+    study
+    for study in STUDIES.values()
+    if IS_KEYED
+    and IS_PLANNER
+    and not study.is_part_of_run
+    and (study.is_on_request or not PARAMETERS.workflow.keep_studies_current)
+    and study.name not in ASKED_STUDIES
+    and Path(study.shown[0]).exists()
+]
 
 VALUES_OF_RULES["features_of_study"] = [
     {"study": name, "key": key} for name, plan in PLANS.items() for key in plan.remakes
@@ -66,27 +57,32 @@ VALUES_OF_RULES["block_of_study"] = [
     for name, blocks in BLOCKS.items()
     for block in blocks
 ]
-VALUES_OF_RULES["cost_seconds"] = VALUES_OF_RULES["cost"] = [
-    {"weighed": "frontier"},
-    {"weighed": "cost"},
-]
 VALUES_OF_RULES["figures_of_study"] = [
-    {"study": name} for name in STUDIES if name != "readings"
+    {"study": study.name} for study in STUDIES.values() if study.has_figures
 ]
-READINGS = {one.condition.name: one for one in PLANS["readings"].conditions}
-VALUES_OF_RULES["reading"] = [{"reading": name} for name in READINGS]
+for study, step in STEPS:
+    if "condition" in step.wildcards:
+        VALUES_OF_RULES[step.name] = [
+            {"condition": one.condition.name} for one in PLANS[study.name].conditions
+        ]
 
 
 def study_blocks(study):
-    """List the files of a study's blocks, and of what is measured beside them."""
-    blocks = [
-        f"results/study_blocks/{study}/{block}.parquet" for block in BLOCKS[study]
+    """List the files of a study's blocks, and of steps that count as blocks."""
+    return [
+        *(f"results/study_blocks/{study}/{block}.parquet" for block in BLOCKS[study]),
+        *(
+            file
+            for step in STUDIES[study].steps
+            if step.is_block
+            for file in of_pipelines(step.files)
+        ),
     ]
-    adaptive = expand(
-        "results/study_adaptive/{pipeline}.parquet",
-        pipeline=PARAMETERS.recognition.pipelines,
-    )
-    return [*blocks, *adaptive] if study == "curves" else blocks
+
+
+def of_pipelines(patterns):
+    """List files, with those of each pipeline where they are of one."""
+    return expand(patterns, pipeline=PARAMETERS.recognition.pipelines)
 
 
 def remade_from(table, phases):
@@ -105,12 +101,17 @@ def remade_from(table, phases):
 
 def objects_of_study(study):
     """List the objects that a study measures."""
-    return SAMPLE if study in SAMPLED_STUDIES else OBJECTS
+    return SAMPLE if STUDIES[study].is_sampled else OBJECTS
 
 
 def sample_of_study(wildcards):
     """List the objects that a study takes of blocks that may hold more; nothing where it takes all."""
-    objects = objects_of_study(wildcards.study)
+    return sample_of(wildcards.study)
+
+
+def sample_of(study):
+    """List the objects that a study takes of blocks that may hold more, by its name."""
+    objects = objects_of_study(study)
     return None if objects == OBJECTS else objects
 
 
@@ -169,69 +170,96 @@ def own_features(wildcards):
     return parts_of("features", objects=objects) if needed else []
 
 
-def keys_of_reading(wildcards):
-    """Name the features of a reading, unless they are the run's."""
-    key = READINGS[wildcards.reading].key
+def code_of_step(step):
+    """Give the file that holds what a step does; with what it imports, it is the code of its job."""
+    return Path(find_spec(step.work.partition(":")[0]).origin)
+
+
+def measured_objects(study, step):
+    """List the objects whose meshes and fixations a step takes."""
+    objects = objects_of_study(study.name)
+    counts = {"timed": PARAMETERS.cost.objects, "two": 2}
+    return some_of(objects, counts[step.objects]) if step.objects in counts else objects
+
+
+def inputs_of_step(study, step):
+    """Give what a step takes: files by name, or functions of its job's wildcards that list them."""
+    if "condition" in step.wildcards:
+        return {
+            "features": lambda wildcards: (
+                [] if keys_of_condition(study, wildcards) else parts_of("features")
+            ),
+            "made": lambda wildcards: made_features(
+                study.name, keys_of_condition(study, wildcards)
+            ),
+        }
+    measured = measured_objects(study, step)
+    tables = {
+        "meshes": lambda: meshes_of(measured),
+        # Of the first viewpoints, which are enough.
+        "fixations": lambda: parts_of(
+            "fixations", objects=measured, views=view_blocks()[:1]
+        ),
+        "features": lambda: parts_of("features", objects=objects_of_study(study.name)),
+        "blocks": lambda: study_blocks(study.name),
+        "made": lambda: made_features(study.name, PLANS[study.name].remakes),
+    }
+    found = {name: tables[name]() for name in step.takes if name in tables}
+    others = [name for name in step.takes if name not in tables]
+    return {**found, **({"tables": of_pipelines(others)} if others else {})}
+
+
+def condition_of(study, wildcards):
+    """Give the planned condition of a job."""
+    conditions = {one.condition.name: one for one in PLANS[study.name].conditions}
+    return conditions[wildcards.condition]
+
+
+def keys_of_condition(study, wildcards):
+    """Name the features of a job's condition, unless they are the run's."""
+    key = condition_of(study, wildcards).key
     return [] if key is None else [key]
 
 
-def made_of_reading(wildcards):
-    """List the file of a reading's features, unless they are the run's."""
-    return made_features("readings", keys_of_reading(wildcards))
+def remade_for(study, step):
+    """Give the keys of the features that a step's job takes, or a function of its wildcards that does."""
+    if "condition" in step.wildcards:
+        return lambda wildcards: keys_of_condition(study, wildcards)
+    return list(PLANS[study.name].remakes) if "made" in step.takes else []
 
 
-def features_of_reading(wildcards):
-    """List the run's own features for a reading that has no others."""
-    return [] if keys_of_reading(wildcards) else parts_of("features")
+def described_condition(study, step):
+    """Give a function that describes the condition of a step's job; of other steps, nothing."""
+    if "condition" not in step.wildcards:
+        return None
+    return lambda wildcards: describe_conditions([condition_of(study, wildcards)])[0]
 
 
-def condition_of_reading(wildcards):
-    """Give the condition of a reading."""
-    return describe_conditions([READINGS[wildcards.reading]])[0]
-
-
-def weighed_study(wildcards):
-    """Name the study that a job weighs."""
-    return wildcards.weighed
-
-
-def all_keys(wildcards):
-    """Name the features of a weighed study that the run does not have."""
-    return list(PLANS[wildcards.weighed].remakes)
-
-
-def all_made_features(wildcards):
-    """List their files."""
-    return made_features(wildcards.weighed, all_keys(wildcards))
-
-
-def weighed_blocks(wildcards):
-    """List the files of a weighed study's blocks."""
-    return study_blocks(wildcards.weighed)
-
-
-def cores_for_timing(wildcards):
-    """Give one core to the frontier, which is small and part of every run, and all to a whole study."""
-    return 1 if wildcards.weighed == "frontier" else all_cores(wildcards)
+# What the report shows beside the run itself, by file.
+SHOWN_FILES = {
+    file: study.name
+    for study in STUDIES.values()
+    if not study.is_part_of_run
+    for file in study.shown
+}
 
 
 def is_shown(file, study):
     """Whether the report shows a file of a study: one that exists, or that this run makes."""
-    is_made = study in ASKED_STUDIES and (
-        file.startswith("results/studies/")
-        or study in {"readings", "certainty"}
-        or names_rule(ARGUMENTS, f"{study}_all")
+    rules_of_it = (f"study_{study}", f"{study}_all")
+    is_made = file in ARGUMENTS or any(
+        names_rule(ARGUMENTS, name) for name in rules_of_it
     )
     return is_made or Path(file).exists()
 
 
 def shown_studies(wildcards):
     """Say by which keys the report knows that a study is of today's state."""
-    figures = {**STUDY_FIGURES, **SPECIAL_FIGURES} if IS_KEYED else {}
     shown = {}
-    for file, study in figures.items():
+    for file, study in SHOWN_FILES.items() if IS_KEYED else ():
         if is_shown(file, study):
-            found = shown.setdefault(study, {"figures": figures_of(study), "keys": {}})
+            figures = STUDIES[study].shown[0]
+            found = shown.setdefault(study, {"figures": figures, "keys": {}})
             found["keys"] |= {
                 record: keys().key(record) for record in keys().makers([file])
             }
@@ -243,7 +271,7 @@ def keep_studies():
     KEPT_RECORDS.update(
         job.record
         for job in (planned_jobs() if KEPT_STUDIES else [])
-        if any(belongs_to(job, study) for study in KEPT_STUDIES)
+        if any(study.owns(job.outputs[0]) for study in KEPT_STUDIES)
     )
 
 

@@ -19,6 +19,7 @@ from visuohaptic.report.wording import (
     titled,
 )
 from visuohaptic.studies.cost.front import (
+    Row,
     Saving,
     all_touches,
     break_even,
@@ -29,7 +30,6 @@ from visuohaptic.studies.cost.front import (
     read_costs,
     reference_row,
 )
-from visuohaptic.studies.cost.pairs import Row
 
 HEIGHT = 300
 """Of the part with the logarithmic axis, pixels."""

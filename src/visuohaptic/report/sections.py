@@ -28,7 +28,6 @@ from visuohaptic.report.comparison import (
     gain_sentence,
 )
 from visuohaptic.report.cost import (
-    cost_figures,
     cost_verdict,
     cue_sentences,
     read_cost,
@@ -77,7 +76,6 @@ from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
-from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.readings.stored import (
@@ -282,12 +280,9 @@ def cost_values(context: ReportContext) -> Values | None:
     frontier, study = (read_cost(extras.get(name), parameters) for name in ("frontier", "cost"))
     if frontier is None and study is None:
         return None
-    stored = stored_frontier()
     return {
         "frontier": frontier,
         "objects": len(context.run.objects),
-        "stored": stored,
-        "large": None if stored is None else cost_figures(stored.rows, parameters),
         "study": study,
         "parts": [] if frontier is None else time_parts(frontier.reference),
     }

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from visuohaptic.report.run import Run
-from visuohaptic.studies.declared import PACKAGED
+from visuohaptic.studies.registry import PACKAGED
 
 Paths = Sequence[str | Path]
 

@@ -10,7 +10,7 @@ from typing import Any
 from visuohaptic.report.comparison import PAPER_PIPELINE, SIGNIFICANCE
 from visuohaptic.report.wording import counted, listed, percent, points, probability, spaced
 from visuohaptic.studies.ablations import OTHER_DESCRIPTORS
-from visuohaptic.studies.declared import PACKAGED
+from visuohaptic.studies.registry import PACKAGED
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY_FIGURES
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from visuohaptic.attention.parameters import CHANNELS
 from visuohaptic.features.descriptors import DESCRIPTORS
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS
-from visuohaptic.studies.conditions import Changes, Condition, Study
+from visuohaptic.studies.study import Changes, Condition, Study
 
 WHOLE = "whole_method"
 CLASSIFIER = "support_vector_machine"
@@ -56,11 +58,11 @@ PARTS: dict[str, Changes] = {
 """What each ablation changes, the whole method first."""
 
 
-def ablation_study(run: ExperimentParameters) -> Study:
+def ablated(run: ExperimentParameters) -> Iterator[Condition]:
     """Give the ablations of a run; of a run without pipeline `paper` none concerns the map."""
-    conditions = tuple(
-        Condition(name, {**ALONE, **changes})
-        for name, changes in PARTS.items()
-        if set(changes.get("recognition.pipelines", ())) <= set(run.recognition.pipelines)
-    )
-    return Study("ablations", "Ablations", conditions)
+    for name, changes in PARTS.items():
+        if set(changes.get("recognition.pipelines", ())) <= set(run.recognition.pipelines):
+            yield Condition(name, {**ALONE, **changes})
+
+
+ABLATIONS = Study("ablations", "Ablations", ablated)

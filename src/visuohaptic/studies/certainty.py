@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +11,9 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.ablations import CLASSIFIER
 from visuohaptic.studies.figures import write_json
+from visuohaptic.studies.study import Given, Step, Study
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
@@ -23,6 +24,25 @@ if TYPE_CHECKING:
 
 VIEWS = (1, 4, 16)
 """Numbers of views from which objects are named, as far as they have them."""
+
+CERTAINTY_STUDY = Study(
+    "certainty",
+    "How sure answers are",
+    steps=(
+        Step(
+            "certainty",
+            "visuohaptic.studies.certainty:make_certainty",
+            ("results/certainty.parquet", "reports/certainty.json"),
+            takes=("features",),
+            needs={
+                "include": {"seed": True, "probing": {"strategies"}, "recognition": True},
+                "exclude": {"recognition": {"pipelines"}},
+            },
+        ),
+    ),
+    has_figures=False,
+)
+"""Prediction sets at their stated coverage, and objects of classes that a model does not know."""
 
 
 def measure_certainty(
@@ -143,22 +163,19 @@ def sum_up_answers(
             yield figures, rows
 
 
-def make_certainty(
-    features: Sequence[str | Path],
-    table: str | Path,
-    metrics: str | Path,
-    strategies: Sequence[str],
-    classifier: str,
-    parameters: RecognitionParameters,
-    seed: int,
-) -> None:
+def make_certainty(given: Given) -> None:
     """Make `tables.CERTAINTY` of every strategy, and its summary as JSON."""
-    rows = read_table(FEATURES, features)
+    run, (table, metrics) = given.run, given.outputs
+    rows = read_table(FEATURES, given.inputs["features"])
     measured = pa.concat_tables(
-        measure_certainty(rows, strategy, classifier, parameters, seed) for strategy in strategies
+        measure_certainty(rows, strategy, CLASSIFIER, run.recognition, run.seed)
+        for strategy in run.probing.strategies
     )
     write_table(CERTAINTY, measured, table)
-    found = summarise_certainty(measured, parameters.best.coverage, parameters.intervals, seed)
+    recognition = run.recognition
+    found = summarise_certainty(
+        measured, recognition.best.coverage, recognition.intervals, run.seed
+    )
     write_json(found, metrics)
 
 

@@ -1,4 +1,4 @@
-"""What a study is: conditions, each a name and the parameters that it changes.
+"""The plan of a study: what its conditions make again, what they share, and the blocks that measure them.
 
 What a condition makes again follows from the sections that it changes. What several conditions
 need alike has one key and is made once.
@@ -9,7 +9,9 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from itertools import accumulate
+from operator import itemgetter
 from typing import Any, Literal
 
 from pydantic import BaseModel
@@ -17,15 +19,16 @@ from pydantic import BaseModel
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters, check_parameters
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
+from visuohaptic.studies.study import Changes, Condition, Study
 
 AS_RUN = "as run"
 """The condition that changes nothing."""
 
-Changes = Mapping[str, Any]
-"""New values by the parameters' dotted names; a whole section may be named."""
-
 Phase = Literal["views", "touches", "features"]
 """From which phase on something is made again."""
+
+MOST_BLOCKS = 8
+MOST_CONDITIONS_A_BLOCK = 25
 
 _ORDER: tuple[Phase, ...] = ("views", "touches", "features")
 _FIXED = {
@@ -54,37 +57,6 @@ _SECTIONS: dict[Phase, Any] = {
     },
     "features": {"include": {"features"}},
 }
-
-
-@dataclass(frozen=True)
-class Condition:
-    """One way to run the experiment.
-
-    Attributes
-    ----------
-    name : str
-        Any text.
-    changes : mapping of str
-        What differs from the run's parameters.
-    compared_with : str or None
-        Name of the condition that it is compared with; None for the study's first.
-    votes : int or None
-        Viewpoints that vote for an object; None where each sequence counts by itself.
-    """
-
-    name: str
-    changes: Changes = field(default_factory=dict)
-    compared_with: str | None = None
-    votes: int | None = None
-
-
-@dataclass(frozen=True)
-class Study:
-    """Conditions under one title; the first is what the others are compared with."""
-
-    name: str
-    title: str
-    conditions: tuple[Condition, ...]
 
 
 @dataclass(frozen=True)
@@ -157,7 +129,7 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
     own = _upstream(run)
     planned: list[Planned] = []
     needs: dict[str, list[tuple[Phase, ExperimentParameters]]] = {}
-    for condition in study.conditions:
+    for condition in study.conditions(run):
         parameters = with_changes(run, condition.changes, f"{source}: {condition.name}")
         upstream = _upstream(parameters)
         phase = next((name for name in _ORDER if upstream[name] != own[name]), None)
@@ -170,6 +142,41 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
             needs.setdefault(key, []).append((phase, parameters))
         planned.append(Planned(condition, parameters, key))
     return Plan(tuple(planned), {key: _merge(found) for key, found in needs.items()})
+
+
+def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Planned]]:
+    """Cut a study into blocks that a job each measures, by names such as ``0000-0024``.
+
+    Parameters
+    ----------
+    plan : Plan
+        The study's conditions.
+    conditions_per_job : int or None
+        How many in a block, or some more; None for an eighth of them, at most 25.
+
+    Returns
+    -------
+    dict of str to list of Planned
+        By the block's name, such as 0000-0024.
+    """
+    count = len(plan.conditions)
+    step = conditions_per_job or min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK)
+
+    # Conditions that differ in the vote alone are trained once, by one job.
+    trained: dict[tuple[str, str], list[Planned]] = {}
+    for one in plan.conditions:
+        trained.setdefault((one.key or "", one.parameters.model_dump_json()), []).append(one)
+    blocks: list[list[Planned]] = [[]]
+    for _, alike in sorted(trained.items(), key=itemgetter(0)):
+        if len(blocks[-1]) >= step:
+            blocks.append([])
+        blocks[-1] += alike
+    blocks = [block for block in blocks if block]
+    ends = [0, *accumulate(map(len, blocks))]
+    return {
+        f"{start:04d}-{end - 1:04d}": block
+        for start, end, block in zip(ends, ends[1:], blocks, strict=False)
+    }
 
 
 def describe_study(study: Study, plan: Plan) -> dict[str, Any]:

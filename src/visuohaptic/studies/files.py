@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import Condition, Planned, Remake, with_changes
+from visuohaptic.studies.conditions import Planned, Remake, with_changes
 from visuohaptic.studies.measuring import (
     REFUSALS,
     Memory,
@@ -18,6 +18,7 @@ from visuohaptic.studies.measuring import (
     measure_condition,
     remake_features,
 )
+from visuohaptic.studies.study import Condition
 from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY

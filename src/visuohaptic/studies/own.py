@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import itertools
-import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import AS_RUN, Changes, Condition, Study, plan_study
+from visuohaptic.studies.conditions import AS_RUN, plan_study
+from visuohaptic.studies.study import Changes, Condition, Study
 
 USUAL: Changes = {
     "recognition.pipelines": ["paper"],
@@ -24,7 +24,6 @@ USUAL: Changes = {
 MOST_CONDITIONS = 20_000
 LONGEST_NAME = 100
 MOST_LISTED = 20
-_NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
 
 
 class StudyFile(BaseModel):
@@ -63,20 +62,13 @@ class StudyFile(BaseModel):
         return self
 
 
-def read_study(
-    path: str | Path, run: ExperimentParameters, reserved: Collection[str] = ()
-) -> Study:
+def read_study(path: str | Path, run: ExperimentParameters) -> Study:
     """Read and check a study; its first condition changes nothing but what is common to all.
 
-    Names in `reserved` are those of other studies. Raises `ParameterError`, which names file,
-    condition and parameter, if the file can't be read or holds what is not allowed.
+    Raises `ParameterError`, which names file, condition and parameter, if the file can't be read or
+    holds what is not allowed.
     """
     path = Path(path)
-    if not _NAME.fullmatch(path.stem) or path.stem in reserved:
-        raise ParameterError(
-            f"{path}: {path.stem!r} is no name of a study; up to 41 small letters, digits and "
-            f"underscores are allowed, a letter first, and none of {', '.join(reserved)}."
-        )
     found = _read(path)
     common = {**USUAL, **found.common}
     named = {AS_RUN: {}, **found.conditions}
@@ -98,7 +90,7 @@ def read_study(
         Condition(name, {**common, **changes}, found.compared_with.get(name))
         for name, changes in named.items()
     )
-    study = Study(path.stem, found.title, conditions)
+    study = Study(path.stem, found.title, lambda _: conditions, is_coded=False)
     plan_study(study, run, str(path))
     return study
 

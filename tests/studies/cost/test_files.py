@@ -7,9 +7,10 @@ from studies.surfaces import RUN, small_surfaces, write_sources
 
 from visuohaptic.studies.conditions import Plan, describe_conditions, plan_study
 from visuohaptic.studies.cost import seconds, settings
-from visuohaptic.studies.cost.files import make_cost, make_cost_seconds
-from visuohaptic.studies.cost.front import read_costs
+from visuohaptic.studies.cost.front import make_cost, read_costs
+from visuohaptic.studies.cost.seconds import make_cost_seconds
 from visuohaptic.studies.files import make_study_block, make_study_features
+from visuohaptic.studies.study import Given
 
 
 @pytest.fixture
@@ -18,17 +19,19 @@ def made(tmp_path, monkeypatch):
     families = settings.FAMILIES["cost"]
     monkeypatch.setitem(settings.FAMILIES, "cost", {name: families[name] for name in kept})
     sources, features = write_sources(tmp_path, small_surfaces())
-    plan: Plan = plan_study(settings.make_study("cost", RUN), RUN)
+    plan: Plan = plan_study(settings.COST_STUDY, RUN)
     files = {key: tmp_path / f"{key}.parquet" for key in plan.remakes}
     for key, remake in plan.remakes.items():
         make_study_features(remake, sources, files[key])
     conditions = describe_conditions(plan.conditions)
     make_study_block("cost", conditions, [features], files, tmp_path / "block", RUN)
     with patch.object(seconds, "fit_model", wraps=seconds.fit_model) as fitting:
-        make_cost_seconds("cost", sources.meshes[:2], [features], files, tmp_path / "seconds", RUN)
+        inputs = {"meshes": sources.meshes[:2], "features": [features]}
+        make_cost_seconds(Given("cost", inputs, [tmp_path / "seconds"], RUN, made=files))
     # One model serves all numbers of viewpoints, and the sizes that are the run's own.
     assert fitting.call_count == 3
-    make_cost("cost", [tmp_path / "block"], tmp_path / "seconds", tmp_path / "cost.parquet", RUN)
+    inputs = {"blocks": [tmp_path / "block"], "tables": [tmp_path / "seconds"]}
+    make_cost(Given("cost", inputs, [tmp_path / "cost.parquet"], RUN))
     return read_costs(tmp_path / "cost.parquet")
 
 

@@ -10,6 +10,7 @@ from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.intervals import exact_limit
 from visuohaptic.studies.cost import front
 from visuohaptic.studies.cost.front import (
+    SettingPairs,
     break_even,
     error_rate,
     error_rows,
@@ -22,8 +23,8 @@ from visuohaptic.studies.cost.front import (
     on_robot,
     pareto_front,
     reference_row,
+    time_logarithms,
 )
-from visuohaptic.studies.cost.pairs import SettingPairs, time_logarithms
 from visuohaptic.studies.cost.seconds import PARTS, PHASES
 from visuohaptic.studies.cost.settings import make_settings
 from visuohaptic.studies.figures import Cell

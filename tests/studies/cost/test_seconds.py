@@ -14,7 +14,7 @@ from visuohaptic.studies.cost.seconds import (
     measure_seconds,
     recognise_once,
 )
-from visuohaptic.studies.cost.settings import make_settings, make_study
+from visuohaptic.studies.cost.settings import COST_STUDY, make_settings
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def surfaces():
 
 
 def family(name):
-    planned = plan_study(make_study("cost", RUN), RUN).conditions
+    planned = plan_study(COST_STUDY, RUN).conditions
     pairs = zip(make_settings(RUN, "cost"), planned, strict=True)
     return [pair for pair in pairs if pair[0].family == name]
 

@@ -7,12 +7,15 @@ from studies.surfaces import RUN
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.cost.settings import (
+    COST_STUDY,
     FAMILIES,
-    family_settings,
     is_reference,
     make_settings,
-    make_study,
 )
+
+
+def family_settings(study, family, run):
+    return [one for one in make_settings(run, study) if one.family == family]
 
 
 def test_no_setting_has_another_ones_name():
@@ -57,7 +60,7 @@ def test_three_channels_are_the_classic_ones():
 
 
 def test_what_settings_share_is_made_once():
-    plan = plan_study(make_study("cost", RUN), RUN)
+    plan = plan_study(COST_STUDY, RUN)
     keys = {}
     for setting, one in zip(make_settings(RUN, "cost"), plan.conditions, strict=True):
         keys.setdefault(setting.family, set()).add(one.key)

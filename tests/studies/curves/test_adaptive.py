@@ -8,8 +8,9 @@ from studies.surfaces import RUN, small_surfaces, write_sources
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.curves.adaptive import CANDIDATES, adaptive_rows, make_candidates
-from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE, curve_study, touches_name
+from visuohaptic.studies.curves.settings import CURVES, LONGEST_SEQUENCE, touches_name
 from visuohaptic.studies.figures import cells_of
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 
@@ -21,7 +22,7 @@ SMALL = ExperimentParameters.from_mapping(
         }
     }
 )
-PLANNED = plan_study(curve_study(SMALL), SMALL).conditions
+PLANNED = plan_study(CURVES, SMALL).conditions
 TABLE = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)
 
 
@@ -31,7 +32,7 @@ def cells(pipeline, counts):
 
 
 def test_a_curve_has_a_condition_a_number_of_touches_and_all_share_their_touches():
-    plan = plan_study(curve_study(SMALL), SMALL)
+    plan = plan_study(CURVES, SMALL)
     assert len(plan.conditions) == LONGEST_SEQUENCE
     (remake,) = plan.remakes.values()
     assert remake.parameters.attention.fixations == LONGEST_SEQUENCE
@@ -62,7 +63,8 @@ def test_no_candidates_give_the_reason():
 
 def test_candidates_are_some_of_the_objects_places(tmp_path):
     sources, _ = write_sources(tmp_path, small_surfaces())
-    make_candidates(sources.meshes[:1], tmp_path / "candidates", RUN)
+    inputs = {"meshes": list(map(str, sources.meshes[:1]))}
+    make_candidates(Given("curves", inputs, [str(tmp_path / "candidates")], RUN))
     found = read_table(FEATURES, tmp_path / "candidates")
     for viewpoint in range(4):
         count = found.filter(pa.compute.equal(found.column("viewpoint"), viewpoint)).num_rows

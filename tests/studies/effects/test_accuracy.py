@@ -3,7 +3,7 @@
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes, Scene
 from visuohaptic.studies.conditions import plan_study
-from visuohaptic.studies.effects.accuracy import effect_study, effects_of, without_effect
+from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, effects_of, without_effect
 
 RUN = ExperimentParameters()
 
@@ -18,7 +18,7 @@ def test_every_effect_of_the_sensor_is_one_that_a_scene_can_give_strength_to():
 
 
 def test_each_scene_without_an_effect_is_compared_with_the_whole_scene():
-    plan = plan_study(effect_study(RUN), RUN)
+    plan = plan_study(EFFECTS_STUDY, RUN)
     found = {one.condition.name: one for one in plan.conditions}
     without = found[without_effect("worn_fsr", "noise")]
     assert without.condition.compared_with == "worn_fsr"

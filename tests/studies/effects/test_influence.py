@@ -8,6 +8,7 @@ from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParam
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface, write_surface
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.studies.effects.influence import (
@@ -18,10 +19,10 @@ from visuohaptic.studies.effects.influence import (
     touch_influence,
     view_influence,
 )
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FIXATIONS
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
-from visuohaptic.touches.choosing import Wanted
 
 SENSOR = SensorParameters(resolution=16)
 RENDERING = RenderingParameters(resolution=32)
@@ -108,20 +109,16 @@ def test_objects_add_up_by_their_touches():
 
 
 def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):
-    write_surface(surface, tmp_path / "torus.ply")
+    mesh = tmp_path / "ring/0/torus.ply"
+    mesh.parent.mkdir(parents=True)
+    write_surface(surface, mesh)
     write_table(FIXATIONS, fixations, tmp_path / "fixations.parquet")
     output = tmp_path / "effect_influence.parquet"
-    make_effect_influence(
-        {"ring/torus": tmp_path / "torus.ply"},
-        [tmp_path / "fixations.parquet"],
-        output,
-        VIEWPOINTS,
-        RENDERING,
-        SENSOR,
-        Scene(),
-        7,
-        Wanted(5),
+    run = ExperimentParameters(
+        seed=7, viewpoints=VIEWPOINTS, rendering=RENDERING, sensor=SENSOR, scene=Scene()
     )
+    files = {"meshes": [str(mesh)], "fixations": [str(tmp_path / "fixations.parquet")]}
+    make_effect_influence(Given("influence", files, [str(output)], run))
     rows = read_table(EFFECT_INFLUENCE, output).to_pylist()
     assert {row["effect"] for row in rows if row["scene"] == "any"} == set(VISUAL_EFFECTS)
     assert {row["scene"] for row in rows} == {"any", *PRESETS}

@@ -30,10 +30,10 @@ from visuohaptic.studies.readings.choosing import (
 )
 from visuohaptic.studies.readings.design import (
     PARTS_ON_OTHERS,
+    READINGS_STUDY,
     STRATEGIES,
     all_readings,
     is_default,
-    make_readings_study,
 )
 from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings
 from visuohaptic.tables.phases import FEATURES
@@ -248,7 +248,7 @@ def test_touches_are_acquired_where_they_are_made_in_reach():
 def test_the_command_reads_shares_and_writes_what_both_rules_say(tmp_path, monkeypatch):
     run = ExperimentParameters()
     outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": "outside"})})
-    plan = plan_study(make_readings_study(outside), outside)
+    plan = plan_study(READINGS_STUDY, outside)
     whole = pa.concat_tables([features_table(name, (2, 2), viewpoints=16) for name in STRATEGIES])
     kept = plan.conditions[
         [one.condition.name for one in plan.conditions].index(

@@ -14,17 +14,18 @@ from sklearn.svm import SVC
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
-from visuohaptic.studies.conditions import Plan, Study, describe_conditions, plan_study
+from visuohaptic.studies.conditions import Plan, describe_conditions, plan_study
 from visuohaptic.studies.files import make_study_block
 from visuohaptic.studies.readings.choices import OPPONENTS
 from visuohaptic.studies.readings.design import (
+    READINGS_STUDY,
     STRATEGIES,
     all_readings,
     is_default,
-    make_readings_study,
 )
 from visuohaptic.studies.readings.figures import make_readings, summarise_readings, weigh_choices
 from visuohaptic.studies.readings.files import make_reading
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES, KINESTHETIC_FEATURES
 from visuohaptic.tables.schema import matrix, read_table, write_table
 from visuohaptic.tables.studies import READINGS
@@ -33,7 +34,13 @@ from visuohaptic.tables.studies import READINGS
 RUN = ExperimentParameters.model_validate(
     {"probing": {"strategies": STRATEGIES}, "attention": {"weights": "equal"}}
 )
-INTERVALS = IntervalParameters(bootstrap_samples=200)
+FEW_DRAWS = RUN.model_copy(
+    update={
+        "recognition": RUN.recognition.model_copy(
+            update={"intervals": IntervalParameters(bootstrap_samples=200)}
+        )
+    }
+)
 OBJECTS = (3, 3, 2)
 
 
@@ -49,8 +56,7 @@ def features(tmp_path_factory):
 
 
 def conditions(*names):
-    study = make_readings_study(RUN)
-    plan: Plan = plan_study(Study("readings", "", study.conditions), RUN)
+    plan: Plan = plan_study(READINGS_STUDY, RUN)
     return describe_conditions([one for one in plan.conditions if one.condition.name in names])
 
 
@@ -85,7 +91,9 @@ def block(features, tmp_path_factory):
 def made(block, tmp_path_factory):
     folder = tmp_path_factory.mktemp("readings")
     table, summary = folder / "readings.parquet", folder / "readings.json"
-    make_readings([block], table, summary, INTERVALS, RUN.seed)
+    make_readings(
+        Given("readings", {"blocks": [str(block)]}, [str(table), str(summary)], FEW_DRAWS)
+    )
     return read_table(READINGS, table).to_pylist(), json.loads(summary.read_text())
 
 
@@ -247,10 +255,9 @@ def test_a_reading_that_fails_stays_in_the_table_with_its_reason(made):
 
 def test_one_reading_alone_has_the_figures_that_it_has_among_all(made, features, tmp_path):
     output = tmp_path / "reading.json"
-    run = RUN.model_copy(
-        update={"recognition": RUN.recognition.model_copy(update={"intervals": INTERVALS})}
-    )
-    make_reading(conditions(FEATURE_GROUPS)[0], [features], {}, output, run)
+    (condition,) = conditions(FEATURE_GROUPS)
+    inputs = {"features": [features]}
+    make_reading(Given("readings", inputs, [output], FEW_DRAWS, condition=condition))
     expected = [
         {name: value for name, value in row.items() if name != "seconds"}
         for row in made[0]

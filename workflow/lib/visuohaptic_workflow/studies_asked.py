@@ -4,65 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
-from pathlib import Path, PurePosixPath
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from visuohaptic_workflow.keys import Job, read_record
+from visuohaptic_workflow.keys import read_record
 
-RULES_OF_STUDY: Mapping[str, Sequence[str]] = {
-    "certainty": ("certainty",),
-    "curves": ("candidates_of_study", "adaptive_of_study", "touches_needed"),
-    "readings": ("readings", "readings_page"),
-}
-"""What is measured beside the conditions of a study, by the rules that do it."""
-
-_FOLDERS_BY_STUDY = frozenset(
-    [
-        *("studies", "study_blocks", "study_features"),
-        *("figures_of_study", "block_of_study", "features_of_study"),
-    ]
-)
-"""Folders, also of records, in which a study has a file or folder of its name."""
-
-_FILES_OF_STUDY: Mapping[str, Sequence[str]] = {
-    "cost": ("cost_seconds",),
-    "curves": ("study_candidates", "study_adaptive"),
-    "readings": ("reading",),
-}
-"""Other names of files and folders that belong to a study, beside those of its rules."""
+if TYPE_CHECKING:
+    from visuohaptic.studies.study import Study
 
 
-def studies_asked_for(arguments: Sequence[str], studies: Iterable[str]) -> set[str]:
+def studies_asked_for(arguments: Sequence[str], studies: Iterable[Study]) -> set[str]:
     """Find the studies of which a command line of Snakemake names a rule, or a file."""
     return {
-        name
-        for name in studies
-        if names_rule(arguments, f"study_{name}")
-        or names_rule(arguments, f"{name}_all")
-        or any(_is_file_of(name, argument) for argument in arguments)
+        study.name
+        for study in studies
+        if names_rule(arguments, f"study_{study.name}")
+        or names_rule(arguments, f"{study.name}_all")
+        or any(study.owns(argument) for argument in arguments)
     }
 
 
 def names_rule(arguments: Iterable[str], rule: str) -> bool:
     """Whether a command line names a rule, also with the prefix that it has in another workflow's module."""
     return any(argument == rule or argument.endswith(f"_{rule}") for argument in arguments)
-
-
-def _is_file_of(study: str, file: str) -> bool:
-    folder, *names = PurePosixPath(file).parts or ("",)
-    if folder not in {"results", "reports"}:
-        return False
-    first, *deeper = [PurePosixPath(name).stem for name in names if name != "records"] or [""]
-    if first in _FOLDERS_BY_STUDY:
-        return deeper[:1] == [study]
-    others = (*_FILES_OF_STUDY.get(study, ()), *RULES_OF_STUDY.get(study, ()))
-    return (first == study and not deeper) or first in others
-
-
-def belongs_to(job: Job, study: str) -> bool:
-    """Whether a job is part of a study."""
-    named = (job.wildcards.get(wildcard) for wildcard in ("study", "weighed"))
-    return study in named or job.rule in RULES_OF_STUDY.get(study, ())
 
 
 def find_earlier_studies(shown: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:

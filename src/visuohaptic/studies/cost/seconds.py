@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -17,20 +17,26 @@ from visuohaptic.fixations.locations import Look, attend_to
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.surface import Surface, object_of, read_surface, usable_meshes
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import find_locations, touch_at
 from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.recognition.pooling import spread_choices
-from visuohaptic.studies.conditions import Planned
-from visuohaptic.studies.cost.settings import Setting
+from visuohaptic.studies.conditions import Planned, plan_study
+from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER, Setting, make_settings
+from visuohaptic.studies.files import read_study_features
 from visuohaptic.studies.measuring import REFUSALS, condition_features
-from visuohaptic.tables.schema import build_table
+from visuohaptic.studies.study import Given
+from visuohaptic.tables.phases import FEATURES, of_objects
+from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import COST_SECONDS
 
 PHASES = ("look", "touch", "describe", "name")
 PARTS = ("render", "attend", "cast")
 """Parts of looking, the first two, and of touching."""
+
+ROUNDS = {FRONTIER.name: 2}
+"""Rounds of timing where they are not `cost.rounds`: the frontier is a part of every run."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +55,8 @@ class TimedCaster(RayCaster):
 
     def first_hits(self, *rays: Any) -> Any:
         """Cast rays as `RayCaster` does."""
-        return self._timed(super().first_hits, *rays)
-
-    def _timed(self, cast: Callable[..., Any], *rays: Any) -> Any:
         start = time.process_time()
-        found = cast(*rays)
+        found = super().first_hits(*rays)
         self.seconds += time.process_time() - start
         return found
 
@@ -81,6 +84,37 @@ class TimedLooking:
         self.render += rendered - start
         self.attend += time.process_time() - rendered
         return looks
+
+
+def make_cost_seconds(given: Given) -> None:
+    """Time every setting of a study side by side: `tables.COST_SECONDS`."""
+    surfaces = {
+        object_of(mesh): read_surface(mesh) for mesh in usable_meshes(given.inputs["meshes"])
+    }
+    rounds = ROUNDS.get(given.study, given.run.cost.rounds)
+    table = measure_seconds(surfaces, _fitted(given), rounds)
+    write_table(COST_SECONDS, table, given.outputs[0])
+
+
+def _fitted(given: Given) -> list[FittedSetting]:
+    """Train a model for each setting, but for those that fail; one where settings name by the same model."""
+    run, study = given.run, {one.name: one for one in (FRONTIER, COST_STUDY)}[given.study]
+    own = read_table(FEATURES, given.inputs["features"])
+    held: dict[str | None, pa.Table | str] = {None: of_objects(own, given.objects)}
+    found: list[FittedSetting] = []
+    trained: dict[Hashable, FittedSetting | str] = {}
+    planned = plan_study(study, run).conditions
+    for setting, one in zip(make_settings(run, study.name), planned, strict=True):
+        if one.key is not None and one.key not in held:
+            held[one.key] = read_study_features(given.made[one.key])
+        named = (setting.strategy, setting.pipeline, setting.classifier)
+        asked = (one.key, one.parameters.model_dump_json(), *named)
+        if asked not in trained:
+            trained[asked] = fit_setting(setting, one, held[one.key], run.seed)
+        fitted = trained[asked]
+        if isinstance(fitted, FittedSetting):
+            found.append(replace(fitted, setting=setting))
+    return found
 
 
 def recognise_once(

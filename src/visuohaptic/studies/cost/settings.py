@@ -8,7 +8,7 @@ of which one thing varies over its whole range, views among them.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -17,7 +17,8 @@ from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.scene.parameters import PRESETS
-from visuohaptic.studies.conditions import Changes, Condition, Study, with_changes
+from visuohaptic.studies.conditions import with_changes
+from visuohaptic.studies.study import NOT_OF_RESULTS, OF_CONDITIONS, Changes, Condition, Step, Study
 
 STRATEGY = "fixation"
 PIPELINE = "best"
@@ -39,18 +40,12 @@ class Setting:
 
     Attributes
     ----------
-    family, name : str
-        What varies, and to which value.
-    place : int
-        Its place along the family's line.
-    touches : int
-        Touches from each viewpoint.
-    viewpoints : int
-        Viewpoints that vote.
-    strategy : str
-        What chooses the places to touch.
-    pipeline, classifier : str
-        What names the object.
+    family, name, place : str, str and int
+        What varies, to which value, and its place along the family's line.
+    touches, viewpoints : int
+        Touches from each viewpoint, and viewpoints that vote.
+    strategy, pipeline, classifier : str
+        What chooses the places to touch, and what names the object.
     changes : mapping of str
         Other parameters that differ from the run's, by their dotted names.
     """
@@ -90,49 +85,19 @@ class Setting:
         return Condition(name, {**self.changes, **own}, votes=self.viewpoints)
 
 
-TITLES = {"frontier": "Accuracy against time", "cost": "What accuracy costs in time"}
-
-
-def make_study(name: str, run: ExperimentParameters) -> Study:
-    """Give a study's settings as conditions."""
-    conditions = tuple(setting.condition for setting in make_settings(run, name))
-    return Study(name, TITLES[name], conditions)
-
-
 def make_settings(run: ExperimentParameters, study: str) -> list[Setting]:
-    """Give every setting of a study.
-
-    Parameters
-    ----------
-    run : ExperimentParameters
-        The run's; its own values are those of all that a family does not vary.
-    study : {"frontier", "cost"}
-        Which study.
-
-    Returns
-    -------
-    list of Setting
-        Family by family.
-    """
+    """Give every setting of study `frontier` or `cost`, family by family; `run` has all that a family does not vary."""
     return [
-        setting for family in FAMILIES[study] for setting in family_settings(study, family, run)
-    ]
-
-
-def family_settings(study: str, family: str, run: ExperimentParameters) -> list[Setting]:
-    """Give the settings of one of a study's families."""
-    touches = run_touches(run)
-    return [
-        Setting(family, name, place, **{"touches": touches, **values})
-        for place, (name, values) in enumerate(FAMILIES[study][family](run))
+        Setting(family, name, place, **{"touches": run_touches(run), **values})
+        for family, vary in FAMILIES[study].items()
+        for place, (name, values) in enumerate(vary(run))
     ]
 
 
 def is_reference(setting: Setting, run: ExperimentParameters) -> bool:
     """Tell whether a setting is what others are compared with: the run's own, from one viewpoint."""
-    own = (run_touches(run), 1, STRATEGY, PIPELINE, CLASSIFIER)
-    varied = (setting.touches, setting.viewpoints, setting.strategy)
-    return (*varied, setting.pipeline, setting.classifier) == own and not setting.changes
+    own = Setting(setting.family, setting.name, setting.place, run_touches(run))
+    return setting == own
 
 
 def run_touches(run: ExperimentParameters) -> int:
@@ -154,44 +119,36 @@ def _viewpoints(run: ExperimentParameters, changes: Changes | None = None) -> Va
 
 
 def _lean_viewpoints(run: ExperimentParameters) -> Varied:
-    return _viewpoints(
-        run,
-        {
-            "rendering.resolution": run.cost.lean_view_resolution,
-            "attention.weights": _weights(run, CLASSIC_CHANNELS),
-        },
-    )
+    small = {"rendering.resolution": run.cost.lean_view_resolution}
+    return _viewpoints(run, {**small, "attention.weights": _weights(run, CLASSIC_CHANNELS)})
 
 
-def _imprint(run: ExperimentParameters) -> Varied:
-    return _squares(run, "sensor.resolution", run.cost.imprint_resolutions)
-
-
-def _render(run: ExperimentParameters) -> Varied:
-    return _squares(run, "rendering.resolution", run.cost.view_resolutions)
-
-
-def _squares(run: ExperimentParameters, parameter: str, sizes: Sequence[int]) -> Varied:
-    for size in sizes:
+def _squares(parameter: str, sizes: str, run: ExperimentParameters) -> Varied:
+    for size in getattr(run.cost, sizes):
         yield f"{size} × {size}", _unless_own(run, parameter, size)
 
 
 def _channels(run: ExperimentParameters) -> Varied:
     own = tuple(name for name, weight in run.attention.weights.model_dump().items() if weight)
     for kept in (CLASSIC_CHANNELS, own):
-        weights = _weights(run, kept)
-        yield f"{len(kept)} channels", _unless_own(run, "attention.weights", weights)
+        yield f"{len(kept)} channels", _unless_own(run, "attention.weights", _weights(run, kept))
 
 
-def _features(run: ExperimentParameters) -> Varied:
-    for name, cues in {**CUES, "skin and pose": run.recognition.best.cues}.items():
+def _cues(run: ExperimentParameters) -> Varied:
+    for name, cues in CUES.items():
         yield name, _unless_own(run, "recognition.best.cues", cues)
 
 
+def _features(run: ExperimentParameters) -> Varied:
+    yield from _cues(run)
+    yield "skin and pose", {}
+
+
 def _pipelines(run: ExperimentParameters) -> Varied:
+    recognition = run.recognition
     for pipeline, names in (
-        ("paper", run.recognition.classifiers),
-        ("best", run.recognition.best.classifiers),
+        ("paper", recognition.classifiers),
+        ("best", recognition.best.classifiers),
     ):
         for name in names:
             words = f"{pipeline}, {name.replace('_', ' ')}"
@@ -200,8 +157,7 @@ def _pipelines(run: ExperimentParameters) -> Varied:
 
 def _effects(run: ExperimentParameters) -> Varied:
     for preset in PRESETS:
-        changes = {} if preset == run.scene.preset else {"scene.preset": preset}
-        yield preset, {"changes": changes}
+        yield preset, {"changes": {} if preset == run.scene.preset else {"scene.preset": preset}}
 
 
 def _probed(strategy: str, run: ExperimentParameters) -> Varied:
@@ -215,41 +171,40 @@ def _probed(strategy: str, run: ExperimentParameters) -> Varied:
 
 def _small_imprint(run: ExperimentParameters) -> Varied:
     """Make the imprint smaller; nothing where it is as small in the run."""
-    changes = {"sensor.resolution": run.cost.lean_imprint_resolution}
-    if STRATEGY in run.probing.strategies and with_changes(run, changes) != run:
-        yield _counted(run_touches(run), "touch", "es"), {"changes": changes}
-
-
-def _cues(run: ExperimentParameters) -> Varied:
-    if STRATEGY in run.probing.strategies:
-        for name, cues in CUES.items():
-            yield name, _unless_own(run, "recognition.best.cues", cues)
+    varied = _unless_own(run, "sensor.resolution", run.cost.lean_imprint_resolution)
+    if varied["changes"]:
+        yield _counted(run_touches(run), "touch", "es"), varied
 
 
 def _paper(run: ExperimentParameters) -> Varied:
-    if STRATEGY in run.probing.strategies:
-        yield "with its map", {"pipeline": "paper"}
-        without = _unless_own(run, "recognition.self_organising_map.output", "none")
-        yield "without the map", {"pipeline": "paper", **without}
+    yield "with its map", {"pipeline": "paper"}
+    without = _unless_own(run, "recognition.self_organising_map.output", "none")
+    yield "without the map", {"pipeline": "paper", **without}
 
 
-def _within(values: Sequence[int], most: int) -> list[int]:
+def _if_fixated(
+    vary: Callable[[ExperimentParameters], Varied], run: ExperimentParameters
+) -> Varied:
+    return vary(run) if STRATEGY in run.probing.strategies else iter(())
+
+
+def _within(values: Iterable[int], most: int) -> list[int]:
     return sorted({min(value, most) for value in values})
 
 
 FAMILIES: dict[str, dict[str, Callable[[ExperimentParameters], Varied]]] = {
     "frontier": {
         **{name: partial(_probed, name) for name in STRATEGIES.names},
-        "small_imprint": _small_imprint,
-        "cues": _cues,
-        "paper": _paper,
+        "small_imprint": partial(_if_fixated, _small_imprint),
+        "cues": partial(_if_fixated, _cues),
+        "paper": partial(_if_fixated, _paper),
     },
     "cost": {
         "touches": _touches,
         "viewpoints": _viewpoints,
         "lean_viewpoints": _lean_viewpoints,
-        "imprint": _imprint,
-        "render": _render,
+        "imprint": partial(_squares, "sensor.resolution", "imprint_resolutions"),
+        "render": partial(_squares, "rendering.resolution", "view_resolutions"),
         "channels": _channels,
         "features": _features,
         "pipelines": _pipelines,
@@ -271,3 +226,37 @@ def _unless_own(run: ExperimentParameters, path: str, value: object) -> dict[str
 
 def _counted(count: int, noun: str, ending: str) -> str:
     return f"{count} {noun}{'' if count == 1 else ending}"
+
+
+def _study(name: str, title: str, *, is_part_of_run: bool) -> Study:
+    robot = {"cost": {"touch_seconds", "look_seconds"}}
+    seconds = Step(
+        f"{name}_seconds",
+        "visuohaptic.studies.cost.seconds:make_cost_seconds",
+        (f"results/{name}_seconds.parquet",),
+        takes=("meshes", "features", "made"),
+        needs={"exclude": {**OF_CONDITIONS["exclude"], **robot}},
+        objects="timed",
+        is_alone=not is_part_of_run,
+        is_shown=False,
+    )
+    front = Step(
+        name,
+        "visuohaptic.studies.cost.front:make_cost",
+        (f"results/{name}.parquet",),
+        takes=("blocks", *seconds.files),
+        needs={"exclude": NOT_OF_RESULTS.keys() - {"cost"}},
+    )
+    return Study(
+        name,
+        title,
+        lambda run: (setting.condition for setting in make_settings(run, name)),
+        (seconds, front),
+        has_figures=not is_part_of_run,
+        is_sampled=True,
+        is_part_of_run=is_part_of_run,
+    )
+
+
+FRONTIER = _study("frontier", "Accuracy against time", is_part_of_run=True)
+COST_STUDY = _study("cost", "What accuracy costs in time", is_part_of_run=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,7 @@ import pyarrow as pa
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.ablations import CLASSIFIER
 from visuohaptic.studies.conditions import Planned, plan_study
-from visuohaptic.studies.curves.settings import curve_study
+from visuohaptic.studies.curves.settings import CURVES
 from visuohaptic.studies.measuring import (
     REFUSALS,
     Named,
@@ -20,6 +19,7 @@ from visuohaptic.studies.measuring import (
     error_rows,
     name_objects,
 )
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
@@ -35,9 +35,7 @@ CANDIDATES = 256
 """Places of an object among which `adaptive` chooses where a viewpoint sees them."""
 
 
-def make_candidates(
-    meshes: Sequence[str | Path], output: str | Path, parameters: ExperimentParameters
-) -> None:
+def make_candidates(given: Given) -> None:
     """Touch objects wherever `adaptive` may choose to: rows of `tables.FEATURES`, no sequences."""
     from visuohaptic.fixations.locations import candidate_table
     from visuohaptic.fixations.probing import ProbingLocations, spread_far
@@ -47,8 +45,8 @@ def make_candidates(
     from visuohaptic.phases import look_from
     from visuohaptic.seeds import spawn_generator
 
-    parts = []
-    for mesh in usable_meshes(meshes):
+    parts, parameters = [], given.run
+    for mesh in usable_meshes(given.inputs["meshes"]):
         key, caster = object_of(mesh), RayCaster(read_surface(mesh))
         generator = spawn_generator(parameters.seed, "candidates", key)
         crowd = spread_far(caster.surface, CANDIDATES, generator)
@@ -57,7 +55,7 @@ def make_candidates(
         looks = look_from(caster, key, parameters, range(parameters.viewpoints.total))
         located = pa.concat_tables([candidate_table(one, places) for one in looks])
         parts.append(_describe_candidates(caster, located.combine_chunks(), parameters))
-    write_table(FEATURES, pa.concat_tables(parts), output)
+    write_table(FEATURES, pa.concat_tables(parts), given.outputs[0])
 
 
 def _describe_candidates(
@@ -76,13 +74,12 @@ def _describe_candidates(
     )
 
 
-def make_adaptive_rows(
-    candidates: str | Path, output: str | Path, pipeline: str, run: ExperimentParameters
-) -> None:
+def make_adaptive_rows(given: Given) -> None:
     """Write `tables.STUDY` of the study's conditions on touches that `adaptive` chooses."""
-    planned = plan_study(curve_study(run), run).conditions
-    rows = adaptive_rows(read_table(FEATURES, candidates), planned, pipeline, run.seed)
-    write_table(STUDY, pa.concat_tables(rows), output)
+    planned = plan_study(CURVES, given.run).conditions
+    features = read_table(FEATURES, given.inputs["tables"])
+    rows = adaptive_rows(features, planned, given.wildcards["pipeline"], given.run.seed)
+    write_table(STUDY, pa.concat_tables(rows), given.outputs[0])
 
 
 def adaptive_rows(

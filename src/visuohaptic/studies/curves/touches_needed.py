@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from visuohaptic.studies.figures import (
     read_cells,
     write_json,
 )
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import TOUCHES_NEEDED
 
@@ -79,15 +79,11 @@ def touches_needed(
     return build_table(TOUCHES_NEEDED, {name: [row[name] for row in rows] for name in rows[0]})
 
 
-def make_touches_needed(
-    parts: Sequence[str | Path],
-    needed: str | Path,
-    metrics: str | Path,
-    intervals: IntervalParameters,
-    seed: int,
-) -> None:
-    """Write `tables.TOUCHES_NEEDED` of the study's parts, and the same numbers as JSON."""
-    table = touches_needed(read_cells(parts), intervals, seed)
+def make_touches_needed(given: Given) -> None:
+    """Write `tables.TOUCHES_NEEDED` of the study's blocks, and the same numbers as JSON."""
+    needed, metrics = given.outputs
+    cells = read_cells(given.inputs["blocks"])
+    table = touches_needed(cells, given.run.recognition.intervals, given.run.seed)
     write_table(TOUCHES_NEEDED, table, needed)
     write_json(nested(table.to_pylist(), _KEYS), metrics)
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS, Scene
 from visuohaptic.studies.ablations import CLASSIFIER
-from visuohaptic.studies.conditions import Condition, Study
+from visuohaptic.studies.study import Condition, Step, Study
 
 
 def effects_of(scene: Scene) -> tuple[str, ...]:
@@ -30,22 +32,43 @@ def without_effect(preset: str, effect: str) -> str:
     return f"{preset} without {effect}"
 
 
-def effect_study(_run: ExperimentParameters) -> Study:
-    """Give the conditions: the paper's pipeline in every preset, and without each of its effects."""
-    conditions = []
+def effect_conditions(_run: ExperimentParameters) -> Iterator[Condition]:
+    """Give the paper's pipeline in every preset, and without each of its effects."""
     for preset in PRESETS:
         changes = {
             "recognition.pipelines": ("paper",),
             "recognition.classifiers": (CLASSIFIER,),
             "scene.preset": preset,
         }
-        conditions.append(Condition(preset, changes, compared_with=preset))
-        conditions += [
-            Condition(
-                without_effect(preset, effect),
-                {**changes, f"scene.effects.{effect}": "never"},
-                compared_with=preset,
-            )
-            for effect in effects_of(Scene.model_validate({"preset": preset}))
-        ]
-    return Study("effects", "How far effects of the sensor move the accuracy", tuple(conditions))
+        yield Condition(preset, changes, compared_with=preset)
+        for effect in effects_of(Scene.model_validate({"preset": preset})):
+            without = {**changes, f"scene.effects.{effect}": "never"}
+            yield Condition(without_effect(preset, effect), without, compared_with=preset)
+
+
+EFFECTS_STUDY = Study(
+    "effects", "How far effects of the sensor move the accuracy", effect_conditions
+)
+
+INFLUENCE = Study(
+    "influence",
+    "What effects cost, and how far they move images",
+    steps=(
+        Step(
+            "effect_influence",
+            "visuohaptic.studies.effects.influence:make_effect_influence",
+            ("results/effect_influence.parquet",),
+            takes=("meshes", "fixations"),
+            needs={
+                "include": {
+                    **dict.fromkeys(("seed", "viewpoints", "rendering", "sensor", "scene"), True),
+                    "attention": {"fixations"},
+                    "probing": {"unreachable", "when_exhausted"},
+                }
+            },
+            objects="two",
+        ),
+    ),
+    has_figures=False,
+    is_part_of_run=True,
+)

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 
-from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import read_surface
+from visuohaptic.geometry.surface import object_of, read_surface
 from visuohaptic.scene.parameters import (
     PRESETS,
     TACTILE_EFFECTS,
@@ -24,6 +23,7 @@ from visuohaptic.scene.parameters import (
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import Touches
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FIXATIONS, by_object
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
@@ -163,33 +163,25 @@ def sum_influences(parts: Sequence[Influence]) -> pa.Table:
     )
 
 
-def make_effect_influence(
-    meshes: Mapping[str, str | Path],
-    fixations: Sequence[str | Path],
-    output: str | Path,
-    viewpoints: ViewpointParameters,
-    rendering: RenderingParameters,
-    sensor: SensorParameters,
-    scene: Scene,
-    seed: int,
-    wanted: Wanted,
-) -> None:
-    """Measure the effects on a sample of objects, `class/name`, under every preset."""
-    parts: list[Influence] = []
-    located = dict(by_object(read_table(FIXATIONS, fixations)))
-    for key, mesh in meshes.items():
+def make_effect_influence(given: Given) -> None:
+    """Measure the effects on a sample of objects under every preset."""
+    run, parts = given.run, list[Influence]()
+    scenes, placed = measured_scenes(run.scene), place_cameras(run.viewpoints)
+    wanted = Wanted(run.attention.fixations, run.probing.unreachable, run.probing.when_exhausted)
+    located = dict(by_object(read_table(FIXATIONS, given.inputs["fixations"])))
+    for mesh in given.inputs["meshes"]:
+        key = object_of(mesh)
         if key not in located:  # set aside, or too slender for any view
             continue
         caster = RayCaster(read_surface(mesh))
-        table, _ = choose_places(caster, located[key], sensor, wanted)
+        table, _ = choose_places(caster, located[key], run.sensor, wanted)
         if not table.num_rows:
             continue
         seen_from = sorted(set(table.column("viewpoint").to_pylist()))
-        placed = place_cameras(viewpoints)
         cameras = [placed[number] for number in seen_from[:VIEWS]]
-        parts += view_influence(caster, cameras, rendering, scene.effects)
-        parts += touch_influence(caster, table, sensor, measured_scenes(scene), seed)
-    write_table(EFFECT_INFLUENCE, sum_influences(parts), output)
+        parts += view_influence(caster, cameras, run.rendering, run.scene.effects)
+        parts += touch_influence(caster, table, run.sensor, scenes, run.seed)
+    write_table(EFFECT_INFLUENCE, sum_influences(parts), given.outputs[0])
 
 
 def _scene_influence(

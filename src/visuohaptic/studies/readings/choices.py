@@ -16,7 +16,7 @@ from typing import Literal
 
 from visuohaptic.attention.learnt import read_learnt
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import Changes
+from visuohaptic.studies.study import Changes
 
 Kind = Literal["equivalent", "uncertain", "not equivalent"]
 Where = Literal["upstream", "recognition", "opponent"]

@@ -57,12 +57,12 @@ from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, OPPONENTS, Choice
 from visuohaptic.studies.readings.design import (
     CROSSED_SINGLY,
+    READINGS_STUDY,
     STRATEGIES,
     VARIED_ALONE,
     Options,
     all_readings,
     is_base_but_for,
-    make_readings_study,
 )
 from visuohaptic.studies.readings.leads import SIGNIFICANT
 from visuohaptic.studies.readings.stored import OUTSIDE
@@ -382,7 +382,7 @@ def write_choice(
 def _acquired(folder: Path, run: ExperimentParameters) -> dict[tuple[str, str], float]:
     """Read the share of touches acquired by each option of each scored choice."""
     outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": OUTSIDE})})
-    plan = plan_study(make_readings_study(outside), outside)
+    plan = plan_study(READINGS_STUDY, outside)
     planned = {one.condition.name: one for one in plan.conditions}
     found = {}
     for choice in scored_choices():

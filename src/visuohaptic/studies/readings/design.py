@@ -30,8 +30,8 @@ from typing import Any, Literal
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.published import TABLE_1
-from visuohaptic.studies.conditions import Changes, Condition, Study
 from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, OPPONENTS
+from visuohaptic.studies.study import NOT_OF_RESULTS, Changes, Condition, Step, Study
 
 Part = Literal[
     "recognition", "upstream", "training", "protocol", "further", "literal", "single", "default"
@@ -39,8 +39,6 @@ Part = Literal[
 Options = Mapping[str, str]
 """An option of every choice, by the choice's name."""
 
-NAME = "readings"
-TITLE = "The paper under all its readings"
 STRATEGIES = ("fixation", *OPPONENTS.values())
 """What every reading touches by, on the same viewpoints."""
 
@@ -177,8 +175,8 @@ def all_readings() -> list[Reading]:
     return readings
 
 
-def make_readings_study(run: ExperimentParameters) -> Study:
-    """Give the study: a condition for each reading of the parts that the run's objects allow.
+def reading_conditions(run: ExperimentParameters) -> Iterator[Condition]:
+    """Give a condition for each reading of the parts that the run's objects allow.
 
     A condition changes what differs from the run, so that readings share what the run has made.
     """
@@ -190,12 +188,10 @@ def make_readings_study(run: ExperimentParameters) -> Study:
     }
     new_objects = {} if on_paper_set else _FOLDS
     parts = PARTS_ON_PAPER_SET if on_paper_set else PARTS_ON_OTHERS
-    conditions = (
-        Condition(reading.name, {**_differing(run, {**reading.values, **new_objects}), **same})
-        for reading in all_readings()
-        if reading.part in parts
-    )
-    return Study(NAME, TITLE, tuple(conditions))
+    for reading in all_readings():
+        if reading.part in parts:
+            changes = _differing(run, {**reading.values, **new_objects})
+            yield Condition(reading.name, {**changes, **same})
 
 
 def _differing(run: ExperimentParameters, values: Changes) -> dict[str, object]:
@@ -266,3 +262,34 @@ _PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {
     "single": _single,
     "default": _default,
 }
+
+
+READINGS_STUDY = Study(
+    "readings",
+    "The paper under all its readings",
+    reading_conditions,
+    steps=(
+        Step(
+            "readings",
+            "visuohaptic.studies.readings.figures:make_readings",
+            ("results/readings.parquet", "reports/readings.json"),
+        ),
+        Step(
+            "readings_page",
+            "visuohaptic.report.files:make_readings_page",
+            ("reports/readings.html",),
+            takes=("results/readings.parquet",),
+            is_shown=False,
+        ),
+        # One dot of the page: `snakemake -j2 results/reading/r017.json`.
+        Step(
+            "reading",
+            "visuohaptic.studies.readings.files:make_reading",
+            ("results/reading/{condition}.json",),
+            needs={"exclude": NOT_OF_RESULTS},
+            is_shown=False,
+        ),
+    ),
+    has_figures=False,
+    is_on_request=True,
+)

@@ -34,19 +34,16 @@ from visuohaptic.studies.readings.design import (
     is_default,
 )
 from visuohaptic.studies.readings.leads import SAME, SIGNIFICANT, against_main, main_opponent
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
 from visuohaptic.tables.studies import READINGS, STUDY
 
 
-def make_readings(
-    parts: Sequence[str | Path],
-    output: str | Path,
-    summary: str | Path,
-    intervals: IntervalParameters,
-    seed: int,
-) -> None:
+def make_readings(given: Given) -> None:
     """Write `tables.READINGS` from the study's blocks, and what they say together as JSON."""
-    table = reading_figures(parts, intervals, seed)
+    output, summary = given.outputs
+    blocks, run = given.inputs["blocks"], given.run
+    table = reading_figures(blocks, run.recognition.intervals, run.seed)
     write_table(READINGS, table, output)
     write_json(summarise_readings(table.to_pylist()), summary)
 

@@ -1,0 +1,97 @@
+"""All studies of a run: those of the package, and the user's own files."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterable
+from importlib import import_module
+from pathlib import Path
+
+from visuohaptic.errors import ParameterError, VisuohapticError
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.ablations import ABLATIONS
+from visuohaptic.studies.certainty import CERTAINTY_STUDY
+from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER
+from visuohaptic.studies.curves.settings import CURVES
+from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
+from visuohaptic.studies.own import read_study
+from visuohaptic.studies.readings.design import READINGS_STUDY
+from visuohaptic.studies.study import Study
+
+STUDIES = (
+    FRONTIER,
+    COST_STUDY,
+    CURVES,
+    ABLATIONS,
+    EFFECTS_STUDY,
+    INFLUENCE,
+    CERTAINTY_STUDY,
+    READINGS_STUDY,
+)
+"""The studies of the package."""
+
+PACKAGED = tuple(study.name for study in STUDIES)
+"""Their names, which no other study may have."""
+
+_KINDS = ("*.yaml", "*.py", "*/study.py")
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
+
+
+def find_studies(run: ExperimentParameters, folders: Iterable[str | Path]) -> dict[str, Study]:
+    """Give every study by its name, those of the package before those of the user.
+
+    A user's study is a file ``<name>.yaml`` or ``<name>.py`` of a folder, or ``<name>/study.py``
+    with more beside it; of two folders the first one's counts. Python holds a `Study` named ``STUDY``. Raises `ParameterError`, which names
+    the file, if one is not as it should be.
+    """
+    found = {study.name: study for study in STUDIES}
+    for name, path in _files(map(Path, folders)).items():
+        if not _NAME.fullmatch(name) or name in PACKAGED:
+            raise ParameterError(
+                f"{path}: {name!r} is no name of a study; up to 41 small letters, digits and "
+                f"underscores are allowed, a letter first, and none of {', '.join(PACKAGED)}."
+            )
+        found[name] = read_study(path, run) if path.suffix == ".yaml" else load_study(path, name)
+    return found
+
+
+def load_study(path: Path, name: str) -> Study:
+    """Run a file of Python, which has all rights of the user, and give its study.
+
+    Its folder is searched for modules after all others. Raises `ParameterError` if the file can't be
+    run or holds no study of its name.
+    """
+    package = path.name == "study.py"
+    folder = path.parents[1] if package else path.parent
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
+    try:
+        module = import_module(f"{name}.study" if package else name)
+    except VisuohapticError as error:
+        raise ParameterError(f"{path}: {error}") from error
+    except Exception as error:
+        said = " ".join(str(error).split())
+        raise ParameterError(f"{path} can't be run: {type(error).__name__}: {said}.") from error
+    if not module.__file__ or not path.samefile(module.__file__):
+        raise ParameterError(f"{path}: {name!r} is the name of another module; choose another one.")
+    study = getattr(module, "STUDY", None)
+    if not isinstance(study, Study) or study.name != name:
+        raise ParameterError(f"{path} has no STUDY of name {name!r}; one Study is needed.")
+    return study
+
+
+def _files(folders: Iterable[Path]) -> dict[str, Path]:
+    """Find the files of studies by name; of two folders, the first one's."""
+    found: dict[str, Path] = {}
+    for folder in folders:
+        named: dict[str, Path] = {}
+        for one in sorted(one for kind in _KINDS for one in folder.glob(kind)):
+            name = one.parent.name if one.name == "study.py" else one.stem
+            if name in named:
+                raise ParameterError(
+                    f"{named[name]} and {one} are studies of one name; one is allowed."
+                )
+            named[name] = one
+        found = {**named, **found}
+    return {name: found[name] for name in sorted(found) if name != "dvc"}

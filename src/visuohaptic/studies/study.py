@@ -1,0 +1,210 @@
+"""What a study is: conditions to compare, and the jobs that follow their measurement.
+
+A study of the package is an entry of `registry.STUDIES`; a user's is a file in folder ``studies/``: YAML for
+conditions alone, or Python with a `Study` named ``STUDY``, which may have steps of its own.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from visuohaptic.parameters import ExperimentParameters
+
+Changes = Mapping[str, Any]
+"""New values by the parameters' dotted names; a whole section may be named."""
+
+NOT_OF_RESULTS = {"workflow": True, "meshes": True, "cost": True, "gaze": True}
+"""Parameters that no condition depends on, as `pydantic.BaseModel.model_dump` excludes them."""
+
+OF_CONDITIONS = {"exclude": {**NOT_OF_RESULTS, "recognition": {"intervals"}}}
+"""All that conditions depend on."""
+
+FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")
+"""What sums up a study's conditions, by its name."""
+
+_OWN = (
+    *FIGURES,
+    *("results/study_blocks/{}/*", "results/study_features/{}/*"),
+    *(f"results/records/{rule}/{{}}/*" for rule in ("block_of_study", "features_of_study")),
+    "results/records/figures_of_study/{}.json",
+)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One way to run the experiment.
+
+    Attributes
+    ----------
+    name : str
+        Any text.
+    changes : mapping of str
+        What differs from the run's parameters.
+    compared_with : str or None
+        Name of the condition that it is compared with; None for the study's first.
+    votes : int or None
+        Viewpoints that vote for an object; None where each sequence counts by itself.
+    """
+
+    name: str
+    changes: Changes = field(default_factory=dict)
+    compared_with: str | None = None
+    votes: int | None = None
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a step's job is given.
+
+    Attributes
+    ----------
+    study : str
+        The study's name.
+    inputs : mapping of str to sequence of str
+        Files by what the step takes.
+    outputs : sequence of str
+        The step's files, to be written.
+    run : ExperimentParameters
+        The parameters that the step needs; all others have their defaults.
+    wildcards : mapping of str to str
+        The job's, of a step with a job for each pipeline or condition.
+    made : mapping of str to str
+        Files of features that conditions share, by key.
+    objects : sequence of str or None
+        Objects, ``class/name``, that count; None for all.
+    condition : mapping or None
+        The condition of a step with a job for each, as `conditions.describe_conditions` gives it.
+    """
+
+    study: str
+    inputs: Mapping[str, Sequence[str]]
+    outputs: Sequence[str]
+    run: ExperimentParameters
+    wildcards: Mapping[str, str] = field(default_factory=dict)
+    made: Mapping[str, str] = field(default_factory=dict)
+    objects: Sequence[str] | None = None
+    condition: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True)
+class Step:
+    """A job of a study beside the blocks of its conditions.
+
+    Attributes
+    ----------
+    name : str
+        What its rule, log and record are called.
+    work : str
+        The function that does it, as ``module:function``: it takes `Given` and writes the outputs. Its
+        module, and what this imports, is the code of the job's key.
+    files : tuple of str
+        What it makes; with ``{condition}`` or ``{pipeline}`` in them there is a job for each.
+    takes : tuple of str
+        Tables of the run (``meshes``, ``fixations``, ``features``), ``blocks`` of the conditions, ``made``
+        (features of all conditions that the run does not have), and files of other steps.
+    needs : mapping
+        Parameters that it depends on, as `pydantic.BaseModel.model_dump` takes them.
+    objects : str
+        Whose meshes and fixations it takes: ``all``, those of the ``study``, ``two``, or those that are ``timed``.
+    is_block : bool
+        Whether its files hold rows of `tables.STUDY`, which count as blocks do.
+    is_alone : bool
+        Whether it measures run times, and so takes all cores.
+    is_shown : bool
+        Whether the report shows its files.
+    """
+
+    name: str
+    work: str
+    files: tuple[str, ...]
+    takes: tuple[str, ...] = ("blocks",)
+    needs: Mapping[str, Any] = field(
+        default_factory=lambda: {"include": {"seed": True, "recognition": {"intervals"}}}
+    )
+    objects: str = "study"
+    is_block: bool = False
+    is_alone: bool = False
+    is_shown: bool = True
+
+    @property
+    def wildcards(self) -> tuple[str, ...]:
+        """The names in its files for each of which there is a job."""
+        return tuple(name for name in ("condition", "pipeline") if f"{{{name}}}" in self.files[0])
+
+    @property
+    def record(self) -> str:
+        """The file that says what made its files."""
+        each = "".join(f"/{{{name}}}" for name in self.wildcards)
+        return f"results/records/{self.name}{each}.json"
+
+
+@dataclass(frozen=True)
+class Study:
+    """Conditions under one title, and the steps that follow.
+
+    Attributes
+    ----------
+    name, title : str
+        What rules and files call it, and its heading in the report.
+    conditions : callable
+        Gives a run's conditions; the first is what the others are compared with.
+    steps : tuple of Step
+        Jobs of its own, in the order of their work.
+    has_figures : bool
+        Whether each condition's accuracy is summed up in `tables.STUDY_FIGURES`.
+    is_sampled : bool
+        Whether it measures a sample of many objects (``cost.maximum_objects``).
+    is_part_of_run : bool
+        Whether every run makes it.
+    is_on_request : bool
+        Whether later runs leave it as it is, until its own target is asked for.
+    is_coded : bool
+        Whether it comes with the package or as Python: it has a rule ``<name>_all``, too.
+    """
+
+    name: str
+    title: str
+    conditions: Callable[[ExperimentParameters], Iterable[Condition]] = lambda _: ()
+    steps: tuple[Step, ...] = ()
+    has_figures: bool = True
+    is_sampled: bool = False
+    is_part_of_run: bool = False
+    is_on_request: bool = False
+    is_coded: bool = True
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """The files that the report shows, of which the first has the study's date."""
+        steps = (file for step in self.steps if step.is_shown for file in step.files)
+        return (*self._figures, *steps)
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """The files that are made where the study is asked for, but for its blocks."""
+        steps = (step for step in self.steps if not step.wildcards)
+        return (*self._figures, *(file for step in steps for file in (*step.files, step.record)))
+
+    @property
+    def _figures(self) -> tuple[str, ...]:
+        return tuple(file.format(self.name) for file in FIGURES if self.has_figures)
+
+    def owns(self, file: str) -> bool:
+        """Whether a file is made for the study alone."""
+        own = (pattern.format(self.name) for pattern in _OWN)
+        steps = (name for step in self.steps for name in (*step.files, step.record))
+        patterns = (re.sub(r"{\w+}", "*", pattern) for pattern in (*own, *steps))
+        return any(fnmatchcase(file, pattern) for pattern in patterns)
+
+
+def do_step(work: str, folders: Iterable[Path], given: Given) -> None:
+    """Do a step's work; modules are also looked for in some folders, after all others."""
+    sys.path += map(str, folders)
+    module, _, function = work.partition(":")
+    getattr(import_module(module), function)(given)

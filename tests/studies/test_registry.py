@@ -1,0 +1,93 @@
+"""Studies of the package and of the user's folders, each under one name of its own."""
+
+import pytest
+from studies.surfaces import RUN
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.conditions import plan_study
+from visuohaptic.studies.registry import PACKAGED, STUDIES, find_studies
+
+YAML = "title: T\nconditions: {a: {}}"
+PYTHON = """from visuohaptic.studies.study import Study
+
+STUDY = Study("NAME", "Mine")
+"""
+
+
+def write(folder, name, text=YAML):
+    path = folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.slow
+def test_the_packages_studies_can_be_planned_for_every_run():
+    for values in ({}, {"recognition": {"pipelines": ["best"]}}, {"scene": {"preset": "worn_fsr"}}):
+        run = ExperimentParameters.from_mapping(values)
+        for study in STUDIES:
+            names = [one.condition.name for one in plan_study(study, run).conditions]
+            assert len(set(names)) == len(names)
+
+
+def test_every_file_belongs_to_one_study():
+    for study in STUDIES:
+        files = [file for step in study.steps for file in (*step.files, step.record)]
+        for file in (*files, *study.targets, f"results/study_blocks/{study.name}/0-1.parquet"):
+            assert [one.name for one in STUDIES if one.owns(file)] == [study.name]
+
+
+def test_the_work_of_every_step_is_there():
+    from importlib import import_module
+
+    works = [step.work.split(":") for study in STUDIES for step in study.steps]
+    assert all(callable(getattr(import_module(path), name)) for path, name in works)
+
+
+def test_studies_of_yaml_and_of_python_are_found_after_the_packages(tmp_path):
+    write(tmp_path, "of_yaml.yaml")
+    write(tmp_path, "of_python.py", PYTHON.replace("NAME", "of_python"))
+    write(tmp_path, "in_folder/study.py", PYTHON.replace("NAME", "in_folder"))
+    write(tmp_path, "in_folder/__init__.py", "")
+    write(tmp_path, "dvc.yaml")
+    found = find_studies(RUN, [tmp_path])
+    assert list(found) == [*PACKAGED, "in_folder", "of_python", "of_yaml"]
+    assert [found[name].is_coded for name in ("of_python", "of_yaml")] == [True, False]
+
+
+def test_of_two_folders_the_first_ones_study_counts(tmp_path):
+    write(tmp_path, "one/mine.yaml", YAML.replace("T", "First", 1))
+    write(tmp_path, "two/mine.yaml")
+    found = find_studies(RUN, [tmp_path / "one", tmp_path / "two"])
+    assert found["mine"].title == "First"
+
+
+@pytest.mark.parametrize("name", ["cost", "certainty", "My", "a-b", "a b", "ä", "x" * 50])
+def test_a_files_name_must_be_plain_and_free(tmp_path, name):
+    write(tmp_path, f"{name}.yaml")
+    with pytest.raises(ParameterError, match=r"is no name of a study; .*none of frontier, cost"):
+        find_studies(RUN, [tmp_path])
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "sentence"),
+    [
+        ("fails", "1 / 0", "fails.py can't be run: ZeroDivisionError: division by zero."),
+        ("empty", "", "empty.py has no STUDY of name 'empty'; one Study is needed."),
+        ("other", PYTHON, "other.py has no STUDY of name 'other'; one Study is needed."),
+        ("statistics", PYTHON, "'statistics' is the name of another module; choose another one."),
+    ],
+)
+def test_python_that_is_no_study_is_refused_in_one_sentence(tmp_path, name, text, sentence):
+    write(tmp_path, f"{name}.py", text)
+    with pytest.raises(ParameterError) as error:
+        find_studies(RUN, [tmp_path])
+    assert str(error.value).endswith(sentence)
+
+
+def test_two_files_of_one_name_are_refused(tmp_path):
+    write(tmp_path, "mine.yaml")
+    write(tmp_path, "mine.py", PYTHON)
+    with pytest.raises(ParameterError, match="are studies of one name; one is allowed"):
+        find_studies(RUN, [tmp_path])
