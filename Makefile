@@ -18,7 +18,7 @@ RUN := snakemake
 INSTALLED := .venv-run
 OUTER_PATH := $(PATH)
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
-export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/packages/contourlets/src:$(CURDIR)/workflow/lib
+export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/packages/contourlets/src:$(CURDIR)/workflow/lib:$(CURDIR)/studies
 
 report: $(READY)
 	@$(RUN) --cores $(JOBS)
@@ -72,7 +72,8 @@ bench: $(DEVELOP)
 # Its figures are of a default run, which is made first where it is not current.
 readme: $(DEVELOP) report
 	python docs/make_readme.py
-	python docs/make_readings.py
+	python -m readings.summary
+	python -m readings.write_up
 	python docs/make_claims.py
 	python docs/make_lead_picture.py
 	python docs/make_tables.py

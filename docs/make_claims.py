@@ -12,8 +12,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from make_readings import points, share
 from make_readme import fill
+
+from readings.write_up import points, share
 
 ROOT = Path(__file__).parents[1]
 SETS = {"paper": "12 objects", "benchmark": "142 objects"}

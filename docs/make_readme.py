@@ -11,8 +11,7 @@ from typing import Any
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.questions import fixation_answer, readings_sentence, recognition_answer
-from visuohaptic.studies.readings.design import is_literal
-from visuohaptic.studies.readings.stored import OUTSIDE, PAPER_SET, kept_readings
+from visuohaptic.report.readings import read_readings
 from visuohaptic_workflow.closing import REPORT, describe_results
 
 ROOT = Path(__file__).parents[1]
@@ -69,11 +68,9 @@ def results_table(metrics: dict[str, Any]) -> str:
 
 def literal_reading() -> dict[str, dict[str, str]]:
     """Give the accuracies of the most literal reading, by strategy and classifier, as kept with the package."""
-    kept = kept_readings(PAPER_SET)
-    rows = [row for row in kept.rows if is_literal(row)] if kept else []
     return {
-        strategy: {row["classifier"]: f"{100 * row[strategy]:.1f} %" for row in rows}
-        for strategy in ("fixation", "random")
+        strategy: {name: f"{100 * accuracy:.1f} %" for name, accuracy in found.items()}
+        for strategy, found in read_readings().literal.items()
     }
 
 
@@ -98,8 +95,7 @@ def percent(interval: dict[str, float]) -> str:
 def answers(metrics: dict[str, Any]) -> str:
     """Answer the two questions of the experiment from its figures and the kept readings."""
     tables = read_tables(metrics)
-    kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
-    readings = {name: one.rows for name, one in kept.items() if one}
+    readings = read_readings()
     found = (
         recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
         fixation_answer(tables, readings),

@@ -4,5 +4,5 @@ import os
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib"]
+SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib", ROOT / "studies"]
 PYTHONPATH = os.pathsep.join(map(str, SOURCES))

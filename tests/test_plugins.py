@@ -153,8 +153,8 @@ print(chosen.recognition.self_organising_map.output, [one.package for one in loa
 def test_the_readings_of_the_paper_keep_the_channels_of_the_package():
     code = """
 from visuohaptic.attention.parameters import CHANNELS
-from visuohaptic.studies.readings.choices import BY_NAME
-from visuohaptic.studies.readings.design import all_readings
+from readings.choices import BY_NAME
+from readings.design import all_readings
 print("redness" in CHANNELS, len(all_readings()) > 400)
 print(any("redness" in name for option in BY_NAME["channels"].options.values() for name in option))
 """

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 from report.test_comparison import BAYES, SVM, metrics
-from studies.readings.test_verdicts import lead_of_one_map, tables
 
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.questions import (
@@ -13,6 +12,7 @@ from visuohaptic.report.questions import (
     recognition_answer,
     reproduction_answer,
 )
+from visuohaptic.report.readings import ReadingsSummary, Spread
 
 
 def plain(text):
@@ -25,8 +25,8 @@ def run_of(fixation=0.7, random=0.6):
     return read_tables(metrics(*accuracies, {SVM: 0.1, BAYES: 0.5}))
 
 
-def made_up(lead):
-    return {name: [row | {"objects": 12} for row in rows] for name, rows in tables(lead).items()}
+def readings(verdict="not shown", **spread):
+    return ReadingsSummary(verdict=verdict, spread=(Spread(**spread),) if spread else ())
 
 
 @pytest.mark.parametrize(("accuracy", "word"), [(0.31, "Yes"), (0.29, "Not shown"), (0.21, "No")])
@@ -44,22 +44,15 @@ def test_the_first_answer_has_its_figures():
     )
 
 
-@pytest.mark.parametrize(
-    ("lead", "word"),
-    [
-        (lambda *_: 0.1, "Yes"),
-        (lambda *_: -0.1, "No"),
-        (lambda *_: 0.01, "Not shown"),
-        (lead_of_one_map, "Depends"),
-    ],
-)
-def test_the_second_answer_follows_from_the_readings_and_not_from_the_run(lead, word):
+@pytest.mark.parametrize("verdict", ["yes", "no", "not shown", "depends"])
+def test_the_second_answer_follows_from_the_readings_and_not_from_the_run(verdict):
     for random in (0.2, 0.95):
-        assert fixation_answer(run_of(random=random), made_up(lead)).word == word
+        found = fixation_answer(run_of(random=random), readings(verdict))
+        assert found.word == verdict.capitalize()
 
 
 def test_the_second_answer_says_against_what_in_which_pipeline_and_on_how_many_objects():
-    found = fixation_answer(run_of(), {})
+    found = fixation_answer(run_of(), readings())
     assert plain(found.number) == "+10.0 points (+5.0 to +15.0)"
     assert plain(found.sentence) == (
         "correctly classified above random touches, the paper's pipeline, 12 objects; no reading of the "
@@ -68,10 +61,11 @@ def test_the_second_answer_says_against_what_in_which_pipeline_and_on_how_many_o
 
 
 def test_the_readings_are_counted_by_set():
-    sentence = readings_sentence({"paper": made_up(lead_of_one_map)["paper"]})
-    assert "significantly ahead of random touches on 12 objects in " in sentence
-    assert " readings, and behind in " in sentence
-    assert readings_sentence({"paper": []}) == ""
+    sentence = readings_sentence(readings(objects=12, readings=9, ahead=1, behind=4))
+    assert sentence.endswith(
+        "significantly ahead of random touches on 12 objects in 1 of 9 readings, and behind in 4."
+    )
+    assert readings_sentence(readings()) == ""
 
 
 @pytest.mark.parametrize(
@@ -93,10 +87,10 @@ def test_the_third_answer_counts_published_accuracies_within_intervals(accuracie
 def test_every_sentence_of_the_card_has_at_most_25_words():
     (paper,) = run_of()
     tables = [paper, replace(paper, name="best")]
-    leads = (lambda *_: 0.1, lambda *_: -0.1, lambda *_: 0.01, lead_of_one_map)
+    verdicts = ("yes", "no", "not shown", "depends")
     found = [
         recognition_answer(tables, 4, 5, "known objects from unseen viewpoints"),
-        *(fixation_answer(tables, made_up(lead)) for lead in leads),
+        *(fixation_answer(tables, readings(verdict)) for verdict in verdicts),
         reproduction_answer(paper),
     ]
     assert {one.word for one in found} >= {"Yes", "No", "Depends", "Not shown"}
@@ -105,4 +99,4 @@ def test_every_sentence_of_the_card_has_at_most_25_words():
 
 def test_nothing_is_said_of_a_comparison_that_was_not_made():
     figures = metrics({SVM: 0.7}, {SVM: 0.6}, {SVM: 0.1}) | {"comparisons": {}}
-    assert fixation_answer(read_tables(figures), {}) is None
+    assert fixation_answer(read_tables(figures), readings()) is None

@@ -76,6 +76,14 @@ def test_a_files_name_must_be_plain_and_free(tmp_path, name):
         ("fails", "1 / 0", "fails.py can't be run: ZeroDivisionError: division by zero."),
         ("empty", "", "empty.py has no STUDY of name 'empty'; one Study is needed."),
         ("other", PYTHON, "other.py has no STUDY of name 'other'; one Study is needed."),
+        (
+            "lost",
+            (
+                "from visuohaptic.studies.study import Step, Study\n"
+                'STUDY = Study("lost", "T", steps=(Step("s", "gone:make", ("s.json",)),))'
+            ),
+            "lost.py: 'gone:make' of step s is not there; module:function is needed.",
+        ),
         ("statistics", PYTHON, "'statistics' is the name of another module; choose another one."),
     ],
 )

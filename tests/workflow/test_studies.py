@@ -1,10 +1,13 @@
 """A user's own study is one file and one command, and only what is unfinished runs again."""
 
 import shutil
+from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
 import yaml
+
+ROOT = Path(__file__).parents[2]
 
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
 
@@ -199,6 +202,24 @@ def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
     assert "up to date" in experiment.run("dvc", "status").stdout
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
     assert "own@mine" in experiment.run("dvc", "status").stdout
+
+
+def test_a_study_of_python_with_a_step_of_its_own_is_one_file(finished, tmp_path):
+    import json
+
+    experiment = finished.copy(tmp_path / "experiment")
+    shutil.copy(ROOT / "examples/studies/first_touches.py", experiment.folder / "studies")
+    experiment.snakemake("--", "first_touches_all")
+    path = experiment.folder / "studies/first_touches.py"
+    page = (experiment.folder / "reports/report.html").read_text()
+    assert "How much does each further touch tell?" in page
+    found = json.loads((experiment.folder / "reports/first_touches.json").read_text())
+    assert {len(accuracies) for accuracies in found.values()} == {3}
+    assert planned(experiment, "first_touches_all") == {}
+    # What the file says is code of its step alone; of its conditions, what they change counts.
+    path.write_text(path.read_text().replace("cell.accuracy.mean()", "cell.accuracy.min()"))
+    again = planned(experiment, "first_touches_all")
+    assert again == {"first_touches": 1, "report": 1, "guards_hold": 1}
 
 
 def test_one_reading_of_the_paper_is_one_command(finished, tmp_path):

@@ -2,11 +2,12 @@
 
 import pytest
 
+from readings.study import STUDY as READINGS
 from visuohaptic.studies.registry import STUDIES as PACKAGED
 from visuohaptic.studies.study import Study
 from visuohaptic_workflow.studies_asked import studies_asked_for
 
-STUDIES = (*PACKAGED, *(Study(name, "Mine") for name in ("palm", "palm_size", "touches")))
+STUDIES = (*PACKAGED, READINGS, *(Study(name, "Mine") for name in ("palm", "palm_size", "touches")))
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib
 # Where the user's studies lie: in the working folder, and in the clone.
 STUDY_FOLDERS = [Path("studies").absolute(), ROOT / "studies"]
 sys.path[:0] = map(str, SOURCES)
+sys.path += map(str, STUDY_FOLDERS)
 
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.meshes.catalogue import (

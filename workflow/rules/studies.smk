@@ -134,7 +134,7 @@ for study, step in STEPS:
                 step.name,
                 code_of_step(step),
                 **inputs_of_step(study, step),
-                runs=in_clone([shipped("workflow/scripts/study_step.py")]),
+                sources=sources_of_step(step),
             ),
         output:
             *step.files,

@@ -175,6 +175,14 @@ def code_of_step(step):
     return Path(find_spec(step.work.partition(":")[0]).origin)
 
 
+def sources_of_step(step):
+    """List what a step's job runs beside its module: the script, and templates in a folder beside the module."""
+    templates = sorted((code_of_step(step).parent / "templates").glob("*.*"))
+    return in_clone(
+        [shipped("workflow/scripts/study_step.py"), *map(os.path.relpath, templates)]
+    )
+
+
 def measured_objects(study, step):
     """List the objects whose meshes and fixations a step takes."""
     objects = objects_of_study(study.name)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.objects import Track
-from visuohaptic.report.page import render_page, render_readings_page
+from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.whole_files import write_whole
 
@@ -23,8 +23,3 @@ def make_report(
     """Write the report of a run, completely or not at all."""
     page = render_page(read_run(files, parameters, objects), processes, track)
     write_whole(output, page)
-
-
-def make_readings_page(table: str | Path, output: str | Path) -> None:
-    """Write the page of the paper's readings from `tables.READINGS`, completely or not at all."""
-    write_whole(output, render_readings_page(table))

@@ -6,12 +6,9 @@ from base64 import b64encode
 from datetime import UTC, datetime
 from hashlib import sha256
 from importlib.resources import files as package_files
-from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
 
-from visuohaptic.errors import ReportError
 from visuohaptic.recognition.published import PAPER
 from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
@@ -22,11 +19,9 @@ from visuohaptic.report.glossary import explained
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import Track, describe_objects, most_varied
 from visuohaptic.report.provenance import phase_seconds
-from visuohaptic.report.readings import mark_up_dots, readings_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.sections import CHAPTERS, ReportContext
 from visuohaptic.report.sources import find_sources
-from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings, read_readings
 
 PAPER_ADDRESS = "https://www.mdpi.com/2504-3900/4/1/47"
 
@@ -74,26 +69,6 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     )
 
 
-def render_readings_page(table: str | Path) -> str:
-    """Give a page of the paper's readings alone, with the curves of all classifiers.
-
-    Raises `ReportError` if the table of `tables.READINGS` holds no reading that could be run.
-    """
-    found = readings_figures(read_readings(table), kept_readings(OUTSIDE))
-    if found is None:
-        raise ReportError(f"{table} has no reading that could be run; one at least is needed.")
-    environment = make_environment()
-    body = environment.get_template("readings.html.jinja").render(readings=found)
-    script = _text("readings.js") + _text("figures.js")
-    return environment.get_template("readings_page.html.jinja").render(
-        policy=content_policy(script),
-        body=body,
-        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        style=_text("style.css"),
-        script=script,
-    )
-
-
 def content_policy(*scripts: str | bytes) -> str:
     """Give a page's Content-Security-Policy: nothing is loaded, and these scripts alone may run.
 
@@ -135,7 +110,6 @@ def make_environment() -> Environment:
         "between": between,
         "duration": duration,
         "explained": explained,
-        "dots": lambda dots: Markup(mark_up_dots(dots)),  # noqa: S704 - it escapes its texts
     }
     return environment
 

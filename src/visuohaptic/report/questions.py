@@ -12,17 +12,11 @@ from visuohaptic.report.comparison import (
     Figure,
     PipelineTable,
 )
+from visuohaptic.report.readings import ReadingsSummary, Verdict
 from visuohaptic.report.wording import counted, percent, points, spaced
-from visuohaptic.studies.figures import Row
-from visuohaptic.studies.readings.leads import sum_up
-from visuohaptic.studies.readings.verdicts import (
-    GAIN,
-    SETS,
-    Verdict,
-    lead_evidence,
-    of_papers_question,
-    verdict,
-)
+
+GAIN = 0.02
+"""A gain, as a share, that is worth having."""
 
 BEST_OF_PAPER = "support_vector_machine"
 """The paper's most accurate classifier; the answers are its, where it was run."""
@@ -34,7 +28,7 @@ REASONS: Mapping[Verdict, str] = {
     "depends": "which leads depends on how the paper is read",
     "not shown": "no reading of the paper settles it",
 }
-"""Why fixation leads or not, by the rule in `verdicts`."""
+"""Why fixation leads or not, by the rule in docs/readings.md."""
 
 WORDS: Mapping[Verdict, str] = {
     "yes": "Yes",
@@ -111,17 +105,15 @@ def recognition_answer(
     )
 
 
-def fixation_answer(
-    tables: Sequence[PipelineTable], readings: Mapping[str, Sequence[Row]]
-) -> Answer | None:
+def fixation_answer(tables: Sequence[PipelineTable], readings: ReadingsSummary) -> Answer | None:
     """Answer whether it helps to touch where the eye would fixate, against random places in reach.
 
     Parameters
     ----------
     tables : sequence of PipelineTable
         Of the run, at least one.
-    readings : mapping of str to sequence of Row
-        Rows of `tables.READINGS` by set of objects, for the rule in `verdicts`.
+    readings : ReadingsSummary
+        What the readings of the paper say.
 
     Returns
     -------
@@ -141,13 +133,12 @@ def fixation_answer(
         f"; {_pipeline(table)} {points(found.difference.mean)}{_span(found.difference, points)}"
         for table, found in others
     ]
-    word = verdict(lead_evidence(readings, BEST_OF_PAPER))
     return Answer(
         "Does it help to touch where the eye would fixate?",
-        word,
+        readings.verdict,
         f"{points(main.difference.mean)} points{_span(main.difference, points)}",
         f"correctly classified above random touches, {_pipeline(first)}, "
-        f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[word]}.",
+        f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[readings.verdict]}.",
         "readings",
     )
 
@@ -183,14 +174,17 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
     )
 
 
-def readings_sentence(readings: Mapping[str, Sequence[Row]]) -> str:
+def readings_sentence(readings: ReadingsSummary) -> str:
     """Say in how many readings of the paper fixation is ahead, by set; empty without readings."""
-    spread = [_spread(readings[name]) for name in SETS if readings.get(name)]
-    if not any(spread):
+    if not readings.spread:
         return ""
+    found = [
+        f"on {one.objects} objects in {one.ahead} of {one.readings} readings, and behind in {one.behind}"
+        for one in readings.spread
+    ]
     return (
         "The paper leaves steps open, so it was read in many ways. Fixations are significantly ahead of "
-        f"random touches {'; '.join(one for one in spread if one)}."
+        f"random touches {'; '.join(found)}."
     )
 
 
@@ -208,14 +202,3 @@ def _span(figure: Figure, write: Callable[[float], str]) -> str:
     if figure.low is None or figure.high is None:
         return ""
     return f" ({write(figure.low)} to {write(figure.high)})"
-
-
-def _spread(rows: Sequence[Row]) -> str:
-    found = of_papers_question(rows, BEST_OF_PAPER, "reachable")
-    if not found:
-        return ""
-    lead = sum_up(found)
-    return (
-        f"on {max(row['objects'] for row in found)} objects in {lead.ahead_significantly} of {lead.cases} "
-        f"readings, and behind in {lead.behind_significantly}"
-    )

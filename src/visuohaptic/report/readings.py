@@ -1,391 +1,76 @@
-"""The paper under all its readings: one sentence, the specification curve, and what choices explain.
+"""What the report says of the paper under all its readings.
 
-The curve follows U. Simonsohn, J. Simmons and L. Nelson, "Specification curve analysis", Nature
-Human Behaviour 4, 2020: readings sorted by their result, and below them the options of each.
+Folder ``studies/readings`` of the repository holds that study: its tables and rules give the verdict and the
+sentences, which a run of it writes and `readings.json` beside this file keeps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from html import escape
-from typing import Any
+import json
+from importlib.resources import files
+from pathlib import Path
+from typing import Literal
 
-from visuohaptic.recognition.published import TABLE_1
-from visuohaptic.report.questions import BEST_OF_PAPER
-from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
-from visuohaptic.studies.figures import Row
-from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, Choice
-from visuohaptic.studies.readings.design import is_default
-from visuohaptic.studies.readings.figures import summarise_readings
-from visuohaptic.studies.readings.leads import (
-    Lead,
-    PairLead,
-    against_main,
-    leads_by_option,
-    strongest_pair,
-    sum_up,
-)
-from visuohaptic.studies.readings.stored import MeasuredReadings
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from visuohaptic.errors import ReportError
 from visuohaptic.studies.stored import Source
 
-COMMAND = "snakemake -j2 results/reading/{}.json"
-"""Measures one reading again."""
+Verdict = Literal["yes", "no", "depends", "not shown"]
 
-WIDTH = 1000
-_LEFT = 190
-_TOP, _CURVE_HEIGHT = 16, 300
-_ROW, _GAP = 13, 7
-_MOST_SHARES = 12
+KEPT = "readings.json"
 
 
-@dataclass(frozen=True)
-class Dot:
-    """One reading's accuracy by fixation: its place, its name, and what it says when pointed at."""
+class Spread(BaseModel):
+    """Readings on one set of objects, and in how many fixation leads or trails significantly."""
 
-    x: float
-    y: float
-    name: str
-    label: str
-    is_default: bool
+    model_config = ConfigDict(frozen=True)
 
-
-@dataclass(frozen=True)
-class CurveChart:
-    """The specification curve and its panel, in units of its own.
-
-    Attributes
-    ----------
-    height, base : float
-        Of the whole, and of the curve's axis.
-    ticks : tuple of (float, str)
-        Places down the curve, and percentages.
-    dots : tuple of Dot
-        Fixation, in order.
-    whiskers, random : str
-        Paths: intervals of fixation, and marks of random probing.
-    published : tuple of (str, float, str)
-        Strategy, place down the curve, and label of each published figure.
-    labels : tuple of (float, str)
-        Places down the panel of the choices' names.
-    options : tuple of (float, str, str)
-        Places of the options, their names, and paths with a tick at each reading that has them.
-    """
-
-    height: float
-    base: float
-    ticks: tuple[tuple[float, str], ...]
-    dots: tuple[Dot, ...]
-    whiskers: str
-    random: str
-    published: tuple[tuple[str, float, str], ...]
-    labels: tuple[tuple[float, str], ...]
-    options: tuple[tuple[float, str, str], ...]
-
-
-@dataclass(frozen=True)
-class OptionLead:
-    """One option of a choice: how far fixation leads on the paper's set and on other objects.
-
-    Attributes
-    ----------
-    choice, option : str
-        As the page calls them.
-    here, outside : Lead or None
-        None where the option was not run.
-    turns : bool
-        Whether other options of the choice have a median lead of another sign, on the other objects.
-    """
-
-    choice: str
-    option: str
-    here: Lead | None
-    outside: Lead
-    turns: bool
-
-
-@dataclass(frozen=True)
-class OutsideFigures:
-    """The readings on objects outside the paper's set, beside those on it."""
-
-    sentences: tuple[str, ...]
-    options: tuple[OptionLead, ...]
     objects: int
-    source: Source | None
+    readings: int
+    ahead: int
+    behind: int
 
 
-@dataclass(frozen=True)
-class ReadingsFigures:
-    """What the page shows of the readings.
+class ReadingsSummary(BaseModel):
+    """What all readings say together.
 
     Attributes
     ----------
+    verdict : str
+        Whether fixation leads, by the rule in docs/readings.md.
+    spread : tuple of Spread
+        Of the paper's best classifier, on the paper's set and on other objects.
     sentences : tuple of str
-        What they say together.
-    summary : mapping
-        As `summarise_readings` gives it.
-    charts : mapping of str to CurveChart
-        By classifier.
-    shares : mapping of str to sequence of mapping
-        What explains most of the spread, by classifier.
-    choices : tuple of Choice
-        All of them.
+        What the readings show.
+    literal : dict of str to dict of str to float
+        Accuracies of the most literal reading, by strategy and classifier.
     source : Source or None
         Where the readings come from; None where they are of this run.
-    outside : OutsideFigures or None
-        The same on objects outside the paper's set, where they were measured.
     """
 
-    sentences: tuple[str, ...]
-    summary: Mapping[str, Any]
-    charts: Mapping[str, CurveChart]
-    shares: Mapping[str, Sequence[Row]]
-    choices: tuple[Choice, ...]
-    source: Source | None
-    outside: OutsideFigures | None
+    model_config = ConfigDict(frozen=True)
+
+    verdict: Verdict
+    spread: tuple[Spread, ...] = ()
+    sentences: tuple[str, ...] = ()
+    literal: dict[str, dict[str, float]] = {}
+    source: Source | None = None
 
 
-def readings_figures(
-    measured: MeasuredReadings | None,
-    outside: MeasuredReadings | None = None,
-    classifiers: Sequence[str] = tuple(TABLE_1),
-) -> ReadingsFigures | None:
-    """Give what the page shows, with the curves of some classifiers; None without readings.
+def read_readings(path: str | Path | None = None) -> ReadingsSummary:
+    """Read what a run of the study wrote, ``reports/readings.json``, else what is kept with the package.
 
-    `outside` holds the readings on objects outside the paper's set.
+    Raises `ReportError` if the run's file holds none.
     """
-    if measured is None:
-        return None
-    summary = summarise_readings(measured.rows)
-    shown = [name for name in classifiers if name in summary["classifiers"]]
-    if not shown:
-        return None
-    return ReadingsFigures(
-        sentences=tuple(
-            _sentences(summary, shown[0] if BEST_OF_PAPER not in shown else BEST_OF_PAPER)
-        ),
-        summary=summary,
-        charts={name: curve_chart(measured.rows, name) for name in shown},
-        shares={name: _largest(summary["classifiers"][name]["choices"]) for name in shown},
-        choices=CHOICES,
-        source=measured.source,
-        outside=outside_figures(measured.rows, outside) if outside else None,
-    )
-
-
-def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> OutsideFigures:
-    """Hold the leads of fixation on the paper's set, `rows`, beside those on other objects."""
-    here, there = leads_by_option(rows), leads_by_option(outside.rows)
-    turning = {
-        choice
-        for choice, _ in there
-        if len({lead.middle > 0 for (name, _), lead in there.items() if name == choice}) > 1
-    }
-    options = tuple(
-        OptionLead(BY_NAME[choice].label, spaced(option), here.get(key), lead, choice in turning)
-        for key, lead in there.items()
-        for choice, option in [key]
-    )
-    objects = max(row["objects"] or 0 for row in outside.rows)
-    return OutsideFigures(
-        tuple(_outside_sentences(outside.rows, objects)),
-        options,
-        objects,
-        outside.source,
-    )
-
-
-def _outside_sentences(rows: Sequence[Row], objects: int) -> Iterator[str]:
-    found = sum_up([row for row in against_main(rows) if row["ahead"] is not None])
-    yield (
-        f"On {objects} objects outside the paper's set, fixation is ahead of random probing in "
-        f"{found.ahead} of {found.cases} cases (a reading with one classifier), in "
-        f"{found.ahead_significantly} significantly; it is significantly behind in "
-        f"{found.behind_significantly}. The median lead is {points(found.middle)} points."
-    )
-    pair = strongest_pair(rows)
-    if pair is None:
-        return
-    ahead, behind = (
-        [key for key, lead in pair.leads.items() if sign * lead.middle > 0] for sign in (1, -1)
-    )
-    first, second = (BY_NAME[name].label for name in pair.choices)
-    yield (
-        f"Who leads there depends on two choices, which explain {percent(pair.share, 0)} of how leads "
-        f"differ: “{first}” and “{second}”. Fixation leads with {_with_leads(pair, ahead)}; random "
-        f"probing leads with {_with_leads(pair, behind)} (medians)."
-    )
-
-
-def _with_leads(pair: PairLead, options: Sequence[tuple[str, str]]) -> str:
-    """Name combinations of two options with their median leads, the largest first."""
-    ordered = sorted(options, key=lambda key: -abs(pair.leads[key].middle))
-    named = [
-        f"{spaced(first)} and {spaced(second)} ({points(pair.leads[first, second].middle)})"
-        for first, second in ordered
-    ]
-    return listed(named) if named else "none"
-
-
-def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:
-    """Place the specification curve of one classifier: readings sorted by accuracy by fixation."""
-    run = _of_the_papers_question(rows, classifier)
-    run.sort(key=lambda row: (row["fixation"], row["place"]))
-    step = (WIDTH - _LEFT - 10) / len(run)
-    across = [_LEFT + (place + 0.5) * step for place in range(len(run))]
-    base = _TOP + _CURVE_HEIGHT
-    labels, options, top = _panel(run, across, base + 30)
-    return CurveChart(
-        height=top,
-        base=base,
-        ticks=tuple((_down(share), f"{share:.0%}") for share in (0, 0.25, 0.5, 0.75, 1)),
-        dots=tuple(
-            Dot(
-                round(x, 1),
-                round(_down(row["fixation"]), 1),
-                row["reading"],
-                _label(row),
-                is_default(row),
-            )
-            for x, row in zip(across, run, strict=True)
-        ),
-        whiskers="".join(
-            f"M{x:.1f} {_down(row['fixation_high']):.0f}V{_down(row['fixation_low']):.0f}"
-            for x, row in zip(across, run, strict=True)
-        ),
-        random="".join(
-            f"M{x - 1:.1f} {_down(row['random']):.1f}h2" for x, row in zip(across, run, strict=True)
-        ),
-        published=tuple(
-            (strategy, _down(value), f"published, {strategy}: {percent(value, 2)}")
-            for strategy, value in TABLE_1[classifier].items()
-        ),
-        labels=labels,
-        options=options,
-    )
-
-
-def _of_the_papers_question(rows: Sequence[Row], classifier: str) -> list[Row]:
-    """Give one classifier's readings that could be run, without those of another question."""
-    return [
-        row
-        for row in against_main(rows)
-        if row["classifier"] == classifier and row["error"] is None and row["part"] != "protocol"
-    ]
-
-
-def describe_options(row: Row) -> str:
-    """Say how a reading differs from our default."""
-    changed = [
-        f"{choice.label.lower()}: {spaced(row[choice.name])}"
-        for choice in CHOICES
-        if row[choice.name] != choice.default
-    ]
-    return "; ".join(changed) or "our default"
-
-
-def _panel(
-    run: Sequence[Row], across: Sequence[float], top: float
-) -> tuple[tuple[tuple[float, str], ...], tuple[tuple[float, str, str], ...], float]:
-    labels: list[tuple[float, str]] = []
-    options: list[tuple[float, str, str]] = []
-    for choice in CHOICES:
-        if len({row[choice.name] for row in run}) < 2:
-            continue
-        labels.append((top + 10, choice.label))
-        top += _ROW + 2
-        for option in choice.options:
-            ticks = "".join(
-                f"M{x:.1f} {top:.0f}v{_ROW - 4}"
-                for x, row in zip(across, run, strict=True)
-                if row[choice.name] == option
-            )
-            options.append((top + 8, spaced(option), ticks))
-            top += _ROW
-        top += _GAP
-    return tuple(labels), tuple(options), top
-
-
-def _label(row: Row) -> str:
-    interval = f"{percent(row['fixation_low'])} to {percent(row['fixation_high'])}"
-    return (
-        f"{row['reading']}: fixation {percent(row['fixation'])} ({interval}), random "
-        f"{percent(row['random'])}. {describe_options(row)}. "
-        f"{COMMAND.format(row['reading'])}"
-    )
-
-
-def _down(share: float) -> float:
-    return _TOP + (1 - share) * _CURVE_HEIGHT
-
-
-def _largest(choices: Sequence[Row]) -> list[Row]:
-    named = [
-        {
-            **row,
-            "words": listed([BY_NAME[name].label for name in row["choices"]]),
-            "gains": _gains(row),
-        }
-        for row in choices
-    ]
-    return [
-        row
-        for part in ("recognition", "upstream")
-        for row in [one for one in named if one["part"] == part][:_MOST_SHARES]
-        if row["share"] >= 0.005
-    ]
-
-
-def _gains(row: Row) -> str:
-    if row["gains"] is None:
-        return ""
-    base = BY_NAME[row["choices"][0]].base
-    return ", ".join(
-        f"{spaced(option)} {points(gain)}"
-        for option, gain in row["gains"].items()
-        if option != base
-    )
-
-
-def _sentences(summary: Mapping[str, Any], classifier: str) -> list[str]:
-    found = summary["classifiers"][classifier]
-    count = found["readings"]
-    named = classifier_name(classifier)
-    ahead = sum(one["ahead"] for one in summary["classifiers"].values())
-    cells = sum(one["readings"] for one in summary["classifiers"].values())
-    reached = [
-        f"{classifier_name(name)} {one['readings_reaching']}"
-        for name, one in summary["classifiers"].items()
-    ]
-    own = "" if found["default"] is None else f"; our default {percent(found['default'])}"
-    spread = (
-        f"The paper can be read in many ways. Of {count} readings, its best classifier ({named}) has "
-        f"{percent(found['lowest'])} to {percent(found['highest'])} correctly classified by fixations "
-        f"(median {percent(found['median'])}{own}; published "
-        f"{percent(found['published']['fixation'], 2)})."
-    )
-    lead = (
-        f"Fixations are ahead of random probing in {percent(found['ahead'] / count, 0)} of the readings, "
-        f"significantly in {percent(found['ahead_significantly'] / count, 0)} (each tested by itself "
-        f"at 0.05, not adjusted for {count} readings). Half of the leads are above "
-        f"{points(found['ahead_median'])} points; the paper's is {points(found['published_ahead'])}. "
-        f"Over all five classifiers fixations are ahead in {ahead} of {cells} cases."
-    )
-    best = (
-        f"The published figure is reached by {found['readings_reaching']} of the {count} readings, if all "
-        f"splits are averaged as here. A single split is sometimes lucky: "
-        f"{percent(found['splits_reaching'])} of all splits reach it, the best with "
-        f"{percent(found['highest_split'])}, and {found['readings_with_a_split_reaching']} readings have "
-        f"such a split. Readings that reach the paper's figure, by classifier: {listed(reached)}."
-    )
-    return [spread, lead, best]
-
-
-def mark_up_dots(dots: Sequence[Dot]) -> str:
-    """Write the dots of a chart; thousands of them would take a template seconds."""
-    return "".join(
-        f'<circle cx="{dot.x}" cy="{dot.y}" r="{4 if dot.is_default else 2}"'
-        f'{" class=own" if dot.is_default else ""} data-reading="{escape(dot.name)}">'
-        f"<title>{escape(dot.label)}</title></circle>"
-        for dot in dots
-    )
+    if path is None or not Path(path).is_file():
+        kept = files("visuohaptic.report").joinpath(KEPT).read_text("utf-8")
+        return ReadingsSummary.model_validate_json(kept)
+    try:
+        found = json.loads(Path(path).read_text(encoding="utf-8"))
+        return ReadingsSummary.model_validate(found["report"])
+    except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:
+        raise ReportError(
+            f"{path} has no summary of the readings ({' '.join(str(error).split())}); run "
+            "`snakemake -j2 readings_all` again."
+        ) from error

@@ -24,7 +24,7 @@ _EXTRAS = {
     "certainty": "results/certainty.parquet",
     "certainty_figures": "reports/certainty.json",
     "evaluation": "reports/evaluation.parquet",
-    "readings": "results/readings.parquet",
+    "readings": "reports/readings.json",
     "gaze": "results/gaze/measured.parquet",
     "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability",

@@ -51,14 +51,13 @@ from visuohaptic.report.provenance import (
     find_versions,
 )
 from visuohaptic.report.questions import (
-    BEST_OF_PAPER,
     Answer,
     fixation_answer,
     readings_sentence,
     recognition_answer,
     reproduction_answer,
 )
-from visuohaptic.report.readings import readings_figures
+from visuohaptic.report.readings import ReadingsSummary, read_readings
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import (
     describe_checks,
@@ -77,13 +76,6 @@ from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, t
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
 from visuohaptic.studies.evaluation.models import read_evaluation
-from visuohaptic.studies.figures import Row
-from visuohaptic.studies.readings.stored import (
-    OUTSIDE,
-    MeasuredReadings,
-    kept_readings,
-    read_readings,
-)
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import CONTOURLET_FEATURES
 from visuohaptic.tables.schema import matrix, read_table
@@ -164,7 +156,7 @@ def _recognition_answers(run: Run, touches: int, unseen: str) -> tuple[Answer | 
         return ()
     return (
         recognition_answer(run.pipelines, len(run.classes), touches, unseen),
-        fixation_answer(run.pipelines, _readings_by_set(run)),
+        fixation_answer(run.pipelines, _readings(run)),
         reproduction_answer(run.pipelines[0]),
     )
 
@@ -209,7 +201,7 @@ def comparison_values(context: ReportContext) -> Values | None:
     cost = read_cost(context.run.files.extras.get("frontier"), context.run.parameters)
     sentences = (
         gain_sentence(tables[0]),
-        readings_sentence(_readings_by_set(context.run)),
+        readings_sentence(_readings(context.run)),
         *(cue_sentences(cost.rows) if cost else ()),
     )
     return {
@@ -239,14 +231,8 @@ def certainty_values(context: ReportContext) -> Values:
     }
 
 
-def _measured_readings(run: Run) -> MeasuredReadings | None:
+def _readings(run: Run) -> ReadingsSummary:
     return read_readings(run.files.extras.get("readings"))
-
-
-def _readings_by_set(run: Run) -> dict[str, Sequence[Row]]:
-    """Give the readings of the paper by set of objects: this run's or the kept ones."""
-    found = {"paper": _measured_readings(run), "outside": kept_readings(OUTSIDE)}
-    return {name: measured.rows for name, measured in found.items() if measured is not None}
 
 
 def gaze_values(context: ReportContext) -> Values:
@@ -255,11 +241,9 @@ def gaze_values(context: ReportContext) -> Values:
     return {"gaze": gaze_figures(read_measured(extras.get("gaze")), extras.get("gaze_pictures"))}
 
 
-def readings_values(context: ReportContext) -> Values | None:
+def readings_values(context: ReportContext) -> Values:
     """Give what the readings of the paper say together, of this run or as kept with the package."""
-    measured = _measured_readings(context.run)
-    found = readings_figures(measured, kept_readings(OUTSIDE), (BEST_OF_PAPER,))
-    return {"readings": found} if found else None
+    return {"readings": _readings(context.run)}
 
 
 def ablations_values(context: ReportContext) -> Values | None:

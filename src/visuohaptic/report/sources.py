@@ -72,7 +72,6 @@ def find_sources(run: Run, shown: tuple[str, int]) -> dict[str, list[Source]]:
         "certainty": list(_certainty(run)),
         "cost": list(_cost(run)),
         "gaze": list(_gaze(run)),
-        "readings": list(_readings(run)),
         "influence": [*_influence(run), *_study(run, "effects"), _places(run, shown)],
         "effects": list(_effects(run)),
         "guards": list(
@@ -168,12 +167,6 @@ def _cost(run: Run) -> Iterator[Source]:
     )
     for name, what in (("frontier", "Settings of this run"), ("cost", "The whole study")):
         yield from _extra(run, name, what, "cost", columns, ("family", "setting"))
-
-
-def _readings(run: Run) -> Iterator[Source]:
-    columns = ("fixation", "random", "ahead", "p_value")
-    by = ("reading", "classifier")
-    yield from _extra(run, "readings", "Readings of the paper", "readings", columns, by)
 
 
 def _gaze(run: Run) -> Iterator[Source]:

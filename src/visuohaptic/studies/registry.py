@@ -6,6 +6,7 @@ import re
 import sys
 from collections.abc import Iterable
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 from visuohaptic.errors import ParameterError, VisuohapticError
@@ -16,7 +17,6 @@ from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER
 from visuohaptic.studies.curves.settings import CURVES
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
 from visuohaptic.studies.own import read_study
-from visuohaptic.studies.readings.design import READINGS_STUDY
 from visuohaptic.studies.study import Study
 
 STUDIES = (
@@ -27,7 +27,6 @@ STUDIES = (
     EFFECTS_STUDY,
     INFLUENCE,
     CERTAINTY_STUDY,
-    READINGS_STUDY,
 )
 """The studies of the package."""
 
@@ -64,8 +63,7 @@ def load_study(path: Path, name: str) -> Study:
     """
     package = path.name == "study.py"
     folder = path.parents[1] if package else path.parent
-    if str(folder) not in sys.path:
-        sys.path.append(str(folder))
+    sys.path += {str(folder)} - {*sys.path}
     try:
         module = import_module(f"{name}.study" if package else name)
     except VisuohapticError as error:
@@ -78,7 +76,20 @@ def load_study(path: Path, name: str) -> Study:
     study = getattr(module, "STUDY", None)
     if not isinstance(study, Study) or study.name != name:
         raise ParameterError(f"{path} has no STUDY of name {name!r}; one Study is needed.")
+    for step in study.steps:
+        if not _is_there(step.work):
+            raise ParameterError(
+                f"{path}: {step.work!r} of step {step.name} is not there; module:function is needed."
+            )
     return study
+
+
+def _is_there(work: str) -> bool:
+    module, _, function = work.partition(":")
+    try:
+        return find_spec(module) is not None and bool(function)
+    except (ImportError, ValueError):
+        return False
 
 
 def _files(folders: Iterable[Path]) -> dict[str, Path]:

@@ -61,6 +61,12 @@ def test_no_candidates_give_the_reason():
     assert rows[0]["error"].endswith(".")
 
 
+def test_the_job_of_candidates_knows_what_is_done_with_places_out_of_reach():
+    run = ExperimentParameters.from_mapping({"probing": {"unreachable": "keep"}})
+    needed = run.model_dump(**CURVES.steps[0].needs)
+    assert ExperimentParameters.from_mapping(needed).probing == run.probing
+
+
 def test_candidates_are_some_of_the_objects_places(tmp_path):
     sources, _ = write_sources(tmp_path, small_surfaces())
     inputs = {"meshes": list(map(str, sources.meshes[:1]))}

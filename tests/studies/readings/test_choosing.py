@@ -10,15 +10,9 @@ import pyarrow.compute as pc
 import pytest
 from recognition.synthetic import features_table, with_column
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.recognition.published import TABLE_1
-from visuohaptic.studies.conditions import plan_study
-from visuohaptic.studies.figures import Cell
-from visuohaptic.studies.readings import choosing
-from visuohaptic.studies.readings.choices import CHOICES
-from visuohaptic.studies.readings.choosing import (
+from readings import choosing
+from readings.choices import CHOICES
+from readings.choosing import (
     ENOUGH,
     FORMER_DEFAULT,
     acquired_share,
@@ -28,14 +22,20 @@ from visuohaptic.studies.readings.choosing import (
     scored_choices,
     write_choice,
 )
-from visuohaptic.studies.readings.design import (
+from readings.design import (
     PARTS_ON_OTHERS,
-    READINGS_STUDY,
     STRATEGIES,
     all_readings,
     is_default,
 )
-from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings
+from readings.stored import OUTSIDE, kept_readings
+from readings.study import STUDY as STUDY_OF_READINGS
+from visuohaptic.errors import RecognitionError
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.studies.conditions import plan_study
+from visuohaptic.studies.figures import Cell
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import write_table
 
@@ -116,7 +116,7 @@ def test_a_missing_reading_is_refused():
 
 
 def test_the_package_has_the_default_that_the_rules_chose():
-    kept = json.loads(files("visuohaptic.studies.readings").joinpath("chosen.json").read_text())
+    kept = json.loads(files("readings").joinpath("chosen.json").read_text())
     (chosen,) = [one for one in READINGS if one.name == kept["chosen"]["reading"]]
     of_touches = {one["choice"]: one["chosen"] for one in kept["options"]}
     assert is_default({**chosen.options, **of_touches})
@@ -127,7 +127,7 @@ def test_the_package_has_the_default_that_the_rules_chose():
 
 
 def test_the_kept_readings_give_the_scores_that_the_rule_saw():
-    kept = json.loads(files("visuohaptic.studies.readings").joinpath("chosen.json").read_text())
+    kept = json.loads(files("readings").joinpath("chosen.json").read_text())
     rows = kept_readings(OUTSIDE).rows
     for name in ("chosen", "best", "former"):
         own = [row for row in rows if row["reading"] == kept[name]["reading"]]
@@ -248,7 +248,7 @@ def test_touches_are_acquired_where_they_are_made_in_reach():
 def test_the_command_reads_shares_and_writes_what_both_rules_say(tmp_path, monkeypatch):
     run = ExperimentParameters()
     outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": "outside"})})
-    plan = plan_study(READINGS_STUDY, outside)
+    plan = plan_study(STUDY_OF_READINGS, outside)
     whole = pa.concat_tables([features_table(name, (2, 2), viewpoints=16) for name in STRATEGIES])
     kept = plan.conditions[
         [one.condition.name for one in plan.conditions].index(

@@ -6,20 +6,20 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import AS_RUN, plan_study, with_changes
-from visuohaptic.studies.readings.choices import BY_NAME, CHOICES
-from visuohaptic.studies.readings.design import (
+from readings.choices import BY_NAME, CHOICES
+from readings.design import (
     CROSSED_SINGLY,
     FACTORIAL,
     PARTS_ON_OTHERS,
-    READINGS_STUDY,
     STRATEGIES,
     all_readings,
     is_default,
     is_literal,
 )
-from visuohaptic.tables.studies import READING_CHOICES
+from readings.study import STUDY as STUDY_OF_READINGS
+from readings.tables import READING_CHOICES
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.conditions import AS_RUN, plan_study, with_changes
 
 RUN = ExperimentParameters()
 
@@ -54,7 +54,7 @@ def test_one_reading_is_that_of_the_packages_own_parameters():
 
 def test_a_run_on_other_objects_has_each_other_choice_by_itself_and_folds_of_whole_objects():
     run = with_set("outside")
-    plan = plan_study(READINGS_STUDY, run)
+    plan = plan_study(STUDY_OF_READINGS, run)
     names = {one.condition.name for one in plan.conditions}
     assert names == {one.name for one in READINGS if one.part in PARTS_ON_OTHERS}
     assert len(plan.remakes) == 18
@@ -132,7 +132,7 @@ def test_main_effects_of_the_fraction_are_clear_of_each_other_and_of_interaction
 
 
 def test_touches_are_shared_by_all_readings_of_the_recognition():
-    plan = plan_study(READINGS_STUDY, RUN)
+    plan = plan_study(STUDY_OF_READINGS, RUN)
     assert len(plan.remakes) == 35
     keys = {one.condition.name: one.key for one in plan.conditions}
     shared = {
@@ -143,7 +143,7 @@ def test_touches_are_shared_by_all_readings_of_the_recognition():
     # They have the run's parameters, and more strategies than the run.
     assert len(shared) == 1
     everything = with_changes(RUN, {"probing.strategies": STRATEGIES})
-    own = plan_study(READINGS_STUDY, everything)
+    own = plan_study(STUDY_OF_READINGS, everything)
     assert len(own.remakes) == 34
     assert AS_RUN not in keys
 
@@ -151,8 +151,8 @@ def test_touches_are_shared_by_all_readings_of_the_recognition():
 @pytest.mark.slow
 def test_a_run_with_another_reading_has_the_same_readings():
     other = with_changes(RUN, {"viewpoints.elevations_degrees": (45.0,), "seed": 7})
-    plan = plan_study(READINGS_STUDY, other)
-    usual = plan_study(READINGS_STUDY, RUN)
+    plan = plan_study(STUDY_OF_READINGS, other)
+    usual = plan_study(STUDY_OF_READINGS, RUN)
     for one, same in zip(plan.conditions, usual.conditions, strict=True):
         assert one.parameters == same.parameters.model_copy(update={"seed": 7})
     changes = [one.condition.changes for one in usual.conditions]
@@ -185,7 +185,7 @@ def test_the_most_literal_reading_is_run():
 
 
 def test_every_reading_touches_by_fixation_and_by_all_kinds_of_random_probing():
-    plan = plan_study(READINGS_STUDY, RUN)
+    plan = plan_study(STUDY_OF_READINGS, RUN)
     assert {one.parameters.probing.strategies for one in plan.conditions} == {STRATEGIES}
     options = BY_NAME["random_probing"].options.values()
     assert {strategy for one in options for strategy in one["probing.strategies"]} == set(

@@ -11,24 +11,25 @@ from recognition.synthetic import features_table
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 
+from readings.choices import OPPONENTS
+from readings.design import (
+    STRATEGIES,
+    all_readings,
+    is_default,
+)
+from readings.figures import summarise_readings, weigh_choices
+from readings.one import make_reading
+from readings.study import STUDY as STUDY_OF_READINGS
+from readings.summary import make_readings
+from readings.tables import READINGS
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.conditions import Plan, describe_conditions, plan_study
 from visuohaptic.studies.files import make_study_block
-from visuohaptic.studies.readings.choices import OPPONENTS
-from visuohaptic.studies.readings.design import (
-    READINGS_STUDY,
-    STRATEGIES,
-    all_readings,
-    is_default,
-)
-from visuohaptic.studies.readings.figures import make_readings, summarise_readings, weigh_choices
-from visuohaptic.studies.readings.files import make_reading
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES, KINESTHETIC_FEATURES
 from visuohaptic.tables.schema import matrix, read_table, write_table
-from visuohaptic.tables.studies import READINGS
 
 # Attention of the design's base, so that a reading may take the run's features.
 RUN = ExperimentParameters.model_validate(
@@ -56,7 +57,7 @@ def features(tmp_path_factory):
 
 
 def conditions(*names):
-    plan: Plan = plan_study(READINGS_STUDY, RUN)
+    plan: Plan = plan_study(STUDY_OF_READINGS, RUN)
     return describe_conditions([one for one in plan.conditions if one.condition.name in names])
 
 

@@ -1,7 +1,7 @@
 """An option's lead is that of the readings that vary its choice, and of no others."""
 
-from visuohaptic.studies.readings.design import all_readings, is_base_but_for
-from visuohaptic.studies.readings.leads import (
+from readings.design import all_readings, is_base_but_for
+from readings.leads import (
     Lead,
     leads_by_option,
     main_opponent,

@@ -2,15 +2,15 @@
 
 import pytest
 
-from visuohaptic.studies.readings.choices import OPPONENTS
-from visuohaptic.studies.readings.design import (
+from readings.choices import OPPONENTS
+from readings.design import (
     PARTS_ON_OTHERS,
     PARTS_ON_PAPER_SET,
     all_readings,
     is_default,
     is_literal,
 )
-from visuohaptic.studies.readings.verdicts import SETS, Evidence, lead_evidence, verdict
+from readings.verdicts import SETS, Evidence, lead_evidence, verdict
 
 SVM = "support_vector_machine"
 

@@ -11,6 +11,17 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from readings.choices import BY_NAME, CHOICES, OPPONENTS
+from readings.design import (
+    FACTORIAL,
+    Reading,
+    all_readings,
+    crossed_with,
+    is_base_but_for,
+    is_default,
+)
+from readings.leads import SAME, SIGNIFICANT, against_main, main_opponent
+from readings.tables import READINGS
 from visuohaptic.recognition.intervals import compare_paired
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
@@ -22,36 +33,15 @@ from visuohaptic.studies.figures import (
     cells_of,
     condition_interval,
     rows_by_cell,
-    write_json,
 )
-from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, OPPONENTS
-from visuohaptic.studies.readings.design import (
-    FACTORIAL,
-    Reading,
-    all_readings,
-    crossed_with,
-    is_base_but_for,
-    is_default,
-)
-from visuohaptic.studies.readings.leads import SAME, SIGNIFICANT, against_main, main_opponent
-from visuohaptic.studies.study import Given
-from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
-from visuohaptic.tables.studies import READINGS, STUDY
-
-
-def make_readings(given: Given) -> None:
-    """Write `tables.READINGS` from the study's blocks, and what they say together as JSON."""
-    output, summary = given.outputs
-    blocks, run = given.inputs["blocks"], given.run
-    table = reading_figures(blocks, run.recognition.intervals, run.seed)
-    write_table(READINGS, table, output)
-    write_json(summarise_readings(table.to_pylist()), summary)
+from visuohaptic.tables.schema import build_table, matrix, read_table
+from visuohaptic.tables.studies import STUDY
 
 
 def reading_figures(
     parts: Iterable[str | Path], intervals: IntervalParameters, seed: int
 ) -> pa.Table:
-    """Give `tables.READINGS`, one block of the study in memory at a time.
+    """Give `READINGS`, one block of the study in memory at a time.
 
     A file of `tables.STUDY` holds all rows of its conditions.
     """
@@ -159,7 +149,7 @@ def _figures(
 def summarise_readings(rows: Sequence[Row]) -> dict[str, Any]:
     """Say what the readings of the paper's own question show together, classifier by classifier.
 
-    `rows` are those of `tables.READINGS`; random touches are those of the main kind. The part ``protocol`` asks another question and is summed
+    `rows` are those of `READINGS`; random touches are those of the main kind. The part ``protocol`` asks another question and is summed
     up by itself.
     """
     rows = against_main(rows)

@@ -9,15 +9,15 @@ from statistics import median
 
 import numpy as np
 
-from visuohaptic.studies.figures import Row
-from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, Choice
-from visuohaptic.studies.readings.design import (
+from readings.choices import BY_NAME, CHOICES, Choice
+from readings.design import (
     CROSSED,
     CROSSED_SINGLY,
     FACTORIAL,
     crossed_with,
     is_base_but_for,
 )
+from visuohaptic.studies.figures import Row
 
 SIGNIFICANT = 0.05
 SAME = 1e-12
@@ -56,7 +56,7 @@ def against_main(rows: Sequence[Row]) -> list[Row]:
 
 
 def leads_by_option(rows: Sequence[Row]) -> dict[tuple[str, str], Lead]:
-    """Sum up the leads by choice and option, for rows of `tables.READINGS`.
+    """Sum up the leads by choice and option, for rows of `READINGS`.
 
     Leads are those over the main kind of random touches; which kind is a choice of its own, judged
     on all readings.

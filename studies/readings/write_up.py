@@ -1,22 +1,21 @@
-"""Fill the tables of docs/readings.md from the readings kept with the package: `make readme`."""
+"""Fill the tables of docs/readings.md from the kept readings: `make readme`."""
 
 from __future__ import annotations
 
+import re
 import statistics
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from make_readme import fill
-
+from readings.choices import BY_NAME, OPPONENTS
+from readings.design import is_default, is_literal
+from readings.leads import leads_by_option, strongest_pair, sum_up
+from readings.stored import OUTSIDE, PAPER_SET, kept_readings
+from readings.verdicts import lead_evidence, of_papers_question, verdict
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.studies.figures import Row
-from visuohaptic.studies.readings.choices import BY_NAME, OPPONENTS
-from visuohaptic.studies.readings.design import is_default, is_literal
-from visuohaptic.studies.readings.leads import leads_by_option, strongest_pair, sum_up
-from visuohaptic.studies.readings.stored import OUTSIDE, PAPER_SET, kept_readings
-from visuohaptic.studies.readings.verdicts import lead_evidence, of_papers_question, verdict
 
-PAGE = Path(__file__).with_name("readings.md")
+PAGE = Path(__file__).parents[2] / "docs/readings.md"
 OPPONENT_WORDS = {
     "reachable": "in reach",
     "anywhere": "anywhere",
@@ -115,13 +114,19 @@ def points(value: float) -> str:
     return f"{100 * value:+.1f}".replace("-", "\N{MINUS SIGN}")
 
 
+def _fill(text: str, name: str, content: str) -> str:
+    """Replace what stands between a block's two markers."""
+    pattern = rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)"
+    return re.sub(pattern, lambda found: f"{found[1]}{content}\n{found[2]}", text, flags=re.DOTALL)
+
+
 def main() -> None:
     """Fill all blocks of the page."""
     kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
     tables = {name: one.rows for name, one in kept.items() if one}
     text = PAGE.read_text(encoding="utf-8")
     for name, make in (("spread", spread_table), ("options", options_table), ("pair", pair_table)):
-        text = fill(text, name, make(tables))
+        text = _fill(text, name, make(tables))
     PAGE.write_text(text, encoding="utf-8")
 
 

@@ -29,7 +29,7 @@ The second rule looks at the choices of touches, which are varied alone (parts `
 Which random touches fixation is compared with, the order of touches and what is tested are no matter of
 scores: `NOT_SCORED` keep their options.
 
-`python -m visuohaptic.studies.readings.choosing chosen.json results/study_blocks/readings/*.parquet`
+`python -m readings.choosing chosen.json results/study_blocks/readings/*.parquet`
 applies the first rule, and the second where its readings are among the blocks; the shares of touches
 acquired are then read from `results/study_features/readings/`.
 """
@@ -46,6 +46,18 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
+from readings.choices import BY_NAME, CHOICES, OPPONENTS, Choice
+from readings.design import (
+    CROSSED_SINGLY,
+    STRATEGIES,
+    VARIED_ALONE,
+    Options,
+    all_readings,
+    is_base_but_for,
+)
+from readings.leads import SIGNIFICANT
+from readings.stored import OUTSIDE
+from readings.study import STUDY
 from visuohaptic.errors import RecognitionError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.intervals import compare_paired, holm
@@ -54,18 +66,6 @@ from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
-from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, OPPONENTS, Choice
-from visuohaptic.studies.readings.design import (
-    CROSSED_SINGLY,
-    READINGS_STUDY,
-    STRATEGIES,
-    VARIED_ALONE,
-    Options,
-    all_readings,
-    is_base_but_for,
-)
-from visuohaptic.studies.readings.leads import SIGNIFICANT
-from visuohaptic.studies.readings.stored import OUTSIDE
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH, owners_of
 from visuohaptic.tables.schema import read_table
 
@@ -382,7 +382,7 @@ def write_choice(
 def _acquired(folder: Path, run: ExperimentParameters) -> dict[tuple[str, str], float]:
     """Read the share of touches acquired by each option of each scored choice."""
     outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": OUTSIDE})})
-    plan = plan_study(READINGS_STUDY, outside)
+    plan = plan_study(STUDY, outside)
     planned = {one.condition.name: one for one in plan.conditions}
     found = {}
     for choice in scored_choices():

@@ -1,8 +1,8 @@
 """Readings that were measured once and are kept with the package, as they take half an hour.
 
-`paper_set.parquet` and `outside.parquet` beside this file are `tables.READINGS` on the paper's set
+`paper_set.parquet` and `outside.parquet` beside this file are `READINGS` on the paper's set
 and on the 130 objects outside it, with where they come from in their metadata;
-`python -m visuohaptic.studies.readings.stored results/readings.parquet SET COMMAND PROCESSOR`
+`python -m readings.stored results/readings.parquet SET COMMAND PROCESSOR`
 writes one again.
 """
 
@@ -14,10 +14,10 @@ from functools import cache
 from importlib.resources import as_file, files
 from pathlib import Path
 
+from readings.tables import READINGS
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.studies import READINGS
 
 PAPER_SET = "paper_set"
 OUTSIDE = "outside"
@@ -25,7 +25,7 @@ OUTSIDE = "outside"
 
 @dataclass(frozen=True)
 class MeasuredReadings:
-    """Rows of `tables.READINGS` in their order; the source of those that are not of this run."""
+    """Rows of `READINGS` in their order; the source of those that are not of this run."""
 
     rows: list[Row]
     source: Source | None = None
@@ -41,7 +41,7 @@ def read_readings(path: str | Path | None) -> MeasuredReadings | None:
 @cache
 def kept_readings(name: str) -> MeasuredReadings | None:
     """Read readings that are kept with the package, by the name of their objects."""
-    kept = files("visuohaptic.studies.readings").joinpath(f"{name}.parquet")
+    kept = files("readings").joinpath(f"{name}.parquet")
     if not kept.is_file():
         return None
     with as_file(kept) as file:

@@ -6,15 +6,15 @@ import json
 import tempfile
 from pathlib import Path
 
+from readings.figures import reading_figures
+from readings.tables import READINGS
 from visuohaptic.studies.files import make_study_block
-from visuohaptic.studies.readings.figures import reading_figures
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.studies import READINGS
 from visuohaptic.whole_files import write_whole
 
 
 def make_reading(given: Given) -> None:
-    """Measure one reading as the whole study does, and write its rows of `tables.READINGS`, without seconds, as JSON.
+    """Measure one reading as the whole study does, and write its rows of `READINGS`, without seconds, as JSON.
 
     Numbers have all their digits.
     """

@@ -22,19 +22,17 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Literal
 
+from readings.choices import BY_NAME
+from readings.design import is_default, is_literal
+from readings.leads import SIGNIFICANT
+from visuohaptic.report.questions import GAIN
+from visuohaptic.report.readings import Verdict
 from visuohaptic.studies.figures import Row
-from visuohaptic.studies.readings.choices import BY_NAME
-from visuohaptic.studies.readings.design import is_default, is_literal
-from visuohaptic.studies.readings.leads import SIGNIFICANT
 
-Verdict = Literal["yes", "no", "depends", "not shown"]
 Kind = Literal["default", "literal", "other"]
 
 SETS = ("paper", "outside")
 """The paper's objects, and those of the catalogue that are not the paper's."""
-
-GAIN = 0.02
-"""A gain, as a share, that is worth having."""
 
 OPPOSED = 0.05
 """Share of readings on either side at which readings count as opposed."""
@@ -104,7 +102,7 @@ def lead_evidence(
     Parameters
     ----------
     tables : mapping of str to sequence of Row
-        Rows of `tables.READINGS` by set.
+        Rows of `READINGS` by set.
     classifier : str
         Whose figures are taken.
     opponent : str

@@ -28,10 +28,10 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, Literal
 
+from readings.choices import BY_NAME, CHOICES, OPPONENTS
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.published import TABLE_1
-from visuohaptic.studies.readings.choices import BY_NAME, CHOICES, OPPONENTS
-from visuohaptic.studies.study import NOT_OF_RESULTS, Changes, Condition, Step, Study
+from visuohaptic.studies.study import Changes, Condition
 
 Part = Literal[
     "recognition", "upstream", "training", "protocol", "further", "literal", "single", "default"
@@ -262,34 +262,3 @@ _PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {
     "single": _single,
     "default": _default,
 }
-
-
-READINGS_STUDY = Study(
-    "readings",
-    "The paper under all its readings",
-    reading_conditions,
-    steps=(
-        Step(
-            "readings",
-            "visuohaptic.studies.readings.figures:make_readings",
-            ("results/readings.parquet", "reports/readings.json"),
-        ),
-        Step(
-            "readings_page",
-            "visuohaptic.report.files:make_readings_page",
-            ("reports/readings.html",),
-            takes=("results/readings.parquet",),
-            is_shown=False,
-        ),
-        # One dot of the page: `snakemake -j2 results/reading/r017.json`.
-        Step(
-            "reading",
-            "visuohaptic.studies.readings.files:make_reading",
-            ("results/reading/{condition}.json",),
-            needs={"exclude": NOT_OF_RESULTS},
-            is_shown=False,
-        ),
-    ),
-    has_figures=False,
-    is_on_request=True,
-)

@@ -1,0 +1,83 @@
+"""What the report needs of all readings: the verdict, counts and sentences.
+
+`python -m readings.summary` writes those of the kept tables into the package, where every report finds them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import visuohaptic.report
+from readings.design import is_literal
+from readings.figures import reading_figures, summarise_readings
+from readings.leads import sum_up
+from readings.page import readings_figures
+from readings.stored import OUTSIDE, PAPER_SET, MeasuredReadings, kept_readings
+from readings.tables import READINGS
+from readings.verdicts import lead_evidence, of_papers_question, verdict
+from visuohaptic.report.questions import BEST_OF_PAPER
+from visuohaptic.report.readings import KEPT, ReadingsSummary, Spread
+from visuohaptic.studies.figures import Row, write_json
+from visuohaptic.studies.study import Given
+from visuohaptic.tables.schema import write_table
+
+OPPONENT = "reachable"
+"""The random touches that the answer is about."""
+
+
+def make_readings(given: Given) -> None:
+    """Write `READINGS` from the study's blocks, and what they say together as JSON."""
+    output, summary = given.outputs
+    table = reading_figures(given.inputs["blocks"], given.run.recognition.intervals, given.run.seed)
+    write_table(READINGS, table, output)
+    measured = MeasuredReadings(table.to_pylist())
+    report = summarise(measured, kept_readings(OUTSIDE)).model_dump(mode="json")
+    write_json({**summarise_readings(measured.rows), "report": report}, summary)
+
+
+def summarise(measured: MeasuredReadings, outside: MeasuredReadings | None) -> ReadingsSummary:
+    """Give what the readings on the paper's set and on objects outside it say together."""
+    tables = {"paper": measured.rows, **({"outside": outside.rows} if outside else {})}
+    figures = readings_figures(measured, outside, (BEST_OF_PAPER,))
+    sentences = figures.sentences if figures else ()
+    others = figures.outside.sentences if figures and figures.outside else ()
+    return ReadingsSummary(
+        verdict=verdict(lead_evidence(tables, BEST_OF_PAPER, OPPONENT)),
+        spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
+        sentences=(*sentences, *others),
+        literal=_literal(measured.rows),
+        source=measured.source,
+    )
+
+
+def _spread(rows: Sequence[Row]) -> list[Spread]:
+    found = of_papers_question(rows, BEST_OF_PAPER, OPPONENT)
+    if not found:
+        return []
+    lead, objects = sum_up(found), max(row["objects"] for row in found)
+    counts = (lead.cases, lead.ahead_significantly, lead.behind_significantly)
+    names = ("readings", "ahead", "behind")
+    return [Spread(objects=objects, **dict(zip(names, counts, strict=True)))]
+
+
+def _literal(rows: Sequence[Row]) -> dict[str, dict[str, float]]:
+    literal = [row for row in rows if is_literal(row) and row["error"] is None]
+    return {
+        strategy: {row["classifier"]: row[strategy] for row in literal}
+        for strategy in ("fixation", "random")
+    }
+
+
+def keep(path: Path) -> None:
+    """Write the summary of the kept tables."""
+    measured = kept_readings(PAPER_SET)
+    if measured is None:
+        raise FileNotFoundError(PAPER_SET)
+    found = summarise(measured, kept_readings(OUTSIDE)).model_dump(mode="json")
+    path.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    keep(Path(visuohaptic.report.__file__).with_name(KEPT))

@@ -1,0 +1,81 @@
+"""The table of readings: a row a reading, a kind of random touches, and a classifier."""
+
+from __future__ import annotations
+
+from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
+from visuohaptic.tables.studies import ERROR, SECONDS
+
+READING_CHOICES = (
+    "map_output",
+    "map_training",
+    "touch_scaling",
+    "sequence_scaling",
+    "sequence_extension",
+    "wavelet_bands",
+    "deviation",
+    "classifier_settings",
+    "protocol",
+    "viewpoints",
+    "channels",
+    "saliency_operator",
+    "inhibition",
+    "sensor_size",
+    "sensor_normal",
+    "imprint_stretch",
+    "contourlet_filters",
+    "imprint_extension",
+    "focus_radius",
+    "reach",
+    "unreachable",
+    "order",
+    "random_probing",
+)
+"""What the paper leaves open, a column each; `choices` describes them."""
+
+READING_KEYS = (
+    Column("reading", TEXT, "name of the reading"),
+    Column("random_probing", TEXT, "random touches that fixation is compared with, as an option"),
+    Column("classifier", TEXT, "the classifier"),
+)
+
+READINGS = Schema(
+    "readings",
+    (
+        *READING_KEYS,
+        Column("part", TEXT, "part of the design that it belongs to"),
+        Column("place", COUNT, "place of the reading in the design", minimum=0),
+        *(
+            Column(name, TEXT, "option of this choice")
+            for name in READING_CHOICES
+            if name not in names_of(READING_KEYS)
+        ),
+        *(
+            Column(f"{strategy}{end}", REAL, f"{text} by {words}", "1", 0, 1, nullable=True)
+            for strategy, words in (("fixation", "fixation"), ("random", "option random_probing"))
+            for end, text in (
+                ("", "share of test sequences correctly classified, touches"),
+                ("_low", "lower end of its interval over objects, touches"),
+                ("_high", "upper end of its interval over objects, touches"),
+                ("_best_split", "the same share in the best split, touches"),
+                ("_splits_reaching", "share of splits at or above the paper's figure, touches"),
+            )
+        ),
+        Column(
+            "ahead",
+            REAL,
+            "fixation less random, by option random_probing",
+            "1",
+            -1,
+            1,
+            nullable=True,
+        ),
+        Column("ahead_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
+        Column("ahead_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
+        Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
+        Column("objects", COUNT, "objects tested", minimum=1, nullable=True),
+        Column("splits", COUNT, "splits", minimum=1, nullable=True),
+        SECONDS,
+        ERROR,
+    ),
+    names_of(READING_KEYS),
+)
