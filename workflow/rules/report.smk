@@ -75,8 +75,7 @@ rule report:
             features=parts_of("features"),
             effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
             meshes=meshes_of(),
-            frontier="results/frontier.parquet",
-            influence="results/effect_influence.parquet",
+            studies=[file for study in STUDIES_OF_RUN for file in study.shown],
             stability=files_by_block("stability"),
             guards="results/guards.parquet",
             # Only where recordings are given.

@@ -21,6 +21,7 @@ BLOCKS = {
     name: make_blocks(plan, PARAMETERS.workflow.conditions_per_job)
     for name, plan in PLANS.items()
 }
+STUDIES_OF_RUN = [study for study in STUDIES.values() if study.is_part_of_run]
 # Each step with its study; those of one name would be one rule.
 STEPS = [(study, step) for study in STUDIES.values() for step in study.steps]
 # With thousands of objects the sampled studies would take longer than all the rest.

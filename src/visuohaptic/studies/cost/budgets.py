@@ -33,17 +33,7 @@ KEPT = ("setting", "viewpoints", "objects", "seconds", "error", "error_low", "er
 
 @dataclass(frozen=True)
 class Budget:
-    """A preset.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    viewpoints : int
-        Viewpoints that vote for the object.
-    seconds, error : float
-        What a recognition took, and the error rate, where it was measured.
-    """
+    """A preset: viewpoints that vote, and seconds and error rate of a recognition where it was measured."""
 
     name: BudgetName
     viewpoints: int
@@ -62,25 +52,16 @@ def choose_budgets(line: Sequence[Mapping[str, Any]]) -> dict[BudgetName, Budget
     """Apply the rule to a family's settings that did not fail: presets, the quickest first."""
     from visuohaptic.studies.cost.front import pareto_front
 
-    seconds = np.array([row["seconds"] for row in line], dtype=np.float64)
-    errors = np.array([row["error"] for row in line], dtype=np.float64)
-    on_front = pareto_front(seconds, errors)
-    front = sorted(
-        (row for row, on in zip(line, on_front, strict=True) if on),
-        key=lambda row: float(row["seconds"]),
-    )
-    fast, accurate = front[0], front[-1]
-    least = min((row["error"] for row in front if row["error"] > 0), default=1.0) / 2
-    middle = np.sqrt(max(fast["error"], least) * max(accurate["error"], least))
-    balanced = next(row for row in front if max(row["error"], least) <= middle * (1 + 1e-9))
-    chosen: dict[BudgetName, Mapping[str, Any]] = {
-        "fast": fast,
-        "balanced": balanced,
-        "accurate": accurate,
-    }
+    points = np.array([(row["seconds"], row["error"]) for row in line], dtype=np.float64)
+    on_front = np.flatnonzero(pareto_front(*points.T))
+    order = on_front[np.argsort(points[on_front, 0], kind="stable")]
+    errors = points[order, 1]
+    errors = np.maximum(errors, errors[errors > 0].min(initial=1.0) / 2)
+    middle = np.sqrt(errors[0] * errors[-1]) * (1 + 1e-9)
+    places = (order[0], order[np.argmax(errors <= middle)], order[-1])
+    chosen = zip(get_args(BudgetName), (line[place] for place in places), strict=True)
     return {
-        name: Budget(name, row["viewpoints"], row["seconds"], row["error"])
-        for name, row in chosen.items()
+        name: Budget(name, row["viewpoints"], row["seconds"], row["error"]) for name, row in chosen
     }
 
 
@@ -94,11 +75,14 @@ def write_budgets(cost: str | Path, output: str | Path, measured_on: str) -> Non
         for row in read_costs(cost)
         if row["family"] == FAMILY and row["failed"] is None
     ]
-    chosen = {
-        name: {"viewpoints": one.viewpoints, "seconds": one.seconds, "error": one.error}
-        for name, one in choose_budgets(line).items()
+    values = {
+        "measured_on": measured_on,
+        "line": line,
+        "budgets": {
+            name: {"viewpoints": one.viewpoints, "seconds": one.seconds, "error": one.error}
+            for name, one in choose_budgets(line).items()
+        },
     }
-    values = {"measured_on": measured_on, "line": line, "budgets": chosen}
     Path(output).write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
 
 
