@@ -162,6 +162,15 @@ class Keys:
                 waiting += self.makers(self.jobs[record].inputs)
         return list(found)
 
+    def lost_records(self, record: str) -> list[str]:
+        """Name the records that a job takes from and that are not there, though tables beside them are."""
+        makers = (self.jobs[maker] for maker in self.makers(self.jobs[record].inputs))
+        return [
+            job.record
+            for job in makers
+            if not Path(job.record).exists() and any(Path(file).exists() for file in job.tables)
+        ]
+
     def _find_reason(self, record: str) -> str | None:
         kept, today = read_record(record), self.parts(record)
         if not kept:
