@@ -260,9 +260,7 @@ def takes(name, script, check=None, **inputs):
         GIVEN[record] = keys().given(record)
         if is_another_run_at_work():  # which makes it, or will be waited for
             return files
-        # Without them Snakemake takes tables that lie there, such as copied ones, for all of a job's files.
-        lost = keys().lost_records(record)
-        return {**files, "why": [*or_stop(mark_stale, record, reason), *lost]}
+        return {**files, "why": or_stop(mark_stale, record, reason)}
 
     return unpack(chosen)
 

@@ -21,6 +21,9 @@ from visuohaptic_workflow.digests import Digests, stamps_of
 
 Parts = dict[str, Any]
 
+NEW = "new"
+"""The reason to run a job none of whose files is there."""
+
 
 @dataclass(frozen=True)
 class Job:
@@ -162,19 +165,11 @@ class Keys:
                 waiting += self.makers(self.jobs[record].inputs)
         return list(found)
 
-    def lost_records(self, record: str) -> list[str]:
-        """Name the records that a job takes from and that are not there, though tables beside them are."""
-        makers = (self.jobs[maker] for maker in self.makers(self.jobs[record].inputs))
-        return [
-            job.record
-            for job in makers
-            if not Path(job.record).exists() and any(Path(file).exists() for file in job.tables)
-        ]
-
     def _find_reason(self, record: str) -> str | None:
         kept, today = read_record(record), self.parts(record)
         if not kept:
-            return "new" if not Path(record).exists() else "record: none of this version"
+            tables = self.jobs[record].tables
+            return "record: none of this version" if any(map(os.path.exists, tables)) else NEW
         if kept["key"] != self.key(record):
             return self._difference(kept["parts"], today)
         for file in self.jobs[record].tables:
