@@ -47,38 +47,13 @@ POINT = 0.01
 
 def make_cost(given: Given) -> None:
     """Join error rates and seconds of all settings, and mark the front: `tables.COST`."""
-    (seconds,) = given.inputs["tables"]
     cells = read_cells(given.inputs["blocks"])
-    table = weigh(cells, read_table(COST_SECONDS, seconds), given.run, given.study)
-    write_table(COST, table, given.outputs[0])
-
-
-def weigh(
-    cells: Mapping[CellKey, Cell], seconds: pa.Table, run: ExperimentParameters, study: str
-) -> pa.Table:
-    """Compare a study's settings: error rate against run time.
-
-    Parameters
-    ----------
-    cells : mapping
-        As `studies.figures.read_cells` gives them.
-    seconds : pyarrow.Table
-        Rows of `tables.COST_SECONDS`; a setting that failed need not have one.
-    run : ExperimentParameters
-        The run's.
-    study : str
-        Which study.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.COST`.
-    """
-    rows = join_costs(error_rows(cells, run, study), seconds)
-    pairs = SettingPairs(cells, time_logarithms(seconds), run)
+    seconds = read_table(COST_SECONDS, given.inputs["tables"])
+    rows = join_costs(error_rows(cells, given.run, given.study), seconds)
+    pairs = SettingPairs(cells, time_logarithms(seconds), given.run)
     mark_steps(rows, pairs)
     mark_groups(rows, pairs)
-    return cost_table(rows)
+    write_table(COST, cost_table(rows), given.outputs[0])
 
 
 def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -175,14 +150,7 @@ def cost_table(rows: Sequence[Row]) -> pa.Table:
 class SettingPairs:
     """Which settings differ significantly: by comparisons of the same objects, at the run's confidence.
 
-    Attributes
-    ----------
-    cells : mapping
-        As `studies.figures.read_cells` gives them.
-    logarithms : mapping
-        As `time_logarithms` gives them.
-    run : ExperimentParameters
-        The run's.
+    `cells` are as `studies.figures.read_cells` gives them, `logarithms` as `time_logarithms` does.
     """
 
     cells: Mapping[CellKey, Cell]
@@ -229,16 +197,8 @@ class SettingPairs:
         """
         before, intervals = self._cell(last), self.run.recognition.intervals
         able = [row for row in rows if _same_objects(self._cell(row), before)]
-        found = [
-            compare_paired(
-                self._cell(row).accuracy,
-                before.accuracy,
-                before.weights,
-                intervals,
-                _draw_objects(self.run),
-            )
-            for row in able
-        ]
+        pairs = ((self._cell(row).accuracy, before.accuracy, before.weights) for row in able)
+        found = [compare_paired(*pair, intervals, _draw_objects(self.run)) for pair in pairs]
         adjusted = holm([one.p_value for one in found])
         return [
             row
@@ -328,15 +288,7 @@ def all_touches(row: Row) -> int:
 
 @dataclass(frozen=True)
 class Saving:
-    """What a smaller setting, a row of `tables.COST`, saves against the run's own, and what it loses.
-
-    Attributes
-    ----------
-    row : dict
-        The setting.
-    saved : float
-        Share of the seconds that it saves.
-    """
+    """What a smaller setting, a row of `tables.COST`, saves against the run's own: a share of the seconds."""
 
     row: Row
     saved: float
@@ -373,15 +325,9 @@ def find_savings(rows: Sequence[Row]) -> list[Saving]:
 
 @dataclass(frozen=True)
 class BreakEven:
-    """From which price on looking pays.
+    """The least error rate without a look, and the settings with the fewest touches that reach it.
 
-    Attributes
-    ----------
-    error : float
-        The least error rate that a strategy without a look reaches.
-    blind, looking : dict
-        The rows of `tables.COST` with the fewest touches that reach it, without and with looks;
-        the second is None where no setting that looks does.
+    `blind` looks at nothing; `looking` does, and is None where no setting that looks reaches it.
     """
 
     error: float

@@ -36,18 +36,10 @@ CUES = {
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to recognise.
+    """One way to recognise: a family, what it varies to, and its place along the family's line.
 
-    Attributes
-    ----------
-    family, name, place : str, str and int
-        What varies, to which value, and its place along the family's line.
-    touches, viewpoints : int
-        Touches from each viewpoint, and viewpoints that vote.
-    strategy, pipeline, classifier : str
-        What chooses the places to touch, and what names the object.
-    changes : mapping of str
-        Other parameters that differ from the run's, by their dotted names.
+    Touches are those from each viewpoint, viewpoints those that vote, and changes other parameters
+    that differ from the run's, by their dotted names.
     """
 
     family: str
