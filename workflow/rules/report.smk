@@ -4,6 +4,9 @@ Takes results/ and, if they exist, logs/ and credits; gives reports/report.html,
 reports/metrics.json and reports/plots/.
 """
 
+TEMPLATES = in_clone(
+    sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
+)
 # What `make test-hard` and `visuohaptic evaluate` measured on this machine.
 MEASURED_BESIDE = ["reports/evaluation.parquet", "reports/precision.json"]
 

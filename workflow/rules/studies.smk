@@ -8,10 +8,6 @@ and what a study's own steps make (`visuohaptic.studies.study.Step`). Studies `f
 the report; later runs keep it up to date, or leave it as it is (`workflow.keep_studies_current`).
 """
 
-TEMPLATES = in_clone(
-    sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
-)
-
 
 wildcard_constraints:
     study="|".join(sorted(STUDIES)),

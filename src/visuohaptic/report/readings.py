@@ -72,5 +72,5 @@ def read_readings(path: str | Path | None = None) -> ReadingsSummary:
     except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:
         raise ReportError(
             f"{path} has no summary of the readings ({' '.join(str(error).split())}); run "
-            "`snakemake -j2 readings_all` again."
+            "`snakemake -j2 readings_all` again, or delete the file."
         ) from error

@@ -41,8 +41,8 @@ def find_studies(run: ExperimentParameters, folders: Iterable[str | Path]) -> di
     """Give every study by its name, those of the package before those of the user.
 
     A user's study is a file ``<name>.yaml`` or ``<name>.py`` of a folder, or ``<name>/study.py``
-    with more beside it; of two folders the first one's counts. Python holds a `Study` named ``STUDY``. Raises `ParameterError`, which names
-    the file, if one is not as it should be.
+    with more beside it; of two folders the first one's counts. Python holds a `Study` named
+    ``STUDY``. Raises `ParameterError`, which names the file, if one is not as it should be.
     """
     found = {study.name: study for study in STUDIES}
     for name, path in _files(map(Path, folders)).items():
