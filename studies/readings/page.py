@@ -2,10 +2,13 @@
 
 The curve follows U. Simonsohn, J. Simmons and L. Nelson, "Specification curve analysis", Nature
 Human Behaviour 4, 2020: readings sorted by their result, and below them the options of each.
+
+`python -m readings.page FILE` writes the page of the kept readings.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -161,8 +164,8 @@ def make_readings_page(given: Given) -> None:
     write_whole(given.outputs[0], render_readings_page(table))
 
 
-def render_readings_page(table: str | Path) -> str:
-    """Give a page of the readings, with the curves of all classifiers.
+def render_readings_page(table: str | Path | None) -> str:
+    """Give a page of the readings, those that are kept without a table, with the curves of all classifiers.
 
     Raises `ReportError` if the table holds no reading that could be run.
     """
@@ -432,3 +435,7 @@ def mark_up_dots(dots: Sequence[Dot]) -> str:
         f"<title>{escape(dot.label)}</title></circle>"
         for dot in dots
     )
+
+
+if __name__ == "__main__":
+    write_whole(sys.argv[1], render_readings_page(None))

@@ -169,3 +169,10 @@ def test_kept_readings_say_where_they_come_from(table, tmp_path):
     assert isinstance(source, Source)
     assert (source.command, source.machine) == ("snakemake -j2 readings_all", "a processor")
     assert stored._rows(kept) == measured.rows
+
+
+def test_the_kept_readings_have_a_page_that_says_where_they_come_from():
+    page = read_page(render_readings_page(None))
+    kept = stored.kept_readings(stored.PAPER_SET)
+    assert f"not in this run: {kept.source.date}" in page.text
+    assert "The same on 130 objects outside the paper's set" in page.text
