@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from visuohaptic.recognition.sequences import TouchSequences, take_strategy
 from visuohaptic.recognition.splits import Split
 from visuohaptic.recognition.summary import summarise
 from visuohaptic.tables.phases import FEATURES
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.schema import build_table, read_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,7 +69,7 @@ class Evaluation:
 
 def evaluate(
     estimator: Any,
-    features: pa.Table | pd.DataFrame,
+    features: pa.Table | pd.DataFrame | str | Path,
     parameters: RecognitionParameters | None = None,
     strategy: str = "fixation",
     seed: int = 0,
@@ -81,9 +82,9 @@ def evaluate(
         An unfitted scikit-learn classifier, of which each split fits a copy, or the name of a
         registered one, such as ``support_vector_machine``. It sees the paper's features of a sequence of
         touches, scaled as `parameters` say; all that is fitted sees training objects alone.
-    features : pyarrow.Table or pandas.DataFrame
-        Columns of `tables.FEATURES`: of a run's ``results/features``, of `Exploration.features` of
-        several objects, or of an exported data set's ``features``.
+    features : pyarrow.Table, pandas.DataFrame or path
+        Rows of `tables.FEATURES`: a run's ``results/features``, `Exploration.features` of several
+        objects, or an exported data set's ``features``.
     parameters : RecognitionParameters, optional
         The protocol, the sequences, and their encoding; without it those of the default run.
     strategy : str
@@ -121,9 +122,11 @@ def evaluate(
     )  # fmt: skip
 
 
-def _as_table(features: pa.Table | pd.DataFrame) -> pa.Table:
+def _as_table(features: pa.Table | pd.DataFrame | str | Path) -> pa.Table:
     if isinstance(features, pa.Table):
         return features
+    if isinstance(features, str | Path):
+        return read_table(FEATURES, features)
     missing = [column.name for column in FEATURES.columns if column.name not in features]
     if missing:
         raise RecognitionError(
