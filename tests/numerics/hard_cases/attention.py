@@ -6,14 +6,18 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numerics.surfaces import of_trimesh, pick
+from numerics.surfaces import ball, lopsided, of_trimesh, pick
 from numpy.typing import NDArray
 
 from visuohaptic.attention.model import Attention, attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.pyramid import GOES_ON, NOTHING_BEYOND, blur, enlarge, reduce
 from visuohaptic.attention.scanpath import INWARD, TIE, scan
+from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.curvature import measure_shape
+from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 
@@ -143,6 +147,21 @@ def noisy_views(generator: np.random.Generator) -> Iterator[Finding]:
     yield from judge_view(
         view, found, f"noise of 1e{exponent:.0f} on {mask.sum()} pixels", parameters
     )
+
+
+def views_from_within(generator: np.random.Generator) -> Iterator[Finding]:
+    """Attend to views of a camera inside an object, its centre and skin among the places."""
+    parameters = AttentionParameters()
+    distance = float(generator.choice([0.0, 1e-6, 0.3, 0.55, 0.9]))
+    surface = ball(3) if generator.random() < 0.5 else lopsided()
+    cameras = [Camera(azimuth, 20.0, distance, 40.0) for azimuth in (0.0, 135.0)]
+    views = render_views(RayCaster(surface), cameras, RenderingParameters(resolution=SIZE))
+    names = ("colour", "mask", "point", "normal", "face", "curvature")
+    arrays = {name: getattr(views, name) for name in names}
+    for row, found in enumerate(attend(**arrays, parameters=parameters)):
+        view = {name: values[row : row + 1] for name, values in arrays.items()}
+        label = f"camera at {distance:g} from the centre"
+        yield from judge_view(view, found, label, parameters)
 
 
 def brightness(generator: np.random.Generator) -> Iterator[Finding]:
