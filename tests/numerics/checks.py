@@ -37,19 +37,7 @@ Measure = Callable[[np.random.Generator], Iterable[Finding]]
 
 @dataclass(frozen=True)
 class Check:
-    """One way to draw hard cases and measure their errors.
-
-    Attributes
-    ----------
-    name : str
-        Its name among `CHECKS`; its draws depend on it and on the seed.
-    measure : callable
-        Takes a generator, draws some cases, and gives what it finds.
-    tolerances : tuple of str
-        Names in `TOLERANCES` of all that it may find.
-    draws, full_draws : int
-        How often it draws by default, and at the full count.
-    """
+    """One way to draw hard cases and measure their errors."""
 
     name: str
     measure: Measure
@@ -59,22 +47,7 @@ class Check:
 
 
 def run_check(check: Check, seed: int, draws: int) -> dict[str, Result]:
-    """Draw a check's cases and measure them.
-
-    Parameters
-    ----------
-    check : Check
-        The check.
-    seed : int
-        The cases depend on it and on the check's name.
-    draws : int
-        How often to draw. The first draws are the same for any number.
-
-    Returns
-    -------
-    dict of str to Result
-        The worst case by tolerance. A check that breaks off has an infinite error.
-    """
+    """Draw a check's cases and measure them."""
     allowed = {name: TOLERANCES[name] for name in check.tolerances}
     return merge_results(
         replace(result, hardest=f"{result.hardest} (draw {number})")

@@ -12,13 +12,24 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_parameters
+from workflow import stand_ins
 
 SMALL = {
     "viewpoints": {"count": 2},
     "rendering": {"resolution": 64},
-    "workflow": {"views_per_job": 2, "objects_per_job": 1},
+    "workflow": {"views_per_job": 2, "objects_per_job": 2},
     "recognition": {"pipelines": ["paper"], "intervals": {"bootstrap_samples": 200}},
 }
+
+
+def environment():
+    """Give the environment of a user's shell; a copy's own package is found by the copy's own means."""
+    kept = {
+        key: value
+        for key, value in os.environ.items()
+        if not key.startswith(("GIT_", "PYTEST_", "DVC_")) and key != "PYTHONPATH"
+    }
+    return {**kept, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
 
 
 @dataclass(frozen=True)
@@ -29,21 +40,20 @@ class Experiment:
 
     def run(self, *command, check=True):
         """Run a command of the environment there, and give what it printed."""
-        environment = {
-            key: value
-            for key, value in os.environ.items()
-            if not key.startswith(("GIT_", "PYTEST_", "DVC_"))
-        }
-        environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
-        # The copy's own package must be found by the copy's own means.
-        environment.pop("PYTHONPATH", None)
         result = subprocess.run(
-            command, cwd=self.folder, env=environment, check=False, text=True,
+            command, cwd=self.folder, env=environment(), check=False, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600,
         )  # fmt: skip
         if check and result.returncode:
             raise AssertionError(f"{' '.join(map(str, command))} failed:\n{result.stdout[-5000:]}")
         return result
+
+    def start(self, *command):
+        """Start a command in a process group of its own."""
+        return subprocess.Popen(
+            command, cwd=self.folder, env=environment(), start_new_session=True,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
 
     def snakemake(self, *arguments, check=True):
         return self.run("snakemake", "-j2", *arguments, check=check)
@@ -130,15 +140,35 @@ def experiment(finished, tmp_path):
 
 
 @pytest.fixture(scope="session")
-def repository(fresh, tmp_path_factory):
-    """A git repository in which `dvc repro` has run."""
-    experiment = fresh.copy(tmp_path_factory.mktemp("dvc") / "experiment")
-    for name in (".snakemake", "logs"):
-        shutil.rmtree(experiment.folder / name, ignore_errors=True)
+def whole_stand_in(tmp_path_factory):
+    """A finished experiment whose scripts are stand-ins, with all that DVC keeps."""
+    folder = tmp_path_factory.mktemp("stand_in") / "experiment"
+    stand_ins.make_experiment(folder)
+    experiment = Experiment(folder)
+    experiment.snakemake("dvc_all")
+    return experiment
+
+
+@pytest.fixture
+def stand_in(whole_stand_in, tmp_path):
+    """A finished experiment of stand-ins to do with as a test likes."""
+    return whole_stand_in.copy(tmp_path / "experiment")
+
+
+@pytest.fixture
+def fresh_stand_in(tmp_path):
+    """An experiment of stand-ins before anything has run."""
+    stand_ins.make_experiment(tmp_path / "experiment")
+    return Experiment(tmp_path / "experiment")
+
+
+@pytest.fixture(scope="session")
+def repository(whole_stand_in, tmp_path_factory):
+    """A git repository of stand-ins whose results DVC has taken over."""
+    experiment = whole_stand_in.copy(tmp_path_factory.mktemp("dvc") / "experiment")
     experiment.run("git", "init", "-q", "-b", "main")
     experiment.run("git", "config", "user.name", "A")
     experiment.run("git", "config", "user.email", "a@b.c")
-    experiment.commit("start")
-    experiment.run("dvc", "repro")
+    experiment.run("dvc", "commit", "--force")
     experiment.commit("run")
     return experiment

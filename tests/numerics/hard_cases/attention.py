@@ -50,24 +50,7 @@ def flat_view(
 def judge_view(
     view: View, found: Attention, label: str, parameters: AttentionParameters
 ) -> Iterator[Finding]:
-    """Want maps within 0 and 1, and fixations on the object, a focus apart.
-
-    Parameters
-    ----------
-    view : dict of str to numpy.ndarray
-        What `attend` took, one view.
-    found : Attention
-        What it gave.
-    label : str
-        The view in words.
-    parameters : AttentionParameters
-        The model's.
-
-    Yields
-    ------
-    Finding
-        Two.
-    """
+    """Want maps within 0 and 1, and fixations on the object, a focus apart."""
     mask, picture = view["mask"][0], drawings.image(found.saliency, label)
     maps = np.stack([found.saliency, *found.conspicuity.values()])
     wrong = not np.isfinite(maps).all() or maps.min() < 0 or bool((maps[:, ~mask] != 0).any())
@@ -185,22 +168,7 @@ def brightness(generator: np.random.Generator) -> Iterator[Finding]:
 def way_of_the_eye(
     saliency: Floats, mask: Flags, places: Floats, parameters: AttentionParameters
 ) -> list[tuple[int, int]]:
-    """Follow the eye by its definition, in float64; stop where two places nearly tie.
-
-    Parameters
-    ----------
-    saliency, mask : numpy.ndarray
-        Shape (rows, columns).
-    places : numpy.ndarray
-        Shape (rows, columns, k): where each pixel lies, in focus radii.
-    parameters : AttentionParameters
-        The model's.
-
-    Returns
-    -------
-    list of (int, int)
-        Row and column of each fixation before the tie.
-    """
+    """Follow the eye by its definition, in float64; stop where two places nearly tie."""
     from scipy.ndimage import distance_transform_edt
 
     depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
