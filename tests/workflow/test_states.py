@@ -66,6 +66,15 @@ def test_what_was_edited_or_lost_is_made_again_also_where_the_edit_is_of_long_ag
     assert digests(stand_in.folder) == digests(whole_stand_in.folder)
 
 
+@pytest.mark.parametrize("target", [TABLE, "results/touches/chair/bsby_chair3/00-01.parquet"])
+def test_tables_that_are_there_without_their_record_are_made_again_where_they_are_needed(
+    experiment, target
+):
+    shutil.rmtree(experiment.folder / "results/records")
+    planned = experiment.planned("--", target)
+    assert planned["meshes"] == planned["fixations"] == planned["touches"] == 1
+
+
 def test_after_a_run_with_other_values_verify_says_so_and_the_plain_command_makes_it_again(
     stand_in, whole_stand_in
 ):
