@@ -66,6 +66,8 @@ def test_a_file_without_colours_is_grey(tmp_path):
     [
         ("a.obj", b"", "is empty"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv x y z\nf 1 2 3\n", "can't be read as OBJ"),
+        ("a.obj", b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", r"has vertices of shape \(3, 2\)"),
+        ("a.off", b"hello\n1 2\n", "first line is not OFF"),
         ("a.stl", b"\x00" * 90, "has no faces|can't be read as STL"),
         ("a.xyz", b"0 0 0", "ends in '.xyz'"),
     ],

@@ -7,7 +7,7 @@ from sensor.shapes import box, joined, sheet, surface_of
 from visuohaptic.geometry.raycasting import MISS, RayCaster
 from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, smooth_normals, stand_on
 
-HALF, CELLS, SIZE = 0.25, 150, 0.3
+HALF, CELLS, SIZE = 0.25, 50, 0.3
 
 
 def torus(x, z, ring=0.45, tube=0.3):
