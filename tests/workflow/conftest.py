@@ -1,5 +1,6 @@
 """A small copy of the experiment: four objects of two classes, two small views, everything real."""
 
+import fcntl
 import hashlib
 import os
 import re
@@ -118,19 +119,34 @@ class Experiment:
 
 
 @pytest.fixture(scope="session")
-def fresh(tmp_path_factory):
-    """The experiment before anything has run."""
-    folder = tmp_path_factory.mktemp("fresh") / "experiment"
-    copy_experiment(folder, COPIED, SMALL_OBJECTS, SMALL)
-    return Experiment(folder)
+def once(tmp_path_factory):
+    """Give what makes an experiment once for all processes of pytest-xdist."""
+    root = tmp_path_factory.getbasetemp()
+    root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
+
+    def made(name, make):
+        experiment = Experiment(root / name / "experiment")
+        with (root / f"{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (root / name / "made").exists():
+                shutil.rmtree(root / name, ignore_errors=True)
+                make(experiment)
+                (root / name / "made").touch()
+        return experiment
+
+    return made
 
 
 @pytest.fixture(scope="session")
-def finished(fresh, tmp_path_factory):
+def fresh(once):
+    """The experiment before anything has run."""
+    return once("fresh", lambda one: copy_experiment(one.folder, COPIED, SMALL_OBJECTS, SMALL))
+
+
+@pytest.fixture(scope="session")
+def finished(fresh, once):
     """The experiment after one whole run with two processes."""
-    experiment = fresh.copy(tmp_path_factory.mktemp("finished") / "experiment")
-    experiment.snakemake()
-    return experiment
+    return once("finished", lambda one: fresh.copy(one.folder).snakemake())
 
 
 @pytest.fixture
@@ -140,13 +156,14 @@ def experiment(finished, tmp_path):
 
 
 @pytest.fixture(scope="session")
-def whole_stand_in(tmp_path_factory):
+def whole_stand_in(once):
     """A finished experiment whose scripts are stand-ins, with all that DVC keeps."""
-    folder = tmp_path_factory.mktemp("stand_in") / "experiment"
-    stand_ins.make_experiment(folder)
-    experiment = Experiment(folder)
-    experiment.snakemake("dvc_all")
-    return experiment
+
+    def make(one):
+        stand_ins.make_experiment(one.folder)
+        one.snakemake("dvc_all")
+
+    return once("stand_in", make)
 
 
 @pytest.fixture
@@ -163,12 +180,15 @@ def fresh_stand_in(tmp_path):
 
 
 @pytest.fixture(scope="session")
-def repository(whole_stand_in, tmp_path_factory):
+def repository(whole_stand_in, once):
     """A git repository of stand-ins whose results DVC has taken over."""
-    experiment = whole_stand_in.copy(tmp_path_factory.mktemp("dvc") / "experiment")
-    experiment.run("git", "init", "-q", "-b", "main")
-    experiment.run("git", "config", "user.name", "A")
-    experiment.run("git", "config", "user.email", "a@b.c")
-    experiment.run("dvc", "commit", "--force")
-    experiment.commit("run")
-    return experiment
+
+    def make(one):
+        whole_stand_in.copy(one.folder)
+        one.run("git", "init", "-q", "-b", "main")
+        one.run("git", "config", "user.name", "A")
+        one.run("git", "config", "user.email", "a@b.c")
+        one.run("dvc", "commit", "--force")
+        one.commit("run")
+
+    return once("repository", make)
