@@ -131,6 +131,13 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert 0 <= values["strangeness"] < 1
 
 
+def test_without_a_model_of_a_run_the_packages_is_taken(visuohaptic, tmp_path):
+    ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--viewpoints", 1, "--json")
+    values = json.loads(ended.out)
+    assert values["model"].endswith("visuohaptic/exploration/best.skops")
+    assert set(values["probabilities"]) == {"bottle", "car", "chair", "quadruped"}
+
+
 def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(
     visuohaptic, tmp_path, monkeypatch
 ):

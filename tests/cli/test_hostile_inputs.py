@@ -63,7 +63,7 @@ REFUSED = [
     (WITH, "p.yaml: sensor.resolutoin is no parameter", {"p.yaml": b"sensor: {resolutoin: 3}"}),
     ((*RING, "--viewpoints", "100000"), "viewpoints.count is 100000", {}),
     # models and runs
-    (("recognise", "ring.obj"), r"best.skops is not there.*snakemake -j2 model_all", {}),
+    (("recognise", "ring.obj", "--model", "gone"), r"gone is not there.*snakemake -j2 model_all", {}),
     (("recognise", "ring.obj", "--model", "."), "is a folder; the model in it is needed", {}),
     (("recognise", "ring.obj", "--model", "m"), "m can't be read as a recognition model", {"m": b"no"}),
     (("compare", "gone", "gone"), "^error: gone", {}),
