@@ -35,7 +35,7 @@ def compare(
 
     Example: visuohaptic compare before/reports/metrics.json reports/metrics.json --out comparison
     """
-    require("report", "jinja2", "plotly")
+    require("report", "jinja2", "matplotlib", "plotly")
     from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
 
     found = compare_runs(read_measured_run(first), read_measured_run(second))

@@ -10,7 +10,6 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.charts import IntervalChart, interval_chart
 from visuohaptic.report.comparison import Figure
 from visuohaptic.report.pictures import imprint_strip
 from visuohaptic.report.studies import StudyFigures
@@ -78,13 +77,13 @@ class InfluenceFigures:
 
 @dataclass(frozen=True)
 class SceneAccuracy:
-    """Accuracy by scene of one pipeline and classifier: sentences, and a chart with a row a scene."""
+    """Accuracy by scene of one pipeline and classifier: sentences, and rows of `tables.STUDY_FIGURES`."""
 
     pipeline: str
     classifier: str
     strategies: tuple[str, ...]
     sentences: tuple[str, ...]
-    chart: IntervalChart
+    rows: Sequence[Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -142,42 +141,22 @@ def effects_answer(figures: InfluenceFigures) -> str:
     return f"{said} {_unchanged(figures.scenes)}".rstrip()
 
 
-def scene_accuracy(study: StudyFigures | None, chance: float) -> list[SceneAccuracy]:
-    """Give the accuracy in each scene as a whole, from study `effects`.
+def scene_accuracy(study: StudyFigures | None) -> list[SceneAccuracy]:
+    """Give the accuracy in each scene as a whole, from study `effects`, by pipeline and classifier.
 
-    Parameters
-    ----------
-    study : StudyFigures or None
-        The study; None where it was not measured.
-    chance : float
-        Share that guessing gets.
-
-    Returns
-    -------
-    list of SceneAccuracy
-        One for each pipeline and classifier; none where no scene could be measured.
+    Empty where no scene could be measured.
     """
     found = []
     for table in () if study is None else study.tables:
-        scenes: list[tuple[str, dict[str, Figure], dict[str, float]]] = [
-            (row["condition"], figures, {})
-            for row in table.rows
-            if row["condition"] in PRESETS and (figures := _figures_of(row))
+        rows = [
+            row
+            for row in table.cells
+            if row["condition"] in PRESETS and row["accuracy"] is not None
         ]
-        if scenes:
-            sentences = tuple(
-                f"{titled(strategy_name(strategy))}, correctly classified by scene: "
-                + ", ".join(
-                    f"{name} {_with_interval(figures[strategy])}"
-                    for name, figures, _ in scenes
-                    if strategy in figures
-                )
-                + "."
-                for strategy in table.strategies
-            )
-            chart = interval_chart(scenes, table.strategies, chance)
+        if rows:
+            sentences = tuple(_by_scene(strategy, rows) for strategy in table.strategies)
             found.append(
-                SceneAccuracy(table.pipeline, table.classifier, table.strategies, sentences, chart)
+                SceneAccuracy(table.pipeline, table.classifier, table.strategies, sentences, rows)
             )
     return found
 
@@ -242,12 +221,14 @@ def hard_places(parameters: ExperimentParameters) -> list[HardPlace]:
     ]
 
 
-def _figures_of(row: Mapping[str, Any]) -> dict[str, Figure]:
-    return {
-        strategy: Figure(cell["accuracy"], cell["low"], cell["high"])
-        for strategy, cell in row["cells"].items()
-        if cell["accuracy"] is not None
+def _by_scene(strategy: str, rows: Sequence[Mapping[str, Any]]) -> str:
+    figures = {
+        row["condition"]: Figure(row["accuracy"], row["low"], row["high"])
+        for row in rows
+        if row["strategy"] == strategy
     }
+    shares = ", ".join(f"{name} {_with_interval(figure)}" for name, figure in figures.items())
+    return f"{titled(strategy_name(strategy))}, correctly classified by scene: {shares}."
 
 
 def _with_interval(figure: Figure) -> str:

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib.resources import files as package_files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from visuohaptic.errors import ParameterError, ReportError
 from visuohaptic.optional_packages import require
 from visuohaptic.parameters import ExperimentParameters, leaves
+from visuohaptic.report import figures as charts
 from visuohaptic.report.archive import Archive, ArchivedView, read_archive
-from visuohaptic.report.charts import IntervalChart, interval_chart
 from visuohaptic.report.comparison import Figure, pipeline_order
 from visuohaptic.report.objects import FixationMark
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.wording import classifier_name, strategy_name
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
 ByObject = Mapping[str, tuple[float, float]]
 
@@ -31,7 +34,6 @@ MEASURES = ("accuracy", "object_accuracy", "balanced_accuracy")
 _METRICS = "reports/metrics.json"
 _PARAMETERS = "params.yaml"
 _REPORT = "report.html"
-_SIDES = ("A", "B")
 
 
 @dataclass(frozen=True)
@@ -215,19 +217,12 @@ def compare_runs(first: MeasuredRun, second: MeasuredRun) -> RunComparison:
     )
 
 
-def accuracy_charts(comparison: RunComparison) -> list[tuple[str, IntervalChart]]:
+def accuracy_charts(comparison: RunComparison) -> list[tuple[str, Drawing]]:
     """Draw the accuracies of both runs, a chart a pipeline."""
     shown = [figure for figure in comparison.figures if figure.measure == MEASURES[0]]
     pipelines = sorted({figure.pipeline for figure in shown}, key=pipeline_order)
     return [
-        (
-            pipeline,
-            interval_chart(
-                [_chart_row(figure) for figure in shown if figure.pipeline == pipeline],
-                _SIDES,
-                None,
-            ),
-        )
+        (pipeline, _chart([figure for figure in shown if figure.pipeline == pipeline]))
         for pipeline in pipelines
     ]
 
@@ -443,10 +438,10 @@ def _all_marks(comparison: RunComparison) -> list[FixationMark]:
     return [mark for side in sides if side is not None for mark in side.marks]
 
 
-def _chart_row(figure: ChangedFigure) -> tuple[str, dict[str, Figure], dict[str, float]]:
-    label = f"{classifier_name(figure.classifier)}, {strategy_name(figure.strategy)}"
-    sides = dict(zip(_SIDES, (figure.first, figure.second), strict=True))
-    return label, {side: found for side, found in sides.items() if found is not None}, {}
+def _chart(rows: Sequence[ChangedFigure]) -> Drawing:
+    names = [f"{classifier_name(row.classifier)}, {strategy_name(row.strategy)}" for row in rows]
+    sides = {"A": [row.first for row in rows], "B": [row.second for row in rows]}
+    return charts.runs(names, sides)
 
 
 def _text(side: Mapping[str, Any], name: str) -> str | None:
