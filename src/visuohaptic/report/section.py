@@ -162,11 +162,28 @@ def _narrowed(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
     return own or files
 
 
+def relative_to_run(run: Run, file: str | Path) -> Path:
+    """Give a file's path as the page names it, from the run's folder."""
+    return Path(os.path.relpath(file, run.files.folder))
+
+
+def predictions_of(run: Run, pipeline: str) -> Sequence[Path]:
+    """Give the files that hold a pipeline's predictions."""
+    return _narrowed(_files(run, "predictions"), {"pipeline": pipeline})
+
+
+def folder_of(files: Sequence[Path]) -> Path:
+    """Give the file, or the folder that holds all of several."""
+    return (
+        files[0] if len(files) == 1 else Path(os.path.commonpath([file.parent for file in files]))
+    )
+
+
 def _pattern(run: Run, files: Sequence[Path]) -> str:
     """Name files as one path or pattern, relative to the run's folder."""
-    relative = [Path(os.path.relpath(file, run.files.folder)) for file in files]
+    relative = [relative_to_run(run, file) for file in files]
+    folder = folder_of(relative)
     if len(relative) == 1:
-        return relative[0].as_posix()
-    folder = Path(os.path.commonpath([file.parent for file in relative]))
+        return folder.as_posix()
     deep = any(file.parent != folder for file in relative)
     return (folder / ("**/*.parquet" if deep else "*.parquet")).as_posix()

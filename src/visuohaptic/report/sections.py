@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -51,13 +52,16 @@ from visuohaptic.report.provenance import (
 )
 from visuohaptic.report.questions import (
     BEST_OF_PAPER,
+    MAIN_OPPONENT,
     Answer,
     fixation_answer,
+    has_opponent,
     readings_sentence,
     recognition_answer,
     reproduction_answer,
 )
 from visuohaptic.report.readings import readings_figures
+from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import ReportContext, Values
 from visuohaptic.report.stability import (
@@ -76,7 +80,7 @@ from visuohaptic.report.touches_needed import CurveFigures, curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
-from visuohaptic.studies.cost.front import on_robot
+from visuohaptic.studies.cost.front import first_step, on_robot
 from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.studies.figures import Row
@@ -122,7 +126,7 @@ def answer_values(context: ReportContext) -> Values:
     unseen = UNSEEN[recognition.protocol.protocol]
     answers = (
         *_recognition_answers(run, touches, unseen),
-        cost_verdict(cost) if cost else None,
+        _cost_answer(run, cost) if cost else None,
     )
     influence = influence_figures(
         run.files.extras.get("effect_influence"), run.parameters.scene.preset
@@ -139,11 +143,27 @@ def _recognition_answers(run: Run, touches: int, unseen: str) -> tuple[Answer | 
     """Answer what only recognition can; nothing where it tested no object."""
     if not run.pipelines:
         return ()
+    first = run.pipelines[0]
+    accuracy = recount_accuracy(run, first)
+    compared = next((table for table in run.pipelines if has_opponent(table)), first)
     return (
-        recognition_answer(run.pipelines, len(run.classes), touches, unseen),
-        fixation_answer(run.pipelines, _readings_by_set(run)),
-        reproduction_answer(run.pipelines[0]),
+        _recounted(recognition_answer(run.pipelines, len(run.classes), touches, unseen), accuracy),
+        _recounted(
+            fixation_answer(run.pipelines, _readings_by_set(run)),
+            recount_lead(run, compared, MAIN_OPPONENT),
+        ),
+        _recounted(reproduction_answer(first), accuracy),
     )
+
+
+def _recounted(answer: Answer | None, lines: str) -> Answer | None:
+    """Add the lines that count an answer's number again; an answer may have no number."""
+    return replace(answer, recount=lines) if answer is not None and answer.number else answer
+
+
+def _cost_answer(run: Run, cost: CostFigures) -> Answer | None:
+    first = first_step(cost.rows)
+    return None if first is None else _recounted(cost_verdict(cost), recount_cost(run, first))
 
 
 def _stability_answer(run: Run) -> str | None:
