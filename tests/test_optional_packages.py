@@ -15,7 +15,7 @@ from source_folders import PYTHONPATH
 from visuohaptic import optional_packages
 from visuohaptic.errors import MissingPackageError
 from visuohaptic.optional_packages import require
-from visuohaptic.report.run_comparison import read_measured_run
+from visuohaptic.report.measured_runs import read_measured_run
 
 ROOT = Path(__file__).parents[1]
 # Open3D's wheel asks for a web viewer, of which nothing is imported.

@@ -6,7 +6,8 @@ from browser.conftest import DESK, PHONE, SCREENSHOTS
 from report.synthetic import PARAMETERS, write_run
 
 from visuohaptic.report.files import make_report
-from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
+from visuohaptic.report.measured_runs import read_measured_run
+from visuohaptic.report.run_comparison import compare_runs, render_comparison
 
 pytestmark = pytest.mark.slow
 EVIL = "cup/<script>alert(1)</script>"
@@ -35,7 +36,7 @@ def folder(tmp_path_factory):
     other = PARAMETERS.model_copy(update={"sensor": sensor})
     make_report(write_run(before, NAMES[1:]), before / "report.html", other, NAMES[1:])
     runs = [read_measured_run(place / "metrics.json") for place in (before, folder)]
-    (folder / "comparison.html").write_text(render_comparison(compare_runs(*runs)))
+    (folder / "comparison.html").write_text(render_comparison(compare_runs(runs)))
     assert {file.name for file in folder.glob("*.html")} == {"report.html", "comparison.html"}
     return folder
 

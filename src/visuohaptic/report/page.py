@@ -70,7 +70,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
         sources=sources,
-        summary=summarise_run(run, context.pages, seconds),
+        summary=summarise_run(run, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
         script=script,
