@@ -15,6 +15,7 @@ from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.gaze.summary import summarise
 from visuohaptic.report import drawing, figures
 from visuohaptic.report.comparison import Figure
+from visuohaptic.report.palette import look
 from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import strategy_place
 from visuohaptic.stability.rows import result_table
@@ -113,6 +114,17 @@ def test_a_condition_that_failed_has_no_row(tmp_path):
     assert names(figures.conditions(found)) == ["as run"]
 
 
+def test_a_study_of_which_nothing_could_be_measured_is_refused_in_a_sentence(tmp_path):
+    found = read_figures(write_study(tmp_path, "mine", [("no edge", None, None, None)]), "mine")
+    with pytest.raises(ReportError, match="nothing to draw"):
+        figures.conditions(found)
+
+
+def test_a_curve_of_one_object_has_no_intervals_and_is_drawn(curves):
+    alone = [{**row, "low": None, "high": None} for row in curves]
+    assert marks(figures.touches_needed(alone), "eye fixations").shape == (2, 2)
+
+
 def test_touches_are_counted_from_one(curves):
     places = marks(figures.touches_needed(curves), "eye fixations")
     np.testing.assert_allclose(places, [[1, 0.6], [2, 0.8]])
@@ -172,6 +184,6 @@ def test_an_error_beyond_its_tolerance_stands_at_the_right_end_in_another_colour
 
 
 def test_each_strategy_has_a_mark_and_a_colour_of_its_own():
-    places = [strategy_place(name) for name in (*STRATEGIES.names, "adaptive")]
-    assert places == list(range(len(places)))
-    assert len(places) <= len(drawing.SERIES) == len(set(drawing.MARKS))
+    looks = [look(strategy_place(name)) for name in (*STRATEGIES.names, "adaptive")]
+    colours, shapes = zip(*looks, strict=True)
+    assert len(set(colours)) == len(set(shapes)) == len(looks)

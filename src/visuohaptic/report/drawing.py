@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from types import MappingProxyType
 from typing import Any
 
 from markupsafe import Markup, escape
@@ -17,22 +16,10 @@ from matplotlib import rc_context, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from visuohaptic.report.palette import COLOURS
+
 INCH = 72
 """Units."""
-
-COLOURS: Mapping[str, str] = MappingProxyType(
-    {
-        "ink": "#1c2126", "quiet": "#555d66", "line": "#c9cdd1", "paper": "#fdfdfb", "bad": "#b3261e",
-        "fixation": "#0b57a4", "random": "#a34a00", "third": "#5c2a86", "fourth": "#3d5c1e",
-        "fifth": "#00707a", "sixth": "#a0195c", "seventh": "#6b6100", "eighth": "#4a5560",
-        "ninth": "#7a3b12", "tenth": "#1f7a55",
-    }
-)  # fmt: skip
-"""Colours by the names that the page's style gives them; a dark page has others of these names."""
-
-SERIES = tuple(COLOURS)[5:]
-MARKS = "osD^vP*XpH"
-"""A mark for each of `SERIES`, so that no series is known by its colour alone."""
 
 _STYLE = {
     "font.family": "DejaVu Sans",

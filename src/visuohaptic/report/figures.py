@@ -22,6 +22,7 @@ from visuohaptic.recognition.summary import select
 from visuohaptic.report.comparison import Figure as Estimate
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.cost import duration, time_parts
+from visuohaptic.report.palette import COLOURS, look
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
     counted,
@@ -55,11 +56,15 @@ _MOST_TICKS = 5
 
 @dataclass(frozen=True)
 class Series:
-    """Estimates of one kind, one a row, or None; `place` gives its colour and its mark."""
+    """Estimates of one kind, one a row, or None.
+
+    `place` gives its colour and its mark; `ground` is what fills the mark, if not its colour.
+    """
 
     label: str
     place: int
     estimates: Sequence[Estimate | None]
+    ground: str | None = None
 
 
 def _styled(draw: Callable[Parameters, Figure]) -> Callable[Parameters, Figure]:
@@ -95,13 +100,14 @@ def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
             f"{strategy_name(strategy)}, published",
             strategy_place(strategy),
             [_without_ends(row.published.get(strategy)) for row in table.rows],
+            COLOURS["paper"],
         )
         for strategy in table.strategies
         if any(strategy in row.published for row in table.rows)
     ]
     names = [titled(row.name) for row in table.rows]
     chance = 1 / len(table.best.class_accuracy[table.leading])
-    return _draw_intervals(names, "classifier", series, published=published, chance=chance)
+    return _draw_intervals(names, "classifier", [*series, *published], chance=chance)
 
 
 @_styled
@@ -139,21 +145,21 @@ def touches_needed(table: Rows) -> Figure:
 
     The rows are those of study ``curves`` in `tables.STUDY_FIGURES`, of one pipeline and classifier.
     """
-    rows = _rows(table)
+    rows = [row for row in _rows(table) if row["accuracy"] is not None]
     strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
     chart, axes = _new(215 + _legend_height(strategies))
     for number, strategy in enumerate(strategies):
         own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
         aside = 0.06 * (number - (len(strategies) - 1) / 2)
         touches = np.array([_place_in_study(row) + 1 for row in own])
-        low, high = ([row[end] for row in own] for end in ("low", "high"))
-        colour, mark = _look(strategy_place(strategy))
+        low, high = ([_end(row, end) for row in own] for end in ("low", "high"))
+        colour, mark = look(strategy_place(strategy))
         axes.vlines(touches + aside, low, high, colors=colour, linewidth=0.8, alpha=0.6)
         axes.plot(
             touches + aside, [row["accuracy"] for row in own],
             color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
         )  # fmt: skip
-    lowest = min(row["low"] for row in rows)
+    lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
     _name_axes(axes, "touches", "correctly classified", up_as=percent)
@@ -179,14 +185,14 @@ def coverage(table: pa.Table) -> Figure:
     strategies = list(dict.fromkeys(most.column("strategy").to_pylist()))
     chart, axes = _new(190 + _legend_height([*strategies, "as stated"]))
     for strategy in strategies:
-        colour, mark = _look(strategy_place(strategy))
+        colour, mark = look(strategy_place(strategy))
         axes.plot(
             np.array(STATED_COVERAGES) / 100, covered_shares(most, strategy),
             color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
         )  # fmt: skip
     axes.plot(
         [STATED_COVERAGES[0] / 100, 1], [STATED_COVERAGES[0] / 100, 1],
-        color=_colour("ink"), linestyle="--", linewidth=1, label="as stated",
+        color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated",
     )  # fmt: skip
     axes.set_ylim(0, 1.02)
     _name_axes(axes, "stated coverage", "share of the objects", across_as=percent, up_as=percent)
@@ -228,13 +234,13 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     for number, family in enumerate(families):
         for line in trends([row for row in rows if row["family"] == family]):
             _draw_trend(axes, line, number, nothing)
-        colour, mark = _look(number)
+        colour, mark = look(number)
         axes.plot(
-            [], [], color=colour, marker=mark, mfc=_colour("paper"), label=strategy_name(family)
+            [], [], color=colour, marker=mark, mfc=COLOURS["paper"], label=strategy_name(family)
         )
     _draw_front(axes, [row for row in rows if row["on_front"]], families, nothing)
     axes.plot(
-        [], [], linestyle="", marker="o", color=_colour("quiet"), label="filled: on the front"
+        [], [], linestyle="", marker="o", color=COLOURS["quiet"], label="filled: on the front"
     )
     seconds = [row[name] for row in rows for name in ("seconds_low", "seconds_high")]
     flawless = any(row["error"] == 0 for row in rows)
@@ -254,7 +260,7 @@ def parts_of_time(table: Rows) -> Figure:
     parts = time_parts(reference_row([dict(row) for row in _rows(table)]))
     chart, axes = _new(_AROUND + 20 * len(parts))
     seconds = [part.seconds for part in parts]
-    axes.barh([part.name for part in parts], seconds, height=0.6, color=_look(0)[0])
+    axes.barh([part.name for part in parts], seconds, height=0.6, color=look(0)[0])
     for row, part in enumerate(parts):
         axes.annotate(
             part.each, (part.seconds, row), (3, 0), textcoords="offset points", va="center"
@@ -290,10 +296,10 @@ def stability(table: pa.Table) -> Figure:
     for row, checks in enumerate(families.values()):
         shares = [min(check.share, LARGEST_SHARE) for check in checks]
         held = all(check.held for check in checks)
-        colour = _look(0)[0] if held else _colour("bad")
+        colour = look(0)[0] if held else COLOURS["bad"]
         axes.barh(row, max(shares), height=0.4, color=colour, alpha=0.3)
         axes.vlines(shares, row - 0.3, row + 0.3, colors=colour, linewidth=1.5)
-    axes.axvline(1, color=_colour("bad"), linestyle="--", linewidth=1.2)
+    axes.axvline(1, color=COLOURS["bad"], linestyle="--", linewidth=1.2)
     axes.set_yticks(
         range(len(families)),
         [_family_label(family, checks) for family, checks in families.items()],
@@ -313,7 +319,10 @@ def gaze(rows: Sequence[PredictorRow]) -> Figure:
     The rows are those of `gaze.summary.summarise`, which sums `tables.GAZE` up.
     """
     found = [row.measures["correlation"] for row in rows]
-    estimates = [Estimate(one.mean, *_finite(one.low, one.high)) for one in found]
+    estimates = [
+        _without_ends(one.mean) if math.isnan(one.low) else Estimate(one.mean, one.low, one.high)
+        for one in found
+    ]
     chart = _draw_intervals(
         [row.predictor.label for row in rows], "prediction", [Series("", 0, estimates)],
         across="correlation with looking time",
@@ -328,7 +337,7 @@ def gaze(rows: Sequence[PredictorRow]) -> Figure:
 def bands(deviations: Sequence[float]) -> Figure:
     """Draw the deviations of the sub-bands of an imprint's contourlet transform."""
     chart, axes = _new(105, width=150)
-    axes.bar(range(1, len(deviations) + 1), deviations, color=_look(0)[0])
+    axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
     axes.set_xticks([1, len(deviations)])
     _name_axes(axes, "sub-band", "deviation")
     axes.locator_params(axis="y", nbins=3)
@@ -377,7 +386,6 @@ def _draw_intervals(
     rows_are: str,
     series: Sequence[Series],
     *,
-    published: Sequence[Series] = (),
     chance: float | None = None,
     across: str = "correctly classified",
 ) -> Figure:
@@ -385,25 +393,22 @@ def _draw_intervals(
 
     The axis begins at half where all that it shows lies above, since small distances count there.
     """
-    labels = [one.label for one in (*series, *published) if one.label]
-    rows = max(len(names) * (_GAP + _ROW * len(series)), _LEAST_ROWS)
-    height = _AROUND + rows + _legend_height([*labels, "chance"])
-    chart, axes = _new(height)
-    step = _ROW / (_GAP + _ROW * len(series))
-    offsets = {
-        one.place: step * (number - (len(series) - 1) / 2) for number, one in enumerate(series)
-    }
+    shown = [one for part in series for one in part.estimates if one is not None]
+    if not shown:
+        raise ReportError("Nothing was measured, so there is nothing to draw.")
+    places = list(dict.fromkeys(one.place for one in series))
+    rows = max(len(names) * (_GAP + _ROW * len(places)), _LEAST_ROWS)
+    legend = [*(one.label for one in series if one.label), "chance"]
+    chart, axes = _new(_AROUND + rows + _legend_height(legend))
+    step = _ROW / (_GAP + _ROW * len(places))
     for one in series:
-        _draw_series(axes, one, offsets[one.place])
-    for one in published:
-        _draw_published(axes, one, offsets[one.place])
-    shown = [one for part in (*series, *published) for one in part.estimates if one is not None]
-    start = _HALF if min(_lowest(one) for one in shown) >= _HALF else 0.0
+        _draw_series(axes, one, step * (places.index(one.place) - (len(places) - 1) / 2))
+    start = _HALF if min(map(_lowest, shown)) >= _HALF else 0.0
     if chance is not None and chance >= start:
-        axes.axvline(chance, color=_colour("ink"), linestyle="--", linewidth=1, label="chance")
+        axes.axvline(chance, color=COLOURS["ink"], linestyle="--", linewidth=1, label="chance")
     if any(one.is_limit for one in shown):
         label = "all objects agree: exact limit"
-        axes.plot([], [], color=_colour("quiet"), linestyle=_LIMIT, label=label)
+        axes.plot([], [], color=COLOURS["quiet"], linestyle=_LIMIT, label=label)
     axes.set_xlim(start, 1.01)
     axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
@@ -415,31 +420,22 @@ def _draw_intervals(
 
 def _draw_series(axes: Axes, series: Series, offset: float) -> None:
     rows = [(row + offset, one) for row, one in enumerate(series.estimates) if one is not None]
-    colour, mark = _look(series.place)
+    colour, mark = look(series.place)
     for y, one in rows:
         if one.low is not None and one.high is not None:
             line = _LIMIT if one.is_limit else _SOLID
             axes.hlines(y, one.low, one.high, colors=colour, linestyles=line)
     axes.plot(
-        [one.mean for _, one in rows], [y for y, _ in rows],
-        linestyle="", marker=mark, color=colour, label=series.label or None, clip_on=False,
-    )  # fmt: skip
-
-
-def _draw_published(axes: Axes, series: Series, offset: float) -> None:
-    rows = [(row + offset, one.mean) for row, one in enumerate(series.estimates) if one is not None]
-    colour, mark = _look(series.place)
-    axes.plot(
-        [mean for _, mean in rows], [y for y, _ in rows],
-        linestyle="", marker=mark, color=colour, mfc=_colour("paper"), label=series.label,
+        [one.mean for _, one in rows], [y for y, _ in rows], linestyle="", marker=mark, color=colour,
+        mfc=series.ground or colour, label=series.label or None, clip_on=False,
     )  # fmt: skip
 
 
 def _draw_trend(axes: Axes, line: Sequence[Mapping[str, Any]], family: int, nothing: float) -> None:
-    colour, mark = _look(family)
+    colour, mark = look(family)
     axes.plot(
         [row["seconds"] for row in line], [row["error"] or nothing for row in line],
-        color=colour, marker=mark, mfc=_colour("paper"), markersize=4.5, linewidth=1,
+        color=colour, marker=mark, mfc=COLOURS["paper"], markersize=4.5, linewidth=1,
     )  # fmt: skip
 
 
@@ -448,7 +444,7 @@ def _draw_front(
 ) -> None:
     """Draw the front's settings filled, with their quartiles, intervals and names."""
     for row in rows:
-        colour, mark = _look(families.index(row["family"]))
+        colour, mark = look(families.index(row["family"]))
         error = row["error"] or nothing
         axes.hlines(
             error, row["seconds_low"], row["seconds_high"], colors=colour, linewidth=0.8, alpha=0.6
@@ -459,7 +455,7 @@ def _draw_front(
         name = str(row["setting"]).removesuffix(", 1 viewpoint")
         axes.annotate(
             name, (row["seconds"], error), (5, 4), textcoords="offset points", zorder=4,
-            bbox={"facecolor": _colour("paper"), "edgecolor": "none", "alpha": 0.8, "pad": 0.3},
+            bbox={"facecolor": COLOURS["paper"], "edgecolor": "none", "alpha": 0.8, "pad": 0.3},
         )  # fmt: skip
 
 
@@ -472,19 +468,6 @@ def _new(height: float, width: float = 360) -> tuple[Figure, Axes]:
     from visuohaptic.report.drawing import new_chart
 
     return new_chart(height, width)
-
-
-def _look(place: int) -> tuple[str, str]:
-    """Give the colour and the mark of a series."""
-    from visuohaptic.report.drawing import COLOURS, MARKS, SERIES
-
-    return COLOURS[SERIES[place % len(SERIES)]], MARKS[place % len(MARKS)]
-
-
-def _colour(name: str) -> str:
-    from visuohaptic.report.drawing import COLOURS
-
-    return COLOURS[name]
 
 
 def _name_axes(
@@ -526,16 +509,17 @@ def _place_in_study(row: Mapping[str, Any]) -> int:
     return int(row["place"])
 
 
+def _end(row: Mapping[str, Any], end: str) -> float:
+    """Give the end of an interval; one object alone has none."""
+    return float(row["accuracy"] if row[end] is None else row[end])
+
+
 def _estimate_of(row: Mapping[str, Any]) -> Estimate:
     return Estimate(row["accuracy"], row["low"], row["high"])
 
 
 def _without_ends(value: float | None) -> Estimate | None:
     return None if value is None else Estimate(value, None, None)
-
-
-def _finite(*values: float) -> list[float | None]:
-    return [value if math.isfinite(value) else None for value in values]
 
 
 def _lowest(estimate: Estimate) -> float:

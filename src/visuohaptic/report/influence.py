@@ -10,10 +10,9 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.comparison import Figure
 from visuohaptic.report.pictures import imprint_strip
-from visuohaptic.report.studies import StudyFigures
-from visuohaptic.report.wording import counted, listed, percent, strategy_name, titled
+from visuohaptic.report.studies import Row, StudyFigures, StudyTable
+from visuohaptic.report.wording import counted, listed, percent
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
@@ -76,17 +75,6 @@ class InfluenceFigures:
 
 
 @dataclass(frozen=True)
-class SceneAccuracy:
-    """Accuracy by scene of one pipeline and classifier: sentences, and rows of `tables.STUDY_FIGURES`."""
-
-    pipeline: str
-    classifier: str
-    strategies: tuple[str, ...]
-    sentences: tuple[str, ...]
-    rows: Sequence[Mapping[str, Any]]
-
-
-@dataclass(frozen=True)
 class HardPlace:
     """One hard place as the sensor felt it; `imprint` is the address of a grey picture."""
 
@@ -141,24 +129,15 @@ def effects_answer(figures: InfluenceFigures) -> str:
     return f"{said} {_unchanged(figures.scenes)}".rstrip()
 
 
-def scene_accuracy(study: StudyFigures | None) -> list[SceneAccuracy]:
-    """Give the accuracy in each scene as a whole, from study `effects`, by pipeline and classifier.
-
-    Empty where no scene could be measured.
-    """
-    found = []
-    for table in () if study is None else study.tables:
-        rows = [
-            row
-            for row in table.cells
-            if row["condition"] in PRESETS and row["accuracy"] is not None
-        ]
-        if rows:
-            sentences = tuple(_by_scene(strategy, rows) for strategy in table.strategies)
-            found.append(
-                SceneAccuracy(table.pipeline, table.classifier, table.strategies, sentences, rows)
-            )
-    return found
+def rows_of_scenes(study: StudyFigures) -> list[tuple[StudyTable, list[Row]]]:
+    """Give each table of study `effects`, with its rows of scenes as a whole; none without such rows."""
+    found = [
+        (table, [row for row in table.cells if row["condition"] in PRESETS])
+        for table in study.tables
+    ]
+    return [
+        (table, rows) for table, rows in found if any(row["accuracy"] is not None for row in rows)
+    ]
 
 
 def scene_strips(
@@ -219,22 +198,6 @@ def hard_places(parameters: ExperimentParameters) -> list[HardPlace]:
         )
         for probe, felt in touched
     ]
-
-
-def _by_scene(strategy: str, rows: Sequence[Mapping[str, Any]]) -> str:
-    figures = {
-        row["condition"]: Figure(row["accuracy"], row["low"], row["high"])
-        for row in rows
-        if row["strategy"] == strategy
-    }
-    shares = ", ".join(f"{name} {_with_interval(figure)}" for name, figure in figures.items())
-    return f"{titled(strategy_name(strategy))}, correctly classified by scene: {shares}."
-
-
-def _with_interval(figure: Figure) -> str:
-    if figure.low is None or figure.high is None:
-        return percent(figure.mean)
-    return f"{percent(figure.mean)} ({percent(figure.low)} to {percent(figure.high)})"
 
 
 def _scene_figures(name: str, rows: Sequence[Mapping[str, Any]]) -> SceneFigures:

@@ -41,7 +41,7 @@ from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
     influence_figures,
-    scene_accuracy,
+    rows_of_scenes,
     scene_strips,
 )
 from visuohaptic.report.objects import ObjectPage, most_varied
@@ -282,7 +282,9 @@ def ablations_values(context: ReportContext) -> Values | None:
 
 
 def _conditions(study: StudyFigures) -> object:
-    return figures.conditions(study.tables[0].cells)
+    cells = study.tables[0].cells
+    measured = any(cell["accuracy"] is not None for cell in cells)
+    return figures.conditions(cells) if measured else None
 
 
 def studies_values(context: ReportContext) -> Values | None:
@@ -349,7 +351,7 @@ def effects_values(context: ReportContext) -> Values:
     preset = context.run.parameters.scene.preset
     return {
         "groups": [
-            (title, noun, [effect for effect in effects if (effect.name in VISUAL_EFFECTS) == seen])
+            (title, noun, [row for row in effects if (row["effect"] in VISUAL_EFFECTS) == seen])
             for title, noun, seen in (
                 ("Effects of the view", "views", True),
                 (f"Effects of touch in the scene {preset}", "touches", False),
@@ -364,7 +366,7 @@ def influence_values(context: ReportContext) -> Values:
     extras, scene = context.run.files.extras, context.run.parameters.scene
     page = most_varied(context.pages)
     accuracy = read_study(extras.get("studies"), "effects")
-    by_scene = scene_accuracy(accuracy)
+    by_scene = [] if accuracy is None else rows_of_scenes(accuracy)
     return {
         "page": page,
         "strips": _scene_strips(context.run, page),
@@ -374,7 +376,7 @@ def influence_values(context: ReportContext) -> Values:
         "accuracy": accuracy,
         "by_scene": by_scene,
         "scene_charts": [
-            figures.conditions(one.rows, 1 / len(context.run.classes)) for one in by_scene
+            figures.conditions(rows, 1 / len(context.run.classes)) for _, rows in by_scene
         ],
         "remade": remade_name,
         "scenes": list(PRESETS),
