@@ -91,9 +91,7 @@ from visuohaptic.studies.readings.stored import (
     read_readings,
 )
 from visuohaptic.tables.guards import GUARDS
-from visuohaptic.tables.phases import (
-    CONTOURLET_FEATURES,
-)
+from visuohaptic.tables.phases import CONTOURLET_FEATURES
 from visuohaptic.tables.schema import matrix, read_table
 
 UNSEEN: Mapping[Protocol, str] = {
@@ -376,7 +374,7 @@ def influence_values(context: ReportContext) -> Values:
         "accuracy": accuracy,
         "by_scene": by_scene,
         "scene_charts": [
-            figures.conditions(rows, 1 / len(context.run.classes)) for _, rows in by_scene
+            figures.conditions(rows, 1 / max(len(context.run.classes), 1)) for _, rows in by_scene
         ],
         "remade": remade_name,
         "scenes": list(PRESETS),
