@@ -13,15 +13,16 @@ from visuohaptic.recognition.published import PAPER
 from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
+from visuohaptic.report.chapters import CHAPTERS
 from visuohaptic.report.cost import duration
+from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.gaze import between, decimal
 from visuohaptic.report.glossary import explained
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import Track, describe_objects, most_varied
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run
-from visuohaptic.report.sections import CHAPTERS, ReportContext
-from visuohaptic.report.sources import find_sources
+from visuohaptic.report.section import ReportContext, find_sources
 
 PAPER_ADDRESS = "https://www.mdpi.com/2504-3900/4/1/47"
 
@@ -45,10 +46,13 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
                 body = template.render({**shared, **values})
                 chapters.setdefault(chapter, []).append((section.name, section.titled(run), body))
     explained = most_varied(context.pages)
+    sources = {
+        section.name: list(find_sources(section.tables(run), run, explained))
+        for sections in CHAPTERS.values()
+        for section in sections
+    }
     has_models = any(page.model is not None for page in context.pages)
-    script = (
-        f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('page.js')}{_text('figures.js')}"
-    )
+    script = f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('page.js')}"
     plotly = plotly_library() if has_models else None
     return environment.get_template("page.html.jinja").render(
         policy=content_policy(script, *([plotly.source] if plotly else [])),
@@ -60,8 +64,8 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         marks=_most_marks(context),
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
-        sources=find_sources(run, (explained.key, explained.shown.viewpoint)),
-        summary=summarise_run(run, context.pages, seconds),
+        sources=sources,
+        summary=summarise_run(run, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
         script=script,
@@ -73,7 +77,7 @@ def content_policy(*scripts: str | bytes) -> str:
     """Give a page's Content-Security-Policy: nothing is loaded, and these scripts alone may run.
 
     Scripts are named by their digests, so what someone's file smuggles into the page stays text.
-    Style attributes carry places and lengths of bars, and so are allowed.
+    Style attributes carry the looks of charts and lengths of bars, and so are allowed.
     """
     digests = [
         sha256(script.encode("utf-8") if isinstance(script, str) else script).digest()
@@ -110,6 +114,7 @@ def make_environment() -> Environment:
         "between": between,
         "duration": duration,
         "explained": explained,
+        "svg": inline_svg,
     }
     return environment
 
