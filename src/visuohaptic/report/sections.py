@@ -44,6 +44,7 @@ from visuohaptic.report.influence import (
     scene_accuracy,
     scene_strips,
 )
+from visuohaptic.report.looking import looking_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import (
     PhaseSeconds,
@@ -239,6 +240,12 @@ def certainty_values(context: ReportContext) -> Values:
             parameters.seed,
         ),
     }
+
+
+def looking_values(context: ReportContext) -> Values | None:
+    """Give what the eye alone recognises and what touch adds, or None where it was not measured."""
+    found = looking_figures(context.run.files.extras.get("looking_figures"))
+    return {"looking": found} if found else None
 
 
 def _measured_readings(run: Run) -> MeasuredReadings | None:
@@ -514,6 +521,7 @@ CHAPTERS = {
         Section("touches_needed", "Accuracy against touches", touches_needed_values),
         Section("confusion", "Which classes are confused", confusion_values),
         Section("certainty", "How sure answers are", certainty_values),
+        Section("looking", "What the eye alone recognises, and what touch adds", looking_values),
     ),
     "Cost": (Section("cost", "What accuracy costs in time", cost_values),),
     "Hard cases": (

@@ -70,6 +70,7 @@ def find_sources(run: Run, shown: tuple[str, int]) -> dict[str, list[Source]]:
         "touches_needed": list(_touches_needed(run)),
         "confusion": [_confusion(run)] if run.pipelines else [],
         "certainty": list(_certainty(run)),
+        "looking": list(_looking(run)),
         "cost": list(_cost(run)),
         "gaze": list(_gaze(run)),
         "readings": list(_readings(run)),
@@ -168,6 +169,11 @@ def _cost(run: Run) -> Iterator[Source]:
     )
     for name, what in (("frontier", "Settings of this run"), ("cost", "The whole study")):
         yield from _extra(run, name, what, "cost", columns, ("family", "setting"))
+
+
+def _looking(run: Run) -> Iterator[Source]:
+    columns, by = ("accuracy", "seconds", "gaps"), ("sight", "answer", "strategy", "touches")
+    yield from _extra(run, "looking", "Looking, touching and both", "looking", columns, by)
 
 
 def _readings(run: Run) -> Iterator[Source]:
