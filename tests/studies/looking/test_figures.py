@@ -100,10 +100,16 @@ def test_a_budget_buys_as_many_touches_as_fit_and_blind_ones_pay_no_look(found):
     assert touches[12, BLIND, TOUCH] == 2
 
 
-def test_the_rule_is_compared_with_the_touches_that_fit(found):
-    gains = [row["gain"] for row in found["budgets"] if row["answer"] == STOPPING]
-    assert len(gains) == len(COST.budgets) * (len(STRATEGIES) + 1)
-    assert {gain["over"] for gain in gains} == {LOOK, CHECKED}
+def test_the_rule_is_compared_with_numbers_of_touches_that_take_as_long(found):
+    gains = {
+        row["budget"]: row["gain"]["difference"]
+        for row in found["budgets"]
+        if row["answer"] == STOPPING
+    }
+    # The rule is right in 3 of 4 in 4 and 11 s. A look reaches a half in 0.5 s, one touch no more,
+    # and two touches 3 of 4 in 10.5 s.
+    assert gains[5] == pytest.approx(0.25)
+    assert gains[12] == pytest.approx(0.0)
 
 
 def test_the_worth_of_touching_is_its_best_rise_a_second(found):

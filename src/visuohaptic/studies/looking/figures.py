@@ -153,16 +153,15 @@ class _Summary:
             "calibration_error": cell.calibration_error,
         }
 
-    def gain(self, key: Key, over: Key) -> dict[str, Any]:
-        """Give what one key gains over another, in pairs over objects."""
-        first, second = self.cells[key], self.cells[over]
+    def gain(self, first: Cell, second: Cell, over: str) -> dict[str, Any]:
+        """Give what one cell gains over another, in pairs over objects."""
         generator = spawn_generator(self.seed, "looking", "comparison")
         found = compare_paired(
             first.accuracy, second.accuracy, first.weights, self.intervals, generator
         )
         ends = plain_interval(found.difference)
         return {
-            "over": over[1],
+            "over": over,
             "difference": ends["mean"],
             "low": ends["low"],
             "high": ends["high"],
@@ -172,13 +171,14 @@ class _Summary:
     def sight(self, sight: str) -> dict[str, Any]:
         """Compare the senses in one sight."""
         keys = {answer: self.key(sight, answer) for answer in (*CUES, TOUCH, *FUSED)}
-        better = max((keys[LOOK], keys[TOUCH]), key=lambda key: self.cells[key].mean)
+        cells = {answer: self.cells[key] for answer, key in keys.items()}
+        better = max((LOOK, TOUCH), key=lambda answer: cells[answer].mean)
         return {
             "sight": sight,
             "answers": {answer: self.row(key) for answer, key in keys.items()},
             "gains": {
-                **{answer: self.gain(keys[answer], better) for answer in FUSED},
-                TOUCH: self.gain(keys[TOUCH], keys[LOOK]),
+                **{answer: self.gain(cells[answer], cells[better], better) for answer in FUSED},
+                TOUCH: self.gain(cells[TOUCH], cells[LOOK], LOOK),
             },
         }
 
@@ -198,14 +198,27 @@ class _Summary:
             for answer in (TOUCH, CHECKED):
                 if key := self._affordable(budget, answer, strategy):
                     yield {"budget": budget, "answer": answer, **self._named(key, strategy)}
-            fixed = self._affordable(budget, CHECKED, strategy)
             (stops,) = [
                 key
                 for key in self.cells
                 if key[:3] == (CLEAN, STOPPING, strategy) and key[4] == budget
             ]
-            row = {"budget": budget, "answer": STOPPING, **self._named(stops)}
-            yield row | ({"gain": self.gain(stops, fixed)} if fixed else {})
+            stopped = self.cells[stops]
+            fixed = self.fixed(strategy, stopped.seconds)
+            gain = self.gain(stopped, fixed, f"{fixed.seconds:.1f} s")
+            yield {"budget": budget, "answer": STOPPING, **self._named(stops), "gain": gain}
+
+    def fixed(self, strategy: str, seconds: float) -> Cell:
+        """Mix the two nearest numbers of touches after a look that are the same for all, so that they take as long."""
+        keys = [self.key(CLEAN, LOOK)]
+        keys += sorted(key for key in self.cells if key[:3] == (CLEAN, CHECKED, strategy))
+        line = [self.cells[key] for key in keys]
+        later = next((n for n, cell in enumerate(line) if cell.seconds >= seconds), len(line) - 1)
+        first, second = line[max(later - 1, 0)], line[later]
+        step = second.seconds - first.seconds
+        share = min((seconds - first.seconds) / step, 1.0) if step else 0.0
+        accuracy = (1 - share) * first.accuracy + share * second.accuracy
+        return Cell(accuracy, first.weights, seconds, np.nan)
 
     def _named(self, key: Key, strategy: str | None = None) -> dict[str, Any]:
         return {"strategy": strategy or key[2], "touches": key[3], **self.row(key)}
