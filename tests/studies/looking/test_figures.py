@@ -94,8 +94,7 @@ def test_a_budget_buys_as_many_touches_as_fit_and_blind_ones_pay_no_look(found):
         (row["budget"], row["strategy"], row["answer"]): row["touches"] for row in found["budgets"]
     }
     assert touches[5, BLIND, TOUCH] == 1
-    assert touches[5, STRATEGIES[0], CHECKED] == 0
-    assert (5, STRATEGIES[0], TOUCH) not in touches
+    assert not {(5, STRATEGIES[0], CHECKED), (5, STRATEGIES[0], TOUCH)} & set(touches)
     assert touches[12, STRATEGIES[0], TOUCH] == 2
     assert touches[12, BLIND, TOUCH] == 2
 

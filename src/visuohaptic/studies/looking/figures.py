@@ -224,13 +224,11 @@ class _Summary:
         return {"strategy": strategy or key[2], "touches": key[3], **self.row(key)}
 
     def _affordable(self, budget: float, answer: str, strategy: str) -> Key | None:
-        """Name the most touches within a budget; a look alone where both senses have time for no more."""
+        """Name the most touches within a budget; None where there is time for none."""
         paid = 0.0 if (answer, strategy) == (TOUCH, BLIND) else self.cost.look_seconds
         count = int((budget - paid) // self.cost.touch_seconds)
         most = max(key[3] for key in self.cells)
-        if budget < paid or (answer == TOUCH and not count):
-            return None
-        return self.key(CLEAN, answer, strategy, min(count, most))
+        return self.key(CLEAN, answer, strategy, min(count, most)) if count > 0 else None
 
     def worth(self, sight: str) -> dict[str, Any]:
         """Find the number of touches after a look that brings most accuracy a second, in a sight."""
