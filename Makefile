@@ -75,6 +75,7 @@ readme: $(DEVELOP) report
 	python docs/make_readings.py
 	python docs/make_claims.py
 	python docs/make_lead_picture.py
+	python docs/make_looking.py
 	python docs/make_tables.py
 	python docs/make_overview_picture.py
 

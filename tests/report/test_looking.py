@@ -39,6 +39,17 @@ def test_the_sentence_says_what_each_sense_reaches_in_clean_and_in_the_poorest_s
     assert "poorest sight (dark) the eye alone reaches 25.0 %" in sentence
 
 
+def test_the_chart_has_a_look_and_every_touch_of_every_strategy_on_a_line(tmp_path):
+    (tmp_path / "results").mkdir()
+    (tmp_path / "reports").mkdir()
+    found = looking_figures(write_looking(tmp_path))
+    strategies = len(found.strategies)
+    assert strategies == 4
+    assert len(found.times.marks) == strategies * (1 + TOUCHES)
+    assert len(found.times.lines) == strategies * TOUCHES
+    assert "no touch, 0.5 s: 50.0" in found.times.marks[0].label
+
+
 def test_without_the_study_there_is_no_section(tmp_path):
     assert looking_figures(None) is None
     assert looking_figures(tmp_path / "looking.json") is None
