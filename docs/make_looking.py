@@ -1,7 +1,7 @@
 """Fill the tables of docs/looking.md and draw its picture from kept figures of study looking.
 
 docs/figures/looking_paper.json and looking_benchmark.json hold reports/looking.json of the paper's twelve
-objects and of the catalogue's 142, with the command and the date. `python docs/make_looking.py paper COMMAND`
+objects and of the catalogue's 142, with the command that gives them and the date. `python docs/make_looking.py paper COMMAND`
 keeps those of the run that is there.
 """
 
