@@ -154,7 +154,9 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
         _draw_sights(axes[1, column], figures)
     for row in axes:
         row[0].set_ylabel("correctly classified, %")
-        row[0].legend(fontsize=7, loc="lower right")
+    axes[0, 0].legend(fontsize=7, loc="lower right")
+    axes[1, 0].legend(fontsize=7, loc="upper center", ncols=4)
+    axes[1, 0].set_ylim(0, 115)
     return figure
 
 
