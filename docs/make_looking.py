@@ -21,7 +21,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from visuohaptic.studies.looking.figures import FUSED
-from visuohaptic.studies.looking.measuring import (
+from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND
+from visuohaptic.studies.looking.sensing import STRATEGIES as COMPARED
+from visuohaptic.studies.looking.settings import (
     CHECKED,
     LOOK,
     PRODUCT,
@@ -29,8 +31,6 @@ from visuohaptic.studies.looking.measuring import (
     STOPPING,
     TOUCH,
 )
-from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND
-from visuohaptic.studies.looking.sensing import STRATEGIES as COMPARED
 
 DOCS = Path(__file__).parent
 PAGE = DOCS / "looking.md"

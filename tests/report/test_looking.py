@@ -12,8 +12,8 @@ from visuohaptic.report.run import read_run
 from visuohaptic.report.run_folder import find_run
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.looking.figures import sum_up_looking
-from visuohaptic.studies.looking.measuring import LOOK
 from visuohaptic.studies.looking.seeing import SIGHTS
+from visuohaptic.studies.looking.settings import LOOK
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import LOOKING
 

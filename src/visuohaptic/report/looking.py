@@ -12,7 +12,7 @@ from visuohaptic.errors import ReportError
 from visuohaptic.report.charts import LogAxis, Point, PointChart, place_points
 from visuohaptic.report.comparison import Figure
 from visuohaptic.report.wording import counted, percent, strategy_name
-from visuohaptic.studies.looking.measuring import CHECKED, LOOK, PRODUCT, TOUCH
+from visuohaptic.studies.looking.settings import CHECKED, LOOK, PRODUCT, TOUCH
 
 ANSWERS = {LOOK: "look", TOUCH: "touch", PRODUCT: "product", CHECKED: "checked product"}
 """What is shown, by the names of `tables.LOOKING`."""

@@ -8,8 +8,9 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.adaptive import gather_candidates
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.summary import select
-from visuohaptic.studies.looking.seeing import CUES, SIGHTS
+from visuohaptic.studies.looking.seeing import SIGHTS
 from visuohaptic.studies.looking.sensing import ADAPTIVE, STRATEGIES, Sensed, most_touches
+from visuohaptic.studies.looking.settings import CUES
 
 RUN = ExperimentParameters.from_mapping(
     {

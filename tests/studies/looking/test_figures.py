@@ -6,16 +6,18 @@ import pytest
 from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.looking.figures import cells_of, sum_up_looking
-from visuohaptic.studies.looking.measuring import (
+from visuohaptic.studies.looking.seeing import SIGHTS
+from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND, STRATEGIES
+from visuohaptic.studies.looking.settings import (
     CHECKED,
+    CLEAN,
+    CUES,
     LOOK,
     PRODUCT,
     SIDE_BY_SIDE,
     STOPPING,
     TOUCH,
 )
-from visuohaptic.studies.looking.seeing import CLEAN, CUES, SIGHTS
-from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND, STRATEGIES
 from visuohaptic.tables.schema import build_table
 from visuohaptic.tables.studies import LOOKING
 

@@ -12,7 +12,7 @@ from visuohaptic.geometry.surface import write_surface
 from visuohaptic.studies.curves.adaptive import make_candidates
 from visuohaptic.studies.looking import sensing
 from visuohaptic.studies.looking.files import make_looking
-from visuohaptic.studies.looking.seeing import CUES, SIGHTS
+from visuohaptic.studies.looking.seeing import SIGHTS
 from visuohaptic.studies.looking.sensing import (
     ADAPTIVE,
     STRATEGIES,
@@ -20,6 +20,7 @@ from visuohaptic.studies.looking.sensing import (
     sense_all,
     sense_object,
 )
+from visuohaptic.studies.looking.settings import CUES
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import LOOKING

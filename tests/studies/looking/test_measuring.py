@@ -5,17 +5,19 @@ import pytest
 from studies.looking.synthetic import RUN, made_up
 
 from visuohaptic.recognition.summary import select
-from visuohaptic.studies.looking.measuring import (
+from visuohaptic.studies.looking.measuring import measure_looking
+from visuohaptic.studies.looking.seeing import SIGHTS
+from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND, STRATEGIES, most_touches
+from visuohaptic.studies.looking.settings import (
     CHECKED,
+    CLEAN,
+    CUES,
     LOOK,
     PRODUCT,
     SIDE_BY_SIDE,
     STOPPING,
     TOUCH,
-    measure_looking,
 )
-from visuohaptic.studies.looking.seeing import CLEAN, CUES, SIGHTS
-from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND, STRATEGIES, most_touches
 from visuohaptic.tables.schema import check_table
 from visuohaptic.tables.studies import LOOKING
 

@@ -9,8 +9,6 @@ from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.studies.looking.seeing import (
-    CLEAN,
-    CUES,
     SIGHTS,
     Seen,
     as_bytes,
@@ -18,6 +16,7 @@ from visuohaptic.studies.looking.seeing import (
     describe_views,
     gradient_histograms,
 )
+from visuohaptic.studies.looking.settings import CLEAN, CUES
 
 
 @pytest.fixture(scope="module")

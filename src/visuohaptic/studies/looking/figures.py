@@ -14,16 +14,18 @@ from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.intervals import compare_paired, plain_interval, rate_interval
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.looking.measuring import (
+from visuohaptic.studies.looking.seeing import SIGHTS
+from visuohaptic.studies.looking.sensing import BLIND, STRATEGIES, compared
+from visuohaptic.studies.looking.settings import (
     CHECKED,
+    CLEAN,
+    CUES,
     LOOK,
     PRODUCT,
     SIDE_BY_SIDE,
     STOPPING,
     TOUCH,
 )
-from visuohaptic.studies.looking.seeing import CLEAN, CUES, SIGHTS
-from visuohaptic.studies.looking.sensing import BLIND, STRATEGIES, compared
 from visuohaptic.tables.phases import owners_of
 from visuohaptic.tables.schema import matrix
 

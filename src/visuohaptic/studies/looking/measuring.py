@@ -23,7 +23,7 @@ from visuohaptic.studies.looking.answers import (
     make_trials,
     multiply,
 )
-from visuohaptic.studies.looking.seeing import CLEAN, CUES, SIGHTS
+from visuohaptic.studies.looking.seeing import SIGHTS
 from visuohaptic.studies.looking.sensing import (
     ADAPTIVE,
     BLIND,
@@ -33,6 +33,16 @@ from visuohaptic.studies.looking.sensing import (
     most_touches,
     touches_of_run,
 )
+from visuohaptic.studies.looking.settings import (
+    CHECKED,
+    CLEAN,
+    CUES,
+    LOOK,
+    PRODUCT,
+    SIDE_BY_SIDE,
+    STOPPING,
+    TOUCH,
+)
 from visuohaptic.studies.looking.stopping import learn_pace, rule_of_budget
 from visuohaptic.tables.schema import build_table
 from visuohaptic.tables.studies import CONFIDENCE_BINS, LOOKING
@@ -40,14 +50,6 @@ from visuohaptic.tables.studies import CONFIDENCE_BINS, LOOKING
 if TYPE_CHECKING:
     from visuohaptic.recognition.adaptive import Candidates
     from visuohaptic.recognition.sequences import TouchSequences
-
-LOOK = CUES[0]
-"""What of looking is combined with touch."""
-
-TOUCH, PRODUCT, CHECKED, SIDE_BY_SIDE, STOPPING = (
-    *("touch", "product", "checked product"),
-    *("side by side", "stopping"),
-)
 
 
 def measure_looking(sensed: Sensed, run: ExperimentParameters, processes: int) -> pa.Table:

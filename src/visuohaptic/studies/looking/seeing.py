@@ -10,18 +10,13 @@ from numpy.typing import NDArray
 
 from visuohaptic.fixations.rendering import Views
 from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
+from visuohaptic.studies.looking.settings import CLEAN, CUES
 
 FINEST = 128
 """Rows and columns of the eye's picture, at most (pixels); of a finer view every second or later pixel is taken."""
 
 WINDOW = 64
 """Rows and columns of the picture that is described (pixels)."""
-
-CLEAN = "clean"
-"""The sight in which looking is learnt."""
-
-CUES = ("view", "outline")
-"""What is described: the grey picture, or the silhouette that is cut out of it."""
 
 LEAST_CONTRAST = 2
 """By how many of 255 levels an object's colour differs from a background without noise."""

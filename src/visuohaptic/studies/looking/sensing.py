@@ -16,7 +16,8 @@ from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import with_changes
 from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE
-from visuohaptic.studies.looking.seeing import CUES, SIGHTS, describe_views
+from visuohaptic.studies.looking.seeing import SIGHTS, describe_views
+from visuohaptic.studies.looking.settings import CUES
 
 if TYPE_CHECKING:
     from visuohaptic.fixations.locations import Look
