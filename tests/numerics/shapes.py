@@ -168,16 +168,3 @@ def run_chain(source, folder, seed=7, resolution=64, block=(0, 1, 2, 3), name="m
         "touches": touches,
         "features": read_table(FEATURES, folder / f"{name}-features.parquet"),
     }
-
-
-def run_block(task):
-    """Run the chain for a block of viewpoints; for processes, which take one argument."""
-    source, folder, block = task
-    return run_chain(source, folder, block=block, name=f"part-{block[0]}-{len(block)}")
-
-
-def is_one_sentence(text):
-    """Tell whether a refusal is one line that ends like a sentence."""
-    return (
-        "\n" not in text and text.endswith(".") and 10 < len(text) < 600 and "Traceback" not in text
-    )
