@@ -11,6 +11,7 @@ from report.pages import read_page
 from report.synthetic import lay_out, write_study
 from report.test_certainty import evaluation_table, write_certainty
 from report.test_gaze import TABLE as GAZED
+from report.test_looking import write_looking
 from report.test_readings import MADE
 from report.test_stability import ON_OBJECT, written
 from report.test_touches_needed import write_tables
@@ -50,6 +51,7 @@ def folder(tmp_path_factory):
     summary = json.dumps({"report": MADE.model_dump(mode="json")})
     (folder / "reports/readings.json").write_text(summary)
     write_certainty(folder)
+    write_looking(folder)
     write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
     guards = {"guard": ["shuffled labels give chance"], "outcome": ["held"], "found": ["So."]}
     write_table(GUARDS, build_table(GUARDS, guards), results / "guards.parquet")

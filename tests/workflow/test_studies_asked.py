@@ -26,6 +26,7 @@ STUDIES = (*PACKAGED, READINGS, *(Study(name, "Mine") for name in ("palm", "palm
         ("results/cost_seconds.parquet", "cost"),
         ("results/certainty.parquet", "certainty"),
         ("reports/certainty.json", "certainty"),
+        ("results/looking.parquet", "looking"),
         ("reports/curves.json", "curves"),
         ("results/touches_needed.parquet", "curves"),
         ("results/study_adaptive/best.parquet", "curves"),

@@ -139,7 +139,7 @@ for study, step in STEPS:
             step.record.replace("results/records", "logs").replace(".json", ".log"),
         conda:
             "../envs/visuohaptic.yaml"
-        # It works on one; what measures run times takes all there are, so that no other job is in its way.
+        # What measures run times works on one, and takes all there are, so that no other job is in its way.
         threads: all_cores if step.is_alone else 1
         params:
             key=key_of_rule(step.name),

@@ -1,6 +1,7 @@
 """What the rules of studies share: conditions, their blocks, and what each job takes."""
 
 from importlib.util import find_spec
+from operator import attrgetter
 
 from visuohaptic.studies.conditions import (
     describe_conditions,
@@ -214,7 +215,14 @@ def inputs_of_step(study, step):
         "made": lambda: made_features(study.name, PLANS[study.name].remakes),
     }
     found = {name: tables[name]() for name in step.takes if name in tables}
-    others = [name for name in step.takes if name not in tables]
+    others = [
+        *(name for name in step.takes if name not in tables),
+        *(
+            file
+            for name, file in step.takes_where.items()
+            if attrgetter(name)(PARAMETERS)
+        ),
+    ]
     return {**found, **({"tables": of_pipelines(others)} if others else {})}
 
 

@@ -28,5 +28,6 @@ with job(snakemake):
             made=dict(zip(asked.remade, inputs.get("made", ()), strict=True)),
             objects=asked.sample,
             condition=asked.condition,
+            processes=snakemake.threads,
         ),
     )

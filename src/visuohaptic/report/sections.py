@@ -43,6 +43,7 @@ from visuohaptic.report.influence import (
     rows_of_scenes,
     scene_strips,
 )
+from visuohaptic.report.looking import looking_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import (
     describe_machine,
@@ -235,6 +236,12 @@ def certainty_values(context: ReportContext) -> Values:
             parameters.seed,
         ),
     }
+
+
+def looking_values(context: ReportContext) -> Values | None:
+    """Give what the eye alone recognises and what touch adds, or None where it was not measured."""
+    found = looking_figures(context.run.files.extras.get("looking_figures"))
+    return {"looking": found, "times": figures.looking(found.curves)} if found else None
 
 
 def _readings(run: Run) -> ReadingsSummary:

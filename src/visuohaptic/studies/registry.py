@@ -16,6 +16,7 @@ from visuohaptic.studies.certainty import CERTAINTY_STUDY
 from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER
 from visuohaptic.studies.curves.settings import CURVES
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
+from visuohaptic.studies.looking.settings import LOOKING_STUDY
 from visuohaptic.studies.own import read_study
 from visuohaptic.studies.study import Study
 
@@ -27,6 +28,7 @@ STUDIES = (
     EFFECTS_STUDY,
     INFLUENCE,
     CERTAINTY_STUDY,
+    LOOKING_STUDY,
 )
 """The studies of the package."""
 

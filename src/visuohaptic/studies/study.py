@@ -81,6 +81,8 @@ class Given:
         Objects, ``class/name``, that count; None for all.
     condition : mapping or None
         The condition of a step with a job for each, as `conditions.describe_conditions` gives it.
+    processes : int
+        Processes that it may start; their number changes no result.
     """
 
     study: str
@@ -91,6 +93,7 @@ class Given:
     made: Mapping[str, str] = field(default_factory=dict)
     objects: Sequence[str] | None = None
     condition: Mapping[str, Any] | None = None
+    processes: int = 1
 
 
 @dataclass(frozen=True)
@@ -109,6 +112,8 @@ class Step:
     takes : tuple of str
         Tables of the run (``meshes``, ``fixations``, ``features``), ``blocks`` of the conditions, ``made``
         (features of all conditions that the run does not have), and files of other steps.
+    takes_where : mapping of str to str
+        Files of other steps that it takes only where a parameter is true, by the parameter's dotted name.
     needs : mapping
         Parameters that it depends on, as `pydantic.BaseModel.model_dump` takes them.
     objects : str
@@ -116,7 +121,7 @@ class Step:
     is_block : bool
         Whether its files hold rows of `tables.STUDY`, which count as blocks do.
     is_alone : bool
-        Whether it measures run times, and so takes all cores.
+        Whether it takes all cores: it measures run times, or starts processes of its own.
     is_shown : bool
         Whether the report shows its files.
     """
@@ -125,6 +130,7 @@ class Step:
     work: str
     files: tuple[str, ...]
     takes: tuple[str, ...] = ("blocks",)
+    takes_where: Mapping[str, str] = field(default_factory=dict)
     needs: Mapping[str, Any] = field(
         default_factory=lambda: {"include": {"seed": True, "recognition": {"intervals"}}}
     )
