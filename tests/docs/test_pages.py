@@ -21,6 +21,7 @@ from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
 from visuohaptic.cli.commands import app
+from visuohaptic.pipeline import OF_OBJECT
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 ROOT = Path(__file__).parents[2]
@@ -33,9 +34,14 @@ PAGES = (
 # Pages whose Python has a test of its own.
 RUN_ELSEWHERE = {"tour.md"}
 STUDIES = {f"study_{file.stem}" for file in ROOT.glob("studies/*.yaml") if file.stem != "dvc"}
-RULES = STUDIES | set(
-    re.findall(
-        r"^rule (\w+):", "".join(f.read_text() for f in ROOT.glob("workflow/rules/*.smk")), re.M
+OF_PHASES = {name for phase in OF_OBJECT for name in (phase.name, f"{phase.name}_all")}
+RULES = (
+    STUDIES
+    | OF_PHASES
+    | set(
+        re.findall(
+            r"^rule (\w+):", "".join(f.read_text() for f in ROOT.glob("workflow/rules/*.smk")), re.M
+        )
     )
 )
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from properties import arrays, given, st
 
-from visuohaptic.fixations.outline import follow_outline, outline_pixels
+from visuohaptic.fixations.strategies.contour import follow_outline, outline_pixels
 
 SIZE = 64
 ROWS, COLUMNS = np.mgrid[:SIZE, :SIZE]

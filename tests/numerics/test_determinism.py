@@ -26,8 +26,8 @@ def test_blocks_of_viewpoints_in_any_order_and_process_give_the_same_tables(
     whole = run_chain(tmp_path / "torus.stl", tmp_path, name="whole")
     generator = np.random.default_rng(rounds)
     for _ in range(rounds):
-        order = generator.permutation(VIEWPOINTS.total)
-        cuts = np.sort(generator.integers(1, VIEWPOINTS.total, 2))
+        order = generator.permutation(VIEWPOINTS)
+        cuts = np.sort(generator.integers(1, VIEWPOINTS, 2))
         blocks = [sorted(block.tolist()) for block in np.split(order, cuts) if len(block)]
         folder = tmp_path / "parts"
         folder.mkdir(exist_ok=True)

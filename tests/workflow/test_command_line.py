@@ -53,7 +53,7 @@ def finished(fresh):
 def test_eight_jobs_run_at_a_time(fresh, option):
     fresh.set(workflow={"views_per_job": 1})
     fresh.snakemake("meshes_all")
-    script = fresh.folder / "workflow/scripts/fixations.py"
+    script = fresh.folder / "workflow/scripts/phase.py"
     script.write_text(WAITS_FOR_SEVEN_OTHERS + script.read_text())
     fresh.run("snakemake", *option, "--until", "fixations")
 

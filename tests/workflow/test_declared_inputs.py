@@ -5,6 +5,8 @@ import csv
 import pytest
 from small_experiment import SMALL_OBJECTS as OBJECTS
 
+from visuohaptic.pipeline import OF_OBJECT
+
 pytestmark = pytest.mark.workflow
 
 ALL_BUT_MESHES = {
@@ -80,8 +82,8 @@ print("checked", len({job.rule for job in CHECKED}), "rules")
     )
     output = experiment.snakemake("-n", "-s", "Checked", "--", "meshes_all").stdout
     with_a_script = sum(
-        text.count("    script:")
-        for text in (file.read_text() for file in (fresh.folder / "workflow/rules").glob("*.smk"))
+        len(OF_OBJECT) if file.stem == "phases" else file.read_text().count("    script:")
+        for file in (fresh.folder / "workflow/rules").glob("*.smk")
     )
     assert f"checked {with_a_script} rules" in output
 

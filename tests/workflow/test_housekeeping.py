@@ -61,9 +61,9 @@ def test_touched_scripts_rules_and_modules_rerun_nothing(experiment):
     assert experiment.planned() == {}
 
 
-def test_an_edited_script_reruns_its_phase_and_what_follows(experiment):
-    script = experiment.folder / "workflow/scripts/features.py"
-    script.write_text(f"{script.read_text()}# edited\n")
+def test_an_edited_module_reruns_its_phase_and_what_follows(experiment):
+    module = experiment.folder / "src/visuohaptic/features/describing.py"
+    module.write_text(f"{module.read_text()}# edited\n")
     planned = experiment.planned()
     assert planned["features"] == 4
     assert "touches" not in planned

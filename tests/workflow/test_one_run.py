@@ -88,10 +88,9 @@ def at_work(fresh):
     """An experiment whose run is in the middle of its jobs."""
     experiment = fresh
     experiment.run("git", "init", "-q")
-    script = experiment.folder / "workflow/scripts/features.py"
-    script.write_text(
-        f"import time\nif not __import__('os').path.exists('go'):\n    time.sleep(60)\n{script.read_text()}"
-    )
+    module = experiment.folder / "src/visuohaptic/features/describing.py"
+    waits = "import os, time\nif not os.path.exists('go'):\n    time.sleep(60)\n"
+    module.write_text(f"{module.read_text()}\n{waits}")
     process = start(experiment, "snakemake", "-j2")
     wait_for(lambda: parts(experiment, "touches"))
     yield experiment

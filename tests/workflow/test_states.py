@@ -6,11 +6,11 @@ import shutil
 import numpy as np
 import pytest
 from workflow.conftest import Experiment
-from workflow.walks import STAND_IN, digests, make_experiment
+from workflow.walks import digests, make_experiment
 
 pytestmark = pytest.mark.workflow
 
-MODULE = "src/visuohaptic/seeds.py"
+MODULE = "src/visuohaptic/features/describing.py"
 SOURCE = "meshes/paper/chair/bsby_chair3.ply.gz"
 TABLE = "results/features/chair/bsby_chair3/00-01.parquet"
 LONG_AGO = (946_000_000, 946_000_000)
@@ -18,10 +18,9 @@ LONG_AGO = (946_000_000, 946_000_000)
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """A finished experiment; its scripts are stand-ins, and that of the features imports a module."""
+    """A finished experiment; its scripts are stand-ins."""
     folder = tmp_path_factory.mktemp("whole") / "experiment"
     make_experiment(folder)
-    (folder / "workflow/scripts/features.py").write_text(f"{STAND_IN}import visuohaptic.seeds\n")
     experiment = Experiment(folder)
     experiment.snakemake()
     return experiment
@@ -115,7 +114,7 @@ def test_files_of_the_user_stay_and_what_is_no_longer_named_is_put_aside(experim
 
 
 def test_code_edited_while_a_job_runs_certifies_nothing(experiment):
-    script = experiment.folder / "workflow/scripts/features.py"
+    script = experiment.folder / "workflow/scripts/phase.py"
     whole = script.read_text()
     module = experiment.folder / MODULE
     edit = f"    with open({str(module)!r}, 'a') as stream:\n        stream.write('# edited')\n"

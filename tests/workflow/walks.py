@@ -66,13 +66,13 @@ with job(snakemake):
         if str(file) != record:
             file.write_text(f"{file} {given.hexdigest()}")
 '''
-SCRIPTS = ("features", "touches", "recognition")
+SCRIPTS = ("phase", "recognition")
 MODULES = {
     "features": "visuohaptic.features.describing",
-    "touches": "visuohaptic.scene.parameters",
+    "touches": "visuohaptic.touches.touching",
     "recognition": "visuohaptic.recognition.sequences",
 }
-"""A module that each script imports, and through it real ones, with the packages that these import."""
+"""A module that each phase runs, and through it real ones, with the packages that these import."""
 OWN_MODEL = "meshes/own/chair/stool.stl"
 LONG_AGO = (946_000_000, 946_000_000)
 PARAMETERS = (
@@ -137,7 +137,10 @@ def make_experiment(folder):
 def stand_in(name, version=0):
     """Give the script that stands in for one of the workflow's."""
     text = STAND_IN.replace("VERSION = 0", f"VERSION = {version}")
-    if name in MODULES:
+    if name == "phase":
+        named = "import_module(snakemake.params.work.partition(':')[0])"
+        text = text.replace("code = None", f"from importlib import import_module\n\ncode = {named}")
+    if name == "recognition":
         text = text.replace("code = None", f"import {MODULES[name]} as code")
     return text
 
@@ -242,7 +245,7 @@ class Walk:
 
     def write_module(self, value):
         """Let a module have another value, and give its path and name."""
-        name = MODULES[self.draw(SCRIPTS)]
+        name = MODULES[self.draw(tuple(MODULES))]
         path = self.folder / "src" / f"{name.replace('.', '/')}.py"
         text = path.read_text().partition("\nVALUE = ")[0].rstrip("\n")
         path.write_text(f"{text}\nVALUE = {value}\n")

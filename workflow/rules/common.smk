@@ -24,12 +24,12 @@ from visuohaptic.parameters import (
     check_run,
     check_spelling,
 )
+from visuohaptic.pipeline import OF_OBJECT, phase as phase_of
 from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
-from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.whole_files import write_whole
 from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.closing import lines_at_end
-from visuohaptic_workflow.closure import code_of, with_plug_ins
+from visuohaptic_workflow.closure import Start, code_of, with_plug_ins
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.keys import Keys, read_record
@@ -104,12 +104,6 @@ or_stop(load_files, config.get("plugins", []))
 hand_on()
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
-# Of each sequence of touches.
-WANTED = {
-    "touches": PARAMETERS.attention.fixations,
-    "unreachable": PARAMETERS.probing.unreachable,
-    "when_exhausted": PARAMETERS.probing.when_exhausted,
-}
 CATALOGUED = {
     model.key: model
     for model in or_stop(
@@ -241,9 +235,13 @@ GIVEN_FILE = Path("logs/given.json")
 GIVEN = {}
 
 
-def takes(name, script, check=None, **inputs):
-    """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits."""
-    DECLARED[name] = Declared(ROOT / "workflow/scripts" / script, inputs)
+def takes(name, script, check=None, runs=(), chosen=(), **inputs):
+    """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits.
+
+    The script `runs` modules of which it does not know; of registries the entries count that are `chosen`.
+    """
+    start = Start(ROOT / "workflow/scripts" / script, tuple(runs), tuple(chosen))
+    DECLARED[name] = Declared(start, inputs)
 
     def chosen(wildcards):
         if check is not None:
@@ -279,7 +277,7 @@ def keep_times_out(item):
 def code_of_rule(name):
     """List the files of code that a rule runs, as inputs."""
     return in_clone(
-        os.path.relpath(file) for file in find_code(DECLARED[name].script).files
+        os.path.relpath(file) for file in find_code(DECLARED[name].start).files
     )
 
 
@@ -304,10 +302,10 @@ def keys():
 
 
 @cache
-def find_code(script):
-    """Find what a script runs, plug-ins among it."""
+def find_code(start):
+    """Find what a job runs, plug-ins among it."""
     sources = tuple(SOURCES)
-    return with_plug_ins(code_of(script, sources), loaded(), sources)
+    return with_plug_ins(code_of(start, sources), loaded(), sources)
 
 
 def packed_code(wildcards):

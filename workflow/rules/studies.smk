@@ -432,7 +432,7 @@ rule effect_influence:
         sensor=PARAMETERS.sensor.model_dump(),
         scene=PARAMETERS.scene.model_dump(),
         seed=PARAMETERS.seed,
-        wanted=WANTED,
+        wanted=phase_of("touches").written_values(PARAMETERS)["wanted"],
     message:
         "measuring what each effect costs, and how far it moves images"
     script:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
@@ -61,20 +64,24 @@ def touch_locations(
     )
 
 
+class Touched(NamedTuple):
+    """The tables of the second phase, as `touch_tables` gives them."""
+
+    touches: pa.Table
+    effects: pa.Table
+
+
 def acquire_touches(
-    caster: RayCaster,
+    subject: Subject,
     fixations: pa.Table,
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
     wanted: Wanted,
-) -> tuple[pa.Table, pa.Table]:
-    """Touch an object at those of its probing locations that `choose_places` gives.
-
-    Gives `tables.TOUCHES` and `tables.EFFECTS` as `touch_tables` does.
-    """
-    places, ranks = choose_places(caster, fixations, sensor, wanted)
-    return touch_tables(caster, places, sensor, scene, seed, ranks)
+) -> Touched:
+    """Touch an object at those of its probing locations that `choose_places` gives."""
+    places, ranks = choose_places(subject.caster, fixations, sensor, wanted)
+    return Touched(*touch_tables(subject.caster, places, sensor, scene, seed, ranks))
 
 
 def touch_tables(

@@ -25,7 +25,7 @@ from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
 
 if TYPE_CHECKING:
-    from visuohaptic.geometry.raycasting import RayCaster
+    from visuohaptic.geometry.subject import Subject
     from visuohaptic.recognition.adaptive import Candidates
     from visuohaptic.recognition.experiment import Answer
     from visuohaptic.recognition.sequences import TouchSequences
@@ -40,40 +40,45 @@ def make_candidates(
 ) -> None:
     """Touch objects wherever `adaptive` may choose to: rows of `tables.FEATURES`, no sequences."""
     from visuohaptic.fixations.locations import candidate_table
-    from visuohaptic.fixations.probing import ProbingLocations, spread_far
+    from visuohaptic.fixations.looking import Standpoint
+    from visuohaptic.fixations.places import ProbingLocations
+    from visuohaptic.fixations.strategies.farthest_point import spread_far
+    from visuohaptic.fixations.viewpoints import place_cameras
     from visuohaptic.geometry.orientation import orient_outwards
-    from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.geometry.surface import object_of, read_surface, usable_meshes
-    from visuohaptic.phases import look_from
+    from visuohaptic.geometry.subject import Subject
+    from visuohaptic.geometry.surface import object_of, usable_meshes
     from visuohaptic.seeds import spawn_generator
 
     parts = []
     for mesh in usable_meshes(meshes):
-        key, caster = object_of(mesh), RayCaster(read_surface(mesh))
-        generator = spawn_generator(parameters.seed, "candidates", key)
+        subject = Subject.of_mesh(object_of(mesh), mesh)
+        caster = subject.caster
+        generator = spawn_generator(parameters.seed, "candidates", subject.key)
         crowd = spread_far(caster.surface, CANDIDATES, generator)
         outwards = orient_outwards(caster, crowd.points, crowd.normals)
         places = ProbingLocations(crowd.points, outwards, crowd.faces)
-        looks = look_from(caster, key, parameters, range(parameters.viewpoints.total))
-        located = pa.concat_tables([candidate_table(one, places) for one in looks])
-        parts.append(_describe_candidates(caster, located.combine_chunks(), parameters))
+        located = [
+            candidate_table(Standpoint(subject.key, number, caster, camera), places)
+            for number, camera in enumerate(place_cameras(parameters.viewpoints))
+        ]
+        whole = pa.concat_tables(located).combine_chunks()
+        parts.append(_describe_candidates(subject, whole, parameters))
     write_table(FEATURES, pa.concat_tables(parts), output)
 
 
 def _describe_candidates(
-    caster: RayCaster, located: pa.Table, parameters: ExperimentParameters
+    subject: Subject, located: pa.Table, parameters: ExperimentParameters
 ) -> pa.Table:
     """Touch candidates; where places out of reach are replaced, only those in reach."""
-    from visuohaptic.features.describing import describe_touches
+    from visuohaptic.pipeline import run
     from visuohaptic.touches.choosing import in_reach
     from visuohaptic.touches.touching import touch_tables
 
-    sensor, scene, seed = parameters.sensor, parameters.scene, parameters.seed
+    caster, sensor = subject.caster, parameters.sensor
     if parameters.probing.unreachable == "replace":
         located = located.filter(pa.array(in_reach(caster, located, sensor)))
-    return describe_touches(
-        touch_tables(caster, located, sensor, scene, seed)[0], parameters.features
-    )
+    touches, _ = touch_tables(caster, located, sensor, parameters.scene, parameters.seed)
+    return run(subject, parameters, {"touches": touches})["features"]
 
 
 def make_adaptive_rows(

@@ -5,7 +5,32 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.attention.scanpath import Scanpath
+from visuohaptic.fixations.looking import Look
+
 _BETWEEN_PIXELS = 0.5
+
+
+def choose(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Follow the object's outline from its most salient place, a focus radius a step."""
+    seen, place, saliency = one.seen, one.place, one.attended.saliency
+    rows, columns = follow_outline(
+        seen.mask[place],
+        seen.point[place],
+        saliency,
+        attention.focus_radius,
+        attention.fixations,
+    )
+    return Scanpath(
+        rows=rows,
+        columns=columns,
+        points=seen.point[place][rows, columns],
+        normals=seen.normal[place][rows, columns],
+        faces=seen.face[place][rows, columns],
+        saliency=saliency[rows, columns].astype("float64"),
+        asked=attention.fixations,
+    )
 
 
 def follow_outline(

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.fixations.probing import (
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.fixations.looking import Standpoint
+from visuohaptic.fixations.places import (
     BATCH,
     FRUITLESS_BATCHES,
     ProbingLocations,
@@ -29,6 +31,13 @@ ATTEMPTS = 64
 _LIFT = 1e-4
 # A ray that looks for what lies one move away may fall short of it by rounding.
 _ROUNDING = 1e-6
+
+
+def choose(
+    one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
+) -> ProbingLocations:
+    """Walk over the object from wherever chance puts the first place."""
+    return walk(one.caster, attention.fixations, generator)
 
 
 def walk(caster: RayCaster, count: int, generator: np.random.Generator) -> ProbingLocations:
