@@ -17,11 +17,11 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     submod_attrs={
         "attention.registry": ["Channel"],
         "errors": ["VisuohapticError"],
-        "exploration.exploring": ["Exploration", "TouchableObject", "load", "touch"],
+        "exploration.exploring": ["Exploration", "Recognition", "TouchableObject", "load", "touch"],
         "exploration.file_frame": ["FileFrame"],
         "exploration.pose_files": ["read_poses", "write_poses"],
         "exploration.pressing": ["Pressed", "press"],
-        "exploration.recognising": ["Recogniser", "Recognition", "read_recogniser"],
+        "exploration.recognising": ["Recogniser", "read_recogniser"],
         "features.descriptors": ["Descriptor"],
         "fixations.probing": ["Strategy"],
         "parameters": ["read_parameters"],

@@ -10,7 +10,7 @@ from workflow.conftest import Experiment
 from workflow.walks import make_experiment
 
 from visuohaptic_workflow.one_run import FolderInUseError, check_writable
-from visuohaptic_workflow.planning import triggers_asked_for
+from visuohaptic_workflow.planning import values_of_option
 
 pytestmark = pytest.mark.workflow
 
@@ -132,7 +132,7 @@ def test_a_wrong_parameter_is_named_before_anything_runs(fresh):
     ],
 )
 def test_triggers_are_read_however_they_are_written(arguments, asked):
-    assert triggers_asked_for(arguments) == asked
+    assert set(values_of_option(arguments, "--rerun-triggers")) == asked
 
 
 def test_a_lock_that_can_t_be_made_is_one_sentence(fresh):
@@ -147,3 +147,10 @@ def test_reasons_of_snakemake_that_go_by_other_things_than_keys_are_refused(fres
     result = fresh.snakemake("-n", "--rerun-triggers", "params", "--", "all", check=False)
     assert result.returncode == 1
     assert "leave out --rerun-triggers" in result.stdout
+
+
+def test_a_value_after_config_that_yaml_would_change_is_one_sentence(fresh):
+    result = fresh.snakemake("-n", "--config", "meshes={set: no}", "--", "all", check=False)
+    assert result.returncode == 1
+    assert "meshes.set (line 1) is no, which YAML takes for a truth value" in result.stdout
+    assert "Traceback" not in result.stdout

@@ -22,6 +22,7 @@ from visuohaptic.meshes.catalogue import (
 from visuohaptic.parameters import (
     ExperimentParameters,
     check_run,
+    check_config,
     check_spelling,
 )
 from visuohaptic.pipeline import OF_OBJECT, phase as phase_of
@@ -44,7 +45,7 @@ from visuohaptic_workflow.planning import (
     Declared,
     fill,
     plan_jobs,
-    triggers_asked_for,
+    values_of_option,
 )
 from visuohaptic_workflow.records import PREFIX
 from visuohaptic_workflow.why import ASKED, answer
@@ -59,7 +60,7 @@ IS_PLANNER = os.environ.setdefault("VISUOHAPTIC_RUN", HERE) == HERE
 IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None
 if IS_KEYED and IS_PLANNER:
     os.environ[PREFIX] = sys.prefix
-    if triggers_asked_for(sys.argv) - {"mtime"}:
+    if set(values_of_option(sys.argv, "--rerun-triggers")) - {"mtime"}:
         raise WorkflowError(
             "Keys decide what runs here, and Snakemake's other reasons would run it again for ever: "
             "leave out --rerun-triggers, or say --rerun-triggers mtime."
@@ -98,6 +99,9 @@ configfile: shipped("params.yaml")
 # Those of a workflow that uses this one as a module are its own matter.
 for file in workflow.configfiles if IS_MAIN else []:
     or_stop(check_spelling, file)
+if IS_MAIN and IS_PLANNER:
+    for given in values_of_option(sys.argv, "--config", "-C"):
+        or_stop(check_config, given)
 # Before anything is checked by the names that they register; jobs load them as the package is imported.
 or_stop(load_installed)
 or_stop(load_files, config.get("plugins", []))
@@ -230,7 +234,7 @@ DECLARED = {}
 VALUES_OF_RULES = {}
 # Records of studies that are left as they are.
 KEPT_RECORDS = set()
-# What the jobs of this run are told: in the process that plans it, and in those of other machines, which read it.
+# What the jobs of this run are given: in the process that plans it, and in those of other machines, which read it.
 GIVEN_FILE = Path("logs/given.json")
 GIVEN = {}
 

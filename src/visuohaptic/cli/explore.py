@@ -13,6 +13,7 @@ import typer
 from visuohaptic.cli.printing import (
     file_to_read,
     folder_to_write,
+    one_of,
     printable,
     say,
     say_error,
@@ -20,12 +21,13 @@ from visuohaptic.cli.printing import (
     show_progress,
 )
 from visuohaptic.exploration.recognising import DEFAULT_MODEL
+from visuohaptic.exploration.units import UNITS
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.plugins import load_installed
+from visuohaptic.studies.cost.budgets import BUDGETS, budgets
 
 if TYPE_CHECKING:
-    from visuohaptic.exploration.exploring import Exploration, TouchableObject
-    from visuohaptic.exploration.recognising import Recognition
+    from visuohaptic.exploration.exploring import Exploration, Recognition, TouchableObject
     from visuohaptic.parameters import ExperimentParameters
 
 Made = TypeVar("Made")
@@ -38,15 +40,6 @@ class UpAxis(StrEnum):
 
     Y = "y"
     Z = "z"
-
-
-class LengthUnit(StrEnum):
-    """The unit of length of a model's file."""
-
-    MM = "mm"
-    CM = "cm"
-    M = "m"
-    IN = "in"
 
 
 def _with_plug_ins(parameters: Path | None) -> Path | None:
@@ -90,20 +83,12 @@ ViewpointsOption = Annotated[
 UpOption = Annotated[
     UpAxis | None, typer.Option("--up", help="Axis of the file that points up.", show_default="y")
 ]
-
-
-class BudgetChoice(StrEnum):
-    """The presets of `cost.budgets`."""
-
-    FAST = "fast"
-    BALANCED = "balanced"
-    ACCURATE = "accurate"
-
-
 BudgetOption = Annotated[
-    BudgetChoice | None,
+    str | None,
     typer.Option(
-        "--budget", help="Viewpoints for the time that you have, instead of --viewpoints."
+        "--budget",
+        **one_of(BUDGETS),
+        help="Viewpoints for the time that you have, instead of --viewpoints.",
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
@@ -116,8 +101,11 @@ def touch(
     strategy: StrategyOption = "fixation",
     up: UpOption = None,
     unit: Annotated[
-        LengthUnit | None,
-        typer.Option(help="The files' unit of length: effects then know the objects' real size."),
+        str | None,
+        typer.Option(
+            **one_of([*UNITS]),
+            help="The files' unit of length: effects then know the objects' real size.",
+        ),
     ] = None,
     parameters: Annotated[
         Path | None,
@@ -173,7 +161,7 @@ def recognise(
     up: UpOption = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Name objects from touch alone, with a model that `snakemake model_all` fitted.
+    """Classify objects from touch alone, with a model that `snakemake model_all` fitted.
 
     They are touched as the objects were from which the model learnt.
 
@@ -283,7 +271,7 @@ def _folders(meshes: list[Path], out: Path) -> dict[Path, Path]:
     return folders
 
 
-def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | None:
+def _viewpoints(viewpoints: int | None, budget: str | None) -> int | None:
     """Give the number of viewpoints that was asked for, in one way or the other."""
     if budget is None:
         return viewpoints
@@ -292,23 +280,21 @@ def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | No
             f"it stands for a number of viewpoints, and --viewpoints {viewpoints} is another.",
             param_hint="--budget",
         )
-    from visuohaptic.studies.cost.budgets import budgets
-
-    return budgets()[budget.value].viewpoints
+    return budgets()[budget].viewpoints
 
 
 def _load(
     mesh: Path,
     up: UpAxis | None,
     parameters: ExperimentParameters,
-    unit: LengthUnit | None = None,
+    unit: str | None = None,
 ) -> TouchableObject:
     from visuohaptic.exploration.exploring import load
 
     chosen = parameters.meshes
     if up is not None:
         chosen = chosen.model_copy(update={"own_up_axis": up.value})
-    return load(mesh, parameters=chosen, unit=None if unit is None else unit.value)
+    return load(mesh, parameters=chosen, unit=unit)
 
 
 def _explore(

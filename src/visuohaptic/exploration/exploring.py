@@ -1,4 +1,4 @@
-"""One object from its mesh file to its name, without the workflow and with the same results."""
+"""One object from its mesh file to its class, without the workflow and with the same results."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from visuohaptic.exploration.recognising import (
     DEFAULT_MODEL,
     UNKNOWN,
     Recogniser,
-    Recognition,
     check_alike,
     read_recogniser,
 )
@@ -52,7 +51,7 @@ class TouchableObject:
     Attributes
     ----------
     key : str
-        `class/name`; the class is ``unknown`` where nobody told it.
+        `class/name`; the class is ``unknown`` where it is not given.
     surface : Surface
         In the object frame.
     seconds : float
@@ -227,7 +226,7 @@ class Exploration:
         return self.frame.poses(self.touches)
 
     def recognise(self, model: str | Path | Recogniser = DEFAULT_MODEL) -> Recognition:
-        """Name the object from its touches.
+        """Classify the object from its touches.
 
         Parameters
         ----------
@@ -245,7 +244,7 @@ class Exploration:
             If there is no such model, or it learnt from touches that were made in another way.
         """
         recogniser = model if isinstance(model, Recogniser) else read_recogniser(model)
-        check_alike(self, recogniser)
+        check_alike(self.strategy, self.parameters, recogniser)
         started = time.perf_counter()
         found = recogniser.model.answer(self.features)
         seconds = {**self.seconds, "name": time.perf_counter() - started}
@@ -303,6 +302,60 @@ class Exploration:
             for name in names:
                 (waiting / name).replace(folder / name)
         return [folder / name for name in names]
+
+
+@dataclass(frozen=True, eq=False)
+class Recognition:
+    """The class that was predicted for an object; it is equal to itself alone.
+
+    Attributes
+    ----------
+    name : str
+        The likeliest class, or ``unknown`` where the object is of no class that the model knows.
+    probabilities : mapping of str to float
+        Of every class that the model knows, the likeliest first.
+    exploration : Exploration
+        What the answer rests on.
+    touches : int
+        Touches that the answer rests on.
+    seconds : mapping of str to float
+        What each phase took: prepare, look, touch, describe, name.
+    candidates : tuple of str or None
+        The prediction set, the likeliest first, made so that of objects of known classes the share
+        `coverage` has its class in it, which is measured and not guaranteed (docs/recognition.md). None, as
+        all that follows, where the model is not calibrated.
+    strangeness : float or None
+        The share of known objects, this one counted among them, that are less strange than it.
+    unknown : bool or None
+        Whether that is more than `coverage`.
+    coverage : float or None
+        The stated share.
+    """
+
+    name: str
+    probabilities: Mapping[str, float]
+    exploration: Exploration
+    touches: int
+    seconds: Mapping[str, float]
+    candidates: tuple[str, ...] | None = None
+    strangeness: float | None = None
+    unknown: bool | None = None
+    coverage: float | None = None
+
+    def __repr__(self) -> str:
+        from visuohaptic.exploration.showing import probability_line
+
+        line = probability_line(self.probabilities)
+        if self.unknown:
+            line = f"{UNKNOWN} ({line})"
+        return f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches>"
+
+    def _repr_html_(self) -> str:
+        from visuohaptic.exploration.showing import probability_table
+
+        key = self.exploration.key
+        named = f"{key}: {UNKNOWN}" if self.unknown else key
+        return probability_table(named, self.probabilities, self.touches)
 
 
 def load(

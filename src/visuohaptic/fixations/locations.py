@@ -18,30 +18,11 @@ from visuohaptic.tables.schema import build_table
 
 
 def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
-    """Choose where to touch.
+    """Choose where to touch: rows of `tables.FIXATIONS`, `SPARE` more than fixations are asked for.
 
-    Parameters
-    ----------
-    one : Standpoint
-        The viewpoint; a `Look` where the strategy looks.
-    strategy : str
-        One of `probing.STRATEGIES`.
-    attention : AttentionParameters
-        How many touches, and how far apart the eye keeps them.
-    seed : int
-        The experiment's seed; what is drawn depends on it, the strategy, the object and the
-        viewpoint alone.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.FIXATIONS`: `SPARE` more than fixations are asked for, or fewer where
-        the view has no more. Fewer are the first of more.
-
-    Raises
-    ------
-    RegistryError
-        If there is no such strategy.
+    There are fewer where the view has no more; fewer are the first of more. What is drawn depends on
+    the seed, the strategy, the object and the viewpoint alone. `one` is a `Look` where the strategy
+    looks. Raises `RegistryError` if there is no such strategy.
     """
     entry = STRATEGIES[strategy]
     generator = spawn_generator(seed, entry.chance or strategy, one.key, one.viewpoint)

@@ -76,25 +76,9 @@ def attend_to(
     cameras: Mapping[int, Camera],
     attention: AttentionParameters,
 ) -> list[Look]:
-    """Find saliency and fixations in rendered views of an object.
+    """Find saliency and fixations in rendered views of an object: a `Look` a viewpoint.
 
-    Parameters
-    ----------
-    seen : Views
-        The views.
-    caster : RayCaster
-        The object.
-    key : str
-        `class/name` of the object.
-    cameras : mapping of int to Camera
-        The views' viewpoints by their numbers; none changes what another gives.
-    attention : AttentionParameters
-        Section `attention`.
-
-    Returns
-    -------
-    list of Look
-        One a viewpoint.
+    `cameras` are the views' viewpoints by their numbers; none changes what another gives.
     """
     attentions = attend(
         colour=seen.colour,

@@ -46,26 +46,10 @@ class ProbingLocations:
 
 
 def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -> ProbingLocations:
-    """Draw points uniformly over a surface, by area.
+    """Draw points uniformly over a surface, by area; hidden parts are as likely as visible ones.
 
-    Parameters
-    ----------
-    surface : Surface
-        The object.
-    count : int
-        How many points; fewer points are the first of more.
-    generator : numpy.random.Generator
-        Where chance comes from.
-
-    Returns
-    -------
-    ProbingLocations
-        `count` points; hidden parts of the surface are as likely as visible ones.
-
-    Notes
-    -----
-    A triangle is drawn by its share of the area, a point in it by the square-root
-    map of the unit square (Osada et al., ACM Trans. Graph. 21(4), 2002, eq. 1).
+    Fewer points are the first of more. A triangle is drawn by its share of the area, a point in it by
+    the square-root map of the unit square (Osada et al., ACM Trans. Graph. 21(4), 2002, eq. 1).
     """
     cumulative = np.cumsum(surface.face_areas)
     drawn, outer, along = generator.random((count, 3)).T
@@ -78,21 +62,9 @@ def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -
 
 
 def sees(caster: RayCaster, camera: Camera, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Find which points of a surface a camera sees.
+    """Find which points of a surface, shape (n, 3), a camera sees: shape (n,), bool.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    camera : Camera
-        The viewpoint; its view is a square about its axis.
-    points : numpy.ndarray
-        Shape (n, 3), float64, object frame, on the surface.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), bool: within the view, and not behind another part.
+    They are within its view, a square about its axis, and not behind another part.
     """
     offsets = points - camera.eye
     across, along, towards = np.einsum("nd,kd->kn", offsets, camera.axes)

@@ -31,18 +31,7 @@ MAP_PIXELS = 64
 class Sight:
     """What an object shows from its viewpoints; each part is computed when it is asked for.
 
-    Attributes
-    ----------
-    subject : Subject
-        The object, and the viewpoints.
-    viewpoints, rendering, attention
-        Sections of the parameters.
-    strategies : tuple of str
-        Names out of `probing.STRATEGIES`.
-    modes : VisualModes
-        When the effects of the view are simulated.
-    seed : int
-        The experiment's seed.
+    Its fields are the object and the phase's arguments, as `pipeline.PHASES` lists them.
     """
 
     subject: Subject

@@ -31,26 +31,7 @@ from visuohaptic.touches.choosing import Wanted, choose_places
 def touch_locations(
     caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, scene: Scene, seed: int
 ) -> Touches:
-    """Touch an object at its probing locations.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    fixations : pyarrow.Table
-        n rows of `tables.FIXATIONS`; each touch depends on its own row alone.
-    sensor : SensorParameters
-        Section `sensor`.
-    scene : Scene
-        Section `scene`.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    Touches
-        n touches.
-    """
+    """Touch an object at n rows of `tables.FIXATIONS`; each touch depends on its own row alone."""
     names = ["chance" if name == "strategy" else name for name in FIXATIONS.keys]
     keys = [fixations.column(name).to_pylist() for name in names]
     return touch(
@@ -94,15 +75,9 @@ def touch_tables(
 ) -> tuple[pa.Table, pa.Table]:
     """Touch an object at its probing locations, if there are any, as `touch_locations` does.
 
-    `ranks`, shape (n,), are their places among the view's; without them these are as column
+    Gives n rows of `tables.TOUCHES`, in the order of `fixations`, and of `tables.EFFECTS` one for each
+    effect. `ranks`, shape (n,), are their places among the view's; without them these are as column
     ``touch`` says.
-
-    Returns
-    -------
-    touches : pyarrow.Table
-        n rows of `tables.TOUCHES`, in the order of `fixations`.
-    effects : pyarrow.Table
-        Rows of `tables.EFFECTS`, one for each effect.
     """
     if not fixations.num_rows:
         return TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table()

@@ -48,7 +48,7 @@ class Start:
     script : path
         A Python file.
     modules : tuple of str
-        Modules that it is told to run.
+        Modules that the script runs by their names.
     chosen : tuple of (str, frozenset of str)
         Modules with a registry, each with those that the chosen entries name: the others count for nothing.
     """
@@ -73,7 +73,7 @@ def code_of(start: Start, sources: tuple[Path, ...]) -> Code:
     Parameters
     ----------
     start : Start
-        Its script, and what this is told to run.
+        Its script, and what this runs by name.
     sources : tuple of path
         Folders that hold this project's packages; `sys.path` has them, too.
 

@@ -71,19 +71,19 @@ def plan_jobs(
         )
 
 
-def triggers_asked_for(arguments: Sequence[str]) -> set[str]:
-    """Give the values of `--rerun-triggers` on a command line of Snakemake, empty where it is not there."""
-    found: set[str] = set()
+def values_of_option(arguments: Sequence[str], *names: str) -> list[str]:
+    """Give the values of an option that takes several, by its names, on a command line of Snakemake."""
+    found: list[str] = []
     taking = False
     for argument in arguments:
         name, is_joined, value = argument.partition("=")
-        if name == "--rerun-triggers":
+        if name in names:
             taking = True
-            found |= {value} if is_joined else set()
+            found += [value] if is_joined else []
         elif argument.startswith("-"):
             taking = False
         elif taking:
-            found.add(argument)
+            found.append(argument)
     return found
 
 

@@ -23,41 +23,19 @@ def choose(
 
 
 def spread_far(surface: Surface, count: int, generator: np.random.Generator) -> ProbingLocations:
-    """Spread points over a surface, each as far as can be from all before it.
+    """Spread at most `CANDIDATES` points over a surface, each as far as can be from all before it.
 
-    Parameters
-    ----------
-    surface : Surface
-        The object.
-    count : int
-        How many points, at most `CANDIDATES`; fewer points are the first of more.
-    generator : numpy.random.Generator
-        Draws the first point, and the candidates among which the others are chosen.
-
-    Returns
-    -------
-    ProbingLocations
-        `count` points; their covering radius over the candidates is at most twice the least that
-        so many points can reach (T. F. Gonzalez, Theor. Comput. Sci. 38, 1985).
+    Fewer points are the first of more. Their covering radius over the candidates is at most twice the
+    least that so many points can reach (T. F. Gonzalez, Theor. Comput. Sci. 38, 1985).
     """
     candidates = draw_by_area(surface, CANDIDATES, generator)
     return candidates.take(farthest_order(candidates.points, count))
 
 
 def farthest_order(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Order points so that each is the farthest from those before it.
+    """Order points, shape (n, d), so that each is the farthest from those before it; the first starts.
 
-    Parameters
-    ----------
-    points : numpy.ndarray
-        Shape (n, d), n at least 1; the first starts.
-    count : int
-        How many to take.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (min(count, n),), int64: places, no place twice.
+    Gives places, shape (min(count, n),), int64, none twice.
     """
     chosen = np.zeros(min(count, len(points)), dtype=np.int64)
     nearest = np.full(len(points), np.inf)

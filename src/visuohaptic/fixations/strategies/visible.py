@@ -28,28 +28,11 @@ def choose(
 def draw_visible(
     caster: RayCaster, camera: Camera, count: int, generator: np.random.Generator
 ) -> ProbingLocations:
-    """Draw points uniformly, by area, over what a viewpoint sees.
+    """Draw points uniformly, by area, over what a viewpoint sees, with normals towards the camera.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    camera : Camera
-        The viewpoint.
-    count : int
-        How many points; fewer points are the first of more.
-    generator : numpy.random.Generator
-        Where chance comes from.
-
-    Returns
-    -------
-    ProbingLocations
-        `count` points with normals towards the camera, or fewer where it sees next to nothing.
-
-    Notes
-    -----
-    Points are drawn over the whole surface and kept where the camera sees them. Pixels
-    would weigh slanted parts less, and hold no place between them.
+    Fewer points are the first of more; there are fewer where it sees next to nothing. They are drawn
+    over the whole surface and kept where the camera sees them: pixels would count slanted parts less,
+    and hold no place between them.
     """
     parts: list[ProbingLocations] = []
     found = fruitless = 0

@@ -26,10 +26,10 @@ from visuohaptic.tables.studies import STUDY
 
 if TYPE_CHECKING:
     from visuohaptic.geometry.subject import Subject
-    from visuohaptic.recognition.adaptive import Candidates
     from visuohaptic.recognition.experiment import Answer
     from visuohaptic.recognition.sequences import TouchSequences
     from visuohaptic.recognition.splits import Split
+    from visuohaptic.studies.curves.choosing import Candidates
 
 CANDIDATES = 256
 """Places of an object among which `adaptive` chooses where a viewpoint sees them."""
@@ -116,11 +116,11 @@ class _Chooser:
     def __init__(
         self, features: pa.Table, planned: Sequence[Planned], pipeline: str, seed: int
     ) -> None:
-        from visuohaptic.recognition.adaptive import gather_candidates
         from visuohaptic.recognition.descriptors import draw_waves
         from visuohaptic.recognition.experiment import gather_pipeline
         from visuohaptic.recognition.summary import select
         from visuohaptic.seeds import spawn_generator
+        from visuohaptic.studies.curves.choosing import gather_candidates
 
         recognition = planned[0].parameters.recognition
         # The columns that a pipeline takes are those that it takes of one touch a sequence.
@@ -158,8 +158,8 @@ class _Chooser:
     def _sequences(self, split: Split, parameters: ExperimentParameters) -> TouchSequences:
         from dataclasses import replace
 
-        from visuohaptic.recognition.adaptive import choose_sequences
         from visuohaptic.seeds import spawn_generator
+        from visuohaptic.studies.curves.choosing import choose_sequences
 
         key = tuple(split.test.tolist())
         if key not in self._chosen:

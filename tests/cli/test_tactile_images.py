@@ -5,13 +5,13 @@ import pyarrow.parquet as pq
 import pytest
 from PIL import Image
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.features.tactile_images import (
+from visuohaptic.cli.tactile_images import (
     describe_tactile_images,
     name_features,
     read_tactile_images,
     write_tactile_features,
 )
+from visuohaptic.errors import RecognitionError
 
 
 def pressed(centre, radius, size=(20, 37)):
