@@ -24,7 +24,7 @@ from visuohaptic.exploration.recognising import DEFAULT_MODEL
 from visuohaptic.exploration.units import UNITS
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.plugins import load_installed
-from visuohaptic.studies.cost.budgets import BUDGETS, budgets
+from visuohaptic.studies.cost.budgets import BUDGETS
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, Recognition, TouchableObject
@@ -280,6 +280,8 @@ def _viewpoints(viewpoints: int | None, budget: str | None) -> int | None:
             f"it stands for a number of viewpoints, and --viewpoints {viewpoints} is another.",
             param_hint="--budget",
         )
+    from visuohaptic.studies.cost.budgets import budgets
+
     return budgets()[budget].viewpoints
 
 
