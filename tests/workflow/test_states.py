@@ -86,6 +86,15 @@ def test_a_table_edited_by_hand_is_made_again_alone(experiment, whole):
     assert digests(experiment.folder) == digests(whole.folder)
 
 
+@pytest.mark.parametrize("target", [TABLE, "results/touches/chair/bsby_chair3/00-01.parquet"])
+def test_tables_that_are_there_without_their_record_are_made_again_where_they_are_needed(
+    experiment, target
+):
+    shutil.rmtree(experiment.folder / "results/records")
+    planned = experiment.planned("--", target)
+    assert planned["meshes"] == planned["fixations"] == planned["touches"] == 1
+
+
 def test_after_a_run_with_other_values_verify_says_so_and_the_plain_command_makes_it_again(
     experiment, whole
 ):

@@ -21,6 +21,9 @@ from visuohaptic_workflow.digests import Digests, stamps_of
 
 Parts = dict[str, Any]
 
+NEW = "new"
+"""The reason to run a job none of whose files is there."""
+
 
 @dataclass(frozen=True)
 class Job:
@@ -165,7 +168,8 @@ class Keys:
     def _find_reason(self, record: str) -> str | None:
         kept, today = read_record(record), self.parts(record)
         if not kept:
-            return "new" if not Path(record).exists() else "record: none of this version"
+            tables = self.jobs[record].tables
+            return "record: none of this version" if any(map(os.path.exists, tables)) else NEW
         if kept["key"] != self.key(record):
             return self._difference(kept["parts"], today)
         for file in self.jobs[record].tables:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from visuohaptic.errors import VisuohapticError
+from visuohaptic_workflow.keys import NEW
 
 FOLDER = Path("logs/why")
 
@@ -21,8 +22,9 @@ class MarkError(VisuohapticError):
 def mark_stale(record: str, reason: str) -> list[str]:
     """Make a record older than all that its job takes, and give a folder that is named after the reason.
 
-    A folder, as Snakemake remembers what a small file holds and would skip it the second time. Nothing is done where there is
-    no record: its job runs anyway.
+    A folder, as Snakemake remembers what a small file holds and would skip it the second time. Where there is no record, an
+    empty one is put there: Snakemake would take tables that lie there, such as copied ones, for all of a job's files. Nothing
+    is done where its job is new: it runs anyway.
 
     Parameters
     ----------
@@ -41,13 +43,16 @@ def mark_stale(record: str, reason: str) -> list[str]:
     MarkError
         If this user may not write here.
     """
-    path = Path(record)
-    if not path.exists():
+    if reason == NEW:
         return []
+    path = Path(record)
     marker = FOLDER / reason.replace("../", "").replace("{", "(").replace("}", ")")
     try:
         marker.mkdir(parents=True, exist_ok=True)
         os.utime(marker, (_OF_A_MARKER, _OF_A_MARKER))
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text("{}\n", encoding="utf-8")
         if path.is_symlink() or path.stat().st_nlink > 1:
             _replace_by_copy(path)  # a link leads to DVC's cache, whose times are its own
         os.utime(path, (_OF_A_RECORD, _OF_A_RECORD))
