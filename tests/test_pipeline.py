@@ -1,5 +1,6 @@
 """From a mesh file to features, file to file: what each phase writes is what its table promises."""
 
+import inspect
 import shutil
 
 import numpy as np
@@ -15,7 +16,7 @@ from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import OF_OBJECT, after, everywhere, run
+from visuohaptic.pipeline import OF_OBJECT, PHASES, after, everywhere, run
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, SPARE, TOUCHES, VIEWS
 from visuohaptic.tables.schema import matrix, read_table
@@ -50,6 +51,26 @@ def folder(tmp_path_factory):
     make_mesh("ring/torus", Model("ring", "torus"), folder / "torus.obj", mesh, MeshParameters())
     run_phases("ring/torus", mesh, folder, ring())
     return folder
+
+
+def test_a_phase_takes_what_a_phase_before_it_gives():
+    given = set()
+    for phase in PHASES:
+        assert given >= set(phase.reads), phase.name
+        given |= set(phase.writes)
+
+
+@pytest.mark.parametrize("phase", PHASES, ids=lambda phase: phase.name)
+def test_arguments_are_parameters_and_those_that_the_function_takes(phase):
+    assert phase.values(ring()).keys() == phase.arguments.keys()
+    if phase.verb:
+        assert phase.arguments.keys() <= set(inspect.signature(phase.work.load()).parameters)
+
+
+def test_a_strategy_is_chosen_from_its_registry_alone():
+    chosen = OF_OBJECT[0].chosen_modules(ring(probing={"strategies": ["curvature"]}))
+    modules = {"visuohaptic.fixations.strategies.curvature"}
+    assert chosen == {"visuohaptic.fixations.probing": modules}
 
 
 def test_a_run_in_memory_gives_the_tables_of_a_run_by_files(folder):

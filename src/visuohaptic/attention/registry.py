@@ -10,9 +10,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, Protocol, TypeVar
 
 from .errors import AttentionError
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+Entry = TypeVar("Entry", bound=_Named)
 
 
 @dataclass(frozen=True)
@@ -70,11 +78,12 @@ def add(entry: Channel) -> None:
     _ENTRIES[entry.name] = entry
 
 
-def _by_name(*channels: Channel) -> dict[str, Channel]:
-    names = [entry.name for entry in channels]
+def by_name(*entries: Entry) -> dict[str, Entry]:
+    """Give entries by their names; `AttentionError` if two have one name."""
+    names = [entry.name for entry in entries]
     if len(set(names)) < len(names):
-        raise AttentionError(f"channels are {', '.join(names)}; each name is allowed once.")
-    return dict(zip(names, channels, strict=True))
+        raise AttentionError(f"entries are {', '.join(names)}; each name is allowed once.")
+    return dict(zip(names, entries, strict=True))
 
 
 def _measure(name: str, *settings: str) -> Callable[..., list[Any]]:
@@ -92,7 +101,7 @@ def _orientation(view: Any, parameters: Any) -> list[Any]:
     return import_module(".channels", __package__).orientation_stacks(view, parameters)
 
 
-_ENTRIES = _by_name(
+_ENTRIES = by_name(
     Channel(
         "colour", "Red-green and blue-yellow double opponency", _measure("colour_planes"),
         count=2, two_sided=True, needs="hues",

@@ -6,14 +6,13 @@ that computes them is imported where it is used, as in `registry`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from operator import attrgetter
-from types import MappingProxyType
 from typing import Any
 
-from .errors import AttentionError
+from .registry import by_name
 
 
 @dataclass(frozen=True)
@@ -41,13 +40,6 @@ class Term:
     kind: str
 
 
-def _by_name(*terms: Term) -> Mapping[str, Term]:
-    names = [entry.name for entry in terms]
-    if len(set(names)) < len(names):
-        raise AttentionError(f"terms are {', '.join(names)}; each name is allowed once.")
-    return MappingProxyType(dict(zip(names, terms, strict=True)))
-
-
 def _measure(name: str, *reach: float) -> Callable[[Any], Any]:
     """Name a function of `terms`, which is imported when it is called."""
     return lambda seen: getattr(import_module(".terms", __package__), name)(seen, *reach)
@@ -71,7 +63,7 @@ _WANG = "Wang, Koch, Holmqvist & Alexa 2018, ACM Trans. Graph. 37(6)"
 _LEIFMAN = "Leifman, Shtrom & Tal 2016, IEEE TPAMI 38(12)"
 _CERF = "Cerf, Frady & Koch 2009, J. Vision 9(12):10 (faces and heads)"
 
-TERMS = _by_name(
+TERMS = by_name(
     Term("centre", "Nearness to the middle of what is seen", _TATLER, _measure("nearness_to_centre", 0.2), "view"),
     Term("middle", "The same, over a wider range", _TATLER, _measure("nearness_to_centre", 0.5), "view"),
     Term("facing", "How much the surface faces the eye", _WANG, attrgetter("facing"), "view"),

@@ -126,9 +126,7 @@ class TouchableObject:
                 "view, or no sensor comes there; a larger rendering.resolution or strategy random touches it."
             )
         seconds = {"prepare": self.seconds, **seconds}
-        return Exploration(
-            self.key, self.surface, chosen, strategy, seconds, **tables, frame=self.frame
-        )
+        return Exploration(self.key, self.surface, chosen, strategy, seconds, tables, self.frame)
 
     def _sized(self, values: Parameters | None) -> ExperimentParameters:
         """Let the scene have the object's real size, where its file's unit is known and nobody says otherwise."""
@@ -157,7 +155,7 @@ class TouchableObject:
         tables, seconds = touch_points(self.key, self.surface, at, normals, parameters)
         seconds = {"prepare": self.seconds, **seconds}
         return Exploration(
-            self.key, self.surface, parameters, STRATEGY, seconds, **tables, frame=self.frame
+            self.key, self.surface, parameters, STRATEGY, seconds, tables, self.frame
         )
 
 
@@ -177,9 +175,9 @@ class Exploration:
         How the probing locations were chosen; ``given`` where the caller chose them.
     seconds : mapping of str to float
         What each phase took: prepare, look, touch, describe.
-    views, fixations, touches, effects, features : pyarrow.Table
-        As `visuohaptic.tables.schema` describes them, in the object frame; ``frame.table(touches)`` gives
-        one in the file's.
+    tables : mapping of str to pyarrow.Table
+        ``views``, ``fixations``, ``touches``, ``effects`` and ``features``, which are attributes, too, as
+        docs/tables.md describes them, in the object frame; ``frame.table(touches)`` gives one in the file's.
     frame : FileFrame
         The frame of the object's file.
     """
@@ -189,11 +187,7 @@ class Exploration:
     parameters: ExperimentParameters
     strategy: str
     seconds: Mapping[str, float]
-    views: pa.Table
-    fixations: pa.Table
-    touches: pa.Table
-    effects: pa.Table
-    features: pa.Table
+    tables: Mapping[str, pa.Table]
     frame: FileFrame = field(default_factory=lambda: FileFrame(np.eye(4)))
 
     def __repr__(self) -> str:
@@ -211,6 +205,31 @@ class Exploration:
 
         views = self.views.slice(0, VIEWS_SHOWN)
         return png_of(draw_exploration(self.surface, self.parameters, views, self.touches))
+
+    @property
+    def views(self) -> pa.Table:
+        """What was seen."""
+        return self.tables["views"]
+
+    @property
+    def fixations(self) -> pa.Table:
+        """Where to touch."""
+        return self.tables["fixations"]
+
+    @property
+    def touches(self) -> pa.Table:
+        """What was felt."""
+        return self.tables["touches"]
+
+    @property
+    def effects(self) -> pa.Table:
+        """Why each effect was needed."""
+        return self.tables["effects"]
+
+    @property
+    def features(self) -> pa.Table:
+        """What describes the touches."""
+        return self.tables["features"]
 
     @property
     def imprints(self) -> NDArray[np.float32]:
@@ -294,7 +313,7 @@ class Exploration:
         with tempfile.TemporaryDirectory(dir=there, prefix=".visuohaptic-") as temporary:
             waiting = Path(temporary)
             for name, schema in SCHEMAS.items():
-                write_table(schema, getattr(self, name), waiting / f"{name}.parquet")
+                write_table(schema, self.tables[name], waiting / f"{name}.parquet")
             for name in poses:
                 write_poses(self.poses, waiting / name)
             self.picture().save(waiting / "picture.png")

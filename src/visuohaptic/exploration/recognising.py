@@ -19,7 +19,6 @@ UNKNOWN = "unknown"
 DEFAULT_MODEL = Path("results/models/best.skops")
 """Where the workflow leaves its recognition model."""
 
-_TOUCHING_SECTIONS = ("viewpoints", "rendering", "attention", "sensor", "scene", "features")
 _FREE = ("viewpoints.count", "attention.fixations")
 
 
@@ -82,14 +81,16 @@ def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
 def check_alike(strategy: str, touched: ExperimentParameters, recogniser: Recogniser) -> None:
     """Refuse touches that were made in another way than those that the model learnt from."""
     from visuohaptic.parameters import leaves
+    from visuohaptic.pipeline import OF_OBJECT
 
+    sections = {name.partition(".")[0] for phase in OF_OBJECT for name in phase.sections()}
     if strategy != recogniser.model.strategy:
         raise RecognitionError(
             f"The object was touched by {strategy} and the model learnt from touches by "
             f"{recogniser.model.strategy}; touch with strategy {recogniser.model.strategy!r}."
         )
     here, there = (
-        dict(leaves(parameters.model_dump(include=set(_TOUCHING_SECTIONS))))
+        dict(leaves(parameters.model_dump(include=sections - {"seed", "probing"})))
         for parameters in (touched, recogniser.parameters)
     )
     names = sorted(set(here) | set(there))
