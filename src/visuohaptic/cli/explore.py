@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
@@ -33,13 +32,6 @@ if TYPE_CHECKING:
 Made = TypeVar("Made")
 
 _TOUCH_COLUMNS = ("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z")
-
-
-class UpAxis(StrEnum):
-    """The axis of a model that points up."""
-
-    Y = "y"
-    Z = "z"
 
 
 def _with_plug_ins(parameters: Path | None) -> Path | None:
@@ -81,7 +73,10 @@ ViewpointsOption = Annotated[
     int | None, typer.Option(min=1, help="Viewpoints around the object.", show_default="16")
 ]
 UpOption = Annotated[
-    UpAxis | None, typer.Option("--up", help="Axis of the file that points up.", show_default="y")
+    str | None,
+    typer.Option(
+        "--up", **one_of(("y", "z")), help="Axis of the file that points up.", show_default="y"
+    ),
 ]
 BudgetOption = Annotated[
     str | None,
@@ -287,7 +282,7 @@ def _viewpoints(viewpoints: int | None, budget: str | None) -> int | None:
 
 def _load(
     mesh: Path,
-    up: UpAxis | None,
+    up: str | None,
     parameters: ExperimentParameters,
     unit: str | None = None,
 ) -> TouchableObject:
@@ -295,7 +290,7 @@ def _load(
 
     chosen = parameters.meshes
     if up is not None:
-        chosen = chosen.model_copy(update={"own_up_axis": up.value})
+        chosen = chosen.model_copy(update={"own_up_axis": up})
     return load(mesh, parameters=chosen, unit=unit)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import pyarrow as pa
@@ -31,17 +31,6 @@ def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed:
     if isinstance(chosen, ProbingLocations):
         return location_table(one.key, one.viewpoint, strategy, chosen)
     return _path_table(one, strategy, chosen)
-
-
-def locate_all(
-    looks: Iterable[Standpoint],
-    strategies: Sequence[str],
-    attention: AttentionParameters,
-    seed: int,
-) -> pa.Table:
-    """Choose where to touch from viewpoints, at least one, by every strategy: `tables.FIXATIONS`."""
-    tables = [locate(one, strategy, attention, seed) for one in looks for strategy in strategies]
-    return pa.concat_tables(tables)
 
 
 def candidate_table(one: Standpoint, crowd: ProbingLocations) -> pa.Table:

@@ -11,7 +11,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.fixations.locations import locate_all
+from visuohaptic.fixations.locations import locate
 from visuohaptic.fixations.looking import Look, Standpoint, attend_to
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.probing import STRATEGIES
@@ -76,8 +76,12 @@ class Sight:
     @property
     def fixations(self) -> pa.Table:
         """Where to touch, by every strategy: rows of `tables.FIXATIONS`."""
-        found = locate_all(self.stands, self.strategies, self.attention, self.seed)
-        return found.combine_chunks()
+        tables = [
+            locate(one, strategy, self.attention, self.seed)
+            for one in self.stands
+            for strategy in self.strategies
+        ]
+        return pa.concat_tables(tables).combine_chunks()
 
     @property
     def effects(self) -> pa.Table:
