@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes bench readme params format lock clean
+.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes bench wheels readme params format lock clean
 .PHONY: lint lint-types lint-code lint-workflow installed-tests installed-readme
 
 PYTHON ?= python3
@@ -100,6 +100,14 @@ format: $(DEVELOP)
 	ruff format .
 	ruff check --fix .
 	snakefmt Snakefile workflow/Snakefile workflow/rules
+
+# What a release consists of: wheels and sources of both distributions, tried without the clone's own sources.
+wheels: $(DEVELOP)
+	rm -rf dist
+	for project in packages/contourlets .; do (cd $$project && hatchling build -d $(CURDIR)/dist); done
+	pip install --quiet --no-deps --no-index --target dist/installed dist/*.whl
+	PYTHONPATH=dist/installed python -m pytest -o "pythonpath=tests packages/contourlets/tests" -m "not slow and not long" \
+	  tests/exploration tests/recognition/test_evaluating.py packages/contourlets/tests
 
 # Pins every package with its hashes; needs `uv` on PATH. requirements.lock is what runs, requirements-dev.lock
 # adds what tests: it is made first, as what runs must have versions that fit the tests' packages, too.

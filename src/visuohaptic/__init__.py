@@ -17,6 +17,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     submod_attrs={
         "attention.registry": ["Channel"],
         "errors": ["VisuohapticError"],
+        "exploration.examples": ["example"],
         "exploration.exploring": ["Exploration", "Recognition", "TouchableObject", "load", "touch"],
         "exploration.file_frame": ["FileFrame"],
         "exploration.pose_files": ["read_poses", "write_poses"],
@@ -27,6 +28,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "parameters": ["read_parameters"],
         "plugins": ["register"],
         "recognition.classifiers": ["Classifier"],
+        "recognition.evaluating": ["Evaluation", "evaluate"],
         "recognition.maps": ["Map"],
         "sensor.planner": ["Effect"],
     },

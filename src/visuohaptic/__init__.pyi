@@ -1,5 +1,6 @@
 from .attention.registry import Channel as Channel
 from .errors import VisuohapticError as VisuohapticError
+from .exploration.examples import example as example
 from .exploration.exploring import Exploration as Exploration
 from .exploration.exploring import Recognition as Recognition
 from .exploration.exploring import TouchableObject as TouchableObject
@@ -17,6 +18,8 @@ from .fixations.probing import Strategy as Strategy
 from .parameters import read_parameters as read_parameters
 from .plugins import register as register
 from .recognition.classifiers import Classifier as Classifier
+from .recognition.evaluating import Evaluation as Evaluation
+from .recognition.evaluating import evaluate as evaluate
 from .recognition.maps import Map as Map
 from .sensor.planner import Effect as Effect
 
@@ -25,6 +28,7 @@ __all__ = [
     "Classifier",
     "Descriptor",
     "Effect",
+    "Evaluation",
     "Exploration",
     "FileFrame",
     "Map",
@@ -34,6 +38,8 @@ __all__ = [
     "Strategy",
     "TouchableObject",
     "VisuohapticError",
+    "evaluate",
+    "example",
     "load",
     "press",
     "read_parameters",

@@ -263,7 +263,7 @@ _GROUP_PARAMETERS += [
 ]  # fmt: skip
 
 _GROUP_MODELS = [
-    Case("model", "missing", ("recognise", "ring.obj"), 1, "best.skops is not there.*model_all"),
+    Case("model", "missing", ("recognise", "ring.obj", "--model", "gone"), 1, "gone is not there.*model_all"),
     Case("model", "folder", ("recognise", "ring.obj", "--model", "."), 1, "is a folder; the model in it is needed"),
     Case("model", "empty name", ("recognise", "ring.obj", "--model", ""), 2, "the name is empty; a file is needed"),
     Case("model", "no catalogue", ("meshes", "check"), 1, "catalogue.csv can't be read: No such file"),

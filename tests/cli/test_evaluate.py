@@ -59,6 +59,6 @@ def test_objects_that_the_model_learnt_are_no_test(visuohaptic, model, tmp_path)
 
 def test_a_missing_model_names_the_command_that_makes_it(visuohaptic, tmp_path):
     write_features(tmp_path, (3, 3))
-    ended = visuohaptic("evaluate")
+    ended = visuohaptic("evaluate", "gone.skops")
     assert ended.code == 1
     assert "snakemake -j2 model_all" in ended.err

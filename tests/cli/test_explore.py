@@ -212,11 +212,18 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert 0 <= values["strangeness"] < 1
 
 
-def test_without_a_model_the_sentence_says_which_command_makes_it(visuohaptic, tmp_path):
-    ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"))
+def test_a_model_that_is_missing_names_the_command_that_makes_it(visuohaptic, tmp_path):
+    ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--model", "gone.skops")
     assert ended.code == 1
-    assert "results/models/best.skops is not there" in ended.err
+    assert "gone.skops is not there" in ended.err
     assert "snakemake -j2 model_all" in ended.err
+
+
+def test_without_a_model_of_a_run_the_packages_is_taken(visuohaptic, tmp_path):
+    ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--viewpoints", 1, "--json")
+    values = json.loads(ended.out)
+    assert values["model"].endswith("visuohaptic/exploration/best.skops")
+    assert set(values["probabilities"]) == {"bottle", "car", "chair", "quadruped"}
 
 
 def test_a_model_that_is_none_is_refused(visuohaptic, tmp_path):

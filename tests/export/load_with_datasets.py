@@ -10,6 +10,9 @@ from pathlib import Path
 import mlcroissant
 import numpy as np
 from datasets import load_dataset
+from sklearn.svm import SVC
+
+import visuohaptic as vh
 
 folder = sys.argv[1]
 with tempfile.TemporaryDirectory() as cache:
@@ -28,6 +31,8 @@ with tempfile.TemporaryDirectory() as cache:
         sys.stdout.write(f"{name}: {splits.num_rows}, {len(train)} and {len(test)} objects\n")
     first = load_dataset(folder, cache_dir=cache)["train"].with_format("numpy")[:9]
     assert np.abs(255 * first["imprint"] - np.stack(first["image"])).max() <= 0.5001
+    features = load_dataset(folder, "features", cache_dir=cache)["all"].to_pandas()
+    sys.stdout.write(f"{vh.evaluate(SVC(), features, seed=2018)}\n")
 croissant = mlcroissant.Dataset(jsonld=str(Path(folder) / "croissant.json"))
 assert next(iter(croissant.records("lite_test")))["lite_test/image"].size == (32, 32)
 row = next(iter(croissant.records("default_test")))

@@ -8,6 +8,7 @@ import shutil
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import pytest
 import yaml
@@ -17,8 +18,9 @@ from report.synthetic import lay_out
 from visuohaptic.errors import ExportError
 from visuohaptic.export import contents as export_contents
 from visuohaptic.export.card import MARK
+from visuohaptic.export.experiment import read_experiment
 from visuohaptic.export.files import FILES, PARQUET, export_run, make_export
-from visuohaptic.tables.phases import TOUCHES
+from visuohaptic.tables.phases import FEATURES, PREDICTIONS, TOUCHES
 from visuohaptic.tables.schema import images, read_table, write_table
 
 KEYS = (
@@ -49,6 +51,14 @@ def run(tmp_path_factory):
 @pytest.fixture(scope="module")
 def exported(run, tmp_path_factory):
     return export_run(run, tmp_path_factory.mktemp("out") / "export")
+
+
+@pytest.fixture(scope="module")
+def experiment(run):
+    return read_experiment(
+        [run / "results/features"], [run / "results/predictions"], run / "reports/metrics.json",
+        {"seed": 1},
+    )  # fmt: skip
 
 
 def rows_of(folder, configuration="data"):
@@ -158,14 +168,14 @@ def test_croissant_describes_every_file_and_column_by_its_bytes(exported):
         assert arrays == ({"imprint": f"{taxels},{taxels}"} if taxels else {})
 
 
-def test_two_exports_are_the_same_bit_for_bit_in_any_order_of_the_parts(run, tmp_path):
+def test_two_exports_are_the_same_bit_for_bit_in_any_order_of_the_parts(run, experiment, tmp_path):
     touches = read_table(TOUCHES, run / "results/touches")
     half = touches.num_rows // 2
     parts = [tmp_path / "a.parquet", tmp_path / "b.parquet"]
     write_table(TOUCHES, touches.slice(0, half), parts[0])
     write_table(TOUCHES, touches.slice(half), parts[1])
-    first = make_export(parts, [], tmp_path / "first", 1).folder
-    second = make_export(parts[::-1], [], tmp_path / "second", 1).folder
+    first = make_export(parts, [], tmp_path / "first", 1, experiment).folder
+    second = make_export(parts[::-1], [], tmp_path / "second", 1, experiment).folder
     assert [*contents_of(first).values()] == [*contents_of(second).values()]
 
 
@@ -201,6 +211,33 @@ def test_the_lite_version_has_all_strategies_of_a_view_or_none(run, tmp_path, mo
     by_strategy = rows.group_by(["strategy"]).aggregate([([], "count_all")])
     assert by_strategy.num_rows == 2
     assert len(set(by_strategy.column("count_all").to_pylist())) == 1
+
+
+def test_features_are_those_of_the_run_and_classify_as_there(run, exported, experiment):
+    features = read_table(FEATURES, exported.folder / "features/all.parquet")
+    assert features.equals(experiment.features)
+    held = json.loads((exported.folder / "experiment.json").read_text())
+    assert held["parameters"]["seed"] == 2018
+    metrics = json.loads((run / "reports/metrics.json").read_text())["results"]
+    for one in held["baselines"]:
+        figure = metrics[one["pipeline"]][one["strategy"]][one["classifier"]]["accuracy"]
+        assert (one["accuracy"], one["low"]) == (figure["mean"], figure["low"])
+        assert one["classifier"] in (exported.folder / "README.md").read_text()
+    predictions = read_table(PREDICTIONS, run / "results/predictions")
+    first = predictions.filter(pc.equal(predictions.column("split"), 0))
+    assert held["tested_objects"][0] == sorted({"/".join(owner) for owner in owners(first)})
+
+
+def test_the_sample_shows_imprints_of_every_class(exported):
+    sample = Image.open(exported.folder / "sample.png")
+    classes = {key.split("/")[0] for key in KEYS}
+    assert sample.height == 2 * len(classes) * (32 + 2)
+    assert np.ptp(np.asarray(sample)) > 0
+
+
+def test_a_run_without_metrics_is_refused(run, tmp_path):
+    with pytest.raises(ExportError, match="is no metrics of a run"):
+        read_experiment([], [], tmp_path / "metrics.json", {})
 
 
 def test_an_earlier_export_is_replaced_and_an_interrupted_one_too(run, exported, tmp_path):
@@ -249,13 +286,13 @@ def test_nothing_but_the_files_of_an_export_is_written(exported):
     assert found == set(FILES)
 
 
-def test_names_can_not_write_the_card(run, tmp_path):
+def test_names_can_not_write_the_card(run, experiment, tmp_path):
     touches = read_table(TOUCHES, run / "results/touches")
     names = [ODD if name == "ball" else name for name in touches.column("class").to_pylist()]
     place = touches.schema.get_field_index("class")
     renamed = touches.set_column(place, touches.schema.field(place), pa.array(names))
     write_table(TOUCHES, renamed, tmp_path / "t.parquet")
-    folder = make_export([tmp_path / "t.parquet"], [], tmp_path / "out", 1).folder
+    folder = make_export([tmp_path / "t.parquet"], [], tmp_path / "out", 1, experiment).folder
     assert (
         ODD
         in header(folder)["dataset_info"][0]["features"][1]["dtype"]["class_label"][
@@ -267,14 +304,14 @@ def test_names_can_not_write_the_card(run, tmp_path):
     assert r"| ball \| " in card
 
 
-def test_what_can_not_be_exported_is_said_before_anything_is_written(run, tmp_path):
+def test_what_can_not_be_exported_is_said_before_anything_is_written(run, experiment, tmp_path):
     touches = read_table(TOUCHES, run / "results/touches")
     write_table(TOUCHES, touches.slice(0, 0), tmp_path / "none.parquet")
     write_table(TOUCHES, touches.slice(0, 5), tmp_path / "one.parquet")
     with pytest.raises(ExportError, match="no touch"):
-        make_export([tmp_path / "none.parquet"], [], tmp_path / "out", 1)
+        make_export([tmp_path / "none.parquet"], [], tmp_path / "out", 1, experiment)
     with pytest.raises(ExportError, match="one object"):
-        make_export([tmp_path / "one.parquet"], [], tmp_path / "out", 1)
+        make_export([tmp_path / "one.parquet"], [], tmp_path / "out", 1, experiment)
     fewer = touches.slice(5)
     column = fewer.column("image").combine_chunks()
     halved = pa.array([image[:256] for image in column.to_pylist()], column.type)
@@ -283,7 +320,9 @@ def test_what_can_not_be_exported_is_said_before_anything_is_written(run, tmp_pa
     write_table(TOUCHES, other, tmp_path / "other.parquet")
     parts = [run / "results/touches/all.parquet", tmp_path / "other.parquet"]
     with pytest.raises(ExportError, match=r"other.parquet has imprints of 16 × 16 taxels.*32 × 32"):
-        make_export(parts, [], tmp_path / "out", 1)
+        make_export(parts, [], tmp_path / "out", 1, experiment)
     with pytest.raises(ExportError, match="is a file"):
-        make_export([run / "results/touches/all.parquet"], [], tmp_path / "one.parquet", 1)
+        make_export(
+            [run / "results/touches/all.parquet"], [], tmp_path / "one.parquet", 1, experiment
+        )
     assert not (tmp_path / "out").exists()

@@ -1,16 +1,19 @@
 """Export: touches of all objects → a data set for Hugging Face `datasets` and other tools.
 
-Takes results/touches/ and the credits; gives results/export/: Parquet files, a lite version, card, credits and
-croissant.json. Not part of `all`.
+Takes results/touches/, features, predictions, metrics and the credits; gives results/export/: Parquet files, a lite version, the
+experiment's features and results, card, credits and croissant.json. Not part of `all`.
 """
 
 EXPORTED = [
     "README.md",
     "credits.csv",
     "croissant.json",
+    "experiment.json",
+    "sample.png",
     *expand(
         "{folder}/{split}.parquet", folder=["data", "lite"], split=["train", "test"]
     ),
+    "features/all.parquet",
 ]
 
 
@@ -26,6 +29,9 @@ rule export:
             "export",
             "export.py",
             touches=parts_of("touches"),
+            features=parts_of("features"),
+            predictions=scores_of("predictions"),
+            metrics="reports/metrics.json",
             credits=CREDITS,
         ),
     output:
@@ -38,6 +44,7 @@ rule export:
     params:
         key=key_of_rule("export"),
         seed=PARAMETERS.seed,
+        parameters=PARAMETERS.model_dump(mode="json", exclude={"workflow"}),
     message:
         "exporting touches as a data set"
     script:

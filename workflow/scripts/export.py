@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from visuohaptic.export.experiment import read_experiment
 from visuohaptic.export.files import make_export
 from visuohaptic_workflow.jobs import job
 
@@ -11,4 +12,10 @@ with job(snakemake):
         credit_files=snakemake.input.credits,
         folder=Path(snakemake.output[0]).parent,
         seed=snakemake.params.seed,
+        experiment=read_experiment(
+            snakemake.input.features,
+            snakemake.input.predictions,
+            snakemake.input.metrics,
+            snakemake.params.parameters,
+        ),
     )

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from visuohaptic.cli.printing import file_to_read, say, say_json
-from visuohaptic.exploration.recognising import DEFAULT_MODEL
+from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model
 
 TABLE = "reports/evaluation.parquet"
 
@@ -46,7 +46,7 @@ def evaluate(
     from visuohaptic.tables.schema import read_table, write_table
     from visuohaptic.tables.studies import EVALUATION
 
-    recognisers = [read_recogniser(model) for model in models or [DEFAULT_MODEL]]
+    recognisers = [read_recogniser(model) for model in models or [default_model()]]
     features = read_table(FEATURES, run / "results/features")
     table = pa.concat_tables(evaluate_model(one.model, features) for one in recognisers)
     write_table(EVALUATION, table, run / TABLE)

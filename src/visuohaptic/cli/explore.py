@@ -19,7 +19,7 @@ from visuohaptic.cli.printing import (
     say_json,
     show_progress,
 )
-from visuohaptic.exploration.recognising import DEFAULT_MODEL
+from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model
 from visuohaptic.exploration.units import UNITS
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.plugins import load_installed
@@ -75,7 +75,10 @@ ViewpointsOption = Annotated[
 UpOption = Annotated[
     str | None,
     typer.Option(
-        "--up", **one_of(("y", "z")), help="Axis of the file that points up.", show_default="y"
+        "--up",
+        **one_of(("y", "z", "auto")),
+        help="Axis of the file that points up; auto takes the one on which the object stands steadier.",
+        show_default="y",
     ),
 ]
 BudgetOption = Annotated[
@@ -136,12 +139,17 @@ def touch(
     def say_one(mesh: Path, made: tuple[Exploration, list[Path]]) -> None:
         found, files = made
         say(f"{mesh}: {_counts(found)}, {_seconds(found.seconds)}")
+        _say_up(up, found)
         for file in files:
             say(f"  {file}")
 
     def values(mesh: Path, made: tuple[Exploration, list[Path]]) -> dict[str, object]:
         found, files = made
-        return _exploration_values(mesh, found) | {"out": folders[mesh], "files": files}
+        return _exploration_values(mesh, found) | {
+            "up": found.frame.up_axis,
+            "out": folders[mesh],
+            "files": files,
+        }
 
     _each(meshes, touch_one, values if as_json else None, say_one)
 
@@ -149,8 +157,13 @@ def touch(
 def recognise(
     meshes: MeshesArgument,
     model: Annotated[
-        Path, typer.Option(parser=file_to_read, help="A fitted recognition model.")
-    ] = DEFAULT_MODEL,
+        Path | None,
+        typer.Option(
+            parser=file_to_read,
+            help="A fitted recognition model; without it the run's own, or else the package's.",
+            show_default=str(DEFAULT_MODEL),
+        ),
+    ] = None,
     viewpoints: ViewpointsOption = None,
     budget: BudgetOption = None,
     up: UpOption = None,
@@ -158,14 +171,16 @@ def recognise(
 ) -> None:
     """Classify objects from touch alone, with a model that `snakemake model_all` fitted.
 
-    They are touched as the objects were from which the model learnt.
+    They are touched as the objects were from which the model learnt. Where no run has fitted one, the
+    model that comes with the package is taken: bottle, car, chair or quadruped.
 
     Example: visuohaptic recognise mug.obj --model results/models/best.skops
     """
     from visuohaptic.exploration.recognising import read_recogniser
 
     viewpoints = _viewpoints(viewpoints, budget)
-    recogniser = read_recogniser(model)
+    chosen_model = model or default_model()
+    recogniser = read_recogniser(chosen_model)
     strategy, chosen = recogniser.model.strategy, recogniser.parameters
 
     def recognise_one(mesh: Path) -> Recognition:
@@ -176,26 +191,34 @@ def recognise(
         say(_answer_line(mesh, found))
         for name, value in found.probabilities.items():
             say(f"  {name:<20} {100 * value:5.1f} %")
+        _say_up(up, found.exploration)
         views = found.exploration.views.num_rows
         say(
             f"{found.touches} touches from {views} viewpoints by {strategy}, {_seconds(found.seconds)}"
         )
 
     def values(mesh: Path, found: Recognition) -> dict[str, object]:
-        return _recognition_values(mesh, model, found)
+        return _recognition_values(mesh, chosen_model, found)
 
     _each(meshes, recognise_one, values if as_json else None, say_one)
     if not as_json:
         learnt, classes = len(recogniser.model.objects), len(recogniser.model.classes)
         classifier = recogniser.model.classifier.replace("_", " ")
         say(
-            f"{model}: {classifier}, which learnt {learnt} objects of {classes} classes; "
+            f"{chosen_model}: {classifier}, which learnt {learnt} objects of {classes} classes; "
             + (
                 "an object of another class is named one of these all the same"
                 if recogniser.model.calibration is None
                 else "an object that is stranger than nearly all of these is called unknown, and sets "
                 "hold the class as often as stated for objects like these"
             )
+        )
+
+
+def _say_up(up: str | None, found: Exploration) -> None:
+    if up == "auto":
+        say(
+            f"  {found.frame.up_axis} is taken as up, as the object stands steadier so; --up says otherwise"
         )
 
 

@@ -25,7 +25,7 @@ def export(
     """Write a finished run's touches as a data set for Hugging Face `datasets`.
 
     It holds tactile images with class labels and poses, split by object, a lite version, licences and
-    authors, a card and a Croissant description.
+    authors, the experiment's features, divisions and results, a card and a Croissant description.
 
     Example: visuohaptic export touches
     """

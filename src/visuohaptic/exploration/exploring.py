@@ -18,7 +18,6 @@ from visuohaptic.errors import MeshError, ParameterError
 from visuohaptic.exploration.file_frame import FileFrame
 from visuohaptic.exploration.pose_files import write_poses
 from visuohaptic.exploration.recognising import (
-    DEFAULT_MODEL,
     UNKNOWN,
     Recogniser,
     check_alike,
@@ -244,7 +243,7 @@ class Exploration:
         """Poses of the touches in the file's frame, shape (n, 4, 4), as `FileFrame.poses` gives them."""
         return self.frame.poses(self.touches)
 
-    def recognise(self, model: str | Path | Recogniser = DEFAULT_MODEL) -> Recognition:
+    def recognise(self, model: str | Path | Recogniser | None = None) -> Recognition:
         """Classify the object from its touches.
 
         Parameters

@@ -43,6 +43,11 @@ class FileFrame:
         """Whether float64 holds the scale of the file's coordinates."""
         return bool(np.isfinite(self.from_file).all())
 
+    @property
+    def up_axis(self) -> str:
+        """The file's axis that is nearest to up, such as ``z``."""
+        return "xyz"[int(np.abs(self.from_file[1, :3]).argmax())]
+
     @cached_property
     def to_file(self) -> NDArray[np.float64]:
         """The way back, shape (4, 4), float64; `MeshError` where the file's numbers are too small or large for one."""

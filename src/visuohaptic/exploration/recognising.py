@@ -19,6 +19,9 @@ UNKNOWN = "unknown"
 DEFAULT_MODEL = Path("results/models/best.skops")
 """Where the workflow leaves its recognition model."""
 
+PACKAGED_MODEL = Path(__file__).with_name("best.skops")
+"""The model of a default run on the paper's twelve objects, which comes with the package."""
+
 _FREE = ("viewpoints.count", "attention.fixations")
 
 
@@ -38,13 +41,19 @@ class Recogniser:
         )
 
 
-def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
+def default_model() -> Path:
+    """Name the model of the run in this folder, or where there is none the one that comes with the package."""
+    return DEFAULT_MODEL if DEFAULT_MODEL.exists() else PACKAGED_MODEL
+
+
+def read_recogniser(path: str | Path | None = None) -> Recogniser:
     """Read a recognition model and the parameters in it.
 
     Parameters
     ----------
-    path : path
-        The ``.skops`` file, which also holds how its touches were made.
+    path : path, optional
+        The ``.skops`` file, which also holds how its touches were made; without it that of
+        `default_model`.
 
     Returns
     -------
@@ -59,7 +68,7 @@ def read_recogniser(path: str | Path = DEFAULT_MODEL) -> Recogniser:
     from visuohaptic.parameters import check_parameters
     from visuohaptic.recognition.stored_models import load_model
 
-    path = Path(path)
+    path = default_model() if path is None else Path(path)
     if path.is_dir():
         raise RecognitionError(
             f"{path} is a folder; the model in it is needed, such as {path / DEFAULT_MODEL.name}."

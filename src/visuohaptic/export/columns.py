@@ -17,6 +17,9 @@ from visuohaptic.tables.schema import TEXT, Column, images
 IMAGE = pa.struct([("bytes", pa.binary()), ("path", TEXT)])
 """What `datasets` takes for a picture in Parquet."""
 
+_SAMPLES = 10
+"""Imprints of a class in the sample."""
+
 IMPRINT = pa.list_(pa.list_(pa.float32()))
 
 _COPIED = [column for column in TOUCHES.columns if column.name != "image"]
@@ -81,6 +84,25 @@ def grey_pngs(imprints: NDArray[np.float32]) -> list[bytes]:
         Image.fromarray(picture).save(stored, "png")
         pngs.append(stored.getvalue())
     return pngs
+
+
+def sample_png(rows: pa.Table) -> bytes:
+    """Draw the first imprints of each class, a row each, as a grey PNG file."""
+    from PIL import Image
+
+    kinds = rows.column("class")
+    lines = []
+    for name in sorted(pc.unique(kinds).to_pylist()):
+        stored = rows.filter(pc.equal(kinds, name)).column("image").slice(0, _SAMPLES).to_pylist()
+        pictures = [np.asarray(Image.open(io.BytesIO(one["bytes"]))) for one in stored]
+        line = np.hstack([np.pad(picture, 1) for picture in pictures])
+        lines.append(
+            np.pad(line, ((0, 0), (0, _SAMPLES * (pictures[0].shape[1] + 2) - line.shape[1])))
+        )
+    whole = Image.fromarray(np.vstack(lines))
+    drawn = io.BytesIO()
+    whole.resize((2 * whole.width, 2 * whole.height), Image.Resampling.NEAREST).save(drawn, "png")
+    return drawn.getvalue()
 
 
 def arrow_schema(columns: Sequence[Column]) -> pa.Schema:

@@ -13,7 +13,7 @@ import pyarrow as pa
 from visuohaptic import __version__
 from visuohaptic.export.card import CONFIGURATIONS
 from visuohaptic.export.columns import IMAGE, IMPRINT
-from visuohaptic.export.contents import SPLITS, Contents
+from visuohaptic.export.contents import Contents
 from visuohaptic.tables.schema import TEXT, Column
 
 _FORMAT = "http://mlcommons.org/croissant/1.1"
@@ -64,8 +64,8 @@ def describe_files(contents: Contents, files: Mapping[str, Path]) -> str:
         "distribution": [_file_object(name, path) for name, path in files.items()],
         "recordSet": [
             _record_set(configuration, split, contents.taxels)
-            for configuration in CONFIGURATIONS
-            for split in SPLITS
+            for configuration, one in CONFIGURATIONS.items()
+            for split in one.splits
         ],
     }
     return json.dumps(described, indent=2) + "\n"
@@ -86,14 +86,13 @@ def _file_object(name: str, path: Path) -> dict[str, str]:
 
 
 def _record_set(configuration: str, split: str, taxels: int) -> dict[str, Any]:
-    folder, columns = CONFIGURATIONS[configuration]
-    name = f"{configuration}_{split}"
-    file = f"{folder}/{split}.parquet"
+    chosen = CONFIGURATIONS[configuration]
+    name, file = f"{configuration}_{split}", chosen.files[split]
     return {
         "@type": "cr:RecordSet",
         "@id": name,
         "name": name,
-        "field": [_field(column, name, file, taxels) for column in columns],
+        "field": [_field(column, name, file, taxels) for column in chosen.columns],
     }
 
 

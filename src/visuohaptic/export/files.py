@@ -16,21 +16,27 @@ import pyarrow.parquet as pq
 
 from visuohaptic.errors import ExportError
 from visuohaptic.export.card import CONFIGURATIONS, MARK, write_card
-from visuohaptic.export.columns import arrow_schema, data_rows
-from visuohaptic.export.contents import SPLITS, Contents, find_contents
+from visuohaptic.export.columns import arrow_schema, data_rows, sample_png
+from visuohaptic.export.contents import Contents, find_contents
 from visuohaptic.export.croissant import describe_files
+from visuohaptic.export.experiment import Experiment, read_experiment
 from visuohaptic.meshes.catalogue import Credit, read_credits
 from visuohaptic.parameters import read_parameters
-from visuohaptic.tables.phases import TOUCHES, keys_of
-from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.phases import FEATURES, TOUCHES, keys_of
+from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.whole_files import whole_file, write_whole
 
 CARD, CREDITS, CROISSANT = "README.md", "credits.csv", "croissant.json"
-PARQUET = tuple(
-    f"{folder}/{split}.parquet" for folder, _ in CONFIGURATIONS.values() for split in SPLITS
-)
-FILES = (CARD, CREDITS, CROISSANT, *PARQUET)
+EXPERIMENT, SAMPLE = "experiment.json", "sample.png"
+PARQUET = tuple(file for one in CONFIGURATIONS.values() for file in one.files.values())
+FILES = (CARD, CREDITS, CROISSANT, EXPERIMENT, SAMPLE, *PARQUET)
 """All files of an export."""
+
+_OF_TOUCHES = {
+    file: CONFIGURATIONS[name].columns
+    for name in ("default", "lite")
+    for file in CONFIGURATIONS[name].files.values()
+}
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,7 @@ def export_run(run: str | Path, folder: str | Path) -> Export:
     `make_export` does, and `ParameterError` if the parameters can't be read.
     """
     run = Path(run)
-    seed = read_parameters(run / "params.yaml").seed
+    parameters = read_parameters(run / "params.yaml")
     touches = sorted((run / "results/touches").rglob("*.parquet"))
     if not touches:
         raise ExportError(
@@ -62,11 +68,21 @@ def export_run(run: str | Path, folder: str | Path) -> Export:
             "`snakemake -j2` there first."
         )
     credit_files = [run / "meshes/catalogue.csv", run / "meshes/paper/credits.csv"]
-    return make_export(touches, credit_files, folder, seed)
+    experiment = read_experiment(
+        [run / "results/features"],
+        [run / "results/predictions"],
+        run / "reports/metrics.json",
+        parameters.model_dump(mode="json"),
+    )
+    return make_export(touches, credit_files, folder, parameters.seed, experiment)
 
 
 def make_export(
-    touches: Sequence[str | Path], credit_files: Sequence[str | Path], folder: str | Path, seed: int
+    touches: Sequence[str | Path],
+    credit_files: Sequence[str | Path],
+    folder: str | Path,
+    seed: int,
+    experiment: Experiment,
 ) -> Export:
     """Write touches as a data set that `datasets.load_dataset(folder)` reads as it is.
 
@@ -83,6 +99,8 @@ def make_export(
         New, empty, or an earlier export, which is replaced.
     seed : int
         By which objects are divided into training and test objects.
+    experiment : Experiment
+        What the touches were made for, and what it found.
 
     Returns
     -------
@@ -100,9 +118,15 @@ def make_export(
     contents = find_contents(files, read_credits(credit_files), seed)
     _take_over(folder)
     # First of all, so that a folder whose export was interrupted is known as one.
-    write_whole(folder / CARD, write_card(contents))
+    write_whole(folder / CARD, write_card(contents, experiment))
     write_whole(folder / CREDITS, _credits_of(contents))
+    write_whole(folder / EXPERIMENT, experiment.as_json())
     _write_rows(files, contents, folder)
+    write_table(FEATURES, experiment.features, folder / CONFIGURATIONS["features"].files["all"])
+    with whole_file(folder / SAMPLE) as unfinished:
+        unfinished.write_bytes(
+            sample_png(pq.read_table(folder / CONFIGURATIONS["lite"].files["train"]))
+        )
     written = {name: folder / name for name in PARQUET}
     write_whole(folder / CROISSANT, describe_files(contents, written))
     return Export(folder, contents)
@@ -142,14 +166,11 @@ def _is_marked(card: Path) -> bool:
 
 def _write_rows(files: Sequence[Path], contents: Contents, folder: Path) -> None:
     """Write the rows of all files, one after the other, into every configuration and split."""
-    schemas = {name: arrow_schema(columns) for name, columns in CONFIGURATIONS.values()}
     with ExitStack() as stack:
         writers = {}
-        for name in PARQUET:
+        for name, columns in _OF_TOUCHES.items():
             unfinished = stack.enter_context(whole_file(folder / name))
-            writer = pq.ParquetWriter(
-                unfinished, schemas[Path(name).parent.name], compression="zstd"
-            )
+            writer = pq.ParquetWriter(unfinished, arrow_schema(columns), compression="zstd")
             writers[name] = stack.enter_context(writer)
         before = 0
         for file in files:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, ConfigDict, Field
 
 from visuohaptic.meshes.catalogue import ObjectSet
@@ -16,8 +18,10 @@ class MeshParameters(BaseModel):
     merge_tolerance: float = Field(
         1e-6, ge=0, le=1e-3, description="Vertices nearer than this become one (object radii)"
     )
-    own_up_axis: str = Field(
-        "y", pattern="^[yz]$", description="Axis of own models that points up: y or z"
+    own_up_axis: Literal["y", "z", "auto"] = Field(
+        "y",
+        description="Axis of own models that points up; with `auto` the one of both on which an object "
+        "stands steadier",
     )
     largest_megabytes: float = Field(
         512.0, gt=0, le=1e4, description="Files above this size, unpacked, are refused (MB)"

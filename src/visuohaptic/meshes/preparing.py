@@ -13,6 +13,7 @@ from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.meshes.standing import steadiest_axis
 
 UP_AXES = {"y": np.eye(3), "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])}
 
@@ -36,7 +37,7 @@ def place_object(
         from visuohaptic.meshes.model_files import read_model
 
         surface = read_model(path, parameters.largest_megabytes)
-        rotation = UP_AXES[parameters.own_up_axis]
+        rotation = up_rotation(surface, str(path), parameters)
     return place(surface, str(path), rotation, model.dimensions, parameters.merge_tolerance)
 
 
@@ -44,8 +45,17 @@ def place_surface(
     surface: Surface, name: str, parameters: MeshParameters
 ) -> tuple[Surface, NDArray[np.float64]]:
     """Make ready a surface in memory, as `place_object` does a user's own file."""
-    up = UP_AXES[parameters.own_up_axis]
+    up = up_rotation(surface, name, parameters)
     return place(surface, name, up, merge_tolerance=parameters.merge_tolerance)
+
+
+def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> NDArray[np.float64]:
+    """Give the rotation, (3, 3), that turns an own model's axis that points up to y."""
+    axis: str = parameters.own_up_axis
+    if axis == "auto":
+        _check_finite(surface, name)
+        axis = steadiest_axis(surface, UP_AXES)
+    return UP_AXES[axis]
 
 
 def normalise(

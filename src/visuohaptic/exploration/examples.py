@@ -1,0 +1,54 @@
+"""Objects that come with the package, none of which its model has learnt: a start without a mesh of one's own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from visuohaptic.errors import MeshError
+
+if TYPE_CHECKING:
+    from visuohaptic.exploration.exploring import TouchableObject
+
+FOLDER = Path(__file__).with_name("examples")
+
+
+def examples() -> dict[str, Path]:
+    """Give the model of each example by its name, which is its class.
+
+    Of each of the paper's classes it is the model with the fewest triangles in the catalogue that is not among
+    the paper's twelve. Authors and licences stand in ``catalogue.csv`` beside them.
+    """
+    return {path.parent.name: path for path in sorted(FOLDER.glob("*/*/*.ply.gz"))}
+
+
+def example(name: str) -> TouchableObject:
+    """Load an object that comes with the package.
+
+    Parameters
+    ----------
+    name : {"bottle", "car", "chair", "quadruped"}
+        Which one.
+
+    Returns
+    -------
+    TouchableObject
+        The object.
+
+    Raises
+    ------
+    MeshError
+        If there is no such example.
+
+    Examples
+    --------
+    >>> import visuohaptic as vh
+    >>> vh.example("chair")
+    <TouchableObject chair/kl_dining-chair: 1,380 triangles>
+    """
+    from visuohaptic.exploration.exploring import load
+
+    found = examples()
+    if name not in found:
+        raise MeshError(f"{name!r} is no example; {', '.join(found)} are allowed.")
+    return load(found[name])

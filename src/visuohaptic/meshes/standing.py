@@ -1,0 +1,67 @@
+"""Which axis of a model points up, where nobody says: the one on which it stands steadier."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.geometry.surface import Surface
+
+_FOOT = 0.02
+"""Vertices this near to the lowest one, as a share of the height, are what an object stands on: cushions sag, feet differ."""
+
+
+def steadiest_axis(surface: Surface, rotations: Mapping[str, NDArray[np.float64]]) -> str:
+    """Choose the axis along which an object leans farthest before it tips over.
+
+    Parameters
+    ----------
+    surface : Surface
+        In any frame and unit.
+    rotations : mapping of str to numpy.ndarray
+        For each axis the rotation, shape (3, 3), that turns it to y. The first of equal ones is chosen.
+
+    Returns
+    -------
+    str
+        The axis.
+    """
+    if not surface.face_areas.sum() > 0:
+        return next(iter(rotations))  # nothing to stand; an error about the surface says more
+    centre = np.average(surface.triangles.mean(axis=1), axis=0, weights=surface.face_areas)
+    offsets = surface.vertices[np.unique(surface.faces)] - centre
+    angles = {
+        axis: tipping_angle(np.einsum("nd,kd->nk", offsets, rotation))
+        for axis, rotation in rotations.items()
+    }
+    return max(angles, key=angles.__getitem__)
+
+
+def tipping_angle(offsets: NDArray[np.float64]) -> float:
+    """Give the angle by which an object may lean, in its least steady direction, before it tips over.
+
+    Parameters
+    ----------
+    offsets : numpy.ndarray
+        Shape (n, 3), float64: vertices from the centre of mass, y up.
+
+    Returns
+    -------
+    float
+        Radians; negative where the centre is not above what the object stands on, and 0 where that is a
+        line or a point.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    height = float(np.ptp(offsets[:, 1]))
+    lowest = float(offsets[:, 1].min())
+    foot = offsets[offsets[:, 1] <= lowest + _FOOT * height][:, [0, 2]]
+    try:
+        edges = ConvexHull(foot).equations
+    except (QhullError, ValueError):  # fewer than three points, or all in a line
+        return 0.0
+    # An edge's equation gives, at the centre's foot, its distance, negative within.
+    return math.atan2(-float(edges[:, 2].max()), -lowest)

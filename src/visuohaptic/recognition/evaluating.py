@@ -1,0 +1,153 @@
+"""Any classifier on the experiment's own protocol: the report's figure for it, with its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.classifiers import Classifier, draw_seed
+from visuohaptic.recognition.encoding import fit_sequence_encoder
+from visuohaptic.recognition.experiment import (
+    Answer,
+    AnswerSplit,
+    gather_pipeline,
+    run_pipeline,
+    run_sequences,
+)
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.sequences import TouchSequences, take_strategy
+from visuohaptic.recognition.splits import Split
+from visuohaptic.recognition.summary import summarise
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import build_table, read_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_PIPELINE = "paper"
+_GIVEN = "estimator"
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """How often test sequences are correctly classified; it is equal to itself alone.
+
+    Attributes
+    ----------
+    accuracy : float
+        Mean over splits of the share of test sequences that are correctly classified.
+    low, high : float or None
+        Its interval over objects, as the report's; None where there is no such end.
+    by_object : mapping of str to float
+        The same of each object, `class/name`.
+    splits : int
+        How often the objects were divided into training and test objects.
+    predictions : pyarrow.Table
+        `tables.PREDICTIONS`: a row for each tested sequence of each split.
+    """
+
+    accuracy: float
+    low: float | None
+    high: float | None
+    by_object: Mapping[str, float]
+    splits: int
+    predictions: pa.Table
+
+    def __repr__(self) -> str:
+        ends = ("none" if end is None else f"{100 * end:.1f}" for end in (self.low, self.high))
+        return (
+            f"<Evaluation: {100 * self.accuracy:.1f} % correctly classified ({' to '.join(ends)}), "
+            f"{len(self.by_object)} objects, {self.splits} splits>"
+        )
+
+
+def evaluate(
+    estimator: Any,
+    features: pa.Table | pd.DataFrame | str | Path,
+    parameters: RecognitionParameters | None = None,
+    strategy: str = "fixation",
+    seed: int = 0,
+) -> Evaluation:
+    """Train and test a classifier on every split of the experiment, as the report does.
+
+    Parameters
+    ----------
+    estimator : object or str
+        An unfitted scikit-learn classifier, of which each split fits a copy, or the name of a
+        registered one, such as ``support_vector_machine``. It sees the paper's features of a sequence of
+        touches, scaled as `parameters` say; all that is fitted sees training objects alone.
+    features : pyarrow.Table, pandas.DataFrame or path
+        Rows of `tables.FEATURES`: a run's ``results/features``, `Exploration.features` of several
+        objects, or an exported data set's ``features``.
+    parameters : RecognitionParameters, optional
+        The protocol, the sequences, and their encoding; without it those of the default run.
+    strategy : str
+        How the touches were chosen.
+    seed : int
+        The experiment's seed, which draws the splits.
+
+    Returns
+    -------
+    Evaluation
+        The accuracy and its interval.
+
+    Raises
+    ------
+    RecognitionError
+        If the features do not allow the experiment, or the classifier can't be fitted.
+    """
+    parameters = parameters or RecognitionParameters()
+    table, _ = take_strategy(_as_table(features), strategy, parameters.touches)
+    if isinstance(estimator, str):
+        chosen = parameters.model_copy(update={"classifiers": (estimator,)})
+        scores, predictions = run_pipeline(table, chosen, seed, _PIPELINE)
+    else:
+        sequences = gather_pipeline(table, parameters, _PIPELINE, seed)
+        answer_split = _answers_of(Classifier.of(_GIVEN, estimator), sequences, parameters)
+        scores, predictions = run_sequences(
+            sequences, strategy, parameters, seed, _PIPELINE, answer_split
+        )
+    summary = summarise(scores, predictions, parameters.intervals, seed)
+    ((found,),) = (one.values() for one in summary["results"][_PIPELINE].values())
+    accuracy = found["accuracy"]
+    return Evaluation(
+        accuracy["mean"], accuracy["low"], accuracy["high"],
+        {key: mean for key, (mean, _) in found["by_object"].items()}, found["splits"], predictions,
+    )  # fmt: skip
+
+
+def _as_table(features: pa.Table | pd.DataFrame | str | Path) -> pa.Table:
+    if isinstance(features, pa.Table):
+        return features
+    if isinstance(features, str | Path):
+        return read_table(FEATURES, features)
+    missing = [column.name for column in FEATURES.columns if column.name not in features]
+    if missing:
+        raise RecognitionError(
+            f"The features have no column {missing[0]}; the columns of table `features` are needed."
+        )
+    return build_table(FEATURES, {name: features[name].to_numpy() for name in features.columns})
+
+
+def _answers_of(
+    classifier: Classifier, sequences: TouchSequences, parameters: RecognitionParameters
+) -> AnswerSplit:
+    def answer_split(split: Split, generator: np.random.Generator) -> Iterator[Answer]:
+        training = sequences.features[split.train]
+        encoder = fit_sequence_encoder(training, parameters, generator)
+        fitted, note = classifier.fit(
+            parameters.classifier,
+            encoder.encode(training),
+            sequences.labels[split.train],
+            draw_seed(generator),
+        )
+        predicted = fitted.predict(encoder.encode(sequences.features[split.test]))
+        yield Answer(classifier.name, predicted, note)
+
+    return answer_split

@@ -1,0 +1,47 @@
+"""What comes with the package is enough for a first recognition."""
+
+import pytest
+
+import visuohaptic as vh
+from visuohaptic.errors import MeshError
+from visuohaptic.exploration.examples import FOLDER, examples
+from visuohaptic.exploration.recognising import _TOUCHING_SECTIONS, PACKAGED_MODEL
+from visuohaptic.meshes.catalogue import read_catalogue
+from visuohaptic.parameters import ExperimentParameters
+
+
+@pytest.fixture(scope="module")
+def recogniser():
+    return vh.read_recogniser(PACKAGED_MODEL)
+
+
+def test_every_example_has_an_author_and_a_licence():
+    credited = {model.key: model.credit for model in read_catalogue(FOLDER / "catalogue.csv")}
+    assert sorted(credited) == sorted(vh.example(name).key for name in examples())
+    assert all(credit.author and credit.licence for credit in credited.values())
+
+
+def test_there_is_an_example_of_each_class_that_the_packages_model_knows(recogniser):
+    assert tuple(examples()) == recogniser.model.classes
+
+
+def test_the_packages_model_learnt_no_example(recogniser):
+    learnt = {"/".join(key) for key in recogniser.model.objects}
+    assert len(learnt) == 12
+    assert not learnt & {vh.example(name).key for name in examples()}
+
+
+def test_the_packages_model_learnt_from_touches_by_the_default_parameters(recogniser):
+    default = ExperimentParameters().model_dump(include=set(_TOUCHING_SECTIONS))
+    assert recogniser.parameters.model_dump(include=set(_TOUCHING_SECTIONS)) == default
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", examples())
+def test_an_example_is_recognised_in_one_line(name):
+    assert vh.example(name).touch().recognise().name == name
+
+
+def test_another_name_is_refused():
+    with pytest.raises(MeshError, match="'mug' is no example; bottle, car, chair, quadruped"):
+        vh.example("mug")

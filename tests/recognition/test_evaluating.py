@@ -1,0 +1,57 @@
+"""Any classifier is evaluated on the experiment's own protocol."""
+
+import pytest
+from recognition.synthetic import features_table
+from sklearn.svm import SVC
+
+import visuohaptic as vh
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.experiment import run_pipeline
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.summary import summarise
+
+FEW = RecognitionParameters(
+    protocol={"maximum_splits": 3},
+    intervals={"bootstrap_samples": 200},
+    classifiers=("support_vector_machine",),
+)
+SVM = "support_vector_machine"
+
+
+@pytest.fixture(scope="module")
+def features():
+    return features_table(separation=0.6)
+
+
+def test_a_registered_classifier_has_the_figures_of_the_experiment(features):
+    found = vh.evaluate(SVM, features, FEW)
+    summary = summarise(*run_pipeline(features, FEW, 0), FEW.intervals)
+    figure = summary["results"]["paper"]["fixation"][SVM]
+    assert (found.accuracy, found.low, found.high) == tuple(
+        figure["accuracy"][name] for name in ("mean", "low", "high")
+    )
+    assert found.splits == figure["splits"]
+    assert set(found.by_object) == set(figure["by_object"])
+
+
+def test_an_estimator_is_tested_on_the_same_sequences(features):
+    registered, given = (vh.evaluate(one, features, FEW) for one in (SVM, SVC()))
+    for name in ("class", "object", "viewpoint", "split", "predicted"):
+        assert given.predictions.column(name) == registered.predictions.column(name)
+    assert given.accuracy == registered.accuracy
+
+
+def test_a_data_frame_is_as_good_as_a_table(features):
+    given = vh.evaluate(SVC(), features.to_pandas(), FEW)
+    assert given.accuracy == vh.evaluate(SVC(), features, FEW).accuracy
+
+
+def test_columns_that_are_missing_are_named(features):
+    with pytest.raises(RecognitionError, match="no column contourlet_01"):
+        vh.evaluate(SVC(), features.to_pandas().drop(columns="contourlet_01"), FEW)
+
+
+def test_it_says_what_it_found(features):
+    said = repr(vh.evaluate(SVC(), features, FEW))
+    assert said.startswith("<Evaluation: ")
+    assert "% correctly classified (" in said
