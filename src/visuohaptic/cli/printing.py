@@ -63,7 +63,7 @@ def one_of(names: Sequence[str]) -> dict[str, Any]:
 
     def take(name: str) -> str:
         if name not in names:
-            raise typer.BadParameter(f"{name!r} is not one of {', '.join(names)}.")
+            raise typer.BadParameter(f"{name!r} is not one of {', '.join(map(repr, names))}.")
         return name
 
     shown = f"[{'|'.join(names)}]"

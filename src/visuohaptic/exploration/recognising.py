@@ -90,16 +90,15 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
 def check_alike(strategy: str, touched: ExperimentParameters, recogniser: Recogniser) -> None:
     """Refuse touches that were made in another way than those that the model learnt from."""
     from visuohaptic.parameters import leaves
-    from visuohaptic.pipeline import OF_OBJECT
 
-    sections = {name.partition(".")[0] for phase in OF_OBJECT for name in phase.sections()}
+    sections = touching_sections()
     if strategy != recogniser.model.strategy:
         raise RecognitionError(
             f"The object was touched by {strategy} and the model learnt from touches by "
             f"{recogniser.model.strategy}; touch with strategy {recogniser.model.strategy!r}."
         )
     here, there = (
-        dict(leaves(parameters.model_dump(include=sections - {"seed", "probing"})))
+        dict(leaves(parameters.model_dump(include=sections)))
         for parameters in (touched, recogniser.parameters)
     )
     names = sorted(set(here) | set(there))
@@ -114,3 +113,11 @@ def check_alike(strategy: str, touched: ExperimentParameters, recogniser: Recogn
         raise RecognitionError(
             f"The object was touched with {found}; touch it with the model's own parameters."
         )
+
+
+def touching_sections() -> set[str]:
+    """Name the sections of the parameters in which a model's touches and an object's must be alike."""
+    from visuohaptic.pipeline import OF_OBJECT
+
+    found = {name.partition(".")[0] for phase in OF_OBJECT for name in phase.sections()}
+    return found - {"seed", "probing"}
