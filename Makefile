@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
 .PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes bench wheels readme params format lock clean
-.PHONY: lint lint-types lint-code lint-workflow installed-tests installed-readme
+.PHONY: lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 PYTHON ?= python3
 JOBS ?= all
@@ -41,17 +41,17 @@ test: lint
 test-all: lint
 	pytest -n 2 --dist loadfile --no-loadscope-reorder
 
-# The quick tests, and the README's commands on a small experiment, with the packages that users have.
-# Both take one processor, so they run at a time.
+# With the packages that users have: every module is imported, and the README's commands run on a small experiment,
+# those of DVC beside the others.
 test-installed: $(INSTALLED)/.ready
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target installed-tests installed-readme
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target installed-alone installed-dvc
 
-installed-tests installed-readme: export PATH := $(CURDIR)/$(INSTALLED)/bin:$(OUTER_PATH)
-installed-tests installed-readme: export PYTHONPATH :=
-installed-tests:
-	python -m pytest -m "not slow and not workflow" --ignore tests/browser --ignore tests/numerics
-installed-readme:
-	python -m pytest tests/installed/readme_commands.py --durations 0
+installed-alone installed-dvc: export PATH := $(CURDIR)/$(INSTALLED)/bin:$(OUTER_PATH)
+installed-alone installed-dvc: export PYTHONPATH :=
+installed-alone:
+	python -m pytest tests/installed/every_module.py tests/installed/readme_commands.py -k "not under_dvc" --durations 0
+installed-dvc:
+	python -m pytest tests/installed/readme_commands.py -k under_dvc --durations 0
 
 # Hard cases at their full counts, some 17 minutes on two cores; the result is kept with the package.
 test-hard: $(DEVELOP)

@@ -2,14 +2,11 @@
 
 import signal
 
-try:
-    from hypothesis import settings
-except ModuleNotFoundError:  # as in the environment of `make`; see properties.py
-    pass
-else:
-    # A busy machine is no failure, and a failure must come back.
-    settings.register_profile("suite", derandomize=True, deadline=None)
-    settings.load_profile("suite")
+from hypothesis import settings
+
+# A busy machine is no failure, and a failure must come back.
+settings.register_profile("suite", derandomize=True, deadline=None)
+settings.load_profile("suite")
 
 # A shell that starts tests in the background lets them, and all that they start, ignore Ctrl-C.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

@@ -12,6 +12,9 @@ from pathlib import Path
 import pytest
 from source_folders import PYTHONPATH
 
+from visuohaptic.errors import VisuohapticError
+from visuohaptic.plugins import load_files
+
 EXAMPLES = Path(__file__).parents[1] / "examples"
 CUBE = """v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"""
 PLUG_IN = "import visuohaptic as vh\nvh.register(vh.{kind})\n"
@@ -188,3 +191,18 @@ for content in (None, "1 / 0"):
     assert whole == "0 unit_distances one_hot lattice feature_groups none mine"
     assert broken.startswith("1 error: plug-in ")
     assert broken.endswith("mine.py can't be loaded: ZeroDivisionError: division by zero.")
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (None, "names mine.py, which is not there"),
+        ("1 / 0", "mine.py can't be loaded: ZeroDivisionError"),
+        ("x = 1", "mine.py registers nothing"),
+    ],
+)
+def test_a_file_that_is_missing_broken_or_registers_nothing_is_named(content, sentence, tmp_path):
+    if content is not None:
+        (tmp_path / "mine.py").write_text(content)
+    with pytest.raises(VisuohapticError, match=sentence):
+        load_files(["mine.py"], str(tmp_path))

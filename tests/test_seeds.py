@@ -1,6 +1,7 @@
 """Every random thing has a generator of its own."""
 
-from properties import given, st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from visuohaptic.seeds import spawn_generator
 

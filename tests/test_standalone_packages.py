@@ -1,6 +1,5 @@
 """`contourlets` and `attention` can each be published alone: they use nothing of the rest."""
 
-import ast
 import doctest
 import importlib
 import shutil
@@ -53,14 +52,6 @@ assert package.directional_deviations(images).shape == (2, 16)
 assert {name.partition(".")[0] for name in sys.modules} & {"pywt", "scipy", "sklearn"} == set()
 """,
 }
-RUN_TESTS = """
-import importlib.util, sys
-sys.path.append(sys.argv[1])
-assert importlib.util.find_spec("visuohaptic") is None
-import contourlets, pytest
-assert contourlets.__file__.startswith(sys.argv[1])
-sys.exit(pytest.main(["-q", "-x", "-p", "no:cacheprovider"]))
-"""
 
 
 def project_of(folder):
@@ -94,9 +85,9 @@ def link_installed(requirements, folder):
 
 @pytest.fixture
 def install(tmp_path):
-    """Install a folder's wheel, with what it and some of its extras ask for and nothing else."""
+    """Install a folder's wheel, with what it asks for and nothing else."""
 
-    def installed(folder, extras=()):
+    def installed(folder):
         ignored = shutil.ignore_patterns("__pycache__")
         source = shutil.copytree(folder, tmp_path / "source" / folder.name, ignore=ignored)
         site = tmp_path / "site"
@@ -105,7 +96,7 @@ def install(tmp_path):
             [sys.executable, "-m", "pip", "install", *options.split(), "--target", site, source],
             check=True,
         )
-        link_installed(requirements_of(source, extras), site)
+        link_installed(requirements_of(source, ()), site)
         return site
 
     return installed
@@ -123,14 +114,6 @@ def test_its_wheel_works_where_only_its_dependencies_are(name, install, tmp_path
     run_alone(ISOLATED.format(name=name) + USES[name], site, cwd=tmp_path)
 
 
-@pytest.mark.long
-def test_the_wheel_of_contourlets_passes_its_tests_where_only_their_packages_are(install, tmp_path):
-    site = install(CONTOURLETS, extras=("scikit-learn", "test", "wavelets"))
-    for name in ("tests", "pyproject.toml"):
-        (tmp_path / name).symlink_to(CONTOURLETS / name)
-    run_alone(RUN_TESTS, site, cwd=tmp_path)
-
-
 @pytest.mark.parametrize("name", FOLDERS)
 def test_its_dependencies_are_those_of_the_whole(name):
     own = project_of(FOLDERS[name]).get("optional-dependencies", ())
@@ -138,17 +121,6 @@ def test_its_dependencies_are_those_of_the_whole(name):
         ROOT, project_of(ROOT)["optional-dependencies"]
     )
     assert project_of(FOLDERS[name])["requires-python"] == project_of(ROOT)["requires-python"]
-
-
-@pytest.mark.parametrize("module", MODULES)
-def test_its_own_modules_are_imported_by_relative_names(module):
-    tree = ast.parse((ATTENTION / f"{module}.py").read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            assert not any(alias.name.startswith("visuohaptic") for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level < 2
-            assert node.level or not node.module.startswith("visuohaptic")
 
 
 @pytest.mark.parametrize("module", MODULES)

@@ -149,15 +149,6 @@ def test_mirrored_object_has_mirrored_fixations():
         assert np.linalg.norm(gaps, axis=1).max() < FOOTPRINT
 
 
-@pytest.mark.parametrize("brightness", [0.5, 0.7, 255.0])
-def test_brightness_changes_no_fixation(brightness):
-    views, plain = scenes.look(lopsided(), CAMERAS[:4])
-    scaled = scenes.attend_to(views, AttentionParameters(), brightness)
-    for one, other in zip(plain, scaled, strict=True):
-        np.testing.assert_array_equal(one.scanpath.rows, other.scanpath.rows)
-        np.testing.assert_array_equal(one.scanpath.columns, other.scanpath.columns)
-
-
 @pytest.mark.parametrize("normalisation", ["local_maxima", "iterative", "none"])
 @pytest.mark.parametrize("modes", [EffectModes(), UNSHADED])
 def test_uniform_sphere_gives_five_distinct_points(normalisation, modes):
@@ -207,15 +198,6 @@ def test_outline_of_an_even_disk_is_no_edge(channel, background):
     ring = mask & (x**2 + y**2 > 44**2)
     assert result.saliency[np.hypot(x - 12, y + 8) < 16].max() > 0.9
     assert result.saliency[ring].max() < 0.05
-
-
-def test_views_do_not_depend_on_each_other():
-    views, together = scenes.look(lopsided(), CAMERAS[:3])
-    for index, camera in enumerate(CAMERAS[:3]):
-        alone, (result,) = scenes.look(lopsided(), [camera])
-        np.testing.assert_array_equal(alone.colour[0], views.colour[index])
-        np.testing.assert_array_equal(result.saliency, together[index].saliency)
-        np.testing.assert_array_equal(result.scanpath.points, together[index].scanpath.points)
 
 
 def needing(*what):

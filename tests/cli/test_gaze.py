@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from gaze.test_files import write_object
+from gaze.made_up import write_object
 
 
 def test_a_folder_without_recordings_is_refused_in_a_sentence(visuohaptic, tmp_path):

@@ -3,7 +3,7 @@
 import json
 
 import numpy as np
-from cli.test_tactile_images import pressed, written
+from features.pressed_images import pressed, written
 
 
 def test_a_folder_becomes_a_table_and_is_told_apart(visuohaptic, tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from PIL import Image
+from features.pressed_images import pressed, written
 
 from visuohaptic.cli.tactile_images import (
     describe_tactile_images,
@@ -12,17 +12,6 @@ from visuohaptic.cli.tactile_images import (
     write_tactile_features,
 )
 from visuohaptic.errors import RecognitionError
-
-
-def pressed(centre, radius, size=(20, 37)):
-    y, x = np.mgrid[: size[0], : size[1]]
-    return np.clip(1.2 - np.hypot(y - centre[0], x - centre[1]) / radius, 0, 1)
-
-
-def written(folder, kind, name, image, bits=8):
-    (folder / kind).mkdir(parents=True, exist_ok=True)
-    scaled = image * (2**bits - 1)
-    Image.fromarray(scaled.astype(np.uint8 if bits == 8 else np.uint16)).save(folder / kind / name)
 
 
 def test_images_are_read_by_class_and_scaled_to_one(tmp_path):

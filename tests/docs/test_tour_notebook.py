@@ -4,16 +4,12 @@ import ast
 import os
 from pathlib import Path
 
+import nbclient
+import nbformat
 import pytest
 from cli.models import fit_on_nonsense
 from source_folders import PYTHONPATH
 
-nbformat = pytest.importorskip(
-    "nbformat", reason="nbformat is not installed: pip install -e '.[dev]'"
-)
-nbclient = pytest.importorskip(
-    "nbclient", reason="nbclient is not installed: pip install -e '.[dev]'"
-)
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.slow
 NOTEBOOK = ROOT / "docs" / "tour.ipynb"

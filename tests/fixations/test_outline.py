@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from properties import arrays, given, st
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from visuohaptic.fixations.strategies.contour import follow_outline, outline_pixels
 

@@ -80,16 +80,6 @@ def test_normals_are_unit_and_face_the_camera(inside_out):
         assert np.einsum("nd,nd->n", normals, directions[seen]).max() <= 0.0
 
 
-def test_block_of_views_changes_no_bit():
-    parameters, modes = RenderingParameters(resolution=48), EffectModes(cast_shadows="auto")
-    caster = RayCaster(SPHERE)
-    together = render_views(caster, CAMERAS, parameters, modes)
-    for index, camera in enumerate(CAMERAS):
-        alone = render_views(caster, [camera], parameters, modes)
-        for name in IMAGES:
-            np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[index])
-
-
 def test_no_camera_gives_no_view():
     views = render_views(RayCaster(SPHERE), [], RenderingParameters(resolution=32))
     assert len(views) == 0

@@ -43,3 +43,17 @@ def made_up_object(name, planted, seed, *, shuffled=False, strength=2.0, is_test
 
 def one_fields(one):
     return {name: getattr(one, name) for name in one.__dataclass_fields__}
+
+
+def write_object(folder, name, part, stretch, *, mesh=True):
+    """People look at the top of a stretched ball, in another unit and place than the mesh's."""
+    ball = trimesh.creation.icosphere(3)
+    vertices = np.array(ball.vertices) * stretch
+    seconds = np.maximum(vertices[:, 1], 0) ** 2
+    (folder / part).mkdir(parents=True, exist_ok=True)
+    np.savetxt(
+        folder / part / f"{name}.txt",
+        np.column_stack([10 * vertices + 3, ball.vertex_normals, seconds]),
+    )
+    if mesh:
+        trimesh.Trimesh(vertices, ball.faces).export(folder / part / f"{name}.obj")

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-import trimesh
+from gaze.made_up import write_object
 
 from visuohaptic.attention import CHANNELS, TERMS, AttentionParameters
 from visuohaptic.errors import GazeError, MeshError
@@ -27,20 +27,6 @@ SEED = 5
 
 def settings(folder, **changes):
     return GazeParameters(folder=str(folder), folds=2, spread=0.1, **changes)
-
-
-def write_object(folder, name, part, stretch, *, mesh=True):
-    """People look at the top of a stretched ball, in another unit and place than the mesh's."""
-    ball = trimesh.creation.icosphere(3)
-    vertices = np.array(ball.vertices) * stretch
-    seconds = np.maximum(vertices[:, 1], 0) ** 2
-    (folder / part).mkdir(parents=True, exist_ok=True)
-    np.savetxt(
-        folder / part / f"{name}.txt",
-        np.column_stack([10 * vertices + 3, ball.vertex_normals, seconds]),
-    )
-    if mesh:
-        trimesh.Trimesh(vertices, ball.faces).export(folder / part / f"{name}.obj")
 
 
 @pytest.fixture(scope="module")

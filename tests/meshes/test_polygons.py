@@ -28,36 +28,6 @@ def read(folder, name, data):
     return read_model(path)
 
 
-def volume(surface):
-    return np.linalg.det(surface.triangles).sum() / 6
-
-
-def needs_extra(name):
-    if name.endswith("dae"):
-        pytest.importorskip("collada")
-
-
-@pytest.mark.parametrize("name", WRITERS)
-def test_an_l_shaped_prism_has_its_area_and_volume_from_any_corner(tmp_path, name):
-    needs_extra(name)
-    for first in range(6):
-        shape = generated.prism(L_SHAPE, first=first)
-        surface = read(tmp_path, name, WRITERS[name](shape.points, shape.faces))
-        assert surface.face_areas.sum() == pytest.approx(22, rel=1e-12)
-        assert volume(surface) == pytest.approx(5, rel=1e-12)
-
-
-@pytest.mark.parametrize("name", WRITERS)
-def test_a_flat_concave_pentagon_has_its_area(tmp_path, name):
-    needs_extra(name)
-    points = np.column_stack([PENTAGON, np.zeros(5)])
-    for first in range(5):
-        ring = np.roll(np.arange(5), -first).tolist()
-        surface = read(tmp_path, name, WRITERS[name](points, [ring]))
-        assert surface.face_areas.sum() == pytest.approx(10, rel=1e-12)
-        np.testing.assert_allclose(surface.face_normals, [[0, 0, 1]] * len(surface.faces))
-
-
 def cut(points, first=0):
     points = np.asarray(points, dtype=np.float64)
     ring = np.roll(np.arange(len(points)), -first)

@@ -13,6 +13,7 @@ from numerics.hard_cases import (
     images,
     invariance,
     learning,
+    meshes,
     precision,
     rays,
 )
@@ -36,19 +37,7 @@ Measure = Callable[[np.random.Generator], Iterable[Finding]]
 
 @dataclass(frozen=True)
 class Check:
-    """One way to draw hard cases and measure their errors.
-
-    Attributes
-    ----------
-    name : str
-        Its name among `CHECKS`; its draws depend on it and on the seed.
-    measure : callable
-        Takes a generator, draws some cases, and gives what it finds.
-    tolerances : tuple of str
-        Names in `TOLERANCES` of all that it may find.
-    draws, full_draws : int
-        How often it draws by default, and at the full count.
-    """
+    """One way to draw hard cases and measure their errors."""
 
     name: str
     measure: Measure
@@ -58,22 +47,7 @@ class Check:
 
 
 def run_check(check: Check, seed: int, draws: int) -> dict[str, Result]:
-    """Draw a check's cases and measure them.
-
-    Parameters
-    ----------
-    check : Check
-        The check.
-    seed : int
-        The cases depend on it and on the check's name.
-    draws : int
-        How often to draw. The first draws are the same for any number.
-
-    Returns
-    -------
-    dict of str to Result
-        The worst case by tolerance. A check that breaks off has an infinite error.
-    """
+    """Draw a check's cases and measure them."""
     allowed = {name: TOLERANCES[name] for name in check.tolerances}
     return merge_results(
         replace(result, hardest=f"{result.hardest} (draw {number})")
@@ -95,6 +69,7 @@ CHECKS = (
     Check("slivers", rays.slivers, ("rays/through slivers of 1e-12 area",), 4, 40),
     Check("coplanar", rays.coplanar, ("rays/coplanar faces on top of each other",), 1, 20),
     Check("off_centre", rays.off_centre, ("rays/meshes far off centre",), 10, 300),
+    Check("bands", images.bands, ("images/contourlet bands against exact rationals", "images/deviations against exact rationals"), 1, 1),
     Check("reconstruction", images.reconstruction, ("images/contourlet reconstruction",), 1, 1),
     Check("flat_images", images.flat_images, ("images/deviations of flat images",), 10, 300),
     Check("images_in_other_units", images.images_in_other_units, ("images/scale by a power of two", "images/scale by 1e±150"), 10, 300),
@@ -104,6 +79,7 @@ CHECKS = (
     Check("stretched_imprints", images.stretched_imprints, ("images/stretched imprints",), 6, 100),
     Check("hard_views", attention.hard_views, ("attention/maps are finite, within 0 and 1, zero beside the object", "attention/fixations: distinct, on the object, a focus apart"), 20, 600),
     Check("noisy_views", attention.noisy_views, ("attention/maps are finite, within 0 and 1, zero beside the object", "attention/fixations: distinct, on the object, a focus apart"), 10, 300),
+    Check("views_from_within", attention.views_from_within, ("attention/maps are finite, within 0 and 1, zero beside the object", "attention/fixations: distinct, on the object, a focus apart"), 3, 50),
     Check("brightness", attention.brightness, ("attention/brightness by a power of two",), 6, 300),
     Check("inhibition", attention.inhibition, ("attention/way of the eye against its definition in float64",), 10, 300),
     Check("pyramids", attention.pyramids, ("attention/pyramid against scipy.ndimage",), 10, 300),
@@ -124,4 +100,6 @@ CHECKS = (
     Check("kernel_batches", determinism.kernel_batches, (determinism.NAME,), 3, 100),
     Check("touch_batches", determinism.touch_batches, (determinism.NAME,), 3, 150),
     Check("view_batches", determinism.view_batches, (determinism.NAME,), 3, 60),
+    Check("broken_files", meshes.broken_files, ("meshes/fuzzed files: crash, hang, NaN or an unclear refusal",), 40, 2600),
+    Check("wild_surfaces", meshes.wild_surfaces, ("meshes/random wild surfaces",), 2, 30),
 )  # fmt: skip

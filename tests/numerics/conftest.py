@@ -1,5 +1,7 @@
 """The suite in two sizes: some seconds by default; all of it where `--stability` names a file."""
 
+import functools
+import gc
 import os
 import time
 
@@ -62,6 +64,20 @@ def recorder():
 def hold():
     """Give the function that compares errors with their tolerance and keeps the worst."""
     return RECORDER.hold
+
+
+@pytest.fixture
+def no_caches():
+    """Let no result that was computed before, or with a planted error, be taken for the library's."""
+    forget_results()
+    yield
+    forget_results()
+
+
+def forget_results():
+    for found in gc.get_objects():
+        if isinstance(found, functools._lru_cache_wrapper):
+            found.cache_clear()
 
 
 @pytest.fixture

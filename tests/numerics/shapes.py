@@ -133,16 +133,3 @@ def run_chain(source, folder, seed=7, resolution=64, block=(0, 1, 2, 3), name="m
     found = run_phases("hard/mesh", folder / f"{name}.ply", folder / name, parameters, block)
     located = touched_places(found["fixations"], found["touches"])
     return {"fixations": located, "touches": found["touches"], "features": found["features"]}
-
-
-def run_block(task):
-    """Run the chain for a block of viewpoints; for processes, which take one argument."""
-    source, folder, block = task
-    return run_chain(source, folder, block=block, name=f"part-{block[0]}-{len(block)}")
-
-
-def is_one_sentence(text):
-    """Tell whether a refusal is one line that ends like a sentence."""
-    return (
-        "\n" not in text and text.endswith(".") and 10 < len(text) < 600 and "Traceback" not in text
-    )

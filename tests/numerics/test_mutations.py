@@ -1,20 +1,97 @@
-"""Lines of the library that are broken one at a time: the suite notices each."""
+"""Expressions of the library that are broken one at a time: the checks named with each notice it."""
+
+import importlib
+import inspect
+import textwrap
+from dataclasses import dataclass
+from functools import reduce
 
 import pytest
-from numerics import mutations
+from numerics.checks import CHECKS, run_check
+
+from visuohaptic.parameters import ExperimentParameters
+
+BY_NAME = {check.name: check for check in CHECKS}
+SEED = ExperimentParameters().seed
 
 
-@pytest.mark.hard
-def test_every_mutation_is_caught(recorder, tmp_path):
-    rows = mutations.run(tmp_path)
-    for row in rows:
-        recorder.tell("mutations", row)
-    assert len(rows) >= 10
-    assert all(row["caught_by"] for row in rows), [
-        row["change"] for row in rows if not row["caught_by"]
+@dataclass(frozen=True)
+class Mutation:
+    """A broken expression: what it stands for, the function that holds it, and the checks that notice."""
+
+    change: str
+    function: str
+    expression: str
+    broken: str
+    checks: tuple[str, ...]
+
+
+MUTATIONS = (
+    Mutation("a sign in the ladder", "contourlets.filters:ladder_steps",
+             "LadderStep(1, -root, -1.0,", "LadderStep(1, -root, 1.0,", ("bands",)),
+    Mutation("no scaling before squares", "contourlets.images:exponents",
+             "np.where(comfortable, 0, exponent)", "np.where(comfortable, 0, 0)", ("images_in_other_units",)),
+    Mutation("sensing points half a cell aside", "visuohaptic.sensor.imprints:sensing_offsets",
+             "np.arange(resolution) + 1 - resolution", "np.arange(resolution) - resolution", ("pressed_spheres",)),
+    Mutation("a tangent frame that is left-handed", "visuohaptic.sensor.frames:row_axes",
+             "np.cross(columns, normals)", "np.cross(normals, columns)", ("frames",)),
+    Mutation("a missing clamp of the sensor's size", "visuohaptic.sensor.adaptive_size:admissible_sizes",
+             "np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)",
+             "2 * half_sizes * (1 - _STAND_CLEAR)", ("wild_surfaces",)),
+    Mutation("float32 in the distances of the re-cast", "visuohaptic.geometry.raycasting:_put",
+             "= others.distance", "= others.distance.astype(np.float32)", ("vertices_and_edges", "random_triangles")),
+    Mutation("distances as Embree's float32 has them", "visuohaptic.geometry.raycasting:RayCaster._cast",
+             "np.divide(planes[:, 3] - dot(planes, origins), along, out=distance, where=met)",
+             'distance[met] = answer["t_hit"].numpy()[met]', ("random_triangles",)),
+    Mutation("no slack at vertices in the re-cast", "visuohaptic.geometry.raycasting:RayCaster._nearest_of",
+             "(sides >= -slack).all(axis=2) | (sides <= slack)", "(sides > slack).all(axis=2) | (sides < -slack)",
+             ("vertices_and_edges", "leaks")),
+    Mutation("half a focus of inhibition", "visuohaptic.attention.scanpath:_winners",
+             "(distance <= 1.0)", "(distance <= 0.5)", ("noisy_views",)),
+    Mutation("a reduction that keeps every other pixel", "visuohaptic.attention.pyramid:reduce",
+             "cv2.resize(blur(plane, border), (half, half), interpolation=cv2.INTER_AREA)",
+             "np.ascontiguousarray(blur(plane, border)[::2, ::2][:half, :half])", ("pyramids",)),
+    Mutation("brightness of denormal numbers", "visuohaptic.attention.channels:prepare_view",
+             "peak >= DARKEST", "peak > 0.0", ("hard_views",)),
+    Mutation("a dropped regularisation", "visuohaptic.recognition.covariance:ShrunkCovariance.fit",
+             "self.floor * np.eye", "0.0 * np.eye", ("classifiers",)),
+    Mutation("skewness of rounding noise", "visuohaptic.recognition.sequence_features:summarise_signals",
+             "np.sqrt(second) <= CONSTANT_TOLERANCE * root_mean_square", "second <= 0", ("sequence_moments",)),
+    Mutation("only some failures of a reader are caught", "visuohaptic.meshes.model_files:_reading",
+             "except Exception as", "except ValueError as", ("broken_files",)),
+)  # fmt: skip
+
+
+def broken_code(function, expression, broken):
+    """Compile a function with one expression exchanged, which it has to hold once."""
+    source = textwrap.dedent(inspect.getsource(function))
+    assert source.count(expression) == 1, f"{function.__qualname__} does not hold {expression} once"
+    made = {}
+    exec(source.replace(expression, broken), function.__globals__, made)  # noqa: S102
+    return inspect.unwrap(made[function.__name__]).__code__
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.change)
+def test_a_broken_expression_is_noticed(monkeypatch, recorder, no_caches, mutation):
+    module, _, name = mutation.function.partition(":")
+    found = reduce(getattr, name.split("."), importlib.import_module(module))
+    function = inspect.unwrap(found)
+    # The code is exchanged, so that whoever has imported the function runs the broken one, too.
+    code = broken_code(function, mutation.expression, mutation.broken)
+    monkeypatch.setattr(function, "__code__", code)
+    caught = [
+        name
+        for name in mutation.checks
+        if not all(
+            result.held for result in run_check(BY_NAME[name], SEED, BY_NAME[name].draws).values()
+        )
     ]
-
-
-def test_every_line_to_be_broken_is_still_there():
-    lost = [mutation.name for mutation in mutations.MUTATIONS if mutations.count(mutation) != 1]
-    assert not lost
+    recorder.tell(
+        "mutations",
+        {
+            "change": mutation.change, "file": mutation.function, "line": mutation.expression,
+            "broken": mutation.broken, "caught_by": ", ".join(caught),
+        },
+    )  # fmt: skip
+    assert caught == list(mutation.checks)

@@ -70,3 +70,11 @@ def with_column(table, name, values):
     """Give the table with one column's values replaced."""
     place = table.schema.get_field_index(name)
     return table.set_column(place, table.schema.field(name), [values])
+
+
+def clusters(objects=(3, 3, 3), sequences=8, columns=20, separation=2.0, seed=0):
+    generator = np.random.default_rng(seed)
+    labels = np.repeat(np.repeat(np.arange(len(objects)), objects), sequences)
+    owners = np.repeat(np.arange(sum(objects)), sequences)
+    centres = separation * generator.normal(size=(len(objects), columns))
+    return centres[labels] + generator.normal(size=(len(labels), columns)), labels, owners

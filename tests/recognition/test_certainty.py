@@ -4,8 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from recognition.synthetic import features_table, sequences_of
-from recognition.test_tuning import clusters
+from recognition.synthetic import clusters, features_table, sequences_of
 
 from visuohaptic import recognition
 from visuohaptic.recognition.certainty import (

@@ -242,14 +242,6 @@ def test_paper_pipeline_gives_no_probabilities():
     assert predictions.column("voted").null_count == predictions.num_rows
 
 
-def test_best_pipeline_gives_the_same_tables_again():
-    table = features_table(objects=(2, 3))
-    first = recognition.run_pipeline(table, SMALL, 1, "best")
-    second = recognition.run_pipeline(table, SMALL, 1, "best")
-    assert first[0].equals(second[0])
-    assert first[1].equals(second[1])
-
-
 def test_best_pipeline_takes_the_smallest_set_and_constant_columns():
     table = features_table(objects=(2, 2))
     table = with_column(table, "contourlet_05", np.zeros(table.num_rows))

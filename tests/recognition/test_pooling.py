@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from recognition.test_tuning import clusters
+from recognition.synthetic import clusters
 
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import (

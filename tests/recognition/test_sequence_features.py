@@ -5,7 +5,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import pywt
-from properties import given, st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import SequenceParameters

@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from recognition.synthetic import clusters
 from sklearn.covariance import empirical_covariance, shrunk_covariance
 from sklearn.linear_model import LogisticRegression
 from sklearn.svm import SVC
@@ -32,14 +33,6 @@ from visuohaptic.recognition.tuning import (
 from visuohaptic.registry import Registry
 
 EVERY_CLASSIFIER = RecognitionParameters(best=BestParameters(classifiers=CLASSIFIERS.names))
-
-
-def clusters(objects=(3, 3, 3), sequences=8, columns=20, separation=2.0, seed=0):
-    generator = np.random.default_rng(seed)
-    labels = np.repeat(np.repeat(np.arange(len(objects)), objects), sequences)
-    owners = np.repeat(np.arange(sum(objects)), sequences)
-    centres = separation * generator.normal(size=(len(objects), columns))
-    return centres[labels] + generator.normal(size=(len(labels), columns)), labels, owners
 
 
 def test_projection_keeps_distances_when_it_keeps_every_component():

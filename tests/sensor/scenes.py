@@ -2,7 +2,7 @@
 
 import numpy as np
 import trimesh
-from properties import st
+from hypothesis import strategies as st
 from sensor.shapes import joined, sheet, surface_of
 
 from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, EffectModes, Scene

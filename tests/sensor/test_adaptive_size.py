@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from properties import given, settings, st
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from sensor.shapes import box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.geometry.raycasting import RayCaster

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from properties import given, st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 

@@ -75,18 +75,6 @@ def test_pressures_solve_the_contact_conditions():
     assert (pressure >= 0).all()
 
 
-def test_half_space_pressures_do_not_depend_on_the_batch():
-    generator = np.random.default_rng(4)
-    indentation = generator.normal(size=(9, 32, 32)) * 1e-4
-    cells = generator.uniform(1e-5, 1e-3, 9)
-    together = half_space_pressures(indentation, cells, MODULUS, POISSON)
-    for row in range(9):
-        alone = half_space_pressures(
-            indentation[row : row + 1], cells[row : row + 1], MODULUS, POISSON
-        )
-        np.testing.assert_array_equal(alone[0], together[row])
-
-
 def test_without_contact_there_is_no_pressure():
     gaps = np.full((2, 8, 8), -np.inf)
     gaps[1] = -1e-6

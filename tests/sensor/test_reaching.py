@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from properties import given, settings, st
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from sensor.scenes import always, parameter_sets, probes_on, scenes, surfaces
 from sensor.shapes import box, joined, sheet
 

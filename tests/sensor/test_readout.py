@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from properties import given, st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from visuohaptic.sensor.readout import (
     add_noise,
@@ -87,16 +88,6 @@ def test_sneak_paths_make_an_untouched_cell_read():
     read = read_floating(cells, 1e-9)[0]
     assert read[1, 2] > 0.3e-3
     assert read_grounded(cells, 1.0)[0, 1, 2] < 0.01e-3
-
-
-@pytest.mark.parametrize(
-    "read", [lambda g: read_grounded(g, 0.2), lambda g: read_floating(g, 0.01)]
-)
-def test_reading_does_not_depend_on_the_batch(read):
-    cells = np.random.default_rng(4).uniform(0, 1, (7, 32, 32))
-    together = read(cells)
-    for row in range(7):
-        np.testing.assert_array_equal(read(cells[row : row + 1])[0], together[row])
 
 
 @given(st.lists(st.floats(-0.5, 1.5), min_size=1, max_size=20), st.integers(1, 16))

@@ -3,7 +3,8 @@ import tracemalloc
 import numpy as np
 import pytest
 import trimesh
-from properties import given, settings, st
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from sensor.scenes import (
     always,
     parameter_sets,
@@ -89,16 +90,6 @@ def test_every_touch_is_finite_within_its_range_and_has_a_known_state(
     assert (touches.penetration >= 0).all()
 
 
-@pytest.mark.parametrize("name", hard_probes())
-def test_hard_shapes_end_with_a_size_and_an_image(name):
-    probe = hard_probes()[name]
-    touches = touch_one(probe.surface, probe.point, probe.normal)
-    assert 0.02 <= touches.size[0] <= 0.3
-    assert np.isfinite(touches.images).all()
-    assert touches.images.max() == 1
-    assert touches.contact_state[0] in CONTACT_STATES
-
-
 @pytest.mark.parametrize(
     ("name", "state"),
     [
@@ -141,7 +132,7 @@ def test_a_flat_contact_is_contact_all_over(normalisation):
 
 
 def test_relief_below_the_flatness_is_not_blown_up():
-    ripple = sheet(lambda x, z: 1e-6 * np.sin(60 * x) + 0 * z, half=0.4, cells=200)
+    ripple = sheet(lambda x, z: 1e-6 * np.sin(60 * x) + 0 * z, half=0.4, cells=80)
     touches = touch_one(ripple, (0, 0, 0), (0, 1, 0))
     assert touches.images.min() > 0.97
 

@@ -1,5 +1,6 @@
 """A small copy of the experiment: four objects of two classes, two small views, everything real."""
 
+import fcntl
 import hashlib
 import os
 import re
@@ -12,13 +13,24 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_parameters
+from workflow import stand_ins
 
 SMALL = {
     "viewpoints": {"count": 2},
     "rendering": {"resolution": 64},
-    "workflow": {"views_per_job": 2, "objects_per_job": 1},
+    "workflow": {"views_per_job": 2, "objects_per_job": 2},
     "recognition": {"pipelines": ["paper"], "intervals": {"bootstrap_samples": 200}},
 }
+
+
+def environment():
+    """Give the environment of a user's shell; a copy's own package is found by the copy's own means."""
+    kept = {
+        key: value
+        for key, value in os.environ.items()
+        if not key.startswith(("GIT_", "PYTEST_", "DVC_")) and key != "PYTHONPATH"
+    }
+    return {**kept, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
 
 
 @dataclass(frozen=True)
@@ -29,21 +41,20 @@ class Experiment:
 
     def run(self, *command, check=True):
         """Run a command of the environment there, and give what it printed."""
-        environment = {
-            key: value
-            for key, value in os.environ.items()
-            if not key.startswith(("GIT_", "PYTEST_", "DVC_"))
-        }
-        environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
-        # The copy's own package must be found by the copy's own means.
-        environment.pop("PYTHONPATH", None)
         result = subprocess.run(
-            command, cwd=self.folder, env=environment, check=False, text=True,
+            command, cwd=self.folder, env=environment(), check=False, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600,
         )  # fmt: skip
         if check and result.returncode:
             raise AssertionError(f"{' '.join(map(str, command))} failed:\n{result.stdout[-5000:]}")
         return result
+
+    def start(self, *command):
+        """Start a command in a process group of its own."""
+        return subprocess.Popen(
+            command, cwd=self.folder, env=environment(), start_new_session=True,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
 
     def snakemake(self, *arguments, check=True):
         return self.run("snakemake", "-j2", *arguments, check=check)
@@ -108,19 +119,34 @@ class Experiment:
 
 
 @pytest.fixture(scope="session")
-def fresh(tmp_path_factory):
-    """The experiment before anything has run."""
-    folder = tmp_path_factory.mktemp("fresh") / "experiment"
-    copy_experiment(folder, COPIED, SMALL_OBJECTS, SMALL)
-    return Experiment(folder)
+def once(tmp_path_factory):
+    """Give what makes an experiment once for all processes of pytest-xdist."""
+    root = tmp_path_factory.getbasetemp()
+    root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
+
+    def made(name, make):
+        experiment = Experiment(root / name / "experiment")
+        with (root / f"{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (root / name / "made").exists():
+                shutil.rmtree(root / name, ignore_errors=True)
+                make(experiment)
+                (root / name / "made").touch()
+        return experiment
+
+    return made
 
 
 @pytest.fixture(scope="session")
-def finished(fresh, tmp_path_factory):
+def fresh(once):
+    """The experiment before anything has run."""
+    return once("fresh", lambda one: copy_experiment(one.folder, COPIED, SMALL_OBJECTS, SMALL))
+
+
+@pytest.fixture(scope="session")
+def finished(fresh, once):
     """The experiment after one whole run with two processes."""
-    experiment = fresh.copy(tmp_path_factory.mktemp("finished") / "experiment")
-    experiment.snakemake()
-    return experiment
+    return once("finished", lambda one: fresh.copy(one.folder).snakemake())
 
 
 @pytest.fixture
@@ -130,15 +156,39 @@ def experiment(finished, tmp_path):
 
 
 @pytest.fixture(scope="session")
-def repository(fresh, tmp_path_factory):
-    """A git repository in which `dvc repro` has run."""
-    experiment = fresh.copy(tmp_path_factory.mktemp("dvc") / "experiment")
-    for name in (".snakemake", "logs"):
-        shutil.rmtree(experiment.folder / name, ignore_errors=True)
-    experiment.run("git", "init", "-q", "-b", "main")
-    experiment.run("git", "config", "user.name", "A")
-    experiment.run("git", "config", "user.email", "a@b.c")
-    experiment.commit("start")
-    experiment.run("dvc", "repro")
-    experiment.commit("run")
-    return experiment
+def whole_stand_in(once):
+    """A finished experiment whose scripts are stand-ins, with all that DVC keeps."""
+
+    def make(one):
+        stand_ins.make_experiment(one.folder)
+        one.snakemake("dvc_all")
+
+    return once("stand_in", make)
+
+
+@pytest.fixture
+def stand_in(whole_stand_in, tmp_path):
+    """A finished experiment of stand-ins to do with as a test likes."""
+    return whole_stand_in.copy(tmp_path / "experiment")
+
+
+@pytest.fixture
+def fresh_stand_in(tmp_path):
+    """An experiment of stand-ins before anything has run."""
+    stand_ins.make_experiment(tmp_path / "experiment")
+    return Experiment(tmp_path / "experiment")
+
+
+@pytest.fixture(scope="session")
+def repository(whole_stand_in, once):
+    """A git repository of stand-ins whose results DVC has taken over."""
+
+    def make(one):
+        whole_stand_in.copy(one.folder)
+        one.run("git", "init", "-q", "-b", "main")
+        one.run("git", "config", "user.name", "A")
+        one.run("git", "config", "user.email", "a@b.c")
+        one.run("dvc", "commit", "--force")
+        one.commit("run")
+
+    return once("repository", make)

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from visuohaptic_workflow.closure import Code, Start
@@ -194,3 +195,60 @@ def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_pat
     module.write_text("VALUE = 2")
     digests.of(module)
     assert not bytecode.exists()
+
+
+def remake(run):
+    """Run what does not fit, in order."""
+    for rule in ("mesh", "touch"):
+        if run.keys().reason(f"{rule}.json"):
+            run.make(rule)
+
+
+def lose(name):
+    return lambda run, draw: Path(name).unlink(missing_ok=True)
+
+
+def write(name):
+    return lambda run, draw: Path(name).write_text(draw(("one", "two", "others")))
+
+
+def forget_times(run, draw):
+    for file in Path().iterdir():
+        os.utime(file, LONG_AGO)
+
+
+ACTIONS = (
+    lambda run, draw: run.parameters["sensor"].update(size=draw((0.2, 0.3))),
+    lambda run, draw: run.versions.update(numpy=draw(("2.0", "2.1"))),
+    lambda run, draw: remake(run),
+    forget_times,
+    *(write(name) for name in ("model.obj", "look.py", "touch.py", "mesh.ply", "touch.parquet")),
+    *(lose(name) for name in ("mesh.ply", "mesh.json", "touch.parquet", "touch.json")),
+)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_after_anything_in_any_order_the_next_run_gives_the_tables_of_a_clean_one(
+    tmp_path, monkeypatch, seed
+):
+    generator = np.random.default_rng(seed)
+    draw = lambda choices: choices[generator.integers(len(choices))]  # noqa: E731
+    sources, tables = ("model.obj", "look.py", "touch.py"), ("mesh.ply", "touch.parquet")
+    (tmp_path / "walked").mkdir()
+    monkeypatch.chdir(tmp_path / "walked")
+    walked = Run()
+    for _ in range(draw(range(2, 12))):
+        draw(ACTIONS)(walked, draw)
+    remake(walked)
+    assert walked.reasons() == [None, None]
+    left = {name: Path(name).read_text() for name in (*sources, *tables)}
+    (tmp_path / "clean").mkdir()
+    monkeypatch.chdir(tmp_path / "clean")
+    clean = Run()
+    clean.parameters, clean.versions = walked.parameters, walked.versions
+    for name in sources:
+        Path(name).write_text(left[name])
+    clean.make()
+    assert {name: Path(name).read_text() for name in tables} == {
+        name: left[name] for name in tables
+    }

@@ -2,27 +2,12 @@
 
 import os
 import signal
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import pytest
-from workflow.conftest import Experiment
-from workflow.walks import digests, make_experiment
+from workflow.stand_ins import digests
 
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
-
-
-def start(experiment, *command):
-    """Start a command in a process group of its own."""
-    environment = {key: value for key, value in os.environ.items() if not key.startswith("DVC_")}
-    environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
-    environment.pop("PYTHONPATH", None)
-    return subprocess.Popen(
-        command, cwd=experiment.folder, env=environment, start_new_session=True,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
 
 
 def wait_for(condition, seconds=120):
@@ -36,91 +21,50 @@ def parts(experiment, table):
     return list((experiment.folder / "results" / table).rglob("[!.]*.parquet"))
 
 
-@pytest.fixture
-def fresh(tmp_path):
-    """An experiment before anything has run; its scripts are stand-ins."""
-    make_experiment(tmp_path / "experiment")
-    return Experiment(tmp_path / "experiment")
+def half_written(experiment):
+    files = (experiment.folder / "results").rglob(".*")
+    return [file for file in files if file.is_file() and "timestamp" not in file.name]
 
 
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    """The same after a whole run."""
-    folder = tmp_path_factory.mktemp("finished") / "experiment"
-    make_experiment(folder)
-    experiment = Experiment(folder)
-    experiment.snakemake("dvc_all")
-    return experiment
-
-
-KILLS = [
-    (signal.SIGINT, "process", "views"),
-    (signal.SIGINT, "group", "touches"),
-    (signal.SIGTERM, "process", "features"),
-    (signal.SIGKILL, "process", "touches"),
-    (signal.SIGKILL, "group", "views"),
-]
-
-
-@pytest.mark.parametrize(("how", "whom", "table"), KILLS)
-def test_the_plain_command_goes_on_after_a_run_was_ended(fresh, finished, how, whom, table):
-    process = start(fresh, "snakemake", "-j2")
-    wait_for(lambda: parts(fresh, table))
+@pytest.mark.parametrize(
+    ("how", "whom", "table"),
+    [
+        (signal.SIGINT, "group", "views"),
+        (signal.SIGTERM, "process", "features"),
+        (signal.SIGKILL, "group", "touches"),
+    ],
+)
+def test_the_plain_command_goes_on_after_a_run_was_ended(
+    fresh_stand_in, whole_stand_in, how, whom, table
+):
+    process = fresh_stand_in.start("snakemake", "-j2")
+    wait_for(lambda: parts(fresh_stand_in, table))
     (os.killpg if whom == "group" else os.kill)(process.pid, how)
-    process.wait(timeout=300)
-    fresh.snakemake("dvc_all")
-    assert digests(fresh.folder) == digests(finished.folder)
-    assert fresh.planned() == {}
-
-
-def test_dvc_repro_goes_on_after_it_was_killed(fresh, finished):
-    fresh.run("git", "init", "-q")
-    process = start(fresh, "dvc", "repro")
-    wait_for(lambda: parts(fresh, "views"))
-    os.killpg(process.pid, signal.SIGKILL)
-    process.wait(timeout=300)
-    fresh.run("dvc", "repro")
-    assert digests(fresh.folder) == digests(finished.folder)
+    assert process.wait(timeout=300) != 0
+    assert how != signal.SIGINT or not half_written(fresh_stand_in)
+    fresh_stand_in.snakemake("dvc_all")
+    assert digests(fresh_stand_in.folder) == digests(whole_stand_in.folder)
+    assert fresh_stand_in.planned() == {}
 
 
 @pytest.fixture
-def at_work(fresh):
+def at_work(stand_in):
     """An experiment whose run is in the middle of its jobs."""
-    experiment = fresh
-    experiment.run("git", "init", "-q")
-    module = experiment.folder / "src/visuohaptic/features/describing.py"
-    waits = "import os, time\nif not os.path.exists('go'):\n    time.sleep(60)\n"
+    stand_in.run("git", "init", "-q")
+    module = stand_in.folder / "src/visuohaptic/features/describing.py"
+    waits = "import time\nopen('begun', 'w')\ntime.sleep(60)\n"
     module.write_text(f"{module.read_text()}\n{waits}")
-    process = start(experiment, "snakemake", "-j2")
-    wait_for(lambda: parts(experiment, "touches"))
-    yield experiment
+    process = stand_in.start("snakemake", "-j2")
+    wait_for((stand_in.folder / "begun").exists)
+    yield stand_in
     os.killpg(process.pid, signal.SIGKILL)
     process.wait(timeout=300)
 
 
-@pytest.mark.parametrize("command", [("snakemake", "-j2"), ("dvc", "repro")])
-def test_a_second_run_says_that_the_first_is_at_work(at_work, command):
-    before = len(parts(at_work, "touches"))
-    result = at_work.run(*command, check=False)
-    assert result.returncode != 0
-    assert "at work" in result.stdout or "is busy" in result.stdout
-    assert len(parts(at_work, "touches")) >= before
-
-
-def test_a_dry_run_is_possible_beside_a_run(at_work):
+def test_beside_a_run_a_second_one_is_refused_and_a_dry_run_is_possible(at_work):
     assert "features" in at_work.snakemake("-n").stdout
-
-
-@pytest.mark.parametrize("sign", ["logs/given.json", "results/meshes/*/*/*.ply"])
-def test_after_ctrl_c_nothing_is_half_written_and_the_same_command_continues(fresh, finished, sign):
-    process = start(fresh, "snakemake", "-j2")
-    wait_for(lambda: any(fresh.folder.glob(sign)))
-    os.killpg(process.pid, signal.SIGINT)
-    assert process.wait(timeout=60) != 0
-    assert not [
-        file
-        for file in (fresh.folder / "results").rglob(".*")
-        if file.is_file() and "timestamp" not in file.name
-    ]
-    fresh.snakemake("dvc_all")
-    assert digests(fresh.folder) == digests(finished.folder)
+    for command in (("snakemake", "-j2"), ("dvc", "repro")):
+        result = at_work.run(*command, check=False)
+        assert result.returncode != 0
+        assert "at work" in result.stdout or "is busy" in result.stdout
+    assert parts(at_work, "touches")

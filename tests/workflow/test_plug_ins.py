@@ -70,26 +70,16 @@ def test_a_whole_run_is_planned_with_a_plug_in_of_each_kind(experiment, tmp_path
             "self_organising_map": {"output": "principal"},
         },
     )
-    planned = every.planned()
+    planned = every.planned("all", "ablations_all")
     assert {"fixations", "touches", "features", "recognition", "report"} <= set(planned)
-    ablations = every.planned("ablations_all")
-    assert ablations["block_of_study"] > 0
+    assert planned["block_of_study"] > 1
 
 
-@pytest.mark.parametrize(
-    ("content", "sentence"),
-    [
-        (None, "plugins names plugins/other.py, which is not there; a file of Python is needed."),
-        ("1 / 0", "plug-in plugins/other.py can't be loaded: ZeroDivisionError: division by zero."),
-        ("x = 1", "plug-in plugins/other.py registers nothing; it must call visuohaptic.register."),
-    ],
-)
-def test_a_missing_or_broken_plug_in_ends_in_one_sentence(content, sentence, experiment, tmp_path):
+def test_a_broken_plug_in_ends_in_one_sentence(experiment, tmp_path):
     other = experiment.copy(tmp_path / "other")
     other.set(plugins=["plugins/other.py"])
-    if content is not None:
-        (other.folder / "plugins/other.py").write_text(content)
+    (other.folder / "plugins/other.py").write_text("1 / 0")
     ended = other.snakemake("-n", "features_all", check=False)
     assert ended.returncode == 1
-    assert sentence in ended.stdout
+    assert "plug-in plugins/other.py can't be loaded: ZeroDivisionError" in ended.stdout
     assert "Traceback" not in ended.stdout

@@ -10,11 +10,6 @@ import time
 
 import pytest
 
-pytest.importorskip("moto", reason="moto is not installed: pip install -e '.[dev]'")
-pytest.importorskip(
-    "snakemake_storage_plugin_s3",
-    reason="snakemake-storage-plugin-s3 is not installed: pip install -e '.[dev]'",
-)
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
 
 

@@ -1,7 +1,5 @@
 """Rule files, DVC stages and parameters name the same things."""
 
-import json
-import re
 from pathlib import Path
 
 import pytest
@@ -98,53 +96,3 @@ def test_params_yaml_holds_every_parameter_with_its_default():
     left_out = {path[0] for path in set(defaults) - set(written)}
     # A scene's fields come with its preset; naming them all would hide the preset.
     assert left_out <= {"scene"}
-
-
-CHANGES = {
-    "meshes": {"merge_tolerance": 1e-5},
-    "viewpoints": {"distance": 3.5},
-    "rendering": {"ambient": 0.5},
-    "attention": {"focus_radius": 0.3},
-    "probing": {"strategies": ["fixation"]},
-    "sensor": {"largest_size": 0.2},
-    "scene": {"preset": "fsr400"},
-    "features": {"extension": "symmetric"},
-    "recognition": {"touches": 3},
-    "seed": 7,
-    "workflow": {"objects_per_job": 2},
-}
-PRINT_PARAMETERS = """
-include: "Snakefile"
-
-import json
-
-print("PARAMETERS", json.dumps([[job.rule, job.find_params()] for job in planned_jobs()], default=str))
-"""
-
-
-def rules_of(stage):
-    command = STAGES[stage]["cmd"].partition("--allowed-rules")[2].partition("--")[0]
-    return set(command.split())
-
-
-@pytest.mark.long
-@pytest.mark.workflow
-def test_a_stage_names_the_sections_whose_change_moves_its_rules(fresh, tmp_path):
-    experiment = fresh.copy(tmp_path / "experiment")
-    (experiment.folder / "Printed").write_text(PRINT_PARAMETERS)
-
-    def parameters_of_rules(*config):
-        output = experiment.snakemake("-n", "-s", "Printed", *config, "--", "meshes_all").stdout
-        jobs = json.loads(re.search(r"^PARAMETERS (.*)$", output, re.MULTILINE)[1])
-        found = {}
-        for name, params in jobs:
-            found.setdefault(name, []).append(params)
-        return found
-
-    usual = parameters_of_rules()
-    for section, change in CHANGES.items():
-        changed = parameters_of_rules("--config", f"{section}={json.dumps(change)}")
-        moved = {name for name in usual if usual[name] != changed.get(name)}
-        for stage, entry in STAGES.items():
-            named = any(name.partition(".")[0] == section for name in entry["params"])
-            assert named or not moved & rules_of(stage), (stage, section)

@@ -6,14 +6,18 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numerics.surfaces import of_trimesh, pick
+from numerics.surfaces import ball, lopsided, of_trimesh, pick
 from numpy.typing import NDArray
 
 from visuohaptic.attention.model import Attention, attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.pyramid import GOES_ON, NOTHING_BEYOND, blur, enlarge, reduce
 from visuohaptic.attention.scanpath import INWARD, TIE, scan
+from visuohaptic.fixations.parameters import RenderingParameters
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.curvature import measure_shape
+from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 
@@ -46,24 +50,7 @@ def flat_view(
 def judge_view(
     view: View, found: Attention, label: str, parameters: AttentionParameters
 ) -> Iterator[Finding]:
-    """Want maps within 0 and 1, and fixations on the object, a focus apart.
-
-    Parameters
-    ----------
-    view : dict of str to numpy.ndarray
-        What `attend` took, one view.
-    found : Attention
-        What it gave.
-    label : str
-        The view in words.
-    parameters : AttentionParameters
-        The model's.
-
-    Yields
-    ------
-    Finding
-        Two.
-    """
+    """Want maps within 0 and 1, and fixations on the object, a focus apart."""
     mask, picture = view["mask"][0], drawings.image(found.saliency, label)
     maps = np.stack([found.saliency, *found.conspicuity.values()])
     wrong = not np.isfinite(maps).all() or maps.min() < 0 or bool((maps[:, ~mask] != 0).any())
@@ -145,6 +132,21 @@ def noisy_views(generator: np.random.Generator) -> Iterator[Finding]:
     )
 
 
+def views_from_within(generator: np.random.Generator) -> Iterator[Finding]:
+    """Attend to views of a camera inside an object, its centre and skin among the places."""
+    parameters = AttentionParameters()
+    distance = float(generator.choice([0.0, 1e-6, 0.3, 0.55, 0.9]))
+    surface = ball(3) if generator.random() < 0.5 else lopsided()
+    cameras = [Camera(azimuth, 20.0, distance, 40.0) for azimuth in (0.0, 135.0)]
+    views = render_views(RayCaster(surface), cameras, RenderingParameters(resolution=SIZE))
+    names = ("colour", "mask", "point", "normal", "face", "curvature")
+    arrays = {name: getattr(views, name) for name in names}
+    for row, found in enumerate(attend(**arrays, parameters=parameters)):
+        view = {name: values[row : row + 1] for name, values in arrays.items()}
+        label = f"camera at {distance:g} from the centre"
+        yield from judge_view(view, found, label, parameters)
+
+
 def brightness(generator: np.random.Generator) -> Iterator[Finding]:
     """Make a view brighter by a power of two: no bit of the map changes."""
     power = int(generator.integers(-60, 61))
@@ -166,22 +168,7 @@ def brightness(generator: np.random.Generator) -> Iterator[Finding]:
 def way_of_the_eye(
     saliency: Floats, mask: Flags, places: Floats, parameters: AttentionParameters
 ) -> list[tuple[int, int]]:
-    """Follow the eye by its definition, in float64; stop where two places nearly tie.
-
-    Parameters
-    ----------
-    saliency, mask : numpy.ndarray
-        Shape (rows, columns).
-    places : numpy.ndarray
-        Shape (rows, columns, k): where each pixel lies, in focus radii.
-    parameters : AttentionParameters
-        The model's.
-
-    Returns
-    -------
-    list of (int, int)
-        Row and column of each fixation before the tie.
-    """
+    """Follow the eye by its definition, in float64; stop where two places nearly tie."""
     from scipy.ndimage import distance_transform_edt
 
     depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]

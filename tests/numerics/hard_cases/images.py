@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import Literal
+from functools import cache
+from itertools import chain
+from typing import Any, Literal
 
 import numpy as np
+from contourlet_definition import toolbox_bands
 from numerics import oracles
 from numerics.surfaces import pick
 from numpy.typing import NDArray
 
-from contourlets import directional_deviations
+from contourlets import Contourlet, directional_deviations
 from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.recognition.parameters import SequenceParameters
 from visuohaptic.recognition.sequence_features import summarise_signals, wavelet_levels
@@ -43,6 +46,68 @@ def hard_images(side: int) -> dict[str, Floats]:
         "1 beside 1e-16": np.where(generator.random((side, side)) < 0.5, 1.0, 1e-16),
         "huge offset, small relief": 1e6 + generator.random((side, side)),
     }
+
+
+@cache
+def exact_bank(side: int) -> tuple[Any, int, list[int]]:
+    """Give the transform's definition as whole numbers: (pixels, coefficients), unit, band sizes.
+
+    The matrix is made by the second implementation of the tests, not by the library.
+    """
+    columns = []
+    for impulse in np.eye(side * side):
+        bands = toolbox_bands(impulse.reshape(side, side), (4,))
+        columns.append(np.concatenate([band.ravel() for band in bands]))
+    matrix, unit = whole_numbers(np.array(columns))
+    return matrix, unit, [band.size for band in bands]
+
+
+def whole_numbers(values: Floats) -> tuple[Any, int]:
+    """Give Python integers and a power of two that they are to be divided by; nothing is rounded."""
+    mantissas, exponents = np.frexp(values)
+    shift = int(53 - exponents[values != 0].min(initial=0))
+    digits = np.ldexp(mantissas, 53).astype(np.int64).astype(object)
+    raised = np.where(values != 0, exponents - 53 + shift, 0).astype(object)
+    return digits << raised, 2**shift
+
+
+def exact_bands(image: Floats) -> list[list[Fraction]]:
+    """Give the bands of an image by the definition, in exact rationals."""
+    matrix, unit, sizes = exact_bank(len(image))
+    pixels, own = whole_numbers(image.ravel())
+    products = [Fraction(whole, unit * own) for whole in pixels @ matrix]
+    ends = np.cumsum(sizes)
+    return [products[end - size : end] for end, size in zip(ends, sizes, strict=True)]
+
+
+def exact_deviation(band: list[Fraction]) -> float:
+    """Give the sample deviation of a band."""
+    mean = sum(band, Fraction(0)) / len(band)
+    square = sum(((value - mean) ** 2 for value in band), Fraction(0))
+    return oracles.root(square / (len(band) - 1))
+
+
+def bands(_: np.random.Generator) -> Iterator[Finding]:
+    """Compare bands and their deviations with the transform's definition in exact rationals."""
+    for name, image in hard_images(16).items():
+        exact = exact_bands(image)
+        largest = np.abs(image).max()
+        picture = drawings.image(image, name)
+        found = np.concatenate([b.ravel() for b in Contourlet(levels=(4,)).forward(image).bands])
+        error = [
+            abs(float(Fraction(float(value)) - right))
+            for value, right in zip(found, chain.from_iterable(exact), strict=True)
+        ]
+        yield Finding(
+            "images/contourlet bands against exact rationals",
+            np.array(error) / largest, name, picture,
+        )  # fmt: skip
+        wanted = [exact_deviation(band) for band in exact[1:]]
+        yield Finding(
+            "images/deviations against exact rationals",
+            np.abs(directional_deviations(image[None])[0] - wanted) / largest,
+            f"{name}, deviations of the bands", picture,
+        )  # fmt: skip
 
 
 def reconstruction(_: np.random.Generator) -> Iterator[Finding]:

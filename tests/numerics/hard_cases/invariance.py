@@ -34,23 +34,7 @@ RESOLUTION = 128
 
 @dataclass(frozen=True)
 class Sensed:
-    """What is seen and felt of a surface from some viewpoints.
-
-    Attributes
-    ----------
-    triangles : numpy.ndarray
-        Shape (f, 3, 3): the prepared mesh.
-    views : Views
-        What was seen, v views.
-    attended : list of Attention
-        What was attended to in each.
-    points : numpy.ndarray
-        Shape (n, 3): all fixations, view by view.
-    images : numpy.ndarray
-        Shape (n, r, r): the imprints there.
-    features : numpy.ndarray
-        Shape (n, 22): the features there.
-    """
+    """What is seen and felt of a surface from some viewpoints."""
 
     triangles: Floats
     views: Views
@@ -140,24 +124,7 @@ def describe_otherwise(surface: Surface, generator: np.random.Generator, kind: s
 
 
 def drive_of(points: Floats, attended: Attention, mask: NDArray[np.bool_], upto: int) -> Floats:
-    """Give what drives the eye after some fixations, in float64, by the model's definition.
-
-    Parameters
-    ----------
-    points : numpy.ndarray
-        Shape (rows, columns, 3): the surface in each pixel.
-    attended : Attention
-        Map and fixations.
-    mask : numpy.ndarray
-        Shape (rows, columns): where the object is.
-    upto : int
-        Number of fixations before.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (rows, columns); -1 where the eye can't go.
-    """
+    """Give what drives the eye after some fixations, in float64, by the model's definition."""
     from scipy.ndimage import distance_transform_edt
 
     depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]

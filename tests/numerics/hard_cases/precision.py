@@ -32,7 +32,7 @@ def wall(slope_right: float, slope_up: float) -> tuple[Surface, Height]:
     def height(x: Floats, down: Floats) -> Floats:
         return slope_right * x - slope_up * down
 
-    flat = sheet(height, half=0.5, cells=128)
+    flat = sheet(height, half=0.5, cells=16)
     x, y, z = flat.vertices.T
     # Turn the sheet's up to +z: x stays, what ran along z runs down.
     return float32_exact(build_plain_surface(np.column_stack([x, -z, y]), flat.faces)), height
