@@ -15,7 +15,7 @@ from source_folders import PYTHONPATH
 from visuohaptic import optional_packages
 from visuohaptic.errors import MissingPackageError
 from visuohaptic.optional_packages import require
-from visuohaptic.report.run_comparison import read_measured_run
+from visuohaptic.report.measured_runs import read_measured_run
 
 ROOT = Path(__file__).parents[1]
 # Open3D's wheel asks for a web viewer, of which nothing is imported.
@@ -73,7 +73,7 @@ COMMAND = "from visuohaptic.cli.main import main; main()"
 def test_nothing_of_the_extras_is_there(run_in_core):
     done = run_in_core("""
 from importlib.util import find_spec
-for name in ("dvc", "jinja2", "pandas", "plotly", "psutil", "snakemake"):
+for name in ("dvc", "jinja2", "matplotlib", "pandas", "plotly", "psutil", "snakemake"):
     assert find_spec(name) is None, name
 """)
     assert done.returncode == 0, done.stderr
@@ -105,7 +105,7 @@ def test_a_command_of_the_report_says_which_extra_to_install(run_in_core, argume
     done = run_in_core(COMMAND, *arguments)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == (
-        "error: jinja2 and plotly are not installed; "
+        "error: jinja2, matplotlib and plotly are not installed; "
         "`pip install 'visuohaptic[report]'` brings them.\n"
     )
 

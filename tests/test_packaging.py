@@ -28,9 +28,9 @@ OWN = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
 # Files that import packages of an extra, and the file that refuses in a sentence without these.
 OF_AN_EXTRA = {
     "src/visuohaptic/report/": ("report", "src/visuohaptic/cli/report.py"),
-    "src/visuohaptic/report/run_comparison.py": (
+    "src/visuohaptic/report/measured_runs.py": (
         "workflow",
-        "src/visuohaptic/report/run_comparison.py",
+        "src/visuohaptic/report/measured_runs.py",
     ),
     "src/visuohaptic/meshes/collada.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),
     "src/visuohaptic/meshes/xml_claims.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),

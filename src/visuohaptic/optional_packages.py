@@ -22,7 +22,8 @@ def what_is_missing(extra: str, *packages: str) -> str | None:
     if not missing:
         return None
     verb = "is" if len(missing) == 1 else "are"
+    named = " and ".join(filter(None, [", ".join(missing[:-1]), missing[-1]]))
     return (
-        f"{' and '.join(missing)} {verb} not installed; "
+        f"{named} {verb} not installed; "
         f"`pip install 'visuohaptic[{extra}]'` brings {'it' if verb == 'is' else 'them'}."
     )

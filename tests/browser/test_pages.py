@@ -1,14 +1,13 @@
 """The report and the comparison in a real browser, as different readers meet them."""
 
-from xml.etree import ElementTree as ET
-
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from browser.conftest import DESK, PHONE, SCREENSHOTS
 from report.synthetic import PARAMETERS, write_run
 
 from visuohaptic.report.files import make_report
-from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
+from visuohaptic.report.measured_runs import read_measured_run
+from visuohaptic.report.run_comparison import compare_runs, render_comparison
 
 pytestmark = pytest.mark.slow
 EVIL = "cup/<script>alert(1)</script>"
@@ -37,7 +36,7 @@ def folder(tmp_path_factory):
     other = PARAMETERS.model_copy(update={"sensor": sensor})
     make_report(write_run(before, NAMES[1:]), before / "report.html", other, NAMES[1:])
     runs = [read_measured_run(place / "metrics.json") for place in (before, folder)]
-    (folder / "comparison.html").write_text(render_comparison(compare_runs(*runs)))
+    (folder / "comparison.html").write_text(render_comparison(compare_runs(runs)))
     assert {file.name for file in folder.glob("*.html")} == {"report.html", "comparison.html"}
     return folder
 
@@ -102,10 +101,6 @@ def test_a_model_turns_by_its_buttons_and_by_the_keyboard(visit, keep, folder):
     opened.page.wait_for_timeout(500)
     numbers = stage.evaluate("stage => stage.data.at(-1).text")
     assert numbers == ["1", "2", "3", "4", "5"]
-    opened.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    figure.locator(".copies button").first.click()
-    figure.get_by_text("Copied.").wait_for()
-    assert "data:image/png" in opened.page.evaluate("navigator.clipboard.readText()")
     keep(figure, "model")
     assert faults(opened.page, ".model") == []
     assert (opened.complaints, opened.outside) == ([], [])
@@ -271,95 +266,6 @@ def test_the_methods_text_is_copied(visit, folder):
     copied = opened.page.evaluate("navigator.clipboard.readText()")
     assert copied == opened.page.locator("#methods-text").inner_text().strip()
     assert "The seed was 2018." in copied
-
-
-def test_every_figure_has_one_control_and_a_figure_within_another_none(visit, folder):
-    page = visit(folder / "report.html").page
-    counts = page.locator("main figure").evaluate_all(
-        """all => all.map((one) => [Boolean(one.parentElement.closest("figure")),
-          [...one.querySelectorAll(".copies")].filter((control) => control.closest("figure") === one).length])"""
-    )
-    assert len(counts) > 10
-    assert all(count == (0 if within else 1) for within, count in counts)
-
-
-@pytest.mark.parametrize("part", ["#comparison", "#method", "article.object"])
-def test_a_figure_is_copied_as_a_drawing_with_its_caption(visit, folder, part):
-    opened = visit(folder / "report.html")
-    page = opened.page
-    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    unfold(page)
-    figure = page.locator(f"{part} figure:has(> figcaption .copies)").first
-    caption = figure.locator("> figcaption").evaluate(
-        """one => { const bare = one.cloneNode(true); bare.querySelector(".copies").remove();
-          return bare.textContent.split(/\\s+/).filter(Boolean); }"""
-    )
-    figure.locator(".copies button").first.press("Enter")
-    figure.get_by_text("Copied.").wait_for()
-    source = page.evaluate("navigator.clipboard.readText()")
-    drawing = ET.fromstring(source)  # noqa: S314 - made by the page under test
-    names = [element.tag.rpartition("}")[2] for element in drawing.iter()]
-    assert drawing.tag == "{http://www.w3.org/2000/svg}svg"
-    assert not {"foreignObject", "script", "style", "button"} & set(names)
-    assert {"circle", "image", "polygon"} & set(names)
-    addresses = [value for one in drawing.iter() for key, value in one.items() if "href" in key]
-    identifiers = {one.get("id") for one in drawing.iter()}
-    assert all(one.startswith("data:") or one[1:] in identifiers for one in addresses)
-    assert not [value for one in drawing.iter() for value in one.attrib.values() if "var(" in value]
-    written = " ".join("".join(drawing.itertext()).split())
-    assert all(word in written for word in caption)
-    assert opened.outside == opened.complaints == []
-
-
-def test_a_dark_page_gives_the_drawing_that_a_light_one_gives(visit, folder):
-    drawings = []
-    for scheme in ("light", "dark"):
-        page = visit(folder / "report.html", scheme).page
-        page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-        figure = page.locator("#comparison figure").first
-        figure.locator(".copies button").first.press("Enter")
-        figure.get_by_text("Copied.").wait_for()
-        drawings.append(page.evaluate("navigator.clipboard.readText()"))
-        dark = (
-            page.evaluate("getComputedStyle(document.body).backgroundColor") != "rgb(253, 253, 251)"
-        )
-        assert dark == (scheme == "dark")
-    assert drawings[0] == drawings[1]
-
-
-def test_a_picture_of_a_figure_is_its_drawing_at_twice_the_size(visit, keep, folder):
-    page = visit(folder / "report.html").page
-    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    figure = page.locator("#comparison figure").first
-    box = figure.bounding_box()
-    figure.locator(".copies button").last.press("Enter")
-    figure.get_by_text("Copied.").wait_for()
-    width, height, colours = page.evaluate(
-        """async () => {
-          const [item] = await navigator.clipboard.read();
-          const picture = await createImageBitmap(await item.getType("image/png"));
-          const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
-          context.drawImage(picture, 0, 0);
-          const pixels = new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer);
-          return [picture.width, picture.height, new Set(pixels).size];
-        }"""
-    )
-    assert abs(width - 2 * (box["width"] + 40)) <= 2
-    assert abs(height - 2 * (box["height"] + 40)) <= 2
-    assert colours > 20
-
-
-def test_a_figure_is_saved_where_the_browser_refuses_to_copy(visit, folder):
-    page = visit(folder / "report.html").page
-    page.evaluate(
-        "() => { navigator.clipboard.write = () => Promise.reject(new Error('refused')); }"
-    )
-    figure = page.locator("#comparison figure").first
-    for place, ending in enumerate(("svg", "png")):
-        with page.expect_download() as saved:
-            figure.locator(".copies button").nth(place).click()
-        assert saved.value.suggested_filename == f"comparison.{ending}"
-        assert saved.value.path().stat().st_size > 1000
 
 
 def test_without_scripts_everything_can_be_read(visit, keep, folder):

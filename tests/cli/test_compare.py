@@ -11,6 +11,7 @@ from report.synthetic import write_run as write_whole_run
 
 from visuohaptic.report.comparison import Figure
 from visuohaptic.report.files import make_report
+from visuohaptic.report.measured_runs import list_experiments
 from visuohaptic.report.run_comparison import difference_of
 
 
@@ -30,13 +31,21 @@ def write_run(folder, accuracy, parameters=None, classifier="naive_bayes", by_ob
     return folder
 
 
+def first_difference(ended):
+    """Give the difference of the first figure of two runs."""
+    (found,) = json.loads(ended.out)["figures"][0]["differences"]
+    return found
+
+
 def test_the_page_tells_parameters_accuracies_and_differences(visuohaptic, tmp_path):
     write_run(tmp_path / "a", figure(0.6, 0.55, 0.65), {"sensor": {"resolution": 16}, "seed": 1})
     write_run(tmp_path / "b", figure(0.8, 0.77, 0.84), {"sensor": {"resolution": 32}, "seed": 1})
     ended = visuohaptic("compare", "a/reports/metrics.json", "b", "--out", "page", "--json")
     values = json.loads(ended.out)
-    assert values["parameters"] == [{"name": "sensor.resolution", "first": "16", "second": "32"}]
-    accuracy = values["figures"][0]
+    assert values["facts"] == [
+        {"kind": "parameter", "name": "sensor.resolution", "texts": ["16", "32"]}
+    ]
+    (accuracy,) = values["figures"][0]["differences"]
     assert accuracy["direction"] == "higher"
     assert accuracy["difference"]["mean"] == pytest.approx(0.2)
     page = (tmp_path / "page" / "comparison.html").read_text()
@@ -51,26 +60,84 @@ def test_runs_over_the_same_objects_are_compared_in_pairs(visuohaptic, tmp_path)
     write_run(tmp_path / "a", figure(0.45, 0.25, 0.65), {}, by_object=spread)
     better = [one + 0.05 + 0.001 * (place % 3) for place, one in enumerate(spread)]
     write_run(tmp_path / "b", figure(0.501, 0.3, 0.7), {}, by_object=better)
-    found = json.loads(visuohaptic("compare", "a", "b", "--json").out)["figures"][0]
+    found = first_difference(visuohaptic("compare", "a", "b", "--json"))
     assert found["direction"] == "higher"
     assert found["difference"]["mean"] == pytest.approx(0.0509)
     assert 0.05 < found["difference"]["low"] < found["difference"]["high"] < 0.052
     assert found["p_value"] == pytest.approx(2 / 2**10)
     itself = visuohaptic("compare", "a", "a", "--json")
-    same = json.loads(itself.out)["figures"][0]
+    same = first_difference(itself)
     assert same["direction"] == "equal"
     assert same["difference"] == {"mean": 0.0, "low": 0.0, "high": 0.0}
     assert "equal on every object" in (tmp_path / "comparison/comparison.html").read_text()
     other = tmp_path / "c"
     write_run(other, figure(0.501, 0.3, 0.7), {}, by_object=better[:9])
-    unpaired = json.loads(visuohaptic("compare", "a", "c", "--json").out)["figures"][0]
+    unpaired = first_difference(visuohaptic("compare", "a", "c", "--json"))
     assert (unpaired["direction"], unpaired["p_value"]) == ("open", None)
+
+
+def test_each_of_many_runs_is_compared_with_the_first(visuohaptic, tmp_path):
+    spread = [0.1 * place for place in range(10)]
+    better = [one + 0.05 + 0.001 * (place % 3) for place, one in enumerate(spread)]
+    for name, seed, values in (("a", 1, spread), ("b", 1, spread), ("c", 2, better)):
+        write_run(tmp_path / name, figure(0.45, 0.25, 0.65), {"seed": seed}, by_object=values)
+    ended = visuohaptic("compare", "a", "b", "c")
+    equal, higher, _ = ended.out.splitlines()
+    assert equal.endswith(
+        "no parameter differs; accuracies that both have: 1, equal on every object."
+    )
+    assert higher.startswith("C against A: 1 parameter differs; ")
+    assert "1 higher and 0 lower, equal on every object 0." in higher
+    page = read_page((tmp_path / "comparison" / "comparison.html").read_text())
+    assert page.mismatches == []
+    assert "parameter seed 1 1 2" in page.text
+    (chart,) = page.named("svg")
+    assert chart.attributes["role"] == "img"
+
+
+def test_what_reports_say_of_code_packages_and_machine_is_compared(visuohaptic, tmp_path):
+    write_run(tmp_path / "a", figure(0.6, 0.5, 0.7), {})
+    metrics = json.loads((tmp_path / "a/reports/metrics.json").read_text())
+    for name, version in (("b", "1.0"), ("c", "2.0")):
+        carried = {
+            "form": 1, "metrics": metrics, "parameters": {}, "seconds": [], "commit": f"{name}0",
+            "machine": {"Processor": "Z80"}, "versions": {"numpy": version},
+        }  # fmt: skip
+        page = f'<script type="application/json" id="run-summary">{json.dumps(carried)}</script>'
+        (tmp_path / f"{name}.html").write_text(page)
+    values = json.loads(visuohaptic("compare", "a", "b.html", "c.html", "--json").out)
+    facts = {(fact["kind"], fact["name"]): fact["texts"] for fact in values["facts"]}
+    assert facts == {
+        ("code", "commit"): ["not known", "b0", "c0"],
+        ("package", "numpy"): ["not known", "1.0", "2.0"],
+        ("machine", "Processor"): ["not known", "Z80", "Z80"],
+    }
+
+
+@pytest.mark.parametrize("runs", [(), ("a",)])
+def test_fewer_than_two_runs_are_refused(visuohaptic, tmp_path, runs):
+    write_run(tmp_path / "a", figure(0.6, 0.5, 0.7), {})
+    ended = visuohaptic("compare", *runs)
+    assert ended.code == 1
+    assert (
+        ended.err
+        == f"error: {len(runs)} run{'s' if not runs else ''} can't be compared; 2 to 26 are allowed.\n"
+    )
+
+
+def test_experiments_of_dvc_are_named_and_none_is_an_error(visuohaptic, monkeypatch):
+    monkeypatch.setattr("dvc.api.exp_show", lambda: [{"Experiment": None}, {"Experiment": "wide"}])
+    assert list_experiments() == ["wide"]
+    monkeypatch.setattr("dvc.api.exp_show", lambda: [{"Experiment": None}])
+    ended = visuohaptic("compare", "--experiments")
+    assert ended.err == "error: DVC keeps no experiment here; `dvc exp run` makes one.\n"
 
 
 def test_the_difference_of_equal_runs_whose_objects_are_not_known_is_open(visuohaptic, tmp_path):
     write_run(tmp_path / "a", figure(0.6, 0.5, 0.7), {})
     ended = visuohaptic("compare", "a", "a", "--json")
-    assert {found["direction"] for found in json.loads(ended.out)["figures"]} == {"open"}
+    figures = json.loads(ended.out)["figures"]
+    assert {found["differences"][0]["direction"] for found in figures} == {"open"}
 
 
 def test_an_interval_of_a_difference_follows_zou_and_donner():
@@ -86,9 +153,9 @@ def test_parameters_that_nobody_named_are_not_called_equal(visuohaptic, tmp_path
     other = tmp_path / "a" / "reports" / "before.json"
     other.write_text((tmp_path / "a" / "reports" / "metrics.json").read_text())
     ended = visuohaptic("compare", other, "a")
-    assert ended.out.startswith("parameters not known; ")
+    assert "parameters not known; " in ended.out
     page = (tmp_path / "comparison" / "comparison.html").read_text()
-    assert "so the changed parameters are not known" in page
+    assert "so the parameters that differ are not known" in page
 
 
 def test_names_are_shown_escaped_and_stay_in_the_folder(visuohaptic, tmp_path):
@@ -153,8 +220,9 @@ def test_two_revisions_of_a_repository_are_compared(visuohaptic, tmp_path):
         run("commit", "-qm", tag)
         run("tag", tag)
     values = json.loads(visuohaptic("compare", "before", "after", "--json").out)
-    assert values["parameters"] == [{"name": "seed", "first": '"before"', "second": '"after"'}]
-    assert values["figures"][0]["direction"] == "higher"
+    (fact,) = values["facts"]
+    assert (fact["name"], fact["texts"]) == ("seed", ['"before"', '"after"'])
+    assert values["figures"][0]["differences"][0]["direction"] == "higher"
     ended = visuohaptic("compare", "before", "never")
     assert ended.code == 1
     assert ended.err.startswith("error: never is no file, and no experiment")
@@ -178,22 +246,16 @@ def reported(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_reports_beside_metrics_tell_parameters_seconds_and_views(visuohaptic, tmp_path, reported):
+def test_reports_beside_metrics_tell_parameters_and_seconds(visuohaptic, tmp_path, reported):
     ended = visuohaptic("compare", reported / "a" / "metrics.json", reported / "b", "--json")
     values = json.loads(ended.out)
-    assert values["parameters"] == [
-        {"name": "sensor.largest_size", "first": "0.3", "second": "0.2"}
+    assert values["facts"] == [
+        {"kind": "parameter", "name": "sensor.largest_size", "texts": ["0.3", "0.2"]},
+        {"kind": "seconds", "name": "fixations", "texts": ["6.0", "6.0"]},
     ]
-    assert values["seconds"] == [{"phase": "fixations", "first": 6.0, "second": 6.0}]
-    assert values["views"] == sorted({*OBJECTS, "ball/<i>..</i>"})
     page = read_page((tmp_path / "comparison" / "comparison.html").read_text())
     assert page.mismatches == []
     assert not page.named("script", "i")
-    labels = page.values("aria-label")
-    assert len([label for label in labels if " in run A, view" in label]) == len(OBJECTS)
-    assert len([label for label in labels if " in run B, view" in label]) == len(OBJECTS)
-    assert "A: no picture" in page.text
-    assert "B: no picture" in page.text
     assert len(set(page.values("id"))) == len(page.values("id"))
 
 
@@ -202,7 +264,7 @@ def test_reports_alone_can_be_compared(visuohaptic, reported):
     files = [reported / name / "report.html" for name in "ab"]
     beside = visuohaptic("compare", *(file.with_name("metrics.json") for file in files), "--json")
     alone = visuohaptic("compare", *files, "--json")
-    unlike = {"first", "second", "page"}
+    unlike = {"sources", "page"}
     one, other = (json.loads(ended.out) for ended in (beside, alone))
     assert {key: one[key] for key in set(one) - unlike} == {
         key: other[key] for key in set(other) - unlike
@@ -217,8 +279,8 @@ def test_a_report_of_other_figures_is_not_taken_for_the_metrics_beside_it(
     copy = tmp_path / "c" / "reports" / "report.html"
     copy.write_text((reported / "a" / "report.html").read_text())
     values = json.loads(visuohaptic("compare", "c", "c", "--json").out)
-    assert (values["seconds"], values["views"]) == ([], [])
-    assert values["figures"][0]["first"]["mean"] == 0.6
+    assert values["facts"] == []
+    assert values["figures"][0]["figures"][0]["mean"] == 0.6
 
 
 @pytest.mark.parametrize(

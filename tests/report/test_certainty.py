@@ -1,6 +1,5 @@
 """The section on certainty shows what was measured, and names the command where nothing was."""
 
-import numpy as np
 import pytest
 from report.pages import read_page
 from report.synthetic import lay_out
@@ -8,9 +7,7 @@ from report.synthetic import lay_out
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.certainty import (
-    HEIGHT,
     certainty_figures,
-    coverage_chart,
     evaluation_figures,
 )
 from visuohaptic.report.page import render_page
@@ -93,18 +90,6 @@ def test_the_page_shows_the_runs_evaluation_or_the_one_kept_with_the_package(tmp
     assert (
         "a model that learnt 142 objects classifies 22 others, of set odd" in page.text
     ) != measured
-
-
-def test_the_chart_of_coverage_counts_the_sets_that_would_hold_the_class():
-    chart = coverage_chart(certainty_table(), ["fixation", "random"])
-    shares = [1 - mark.y / HEIGHT for mark in chart.marks if mark.series == 0]
-    # At 50 % sets hold what fits better than 50 %, at 60 % what fits better than 40 %, ...
-    np.testing.assert_allclose(
-        shares, [0.25, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.75, 0.75], atol=1e-3
-    )
-    assert "90 % stated: 75.0" in [mark.label for mark in chart.marks][8].replace(
-        "\N{NO-BREAK SPACE}", " "
-    )
 
 
 def test_the_sentences_have_the_figures_of_the_file(tmp_path):

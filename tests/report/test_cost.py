@@ -1,4 +1,4 @@
-"""What accuracy costs: the steps, the chart, and the sentences follow from the rows."""
+"""What accuracy costs: the steps and the sentences follow from the rows."""
 
 import json
 import re
@@ -11,7 +11,6 @@ from studies.cost.test_front import BLIND, RENDER, cost_rows, cost_table
 
 from visuohaptic.report import sections
 from visuohaptic.report.cost import (
-    cost_chart,
     cost_figures,
     cost_verdict,
     cue_sentences,
@@ -30,28 +29,9 @@ from visuohaptic.tables.studies import COST
 POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
 
 
-def chart_of(points, failed=()):
-    rows = cost_table(points, failed).to_pylist()
-    return cost_chart(rows, ("touches", "imprint"))
-
-
-def test_a_failed_setting_has_a_mark_with_its_reason():
-    chart = chart_of(POINTS, failed=["8 × 8"])
-    (failed,) = [mark for mark in chart.marks if mark.kind == "failed"]
-    assert failed.y == chart.failed_lane
-    assert failed.label == "imprint, 8 × 8: failed. images are too small."
-
-
-def test_figures_that_are_all_alike_still_have_an_axis():
-    chart = chart_of([("a", 0.1, 0.1), ("b", 0.1, 0.1)])
-    assert {mark.kind for mark in chart.marks} == {"front"}
-    assert len(chart.x_ticks) > 1
-
-
 def test_what_was_not_measured_has_no_figures(tmp_path):
     assert read_cost(None, PARAMETERS) is None
     assert read_cost(tmp_path / "none.parquet", PARAMETERS) is None
-    assert cost_chart(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:], ("imprint",)) is None
 
 
 def test_the_parts_of_a_recognition_are_those_of_its_row():
@@ -69,27 +49,6 @@ def test_the_parts_of_a_recognition_are_those_of_its_row():
 
 def plain(text):
     return text.replace("\N{NO-BREAK SPACE}", " ")
-
-
-def test_the_front_is_told_by_shape_and_alone_has_a_name_and_intervals():
-    chart = chart_of([*POINTS, ("16 touches", 0.5, 0.0)])
-    assert [mark.kind for mark in chart.marks] == ["dominated", "front", "front", "front"]
-    dominated, *front = chart.marks
-    assert (dominated.name, dominated.high) == ("", None)
-    assert {mark.name for mark in front} == {"1 touch", "5 touches", "16 touches"}
-    assert chart.none_lane is not None
-
-
-def test_a_line_joins_settings_of_which_one_thing_changes_and_no_others():
-    rows = cost_rows([("skin", 0.1, 0.2), ("pose", 0.2, 0.1), ("5 touches", 0.3, 0.05)])
-    for row, touches in zip(rows, (3, 3, 5), strict=True):
-        row |= {"touches": touches, "viewpoints": 1}
-    (line,) = cost_chart(rows, ("touches",)).lines
-    places = {
-        mark.label.split(":")[0].split(", ")[1]: mark.x
-        for mark in cost_chart(rows, ("touches",)).marks
-    }
-    assert line[1::2] == (places["pose"], places["5 touches"])
 
 
 def test_the_steps_are_rows_the_quickest_first():
@@ -211,6 +170,7 @@ def test_the_page_tells_what_accuracy_costs(tmp_path, monkeypatch):
     assert "All 5 settings" in text
     assert "wrong" not in text
     assert "dominated" in text
+    assert len([label for label in page.values("aria-label") if "against error rate" in label]) == 1
     assert "The same settings on" not in text
     store_frontier(
         tmp_path / "cost.parquet", tmp_path / "kept.json", "make frontier", "a processor"

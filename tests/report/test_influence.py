@@ -8,7 +8,7 @@ from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
     influence_figures,
-    scene_accuracy,
+    rows_of_scenes,
 )
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
@@ -93,24 +93,18 @@ def test_the_page_shows_hard_places_and_the_figures_that_are_there(tmp_path, inf
     assert "Worn fsr without noise 52.0 % 42.0 % to 62.0 % +2.0" in text
 
 
-def test_the_accuracy_of_each_scene_is_a_row_and_a_sentence(tmp_path):
+def test_scenes_as_a_whole_have_rows_of_their_own(tmp_path):
     rows = [
         ("ideal", 0.9, "ideal", None),
         ("ideal without adaptive_size", 0.8, "ideal", -0.1),
         ("worn_fsr", 0.7, "worn_fsr", None),
-        ("fsr400", None, "fsr400", None),
     ]
     study = read_study(write_study(tmp_path, "effects", rows), "effects")
-    (found,) = scene_accuracy(study, 0.25)
-    assert [name for name, _ in found.chart.rows] == ["ideal", "worn_fsr"]
-    assert [mark.x for mark in found.chart.marks] == [80, 40]  # from 50 % on
-    assert found.chart.reference is None
-    (sentence,) = found.sentences
-    assert sentence.replace("\xa0", " ") == (
-        "Eye fixations, correctly classified by scene: ideal 90.0 % (80.0 % to 100.0 %), worn_fsr "
-        "70.0 % (60.0 % to 80.0 %)."
-    )
-    assert scene_accuracy(None, 0.25) == []
+    ((table, found),) = rows_of_scenes(study)
+    assert table is study.tables[0]
+    assert [row["condition"] for row in found] == ["ideal", "worn_fsr"]
+    failed = read_study(write_study(tmp_path, "effects", [("fsr400", None, None, None)]), "effects")
+    assert rows_of_scenes(failed) == []
 
 
 @pytest.mark.slow

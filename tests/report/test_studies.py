@@ -82,6 +82,14 @@ def test_the_page_shows_ablations_with_what_failed(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_study_of_which_everything_failed_has_its_table_and_no_chart(tmp_path):
+    page = page_of(tmp_path, write_study(tmp_path, "mine", [("as run", None, None, None)]))
+    assert page.mismatches == []
+    assert "As run failed: too small." in page.text
+    assert not [label for label in page.values("aria-label") if "accuracy by condition" in label]
+
+
+@pytest.mark.slow
 def test_own_studies_have_their_own_section_and_their_names_are_text(tmp_path):
     rows = [("as run", 0.8, None, None), (EVIL, 0.7, "as run", -0.1)]
     folder = write_study(tmp_path, "mine", rows, title=EVIL)

@@ -1,4 +1,4 @@
-"""`visuohaptic compare`: one page of what changed from one run to another."""
+"""`visuohaptic compare`: one page of what differs between runs."""
 
 from __future__ import annotations
 
@@ -15,35 +15,40 @@ PAGE = "comparison.html"
 
 
 def compare(
-    first: Annotated[
-        Path,
+    runs: Annotated[
+        list[Path] | None,
         typer.Argument(
-            metavar="A", help="A metrics.json, a report, a run's folder, or a DVC experiment."
+            metavar="A B...", help="Metrics files, reports, folders of runs, or DVC experiments."
         ),
-    ],
-    second: Annotated[Path, typer.Argument(metavar="B", help="The run to compare it with.")],
+    ] = None,
+    experiments: Annotated[  # noqa: FBT002
+        bool, typer.Option("--experiments", help="Add all experiments that DVC keeps.")
+    ] = False,
     out: Annotated[Path, typer.Option(parser=folder_to_write, help="Folder for the page.")] = Path(
         "comparison"
     ),
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
 ) -> None:
-    """Write one page of what changed from run A to run B.
+    """Write one page of what differs between runs: each is compared with the first.
 
-    It shows parameters, accuracies with intervals, seconds, and views side by side. All but the
-    accuracies come from the report.html beside the metrics; without one, parameters come from a
+    It shows parameters, code, packages, machine, seconds, and accuracies with intervals. All but
+    the accuracies come from the report.html beside the metrics; without one, parameters come from a
     params.yaml beside them or a folder above.
 
     Example: visuohaptic compare before/reports/metrics.json reports/metrics.json --out comparison
     """
-    require("report", "jinja2", "plotly")
-    from visuohaptic.report.run_comparison import compare_runs, read_measured_run, render_comparison
+    require("report", "jinja2", "matplotlib", "plotly")
+    from visuohaptic.report.measured_runs import list_experiments, read_measured_run
+    from visuohaptic.report.run_comparison import compare_runs, render_comparison
 
-    found = compare_runs(read_measured_run(first), read_measured_run(second))
+    sources = [*(runs or ()), *(list_experiments() if experiments else ())]
+    found = compare_runs([read_measured_run(source) for source in sources])
     out.mkdir(parents=True, exist_ok=True)
     page = out / PAGE
     write_whole(page, render_comparison(found))
     if as_json:
         say_json(found.as_values() | {"page": page})
         return
-    say(found.verdict)
+    for sentence in found.verdicts:
+        say(sentence)
     say(f"  {page}")

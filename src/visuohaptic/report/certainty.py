@@ -9,29 +9,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pyarrow as pa
 
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.certainty import least_objects
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.summary import select
-from visuohaptic.report.charts import Point, PointChart, place_points
 from visuohaptic.report.comparison import Figure
 from visuohaptic.report.wording import counted, percent, strategy_name, titled
 from visuohaptic.studies.evaluation.models import MeasuredEvaluation, summarise_evaluation
 from visuohaptic.studies.stored import Source
 from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
-
-HEIGHT = 260
-"""Of a chart, pixels."""
-
-MARGIN = 10.0
-"""Left free on either side, percent of the width."""
-
-LOWEST = STATED_COVERAGES[0] / 100
-"""Stated coverage at the chart's left end."""
+from visuohaptic.tables.studies import CERTAINTY
 
 Row = Mapping[str, Any]
 
@@ -55,12 +44,8 @@ class CertaintyFigures:
         ``accuracy``, ``coverage``, ``false_unknown``, ``found_unknown``.
     classes, views : int
         Classes, each left out once; largest number of views, which the chart shows.
-    strategies : tuple of str
-        In the order of their colours.
-    coverage : PointChart
-        Measured against stated coverage.
-    diagonal : tuple of float
-        x1, y1, x2 and y2 of the line where both are equal.
+    table : pyarrow.Table
+        Rows of `tables.CERTAINTY`.
     """
 
     sentences: tuple[str, ...]
@@ -70,9 +55,7 @@ class CertaintyFigures:
     rows: tuple[Row, ...]
     classes: int
     views: int
-    strategies: tuple[str, ...]
-    coverage: PointChart
-    diagonal: tuple[float, float, float, float]
+    table: pa.Table
 
 
 def certainty_figures(
@@ -87,8 +70,6 @@ def certainty_figures(
     measured = read_table(CERTAINTY, table)
     rows = _read_figures(Path(figures))
     views = max(row["views"] for row in rows)
-    most = select(measured, views=views)
-    strategies = tuple(dict.fromkeys(row["strategy"] for row in rows))
     stated = rows[0]["stated"]
     classes = len(measured.column("left_out").unique())
     return CertaintyFigures(
@@ -99,9 +80,7 @@ def certainty_figures(
         rows,
         classes,
         views,
-        strategies,
-        coverage_chart(most, strategies),
-        (_stated_x(LOWEST), _share_y(LOWEST), _stated_x(1.0), _share_y(1.0)),
+        measured,
     )
 
 
@@ -150,31 +129,6 @@ def evaluation_figures(
     )
 
 
-def coverage_chart(rows: pa.Table, strategies: Sequence[str]) -> PointChart:
-    """Place the share of known objects whose class is in the set against the stated coverage."""
-    import pyarrow.compute as pc
-
-    series = []
-    for strategy in strategies:
-        sets = select(rows, strategy=strategy, known=True).column("covered_at")
-        covered = pc.list_flatten(sets).to_numpy()
-        points = []
-        for whole in STATED_COVERAGES:
-            stated, held = whole / 100, float(np.sum(covered == whole) / len(sets))
-            label = f"{strategy_name(strategy)}, {percent(stated, 0)} stated: {percent(held)}"
-            points.append(Point(stated, held, label))
-        series.append(points)
-    marks, lines = place_points(enumerate(series), _stated_x, _share_y)
-    return PointChart(
-        height=HEIGHT + 44,
-        bottom=HEIGHT,
-        x_ticks=tuple((round(_stated_x(x / 10), 2), percent(x / 10, 0)) for x in range(5, 11)),
-        y_ticks=tuple((_share_y(y), percent(y, 0)) for y in (0.0, 0.25, 0.5, 0.75, 1.0)),
-        lines=lines,
-        marks=marks,
-    )
-
-
 def _sentence(row: Row) -> str:
     return (
         f"{titled(strategy_name(row['strategy']))}, {counted(row['views'], 'view')}: the prediction set "
@@ -208,11 +162,3 @@ def _with_intervals(row: Row) -> Row:
     return {
         name: Figure(*value) if isinstance(value, list) else value for name, value in row.items()
     }
-
-
-def _stated_x(stated: float) -> float:
-    return MARGIN + (100 - 2 * MARGIN) * (stated - LOWEST) / (1 - LOWEST)
-
-
-def _share_y(share: float) -> float:
-    return round(HEIGHT * (1 - share), 1)

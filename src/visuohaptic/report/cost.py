@@ -1,4 +1,4 @@
-"""What accuracy costs in time: charts of seconds against error rate, and what follows from them."""
+"""What accuracy costs in time: steps worth their time, and what smaller settings save."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
-from visuohaptic.report.charts import LogAxis, Mark, Point, PointChart, place_points
 from visuohaptic.report.questions import Answer
 from visuohaptic.report.wording import (
     counted,
@@ -25,25 +24,10 @@ from visuohaptic.studies.cost.front import (
     find_savings,
     first_step,
     front_rows,
-    on_robot,
     read_costs,
     reference_row,
 )
 from visuohaptic.studies.cost.pairs import Row
-
-HEIGHT = 300
-"""Of the part with the logarithmic axis, pixels."""
-
-LANE = 34
-"""Height of a strip under it, for settings without an error and for those that failed."""
-
-
-@dataclass(frozen=True)
-class CostChart(PointChart):
-    """A chart with strips under the axis, pixels; None where no setting stands there."""
-
-    none_lane: float | None
-    failed_lane: float | None
 
 
 @dataclass(frozen=True)
@@ -131,9 +115,6 @@ class CostFigures:
         Objects that were tested, at most.
     reference : mapping or None
         The row of the run's own setting from one viewpoint.
-    chart, robot : CostChart or None
-        Computing time, and a robot's time, against error rate; None where nothing could be both
-        run and timed.
     """
 
     families: tuple[str, ...]
@@ -146,8 +127,6 @@ class CostFigures:
     recognitions: int
     objects: int
     reference: Row | None
-    chart: CostChart | None
-    robot: CostChart | None
 
 
 def read_cost(path: str | Path | None, run: ExperimentParameters) -> CostFigures | None:
@@ -173,7 +152,6 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
         The section's numbers.
     """
     families = tuple(dict.fromkeys(row["family"] for row in rows))
-    robot = on_robot(rows, run.cost)
     return CostFigures(
         families,
         rows,
@@ -185,8 +163,6 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
         max((row["recognitions"] or 0 for row in rows), default=0),
         max((row["objects"] or 0 for row in rows), default=0),
         reference_row(rows),
-        cost_chart(rows, families),
-        cost_chart(robot, families),
     )
 
 
@@ -326,117 +302,11 @@ def saving_sentences(rows: Sequence[Row], run: ExperimentParameters) -> list[str
     return [_saving_sentence(saving, confidence) for saving in find_savings(rows)]
 
 
-def cost_chart(
-    rows: Sequence[Row], families: Sequence[str], height: int = HEIGHT
-) -> CostChart | None:
-    """Place settings in a chart with two logarithmic axes.
-
-    A logarithm has no place for an error rate of 0: such settings stand in a strip under
-    the axis, with the upper end of their interval where it belongs.
-
-    Parameters
-    ----------
-    rows : sequence of mapping
-        Rows of `tables.COST`.
-    families : sequence of str
-        The families in the order of their colours.
-    height : int
-        Of the part with the logarithmic axis, pixels.
-
-    Returns
-    -------
-    CostChart or None
-        None where no row has both seconds and an error rate.
-    """
-    placed = [row for row in rows if row["failed"] is None and row["seconds"] is not None]
-    if not placed:
-        return None
-    failed = [row for row in rows if row["failed"] is not None]
-    flawless = any(row["error"] == 0 for row in placed)
-    across = LogAxis([row[name] for row in placed for name in ("seconds_low", "seconds_high")])
-    down = LogAxis([row[name] for row in placed for name in ("error", "error_high")])
-    bottom = height + LANE * (flawless + bool(failed))
-    none_lane = height + LANE / 2 if flawless else None
-    failed_lane = bottom - LANE / 2 if failed else None
-
-    def x_of(seconds: float) -> float:
-        return round(100 * across.share(seconds), 2)
-
-    def y_of(error: float) -> float:
-        if error <= 0:
-            return none_lane or height
-        return round(height * (1 - down.share(error)), 1)
-
-    lines_of = [
-        (number, [_point(row, down.low) for row in line])
-        for number, family in enumerate(families)
-        for line in _lines([row for row in placed if row["family"] == family])
-    ]
-    marks, lines = place_points(lines_of, x_of, y_of, top="front")
-    failures = tuple(
-        Mark(
-            families.index(row["family"]),
-            round(100 * (place + 0.5) / len(failed), 2),
-            failed_lane or 0.0,
-            f"{strategy_name(row['family'])}, {row['setting']}: failed. {row['failed']}",
-            kind="failed",
-        )
-        for place, row in enumerate(failed)
-    )
-    return CostChart(
-        height=bottom + 44,
-        bottom=bottom,
-        x_ticks=tuple((x_of(value), duration(value)) for value in across.ticks()),
-        y_ticks=tuple((y_of(value), _share(value)) for value in down.ticks()),
-        lines=lines,
-        marks=(*marks, *failures),
-        none_lane=none_lane,
-        failed_lane=failed_lane,
-    )
-
-
-def _point(row: Row, lowest: float) -> Point:
-    if not row["on_front"]:
-        return Point(row["seconds"], row["error"], _label(row), kind="dominated")
-    low = max(row["error_low"], lowest if row["error"] > 0 else 0.0)
-    return Point(
-        row["seconds"],
-        row["error"],
-        _label(row),
-        (row["seconds_low"], row["seconds_high"]),
-        (low, row["error_high"]),
-        "front",
-        name=str(row["setting"]).removesuffix(", 1 viewpoint"),
-    )
-
-
 def _groups(rows: Sequence[Row]) -> tuple[SettingGroup, ...]:
     found: dict[int, list[Row]] = {}
     for row in rows:
         found.setdefault(row["group"], []).append(row)
     return tuple(SettingGroup(tuple(group)) for group in found.values())
-
-
-def _lines(rows: Sequence[Row]) -> list[list[Row]]:
-    """Cut a family's settings where touches and viewpoints change both, or neither: a line is a trend."""
-    lines: list[list[Row]] = []
-    for row in sorted(rows, key=lambda row: int(row["place"])):
-        before = lines[-1][-1] if lines else row
-        changed = sum(row[name] != before[name] for name in ("touches", "viewpoints"))
-        if changed != 1 or not lines:
-            lines.append([])
-        lines[-1].append(row)
-    return lines
-
-
-def _label(row: Row) -> str:
-    kind = "on the front" if row["on_front"] else "dominated"
-    return (
-        f"{strategy_name(row['family'])}, {row['setting']}: {duration(row['seconds'], 3)} (quartiles "
-        f"{duration(row['seconds_low'], 3)} to {duration(row['seconds_high'], 3)}), "
-        f"error rate {percent(row['error'], 2)} (interval {percent(row['error_low'], 2)} to "
-        f"{percent(row['error_high'], 2)}), {kind}"
-    )
 
 
 def _saving_sentence(saving: Saving, confidence: str) -> str:
@@ -488,7 +358,3 @@ def duration(seconds: float, digits: int = 2) -> str:
     if seconds >= 1:
         return f"{seconds:.0f} s" if seconds >= 99.5 else f"{seconds:.{digits}g} s"
     return f"{1000 * seconds:.{digits}g} ms" if seconds < 0.0995 else f"{1000 * seconds:.0f} ms"
-
-
-def _share(value: float) -> str:
-    return f"{100 * value:g} %"

@@ -77,7 +77,7 @@ def gaze_figures(
         sentences=tuple(_sentences(rows, tests)),
         rows=rows,
         tests=tests,
-        shown=_shown(rows),
+        shown=shown_predictors(rows),
         peer=beside_peer(measured.table),
         worst=[(row["object"], row["correlation"]) for row in held[:WORST_NAMED]],
         pictures=_pictures(pictures),
@@ -99,7 +99,7 @@ def between(value: Interval) -> str:
 
 
 def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> list[str]:
-    equal, floor, placed, chosen = _shown(rows)
+    equal, floor, placed, chosen = shown_predictors(rows)
     place = placed.measures["correlation"]
     found = [
         (
@@ -136,7 +136,7 @@ def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> l
     ]
 
 
-def _shown(rows: Sequence[PredictorRow]) -> tuple[PredictorRow, ...]:
+def shown_predictors(rows: Sequence[PredictorRow]) -> tuple[PredictorRow, ...]:
     """Choose equal weights, the best floor, place alone, and the chosen terms."""
     by_name = {row.predictor.name: row for row in rows}
     floor = max(

@@ -10,11 +10,9 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.charts import IntervalChart, interval_chart
-from visuohaptic.report.comparison import Figure
 from visuohaptic.report.pictures import imprint_strip
-from visuohaptic.report.studies import StudyFigures
-from visuohaptic.report.wording import counted, listed, percent, strategy_name, titled
+from visuohaptic.report.studies import Row, StudyFigures, StudyTable
+from visuohaptic.report.wording import counted, listed, percent
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
@@ -77,17 +75,6 @@ class InfluenceFigures:
 
 
 @dataclass(frozen=True)
-class SceneAccuracy:
-    """Accuracy by scene of one pipeline and classifier: sentences, and a chart with a row a scene."""
-
-    pipeline: str
-    classifier: str
-    strategies: tuple[str, ...]
-    sentences: tuple[str, ...]
-    chart: IntervalChart
-
-
-@dataclass(frozen=True)
 class HardPlace:
     """One hard place as the sensor felt it; `imprint` is the address of a grey picture."""
 
@@ -142,44 +129,15 @@ def effects_answer(figures: InfluenceFigures) -> str:
     return f"{said} {_unchanged(figures.scenes)}".rstrip()
 
 
-def scene_accuracy(study: StudyFigures | None, chance: float) -> list[SceneAccuracy]:
-    """Give the accuracy in each scene as a whole, from study `effects`.
-
-    Parameters
-    ----------
-    study : StudyFigures or None
-        The study; None where it was not measured.
-    chance : float
-        Share that guessing gets.
-
-    Returns
-    -------
-    list of SceneAccuracy
-        One for each pipeline and classifier; none where no scene could be measured.
-    """
-    found = []
-    for table in () if study is None else study.tables:
-        scenes: list[tuple[str, dict[str, Figure], dict[str, float]]] = [
-            (row["condition"], figures, {})
-            for row in table.rows
-            if row["condition"] in PRESETS and (figures := _figures_of(row))
-        ]
-        if scenes:
-            sentences = tuple(
-                f"{titled(strategy_name(strategy))}, correctly classified by scene: "
-                + ", ".join(
-                    f"{name} {_with_interval(figures[strategy])}"
-                    for name, figures, _ in scenes
-                    if strategy in figures
-                )
-                + "."
-                for strategy in table.strategies
-            )
-            chart = interval_chart(scenes, table.strategies, chance)
-            found.append(
-                SceneAccuracy(table.pipeline, table.classifier, table.strategies, sentences, chart)
-            )
-    return found
+def rows_of_scenes(study: StudyFigures) -> list[tuple[StudyTable, list[Row]]]:
+    """Give each table of study `effects`, with its rows of scenes as a whole; none without such rows."""
+    found = [
+        (table, [row for row in table.cells if row["condition"] in PRESETS])
+        for table in study.tables
+    ]
+    return [
+        (table, rows) for table, rows in found if any(row["accuracy"] is not None for row in rows)
+    ]
 
 
 def scene_strips(
@@ -240,20 +198,6 @@ def hard_places(parameters: ExperimentParameters) -> list[HardPlace]:
         )
         for probe, felt in touched
     ]
-
-
-def _figures_of(row: Mapping[str, Any]) -> dict[str, Figure]:
-    return {
-        strategy: Figure(cell["accuracy"], cell["low"], cell["high"])
-        for strategy, cell in row["cells"].items()
-        if cell["accuracy"] is not None
-    }
-
-
-def _with_interval(figure: Figure) -> str:
-    if figure.low is None or figure.high is None:
-        return percent(figure.mean)
-    return f"{percent(figure.mean)} ({percent(figure.low)} to {percent(figure.high)})"
 
 
 def _scene_figures(name: str, rows: Sequence[Mapping[str, Any]]) -> SceneFigures:

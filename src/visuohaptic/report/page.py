@@ -16,7 +16,9 @@ from visuohaptic.recognition.published import PAPER
 from visuohaptic.report import wording
 from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
+from visuohaptic.report.chapters import CHAPTERS
 from visuohaptic.report.cost import duration
+from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.gaze import between, decimal
 from visuohaptic.report.glossary import explained
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
@@ -24,8 +26,7 @@ from visuohaptic.report.objects import Track, describe_objects, most_varied
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.readings import mark_up_dots, readings_figures
 from visuohaptic.report.run import Run
-from visuohaptic.report.sections import CHAPTERS, ReportContext
-from visuohaptic.report.sources import find_sources
+from visuohaptic.report.section import ReportContext, find_sources
 from visuohaptic.studies.readings.stored import OUTSIDE, kept_readings, read_readings
 
 PAPER_ADDRESS = "https://www.mdpi.com/2504-3900/4/1/47"
@@ -50,10 +51,13 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
                 body = template.render({**shared, **values})
                 chapters.setdefault(chapter, []).append((section.name, section.titled(run), body))
     explained = most_varied(context.pages)
+    sources = {
+        section.name: list(find_sources(section.tables(run), run, explained))
+        for sections in CHAPTERS.values()
+        for section in sections
+    }
     has_models = any(page.model is not None for page in context.pages)
-    script = (
-        f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('page.js')}{_text('figures.js')}"
-    )
+    script = f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('page.js')}"
     plotly = plotly_library() if has_models else None
     return environment.get_template("page.html.jinja").render(
         policy=content_policy(script, *([plotly.source] if plotly else [])),
@@ -65,8 +69,8 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         marks=_most_marks(context),
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
-        sources=find_sources(run, (explained.key, explained.shown.viewpoint)),
-        summary=summarise_run(run, context.pages, seconds),
+        sources=sources,
+        summary=summarise_run(run, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
         script=script,
@@ -84,7 +88,7 @@ def render_readings_page(table: str | Path) -> str:
         raise ReportError(f"{table} has no reading that could be run; one at least is needed.")
     environment = make_environment()
     body = environment.get_template("readings.html.jinja").render(readings=found)
-    script = _text("readings.js") + _text("figures.js")
+    script = _text("readings.js")
     return environment.get_template("readings_page.html.jinja").render(
         policy=content_policy(script),
         body=body,
@@ -98,7 +102,7 @@ def content_policy(*scripts: str | bytes) -> str:
     """Give a page's Content-Security-Policy: nothing is loaded, and these scripts alone may run.
 
     Scripts are named by their digests, so what someone's file smuggles into the page stays text.
-    Style attributes carry places and lengths of bars, and so are allowed.
+    Style attributes carry the looks of charts and lengths of bars, and so are allowed.
     """
     digests = [
         sha256(script.encode("utf-8") if isinstance(script, str) else script).digest()
@@ -135,6 +139,7 @@ def make_environment() -> Environment:
         "between": between,
         "duration": duration,
         "explained": explained,
+        "svg": inline_svg,
         "dots": lambda dots: Markup(mark_up_dots(dots)),  # noqa: S704 - it escapes its texts
     }
     return environment

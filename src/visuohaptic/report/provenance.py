@@ -32,6 +32,7 @@ _DISTRIBUTIONS = (
     "snakemake",
     "dvc",
     "Jinja2",
+    "matplotlib",
     "plotly",
 )
 

@@ -60,6 +60,8 @@ class Answer:
         What the number is of, in at most 25 words.
     link : str
         Anchor of the section that shows more.
+    recount : str
+        Lines of Python that print the number; may be empty.
     """
 
     question: str
@@ -67,6 +69,7 @@ class Answer:
     number: str
     sentence: str
     link: str
+    recount: str = ""
 
     @property
     def word(self) -> str:
@@ -90,7 +93,7 @@ def recognition_answer(
     unseen : str
         What training had not met of what is tested, such as ``objects that were not in training``.
     """
-    found = [_row_of(table).accuracy[table.leading] for table in tables]
+    found = [row_of(table).accuracy[table.leading] for table in tables]
     chance = 1 / classes
     word: Verdict = "not shown"
     if all(figure.low is not None and figure.low > chance for figure in found):
@@ -106,7 +109,7 @@ def recognition_answer(
         word,
         f"{percent(found[0].mean)}{_span(found[0], percent)}",
         f"of {touches}-touch sequences of {unseen} correctly classified by {_pipeline(tables[0])} "
-        f"({_row_of(tables[0]).name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
+        f"({row_of(tables[0]).name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
         "comparison",
     )
 
@@ -129,10 +132,7 @@ def fixation_answer(
         None for a run without random touches in reach.
     """
     compared = [
-        (table, row.comparisons[MAIN_OPPONENT])
-        for table in tables
-        for row in [_row_of(table)]
-        if table.leading == REFERENCE and MAIN_OPPONENT in row.comparisons
+        (table, row_of(table).comparisons[MAIN_OPPONENT]) for table in tables if has_opponent(table)
     ]
     if not compared:
         return None
@@ -167,7 +167,7 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         return None
     inside = sum(figure.holds(published) for figure, published in pairs)
     word: Verdict = "yes" if inside == len(pairs) else "depends" if inside else "no"
-    row = _row_of(table)
+    row = row_of(table)
     number = against = ""
     if table.leading in row.published:
         here, published = row.accuracy[table.leading], row.published[table.leading]
@@ -194,7 +194,13 @@ def readings_sentence(readings: Mapping[str, Sequence[Row]]) -> str:
     )
 
 
-def _row_of(table: PipelineTable) -> ClassifierRow:
+def has_opponent(table: PipelineTable) -> bool:
+    """Return whether the answers' classifier was tried by fixation and by random touches in reach."""
+    return table.leading == REFERENCE and MAIN_OPPONENT in row_of(table).comparisons
+
+
+def row_of(table: PipelineTable) -> ClassifierRow:
+    """Give the classifier that the answers are about: the paper's best, or else the best here."""
     return next((row for row in table.rows if row.key == BEST_OF_PAPER), table.best)
 
 

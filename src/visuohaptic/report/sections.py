@@ -1,33 +1,33 @@
-"""The page's sections in the order in which they appear.
+"""The words and figures of each section, from the tables of the run.
 
-A section is a name (its anchor and its template), a title, and a function that gives the
-template's values, or None where the run has nothing for it: it is left out then. A new
-section is one such function, one template, and one line in `CHAPTERS`.
+A function gives the values of its section's template, or None where the run has nothing for it.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 
 from visuohaptic.gaze.stored import read_measured
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.recognition.summary import Confusion, confusion, select
+from visuohaptic.report import figures
 from visuohaptic.report.certainty import certainty_figures, evaluation_figures
-from visuohaptic.report.charts import interval_chart
 from visuohaptic.report.comparison import (
     PIPELINES,
     PipelineTable,
     gain_sentence,
 )
 from visuohaptic.report.cost import (
+    CostFigures,
     cost_figures,
     cost_verdict,
     cue_sentences,
@@ -41,42 +41,46 @@ from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
     influence_figures,
-    scene_accuracy,
+    rows_of_scenes,
     scene_strips,
 )
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import (
-    PhaseSeconds,
     describe_machine,
     find_commit,
     find_versions,
 )
 from visuohaptic.report.questions import (
     BEST_OF_PAPER,
+    MAIN_OPPONENT,
     Answer,
     fixation_answer,
+    has_opponent,
     readings_sentence,
     recognition_answer,
     reproduction_answer,
 )
 from visuohaptic.report.readings import readings_figures
+from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
 from visuohaptic.report.run import Run
+from visuohaptic.report.section import ReportContext, Values
 from visuohaptic.report.stability import (
     describe_checks,
-    family_chart,
     read_precision,
     stability_answer,
     stability_figures,
 )
 from visuohaptic.report.studies import (
+    StudyFigures,
     read_own_studies,
     read_study,
     remade_name,
 )
-from visuohaptic.report.touches_needed import curve_figures
+from visuohaptic.report.touches_needed import CurveFigures, curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
+from visuohaptic.studies.cost.front import first_step, on_robot
 from visuohaptic.studies.cost.stored import stored_frontier
 from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.studies.figures import Row
@@ -90,8 +94,6 @@ from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import CONTOURLET_FEATURES
 from visuohaptic.tables.schema import matrix, read_table
 
-Values = Mapping[str, Any]
-
 UNSEEN: Mapping[Protocol, str] = {
     "auto": "unseen objects",
     "leave_one_object_a_class_out": "unseen objects",
@@ -99,31 +101,6 @@ UNSEEN: Mapping[Protocol, str] = {
     "new_viewpoint": "known objects from unseen viewpoints",
 }
 """What is new to the classifier in a test, by protocol."""
-
-
-@dataclass(frozen=True)
-class ReportContext:
-    """The data that sections are made from."""
-
-    run: Run
-    pages: Sequence[ObjectPage]
-    seconds: Sequence[PhaseSeconds]
-
-
-@dataclass(frozen=True)
-class Section:
-    """One section; `name` is its anchor and the stem of its template.
-
-    The title may depend on the run.
-    """
-
-    name: str
-    title: str | Callable[[Run], str]
-    values: Callable[[ReportContext], Values | None]
-
-    def titled(self, run: Run) -> str:
-        """Give the title for a run."""
-        return self.title if isinstance(self.title, str) else self.title(run)
 
 
 def comparison_title(run: Run) -> str:
@@ -147,7 +124,7 @@ def answer_values(context: ReportContext) -> Values:
     unseen = UNSEEN[recognition.protocol.protocol]
     answers = (
         *_recognition_answers(run, touches, unseen),
-        cost_verdict(cost) if cost else None,
+        _cost_answer(run, cost) if cost else None,
     )
     influence = influence_figures(
         run.files.extras.get("effect_influence"), run.parameters.scene.preset
@@ -164,11 +141,27 @@ def _recognition_answers(run: Run, touches: int, unseen: str) -> tuple[Answer | 
     """Answer what only recognition can; nothing where it tested no object."""
     if not run.pipelines:
         return ()
+    first = run.pipelines[0]
+    accuracy = recount_accuracy(run, first)
+    compared = next((table for table in run.pipelines if has_opponent(table)), first)
     return (
-        recognition_answer(run.pipelines, len(run.classes), touches, unseen),
-        fixation_answer(run.pipelines, _readings_by_set(run)),
-        reproduction_answer(run.pipelines[0]),
+        _recounted(recognition_answer(run.pipelines, len(run.classes), touches, unseen), accuracy),
+        _recounted(
+            fixation_answer(run.pipelines, _readings_by_set(run)),
+            recount_lead(run, compared, MAIN_OPPONENT),
+        ),
+        _recounted(reproduction_answer(first), accuracy),
     )
+
+
+def _recounted(answer: Answer | None, lines: str) -> Answer | None:
+    """Add the lines that count an answer's number again; an answer may have no number."""
+    return replace(answer, recount=lines) if answer is not None and answer.number else answer
+
+
+def _cost_answer(run: Run, cost: CostFigures) -> Answer | None:
+    first = first_step(cost.rows)
+    return None if first is None else _recounted(cost_verdict(cost), recount_cost(run, first))
 
 
 def _stability_answer(run: Run) -> str | None:
@@ -195,7 +188,12 @@ def method_values(context: ReportContext) -> Values:
     bands: list[float] = []
     if of_touch.num_rows:
         bands = matrix(of_touch, CONTOURLET_FEATURES)[0].tolist()
-    return {"page": page, "bands": bands, "pipelines_text": " ".join(_pipeline_texts(context.run))}
+    return {
+        "page": page,
+        "bands": bands,
+        "chart": figures.bands(bands) if bands else None,
+        "pipelines_text": " ".join(_pipeline_texts(context.run)),
+    }
 
 
 def _pipeline_texts(run: Run) -> list[str]:
@@ -216,7 +214,9 @@ def comparison_values(context: ReportContext) -> Values | None:
     )
     return {
         "sentences": [sentence for sentence in sentences if sentence],
-        "tables": [(table, _chart(context.run, table)) for table in tables],
+        "tables": [
+            (table, figures.comparison(context.run.metrics, table.name)) for table in tables
+        ],
         "method": context.run.metrics["method"],
     }
 
@@ -225,14 +225,20 @@ def touches_needed_values(context: ReportContext) -> Values | None:
     """Give the curves of accuracy against touches, where they were measured."""
     extras = context.run.files.extras
     found = curve_figures(extras.get("studies"), extras.get("touches_needed"))
-    return {"pipelines": found} if found else None
+    return {"pipelines": found, "charts": [_curves(one) for one in found]} if found else None
+
+
+def _curves(found: CurveFigures) -> object:
+    return figures.touches_needed([row for rows in found.curves.values() for row in rows])
 
 
 def certainty_values(context: ReportContext) -> Values:
     """Give how sure answers are, or None where it was not measured; on new objects also as kept."""
     extras, parameters = context.run.files.extras, context.run.parameters
+    certainty = certainty_figures(extras.get("certainty"), extras.get("certainty_figures"))
     return {
-        "certainty": certainty_figures(extras.get("certainty"), extras.get("certainty_figures")),
+        "certainty": certainty,
+        "coverage": figures.coverage(certainty.table) if certainty and certainty.enough else None,
         "evaluation": evaluation_figures(
             read_evaluation(extras.get("evaluation")),
             parameters.recognition.intervals,
@@ -254,7 +260,8 @@ def _readings_by_set(run: Run) -> dict[str, Sequence[Row]]:
 def gaze_values(context: ReportContext) -> Values:
     """Give how attention agrees with people, of this run or as kept with the package."""
     extras = context.run.files.extras
-    return {"gaze": gaze_figures(read_measured(extras.get("gaze")), extras.get("gaze_pictures"))}
+    found = gaze_figures(read_measured(extras.get("gaze")), extras.get("gaze_pictures"))
+    return {"gaze": found, "chart": figures.gaze(found.shown) if found else None}
 
 
 def readings_values(context: ReportContext) -> Values | None:
@@ -267,13 +274,23 @@ def readings_values(context: ReportContext) -> Values | None:
 def ablations_values(context: ReportContext) -> Values | None:
     """Give the ablations, where they were measured."""
     found = read_study(context.run.files.extras.get("studies"), "ablations")
-    return {"study": found, "remade": remade_name} if found else None
+    if found is None:
+        return None
+    return {"study": found, "chart": _conditions(found), "remade": remade_name}
+
+
+def _conditions(study: StudyFigures) -> object:
+    cells = study.tables[0].cells
+    measured = any(cell["accuracy"] is not None for cell in cells)
+    return figures.conditions(cells) if measured else None
 
 
 def studies_values(context: ReportContext) -> Values | None:
     """Give the user's own studies, where they were measured."""
     found = read_own_studies(context.run.files.extras.get("studies"))
-    return {"studies": found, "remade": remade_name} if found else None
+    if not found:
+        return None
+    return {"studies": found, "charts": [_conditions(one) for one in found], "remade": remade_name}
 
 
 def cost_values(context: ReportContext) -> Values | None:
@@ -283,14 +300,46 @@ def cost_values(context: ReportContext) -> Values | None:
     if frontier is None and study is None:
         return None
     stored = stored_frontier()
+    large = None if stored is None else cost_figures(stored.rows, parameters)
     return {
         "frontier": frontier,
         "objects": len(context.run.objects),
         "stored": stored,
-        "large": None if stored is None else cost_figures(stored.rows, parameters),
+        "large": large,
         "study": study,
-        "parts": [] if frontier is None else time_parts(frontier.reference),
+        "charts": {
+            **_cost_charts("frontier", frontier, parameters),
+            **_cost_charts("large", large, parameters),
+            **_time_chart("study", study),
+            **_parts_chart(frontier),
+        },
     }
+
+
+def _cost_charts(
+    name: str, found: CostFigures | None, parameters: ExperimentParameters
+) -> dict[str, object]:
+    """Draw computing time, and a robot's time."""
+    if found is None or not figures.timed(found.rows):
+        return {}
+    robot = on_robot(found.rows, parameters.cost)
+    return {
+        **_time_chart(name, found),
+        f"{name}-robot": figures.cost(robot, "time of a recognition by a robot"),
+    }
+
+
+def _time_chart(name: str, found: CostFigures | None) -> dict[str, object]:
+    """Draw computing time; nothing where no setting was both run and timed."""
+    if found is None or not figures.timed(found.rows):
+        return {}
+    return {name: figures.cost(found.rows)}
+
+
+def _parts_chart(frontier: CostFigures | None) -> dict[str, object]:
+    if frontier is None or not time_parts(frontier.reference):
+        return {}
+    return {"parts": figures.parts_of_time(frontier.rows)}
 
 
 def effects_values(context: ReportContext) -> Values:
@@ -300,7 +349,7 @@ def effects_values(context: ReportContext) -> Values:
     preset = context.run.parameters.scene.preset
     return {
         "groups": [
-            (title, noun, [effect for effect in effects if (effect.name in VISUAL_EFFECTS) == seen])
+            (title, noun, [row for row in effects if (row["effect"] in VISUAL_EFFECTS) == seen])
             for title, noun, seen in (
                 ("Effects of the view", "views", True),
                 (f"Effects of touch in the scene {preset}", "touches", False),
@@ -315,6 +364,7 @@ def influence_values(context: ReportContext) -> Values:
     extras, scene = context.run.files.extras, context.run.parameters.scene
     page = most_varied(context.pages)
     accuracy = read_study(extras.get("studies"), "effects")
+    by_scene = [] if accuracy is None else rows_of_scenes(accuracy)
     return {
         "page": page,
         "strips": _scene_strips(context.run, page),
@@ -322,7 +372,10 @@ def influence_values(context: ReportContext) -> Values:
         "influence": influence_figures(extras.get("effect_influence"), scene.preset),
         "effects_answer": effects_answer,
         "accuracy": accuracy,
-        "by_scene": scene_accuracy(accuracy, 1 / max(len(context.run.classes), 1)),
+        "by_scene": by_scene,
+        "scene_charts": [
+            figures.conditions(rows, 1 / max(len(context.run.classes), 1)) for _, rows in by_scene
+        ],
         "remade": remade_name,
         "scenes": list(PRESETS),
     }
@@ -337,14 +390,15 @@ def stability_values(context: ReportContext) -> Values | None:
     }
     kernels = read_precision(context.run.files.extras.get("precision"))
     parts = [
-        (title, figures, describe_checks(figures.checks), family_chart(figures))
-        for title, figures in found.items()
-        if figures is not None
+        (title, checked, describe_checks(checked.checks))
+        for title, checked in found.items()
+        if checked is not None
     ]
     if not parts and not kernels:
         return None
     return {
         "parts": parts,
+        "chart": figures.stability(parts[-1][1].table) if parts else None,
         "made": {} if stored is None else stored.made,
         "further": {} if stored is None else stored.further,
         "kernels": kernels,
@@ -504,44 +558,6 @@ def credits_values(context: ReportContext) -> Values:
     }
 
 
-CHAPTERS = {
-    "Answers": (
-        Section("answer", "Answers", answer_values),
-        Section("method", "The method on one object of this run", method_values),
-    ),
-    "Comparison": (
-        Section("comparison", comparison_title, comparison_values),
-        Section("touches_needed", "Accuracy against touches", touches_needed_values),
-        Section("confusion", "Which classes are confused", confusion_values),
-        Section("certainty", "How sure answers are", certainty_values),
-    ),
-    "Cost": (Section("cost", "What accuracy costs in time", cost_values),),
-    "Hard cases": (
-        Section("stability", "Numerical stability in hard cases", stability_values),
-        Section("guards", "Guards of this run's claim", guards_values),
-    ),
-    "Effects": (
-        Section("influence", "Which effects a scene needs", influence_values),
-        Section("effects", "Simulated effects, and effects not needed", effects_values),
-    ),
-    "Objects": (Section("objects", "The objects", objects_values),),
-    "Studies": (
-        Section("readings", "The paper under all its readings", readings_values),
-        Section("gaze", "Attention compared with human gaze", gaze_values),
-        Section("ablations", "Ablations", ablations_values),
-        Section("studies", "Own studies", studies_values),
-    ),
-    "Methods": (
-        Section("methods", "Methods text", methods_values),
-        Section("parameters", "Parameters", parameters_values),
-        Section("credits", "Credits", credits_values),
-        Section("provenance", "What ran, where and how long", provenance_values),
-        Section("glossary", "Glossary", glossary_values),
-    ),
-}
-"""The page's sections in order, by their entry in the table of contents."""
-
-
 def _scene_strips(run: Run, page: ObjectPage) -> Mapping[str, str]:
     """Touch the places of one view of an object in every scene; none without its mesh."""
     key = f"{page.category}/{page.name}"
@@ -555,11 +571,6 @@ def _scene_strips(run: Run, page: ObjectPage) -> Mapping[str, str]:
     if key not in run.meshes or not locations.num_rows:
         return {}
     return scene_strips(run.meshes[key], locations, run.parameters)
-
-
-def _chart(run: Run, table: PipelineTable) -> object:
-    rows = [(row.name, row.accuracy, row.published) for row in table.rows]
-    return interval_chart(rows, table.strategies, 1 / len(run.classes))
 
 
 def _flattened(model: Any, path: str) -> list[tuple[str, str, str]]:

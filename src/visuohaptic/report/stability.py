@@ -13,7 +13,6 @@ import pyarrow as pa
 from markupsafe import Markup
 
 from visuohaptic.errors import ReportError
-from visuohaptic.report.charts import ShareChart, share_chart
 from visuohaptic.report.wording import counted, percent
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.stability import STABILITY
@@ -81,9 +80,12 @@ class StabilityFigures:
     ----------
     checks : tuple of Check
         One for each requirement, and for each object of those about objects.
+    table : pyarrow.Table
+        The same as rows of `tables.STABILITY`.
     """
 
     checks: tuple[Check, ...]
+    table: pa.Table
 
     @property
     def families(self) -> dict[str, list[Check]]:
@@ -153,7 +155,7 @@ def read_stability(paths: Sequence[str | Path]) -> StabilityFigures | None:
 
 def stability_figures(table: pa.Table) -> StabilityFigures:
     """Give the figures of rows of `tables.STABILITY`."""
-    return StabilityFigures(tuple(map(_check, table.to_pylist())))
+    return StabilityFigures(tuple(map(_check, table.to_pylist())), table)
 
 
 def _check(row: Mapping[str, Any]) -> Check:
@@ -197,27 +199,6 @@ def stability_answer(figures: Sequence[StabilityFigures]) -> str:
         return describe_checks(checks)
     cases = counted(sum(check.cases for check in checks), "hard case")
     return f"{cases} tried; every error is within its tolerance."
-
-
-def family_chart(figures: StabilityFigures) -> ShareChart:
-    """Place each family's checks along an axis of error over tolerance."""
-    rows = [
-        (
-            family,
-            f"{sum(check.cases for check in checks):,} cases",
-            [(check.share, f"{check.requirement}: {_share_text(check)}") for check in checks],
-        )
-        for family, checks in figures.families.items()
-    ]
-    return share_chart(rows)
-
-
-def _share_text(check: Check) -> str:
-    if check.share == 0:
-        return "no error"
-    if check.worst_error is None or check.tolerance == 0:
-        return "exceeded"
-    return f"{check.worst_error:.2g} of {check.tolerance:.2g} {check.unit}"
 
 
 def read_precision(path: str | Path | None) -> dict[str, list[Mapping[str, Any]]]:

@@ -69,6 +69,11 @@ class StudyTable:
     sentences: tuple[str, ...]
     rows: Sequence[Row]
 
+    @property
+    def cells(self) -> list[Row]:
+        """All rows of `tables.STUDY_FIGURES`, each with the ``words`` of its condition."""
+        return [cell for row in self.rows for cell in row["cells"].values()]
+
 
 @dataclass(frozen=True)
 class StudyFigures:

@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.intervals import holm
-from visuohaptic.report.charts import Point, PointChart, place_points
 from visuohaptic.report.comparison import PAPER_PIPELINE, REFERENCE, SIGNIFICANCE
 from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import (
@@ -19,20 +17,10 @@ from visuohaptic.report.wording import (
     points,
     probability,
     strategy_name,
+    strategy_place,
 )
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import TOUCHES_NEEDED
-
-HEIGHT = 380
-"""Of the curves, pixels."""
-
-MARGIN = 4.0
-"""Left free on either side of the touches, percent of the width."""
-
-SPREAD = 0.5
-"""Percent of the width between the marks of two strategies at one number of touches."""
-
-ORDER = (*STRATEGIES.names, "adaptive")
 
 Row = Mapping[str, Any]
 
@@ -53,8 +41,6 @@ class CurveFigures:
         Rows of `tables.TOUCHES_NEEDED` with ``adjusted_p``, the largest area first.
     curves : mapping of str to sequence of mapping
         Rows of `tables.STUDY_FIGURES` by strategy, with ``touches``.
-    chart : CurveChart
-        The curves.
     """
 
     pipeline: str
@@ -63,7 +49,6 @@ class CurveFigures:
     strategies: tuple[str, ...]
     rows: Sequence[Row]
     curves: Mapping[str, Sequence[Row]]
-    chart: PointChart
 
 
 def curve_figures(studies: str | Path | None, needed: str | Path | None) -> list[CurveFigures]:
@@ -115,7 +100,7 @@ def _figures(
     adjusted = holm([row["p_value"] for row in compared])
     of_strategy = {row["strategy"]: value for row, value in zip(compared, adjusted, strict=True)}
     full = [{**row, "adjusted_p": of_strategy.get(row["strategy"])} for row in rows]
-    strategies = tuple(sorted((row["strategy"] for row in rows), key=_place))
+    strategies = tuple(sorted((row["strategy"] for row in rows), key=strategy_place))
     curves = {
         strategy: sorted(
             (row for row in curve_points if row["strategy"] == strategy),
@@ -130,55 +115,7 @@ def _figures(
         strategies,
         sorted(full, key=lambda row: -row["area"]),
         curves,
-        curve_chart(strategies, curves),
     )
-
-
-def curve_chart(strategies: Sequence[str], curves: Mapping[str, Sequence[Row]]) -> PointChart:
-    """Place curves, each by touches, in a chart.
-
-    The axis of accuracy starts at the tenth below the lowest interval; touches have equal steps.
-    """
-    counts = sorted({row["touches"] for rows in curves.values() for row in rows})
-    lowest = min(row["low"] for rows in curves.values() for row in rows)
-    floor = min(int(10 * lowest), 9) / 10
-
-    def x_of(touches: float) -> float:
-        share = (touches - counts[0]) / max(counts[-1] - counts[0], 1)
-        return MARGIN + (100 - 2 * MARGIN) * share
-
-    def y_of(accuracy: float) -> float:
-        return round(HEIGHT * (1 - (accuracy - floor) / (1 - floor)), 1)
-
-    middle = (len(strategies) - 1) / 2
-    series = [
-        [
-            Point(
-                row["touches"],
-                row["accuracy"],
-                f"{strategy_name(strategy)}, {counted(row['touches'], 'touch')}: "
-                f"{percent(row['accuracy'])}, interval {percent(row['low'])} to {percent(row['high'])}",
-                y_ends=(row["low"], row["high"]),
-                aside=SPREAD * (place - middle),
-            )
-            for row in curves[strategy]
-        ]
-        for place, strategy in enumerate(strategies)
-    ]
-    marks, lines = place_points(enumerate(series), x_of, y_of)
-    tenths = range(round(10 * floor), 11)
-    return PointChart(
-        height=HEIGHT + 44,
-        bottom=HEIGHT,
-        x_ticks=tuple((round(x_of(count), 2), str(count)) for count in counts),
-        y_ticks=tuple((y_of(tenth / 10), f"{10 * tenth} %") for tenth in tenths),
-        lines=lines,
-        marks=marks,
-    )
-
-
-def _place(strategy: str) -> tuple[int, str]:
-    return (ORDER.index(strategy) if strategy in ORDER else len(ORDER), strategy)
 
 
 def _attention_sentence(ranked: Sequence[Row]) -> str:

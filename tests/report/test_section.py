@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from types import SimpleNamespace
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -16,18 +17,17 @@ from report.test_touches_needed import write_tables
 from studies.cost.test_front import cost_table
 
 from visuohaptic.recognition.summary import select
+from visuohaptic.report.chapters import CHAPTERS
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import read_run
 from visuohaptic.report.run_folder import find_run
-from visuohaptic.report.sections import CHAPTERS
-from visuohaptic.report.sources import find_sources
+from visuohaptic.report.section import find_sources
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.schema import build_table, write_table
-from visuohaptic.tables.schemas import SCHEMAS
 from visuohaptic.tables.studies import COST, EFFECT_INFLUENCE, EVALUATION, READINGS
 
-SHOWN = ("cup/mug", 1)
+SHOWN = SimpleNamespace(category="cup", name="mug", shown=SimpleNamespace(viewpoint=1))
 WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance", "glossary"}
 EFFECT = {
     "scene": ["ideal"], "effect": ["noise"], "touches": [500], "called_for": [0], "seconds": [0.0],
@@ -73,9 +73,16 @@ def run(folder):
     return read_run(found.files, found.parameters, found.objects)
 
 
+def sources_of(run):
+    """Give what each section that reads tables of the run has read."""
+    sections = [section for chapter in CHAPTERS.values() for section in chapter]
+    found = {one.name: list(find_sources(one.tables(run), run, SHOWN)) for one in sections}
+    return {name: sources for name, sources in found.items() if sources}
+
+
 @pytest.fixture(scope="module")
 def sources(run):
-    return find_sources(run, SHOWN)
+    return sources_of(run)
 
 
 def rows_of(folder, source):
@@ -88,23 +95,23 @@ def test_every_section_with_figures_says_where_they_are_from(sources):
     assert sections - WITHOUT_TABLES == set(sources)
 
 
-def test_every_named_file_exists_and_the_filter_leaves_rows_of_its_columns(folder, sources):
+def test_every_named_file_exists_and_the_filter_leaves_rows_of_its_schema(folder, sources):
     for section, named in sources.items():
         for source in named:
             assert list(folder.glob(source.file)), (section, source.file)
-            columns = {column.name for column in SCHEMAS[source.table].columns}
-            assert {*source.columns, *source.by, *source.rows} <= columns, (section, source)
             rows = rows_of(folder, source)
-            assert {*source.columns, *source.by} <= set(rows.column_names)
+            assert rows.column_names == [column.name for column in source.reads.schema.columns]
+            assert set(source.rows) <= set(rows.column_names)
             assert rows.num_rows, (section, source)
 
 
 def test_the_named_rows_give_the_accuracy_of_the_page(folder, sources):
     metrics = json.loads((folder / "reports/metrics.json").read_text())
     (source,) = sources["comparison"][:1]
+    cell = ["strategy", "classifier"]
     rows = rows_of(folder, source).to_pandas()
     rows["right"] = rows["predicted"] == rows["class"]
-    found = rows.groupby([*source.by, "split"]).right.mean().groupby(list(source.by)).mean()
+    found = rows.groupby([*cell, "split"]).right.mean().groupby(cell).mean()
     assert len(found) > 1
     for (strategy, classifier), accuracy in found.items():
         published = metrics["results"]["paper"][strategy][classifier]["accuracy"]["mean"]
@@ -113,7 +120,7 @@ def test_the_named_rows_give_the_accuracy_of_the_page(folder, sources):
 
 def test_what_this_run_has_not_measured_is_not_named(tmp_path):
     found = find_run(lay_out(tmp_path))
-    sources = find_sources(read_run(found.files, found.parameters, found.objects), SHOWN)
+    sources = sources_of(read_run(found.files, found.parameters, found.objects))
     named = {source.file for section in sources.values() for source in section}
     assert "cost" not in sources
     assert all(list(tmp_path.glob(file)) for file in named)
@@ -125,5 +132,7 @@ def test_the_page_names_files_and_filters_under_each_section(run, sources):
     assert page.mismatches == []
     folded = [one for one in page.named("details") if one.attributes.get("class") == "sources"]
     assert len(folded) == len(sources)
-    assert "results/frontier.parquet , by family, setting ; columns seconds" in page.text
+    assert (
+        "Settings of this run: results/frontier.parquet ; table cost of docs/tables.md" in page.text
+    )
     assert "pipeline = paper, classifier = naive_bayes" in page.text

@@ -1,0 +1,132 @@
+"""Charts in one style, and their SVG for a page, whose colours and font they take.
+
+A chart is 360 units wide. A phone shows a unit as about one pixel, so no text is smaller than 9.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from markupsafe import Markup, escape
+from matplotlib import rc_context, rcParamsDefault
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from visuohaptic.report.palette import COLOURS
+
+INCH = 72
+"""Units."""
+
+_STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.5,
+    "text.color": COLOURS["ink"],
+    "axes.labelcolor": COLOURS["quiet"],
+    "axes.labelsize": 9.5,
+    "axes.edgecolor": COLOURS["line"],
+    "axes.facecolor": "none",
+    "axes.spines.left": False,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "figure.facecolor": "none",
+    "grid.color": COLOURS["line"],
+    "grid.linewidth": 0.6,
+    "legend.fontsize": 9.5,
+    "legend.frameon": False,
+    "lines.linewidth": 1.5,
+    "lines.markersize": 5.5,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "visuohaptic",
+    "xtick.color": COLOURS["quiet"],
+    "xtick.labelsize": 9.5,
+    "xtick.major.size": 0,
+    "ytick.color": COLOURS["quiet"],
+    "ytick.labelsize": 9.5,
+    "ytick.major.size": 0,
+}
+# Whatever a reader's matplotlibrc says, the same tables give the same chart; a backend is not chosen here.
+_WHOLE_STYLE: dict[Any, Any] = {
+    name: rcParamsDefault[name] for name in rcParamsDefault if name != "backend"
+} | _STYLE
+
+_NAMES = {colour: name for name, colour in COLOURS.items()}
+_PARTS_OF_A_FILE = re.compile(r"<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL)
+_WITHOUT_EFFECT = re.compile(r"<g/>| transform=\"rotate\(-?0 [^\"]*\"|<defs>\s*</defs>")
+_LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
+
+
+class Chart(Figure):
+    """A figure that a notebook shows as the page does, without pyplot."""
+
+    def _repr_svg_(self) -> str:
+        return write_svg(self)
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw in the page's style, and leave Matplotlib's settings as they were."""
+    with rc_context(_WHOLE_STYLE):
+        yield
+
+
+def new_chart(height: float, width: float) -> tuple[Chart, Axes]:
+    """Give an empty chart of some size, in units; called within `style`."""
+    chart = Chart(figsize=(width / INCH, height / INCH), layout="constrained")
+    axes = chart.subplots()
+    for ground in (chart.patch, axes.patch):
+        ground.set_visible(False)
+    return chart, axes
+
+
+def write_svg(figure: Figure) -> str:
+    """Write a figure as SVG: the same bytes for the same figure, text as text."""
+    stored = io.StringIO()
+    with style():
+        figure.savefig(stored, format="svg", metadata={"Date": None})
+    return stored.getvalue()
+
+
+def inline_svg(figure: Figure, name: str, text: str) -> Markup:
+    """Give a figure as an element of a page, whose ids begin with `name`, described by `text`.
+
+    It is as wide as its place, has the page's font, and the page's colours of the names in `COLOURS`.
+    """
+    svg = _PARTS_OF_A_FILE.sub("", write_svg(figure))
+    svg = svg[svg.index("<svg") :].replace("xlink:href", "href")
+    view = re.search(r'viewBox="[^"]*"', svg)
+    inner = svg[svg.index(">") + 1 :]
+    inner = _WITHOUT_EFFECT.sub("", inner)
+    inner = re.sub(r"font(-family)?: [^;\"]*'[^;\"]*", _without_font, inner)
+    inner = _LONG_NUMBER.sub(lambda number: f"{float(number[0]):.2f}", inner)
+    inner = re.sub(r"#[0-9a-f]{6}\b", lambda found: _variable(found[0]), inner)
+    for identifier in dict.fromkeys(re.findall(r'\bid="([^"]*)"', inner)):
+        inner = _renamed(inner, identifier, name)
+    opening = f'<svg role="img" {view[0] if view else ""} aria-label="{escape(text)}">'
+    return Markup(re.sub(r"\s*\n\s*", "\n", opening + inner))  # noqa: S704 - Matplotlib escapes its texts
+
+
+def _without_font(found: re.Match[str]) -> str:
+    """Keep the size alone, so that the font is the page's."""
+    size = re.search(r"[\d.]+px", found[0])
+    return f"font-size: {size[0]}" if size else "font-family: inherit"
+
+
+def _variable(colour: str) -> str:
+    return f"var(--{_NAMES[colour]})" if colour in _NAMES else colour
+
+
+def _renamed(svg: str, identifier: str, name: str) -> str:
+    """Put a name before an id that is used; drop one that is not."""
+    used = f'href="#{identifier}"', f"url(#{identifier})"
+    if not any(one in svg for one in used):
+        return svg.replace(f' id="{identifier}"', "")
+    svg = svg.replace(f' id="{identifier}"', f' id="{name}-{identifier}"')
+    return svg.replace(used[0], f'href="#{name}-{identifier}"').replace(
+        used[1], f"url(#{name}-{identifier})"
+    )

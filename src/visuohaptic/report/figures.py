@@ -1,0 +1,534 @@
+"""The charts of the report, each a function of the table that it shows.
+
+In a notebook, ``figures.cost(pq.read_table("results/frontier.parquet"))`` shows the page's chart.
+A table is a `pyarrow.Table` or its rows; what may be missing in it is None.
+"""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import wraps
+from typing import TYPE_CHECKING, Any, Literal, ParamSpec, TypeAlias
+
+import numpy as np
+import pyarrow as pa
+
+from visuohaptic.errors import ReportError
+from visuohaptic.gaze.summary import PredictorRow
+from visuohaptic.recognition.summary import select
+from visuohaptic.report.comparison import Figure as Estimate
+from visuohaptic.report.comparison import read_tables
+from visuohaptic.report.cost import duration, time_parts
+from visuohaptic.report.palette import COLOURS, look
+from visuohaptic.report.stability import stability_figures
+from visuohaptic.report.wording import (
+    counted,
+    percent,
+    spaced,
+    strategy_name,
+    strategy_place,
+    titled,
+)
+from visuohaptic.studies.cost.front import reference_row
+from visuohaptic.tables.studies import STATED_COVERAGES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Rows: TypeAlias = pa.Table | Sequence[Mapping[str, Any]]
+Parameters = ParamSpec("Parameters")
+
+LARGEST_SHARE = 1.25
+"""Where errors beyond their tolerance end, as a share of it."""
+
+_HALF = 0.5
+_SOLID: Literal["-"] = "-"
+_LIMIT: Literal[":"] = ":"
+_ROW, _GAP, _AROUND = 12.0, 11.0, 44.0  # units: of a series, between rows, and of axis and name
+_LEAST_ROWS = 64.0  # units, so that the name of the axis has room
+_LEGEND_LINE = 15.0
+_MOST_TICKS = 5
+
+
+@dataclass(frozen=True)
+class Series:
+    """Estimates of one kind, one a row, or None.
+
+    `place` gives its colour and its mark; `ground` is what fills the mark, if not its colour.
+    """
+
+    label: str
+    place: int
+    estimates: Sequence[Estimate | None]
+    ground: str | None = None
+
+
+def _styled(draw: Callable[Parameters, Figure]) -> Callable[Parameters, Figure]:
+    """Let a function draw in the page's style; Matplotlib is imported by its first call."""
+
+    @wraps(draw)
+    def drawn(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Figure:
+        from visuohaptic.report.drawing import style
+
+        with style():
+            return draw(*args, **kwargs)
+
+    return drawn
+
+
+@_styled
+def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
+    """Draw each classifier's accuracy by strategy, here and as published, with chance.
+
+    `metrics` is what ``reports/metrics.json`` holds.
+    """
+    (table,) = (one for one in read_tables(metrics) if one.name == pipeline)
+    series = [
+        Series(
+            strategy_name(strategy),
+            strategy_place(strategy),
+            [row.accuracy.get(strategy) for row in table.rows],
+        )
+        for strategy in table.strategies
+    ]
+    published = [
+        Series(
+            f"{strategy_name(strategy)}, published",
+            strategy_place(strategy),
+            [_without_ends(row.published.get(strategy)) for row in table.rows],
+            COLOURS["paper"],
+        )
+        for strategy in table.strategies
+        if any(strategy in row.published for row in table.rows)
+    ]
+    names = [titled(row.name) for row in table.rows]
+    chance = 1 / len(table.best.class_accuracy[table.leading])
+    return _draw_intervals(names, "classifier", [*series, *published], chance=chance)
+
+
+@_styled
+def conditions(table: Rows, chance: float | None = None) -> Figure:
+    """Draw the accuracy under each condition of a study, by strategy.
+
+    The rows are those of `tables.STUDY_FIGURES` of one pipeline and classifier; a further column
+    ``words`` names the conditions.
+    """
+    rows = [row for row in _rows(table) if row["accuracy"] is not None]
+    names = list(dict.fromkeys(row["condition"] for row in rows))
+    words = {row["condition"]: row.get("words", row["condition"]) for row in rows}
+    found = {(row["condition"], row["strategy"]): _estimate_of(row) for row in rows}
+    series = [
+        Series(
+            strategy_name(strategy),
+            strategy_place(strategy),
+            [found.get((name, strategy)) for name in names],
+        )
+        for strategy in sorted({row["strategy"] for row in rows}, key=strategy_place)
+    ]
+    return _draw_intervals([words[name] for name in names], "condition", series, chance=chance)
+
+
+@_styled
+def runs(names: Sequence[str], estimates: Mapping[str, Sequence[Estimate | None]]) -> Figure:
+    """Draw figures of several runs side by side: `names` of the rows, and a run's estimates by its label."""
+    series = [Series(label, place, row) for place, (label, row) in enumerate(estimates.items())]
+    return _draw_intervals(names, "classifier", series)
+
+
+@_styled
+def touches_needed(table: Rows) -> Figure:
+    """Draw accuracy against touches by strategy.
+
+    The rows are those of study ``curves`` in `tables.STUDY_FIGURES`, of one pipeline and classifier.
+    """
+    rows = [row for row in _rows(table) if row["accuracy"] is not None]
+    strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
+    chart, axes = _new(215 + _legend_height(strategies))
+    for number, strategy in enumerate(strategies):
+        own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
+        aside = 0.06 * (number - (len(strategies) - 1) / 2)
+        touches = np.array([_place_in_study(row) + 1 for row in own])
+        low, high = ([_end(row, end) for row in own] for end in ("low", "high"))
+        colour, mark = look(strategy_place(strategy))
+        axes.vlines(touches + aside, low, high, colors=colour, linewidth=0.8, alpha=0.6)
+        axes.plot(
+            touches + aside, [row["accuracy"] for row in own],
+            color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
+        )  # fmt: skip
+    lowest = min(_end(row, "low") for row in rows)
+    axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
+    axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
+    _name_axes(axes, "touches", "correctly classified", up_as=percent)
+    _legend(chart, axes)
+    return chart
+
+
+@_styled
+def coverage(table: pa.Table) -> Figure:
+    """Draw the share of known objects whose class is in the set, against the stated coverage.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        Rows of `tables.CERTAINTY`; those of the largest number of views are drawn.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        On the dashed line the coverage is as stated.
+    """
+    most = select(table, views=max(table.column("views").to_pylist()), known=True)
+    strategies = list(dict.fromkeys(most.column("strategy").to_pylist()))
+    chart, axes = _new(190 + _legend_height([*strategies, "as stated"]))
+    for strategy in strategies:
+        colour, mark = look(strategy_place(strategy))
+        axes.plot(
+            np.array(STATED_COVERAGES) / 100, covered_shares(most, strategy),
+            color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
+        )  # fmt: skip
+    axes.plot(
+        [STATED_COVERAGES[0] / 100, 1], [STATED_COVERAGES[0] / 100, 1],
+        color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated",
+    )  # fmt: skip
+    axes.set_ylim(0, 1.02)
+    _name_axes(axes, "stated coverage", "share of the objects", across_as=percent, up_as=percent)
+    _legend(chart, axes)
+    return chart
+
+
+@_styled
+def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
+    """Draw the error rate of each setting against its seconds, both on logarithmic axes.
+
+    A logarithm has no place for an error rate of 0: such settings stand on a line of their own.
+
+    Parameters
+    ----------
+    table : pyarrow.Table or sequence of mapping
+        Rows of `tables.COST`; those that failed or were not timed are left out.
+    across : str
+        What the seconds are.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Lines join settings of a family of which one thing changes.
+
+    Raises
+    ------
+    ReportError
+        If no setting was both run and timed.
+    """
+    rows = timed(table)
+    if not rows:
+        raise ReportError("No setting was both run and timed, so there is nothing to draw.")
+    families = list(dict.fromkeys(row["family"] for row in rows))
+    ticks = log_ticks([row[name] for row in rows for name in ("error", "error_high")])
+    nothing = ticks[0] / 2
+    chart, axes = _new(250 + _legend_height([*families, "front"]))
+    axes.set(xscale="log", yscale="log")
+    for number, family in enumerate(families):
+        for line in trends([row for row in rows if row["family"] == family]):
+            _draw_trend(axes, line, number, nothing)
+        colour, mark = look(number)
+        axes.plot(
+            [], [], color=colour, marker=mark, mfc=COLOURS["paper"], label=strategy_name(family)
+        )
+    _draw_front(axes, [row for row in rows if row["on_front"]], families, nothing)
+    axes.plot(
+        [], [], linestyle="", marker="o", color=COLOURS["quiet"], label="filled: on the front"
+    )
+    seconds = [row[name] for row in rows for name in ("seconds_low", "seconds_high")]
+    flawless = any(row["error"] == 0 for row in rows)
+    _set_log_ticks(axes.xaxis, log_ticks(seconds), duration)
+    _set_log_ticks(
+        axes.yaxis, [nothing, *ticks] if flawless else ticks, lambda error: _error(error, nothing)
+    )
+    axes.set_ylim((nothing if flawless else ticks[0]) / 1.25, ticks[-1] * 1.1)
+    _name_axes(axes, across, "error rate")
+    _legend(chart, axes)
+    return chart
+
+
+@_styled
+def parts_of_time(table: Rows) -> Figure:
+    """Draw where the time of a recognition by the run's own setting goes: rows of `tables.COST`."""
+    parts = time_parts(reference_row([dict(row) for row in _rows(table)]))
+    chart, axes = _new(_AROUND + 20 * len(parts))
+    seconds = [part.seconds for part in parts]
+    axes.barh([part.name for part in parts], seconds, height=0.6, color=look(0)[0])
+    for row, part in enumerate(parts):
+        axes.annotate(
+            part.each, (part.seconds, row), (3, 0), textcoords="offset points", va="center"
+        )
+    axes.invert_yaxis()
+    axes.set_xlim(0, 1.6 * max(seconds))
+    _name_axes(
+        axes,
+        "median time in one recognition",
+        "part",
+        across_as=lambda seconds, _: duration(seconds),
+    )
+    axes.grid(visible=False)
+    return chart
+
+
+@_styled
+def stability(table: pa.Table) -> Figure:
+    """Draw the worst error of each requirement as a share of its tolerance, by family.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        Rows of `tables.STABILITY`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A mark a requirement; those beyond their tolerance stand at the right end.
+    """
+    families = stability_figures(table).families
+    chart, axes = _new(_AROUND + 26 * len(families))
+    for row, checks in enumerate(families.values()):
+        shares = [min(check.share, LARGEST_SHARE) for check in checks]
+        held = all(check.held for check in checks)
+        colour = look(0)[0] if held else COLOURS["bad"]
+        axes.barh(row, max(shares), height=0.4, color=colour, alpha=0.3)
+        axes.vlines(shares, row - 0.3, row + 0.3, colors=colour, linewidth=1.5)
+    axes.axvline(1, color=COLOURS["bad"], linestyle="--", linewidth=1.2)
+    axes.set_yticks(
+        range(len(families)),
+        [_family_label(family, checks) for family, checks in families.items()],
+    )
+    axes.invert_yaxis()
+    axes.set_xlim(0, LARGEST_SHARE)
+    axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "tolerance"])
+    _name_axes(axes, "worst error, as a share of its tolerance", "family")
+    axes.grid(visible=False, axis="y")
+    return chart
+
+
+@_styled
+def gaze(rows: Sequence[PredictorRow]) -> Figure:
+    """Draw the correlation of predictions with where people looked.
+
+    The rows are those of `gaze.summary.summarise`, which sums `tables.GAZE` up.
+    """
+    found = [row.measures["correlation"] for row in rows]
+    estimates = [
+        _without_ends(one.mean) if math.isnan(one.low) else Estimate(one.mean, one.low, one.high)
+        for one in found
+    ]
+    chart = _draw_intervals(
+        [row.predictor.label for row in rows], "prediction", [Series("", 0, estimates)],
+        across="correlation with looking time",
+    )  # fmt: skip
+    (axes,) = chart.axes
+    axes.set_xlim(min(0.0, *(one.mean for one in found)), 1)
+    axes.xaxis.set_major_formatter("{x:.1f}")
+    return chart
+
+
+@_styled
+def bands(deviations: Sequence[float]) -> Figure:
+    """Draw the deviations of the sub-bands of an imprint's contourlet transform."""
+    chart, axes = _new(105, width=150)
+    axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
+    axes.set_xticks([1, len(deviations)])
+    _name_axes(axes, "sub-band", "deviation")
+    axes.locator_params(axis="y", nbins=3)
+    return chart
+
+
+def timed(table: Rows) -> list[Mapping[str, Any]]:
+    """Give the rows of `tables.COST` that have both seconds and an error rate."""
+    return [row for row in _rows(table) if row["failed"] is None and row["seconds"] is not None]
+
+
+def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
+    """Cut a family's settings where touches and viewpoints change both, or neither: a line is a trend."""
+    lines: list[list[Mapping[str, Any]]] = []
+    for row in sorted(rows, key=_place_in_study):
+        before = lines[-1][-1] if lines else row
+        changed = sum(row[name] != before[name] for name in ("touches", "viewpoints"))
+        if changed != 1 or not lines:
+            lines.append([])
+        lines[-1].append(row)
+    return lines
+
+
+def covered_shares(table: pa.Table, strategy: str) -> list[float]:
+    """Give the share of objects whose class is in the set, at each of `STATED_COVERAGES`."""
+    held = select(table, strategy=strategy).column("covered_at").to_pylist()
+    return [sum(stated in sets for sets in held) / len(held) for stated in STATED_COVERAGES]
+
+
+def log_ticks(values: Sequence[float]) -> list[float]:
+    """Give a few round ticks around the values above 0: as many steps a decade as there is room for."""
+    positive = [value for value in values if value > 0]
+    first, last = math.log10(min(positive)), math.log10(max(positive))
+    for steps in ((1, 1.5, 2, 3, 4, 5, 7), (1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)):
+        powers = range(math.floor(first) - 1, math.ceil(last) + 1)
+        ticks = [step * 10.0**power for power in powers for step in steps]
+        inner = [tick for tick in ticks if first <= math.log10(tick) <= last]
+        below = max(tick for tick in ticks if math.log10(tick) <= first + 1e-9)
+        if len(inner) <= _MOST_TICKS:
+            break
+    return sorted({below, *inner})
+
+
+def _draw_intervals(
+    names: Sequence[str],
+    rows_are: str,
+    series: Sequence[Series],
+    *,
+    chance: float | None = None,
+    across: str = "correctly classified",
+) -> Figure:
+    """Draw a row a name, in it the marks of all series below each other with their intervals.
+
+    The axis begins at half where all that it shows lies above, since small distances count there.
+    """
+    shown = [one for part in series for one in part.estimates if one is not None]
+    if not shown:
+        raise ReportError("Nothing was measured, so there is nothing to draw.")
+    places = list(dict.fromkeys(one.place for one in series))
+    rows = max(len(names) * (_GAP + _ROW * len(places)), _LEAST_ROWS)
+    legend = [*(one.label for one in series if one.label), "chance"]
+    chart, axes = _new(_AROUND + rows + _legend_height(legend))
+    step = _ROW / (_GAP + _ROW * len(places))
+    for one in series:
+        _draw_series(axes, one, step * (places.index(one.place) - (len(places) - 1) / 2))
+    start = _HALF if min(map(_lowest, shown)) >= _HALF else 0.0
+    if chance is not None and chance >= start:
+        axes.axvline(chance, color=COLOURS["ink"], linestyle="--", linewidth=1, label="chance")
+    if any(one.is_limit for one in shown):
+        label = "all objects agree: exact limit"
+        axes.plot([], [], color=COLOURS["quiet"], linestyle=_LIMIT, label=label)
+    axes.set_xlim(start, 1.01)
+    axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    _name_axes(axes, across, rows_are, across_as=percent)
+    axes.grid(visible=False, axis="y")
+    _legend(chart, axes)
+    return chart
+
+
+def _draw_series(axes: Axes, series: Series, offset: float) -> None:
+    rows = [(row + offset, one) for row, one in enumerate(series.estimates) if one is not None]
+    colour, mark = look(series.place)
+    for y, one in rows:
+        if one.low is not None and one.high is not None:
+            line = _LIMIT if one.is_limit else _SOLID
+            axes.hlines(y, one.low, one.high, colors=colour, linestyles=line)
+    axes.plot(
+        [one.mean for _, one in rows], [y for y, _ in rows], linestyle="", marker=mark, color=colour,
+        mfc=series.ground or colour, label=series.label or None, clip_on=False,
+    )  # fmt: skip
+
+
+def _draw_trend(axes: Axes, line: Sequence[Mapping[str, Any]], family: int, nothing: float) -> None:
+    colour, mark = look(family)
+    axes.plot(
+        [row["seconds"] for row in line], [row["error"] or nothing for row in line],
+        color=colour, marker=mark, mfc=COLOURS["paper"], markersize=4.5, linewidth=1,
+    )  # fmt: skip
+
+
+def _draw_front(
+    axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequence[str], nothing: float
+) -> None:
+    """Draw the front's settings filled, with their quartiles, intervals and names."""
+    for row in rows:
+        colour, mark = look(families.index(row["family"]))
+        error = row["error"] or nothing
+        axes.hlines(
+            error, row["seconds_low"], row["seconds_high"], colors=colour, linewidth=0.8, alpha=0.6
+        )
+        low = max(row["error_low"], nothing)
+        axes.vlines(row["seconds"], low, row["error_high"], colors=colour, linewidth=0.8, alpha=0.6)
+        axes.plot(row["seconds"], error, color=colour, marker=mark, markersize=7, zorder=3)
+        name = str(row["setting"]).removesuffix(", 1 viewpoint")
+        axes.annotate(
+            name, (row["seconds"], error), (5, 4), textcoords="offset points", zorder=4,
+            bbox={"facecolor": COLOURS["paper"], "edgecolor": "none", "alpha": 0.8, "pad": 0.3},
+        )  # fmt: skip
+
+
+def _set_log_ticks(axis: Any, ticks: Sequence[float], write: Callable[[float], str]) -> None:
+    axis.set_ticks(ticks, [write(tick) for tick in ticks])
+    axis.set_ticks([], minor=True)
+
+
+def _new(height: float, width: float = 360) -> tuple[Figure, Axes]:
+    from visuohaptic.report.drawing import new_chart
+
+    return new_chart(height, width)
+
+
+def _name_axes(
+    axes: Axes,
+    across: str,
+    up: str,
+    across_as: Callable[[float, int], str] | None = None,
+    up_as: Callable[[float, int], str] | None = None,
+) -> None:
+    axes.set(xlabel=across, ylabel=up)
+    if across_as is not None:
+        axes.xaxis.set_major_formatter(lambda value, _: across_as(value, 0))
+    if up_as is not None:
+        axes.yaxis.set_major_formatter(lambda value, _: up_as(value, 0))
+
+
+def _columns_of(labels: Sequence[str]) -> int:
+    return 3 if max(map(len, labels), default=0) <= 14 else 2
+
+
+def _legend_height(labels: Sequence[str]) -> float:
+    return _LEGEND_LINE * math.ceil(len(labels) / _columns_of(labels))
+
+
+def _legend(chart: Figure, axes: Axes) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    if labels:
+        chart.legend(
+            handles, [textwrap.fill(label, 30) for label in labels], loc="outside lower left",
+            ncols=_columns_of(labels), handletextpad=0.4, columnspacing=1.2, borderpad=0.2,
+        )  # fmt: skip
+
+
+def _rows(table: Rows) -> list[Mapping[str, Any]]:
+    return table.to_pylist() if isinstance(table, pa.Table) else list(table)
+
+
+def _place_in_study(row: Mapping[str, Any]) -> int:
+    return int(row["place"])
+
+
+def _end(row: Mapping[str, Any], end: str) -> float:
+    """Give the end of an interval; one object alone has none."""
+    return float(row["accuracy"] if row[end] is None else row[end])
+
+
+def _estimate_of(row: Mapping[str, Any]) -> Estimate:
+    return Estimate(row["accuracy"], row["low"], row["high"])
+
+
+def _without_ends(value: float | None) -> Estimate | None:
+    return None if value is None else Estimate(value, None, None)
+
+
+def _lowest(estimate: Estimate) -> float:
+    return estimate.mean if estimate.low is None else estimate.low
+
+
+def _error(value: float, nothing: float) -> str:
+    return "0 %" if value == nothing else f"{100 * value:g} %"
+
+
+def _family_label(family: str, checks: Sequence[Any]) -> str:
+    return f"{titled(spaced(family))},\n{counted(sum(check.cases for check in checks), 'case')}"

@@ -1,0 +1,189 @@
+"""A section of the page: its title, its words and figures, and the tables that it reads."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from visuohaptic.report.objects import ObjectPage
+from visuohaptic.report.provenance import PhaseSeconds
+from visuohaptic.report.run import Run
+from visuohaptic.tables.schema import Schema
+
+Values = Mapping[str, Any]
+Rows = Mapping[str, str | int]
+Selection = Callable[[Run, ObjectPage], Sequence[Rows]]
+
+
+def all_rows(_: Run, __: ObjectPage) -> list[Rows]:
+    """Select everything."""
+    return [{}]
+
+
+def each_pipeline(run: Run, _: ObjectPage) -> list[Rows]:
+    """Select the rows of each pipeline."""
+    return [{"pipeline": table.name} for table in run.pipelines]
+
+
+def each_best(run: Run, _: ObjectPage) -> list[Rows]:
+    """Select the rows of each pipeline's best classifier."""
+    return [{"pipeline": table.name, "classifier": table.best.key} for table in run.pipelines]
+
+
+def first_best(run: Run, page: ObjectPage) -> list[Rows]:
+    """Select the rows of the first pipeline's best classifier."""
+    return each_best(run, page)[:1]
+
+
+def by_fixation(_: Run, __: ObjectPage) -> list[Rows]:
+    """Select what was fixated."""
+    return [{"strategy": "fixation"}]
+
+
+def shown_view(_: Run, page: ObjectPage) -> list[Rows]:
+    """Select the view that explains the method."""
+    view = page.shown.viewpoint
+    return [
+        {"class": page.category, "object": page.name, "viewpoint": view, "strategy": "fixation"}
+    ]
+
+
+def shown_touch(run: Run, page: ObjectPage) -> list[Rows]:
+    """Select the first touch of that view."""
+    return [{**rows, "touch": 0} for rows in shown_view(run, page)]
+
+
+@dataclass(frozen=True)
+class Reads:
+    """A table that a section shows.
+
+    Attributes
+    ----------
+    what : str
+        What the section shows of it.
+    schema : Schema
+        Its schema.
+    files : str
+        Which files of `RunFiles`, or which of its extras; ``studies/NAME`` for a study.
+    selection : callable
+        Gives the rows that are shown, a mapping of columns to values for each place on the page.
+    """
+
+    what: str
+    schema: Schema
+    files: str
+    selection: Selection = all_rows
+
+
+@dataclass(frozen=True)
+class ReportContext:
+    """The data that sections are made from."""
+
+    run: Run
+    pages: Sequence[ObjectPage]
+    seconds: Sequence[PhaseSeconds]
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section of the page.
+
+    Attributes
+    ----------
+    name : str
+        Its anchor, and the stem of its template.
+    title : str or callable
+        It may depend on the run.
+    values : callable
+        Gives the words and figures of the template; None leaves the section out.
+    reads : tuple of Reads or callable
+        The tables that it shows; they may depend on the run.
+    """
+
+    name: str
+    title: str | Callable[[Run], str]
+    values: Callable[[ReportContext], Values | None]
+    reads: tuple[Reads, ...] | Callable[[Run], Sequence[Reads]] = ()
+
+    def titled(self, run: Run) -> str:
+        """Give the title for a run."""
+        return self.title if isinstance(self.title, str) else self.title(run)
+
+    def tables(self, run: Run) -> Sequence[Reads]:
+        """Give what it reads of a run."""
+        return self.reads(run) if callable(self.reads) else self.reads
+
+
+@dataclass(frozen=True)
+class Source:
+    """What was read: `file` is a path, or a pattern of paths, relative to the run's folder."""
+
+    reads: Reads
+    file: str
+    rows: Rows
+
+    @property
+    def filter(self) -> str:
+        """The selected rows in words, such as ``classifier = naive_bayes``; empty for all."""
+        return ", ".join(f"{column} = {value}" for column, value in self.rows.items())
+
+
+def find_sources(reads: Sequence[Reads], run: Run, page: ObjectPage) -> Iterator[Source]:
+    """Give what a section reads of a run; `page` is the object that explains the method."""
+    for one in reads:
+        files = _files(run, one.files)
+        for rows in one.selection(run, page) if files else ():
+            yield Source(one, _pattern(run, _narrowed(files, rows)), rows)
+
+
+def _files(run: Run, name: str) -> list[Path]:
+    """Give the files that are there."""
+    extra, _, study = name.partition("/")
+    if extra not in run.files.extras:
+        return [Path(path) for path in getattr(run.files, name, ())]
+    path = Path(run.files.extras[extra], f"{study}.parquet" if study else "")
+    if path.is_dir():
+        return sorted(path.rglob("*.parquet"))
+    return [path] if path.is_file() else []
+
+
+def _narrowed(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
+    """Keep the files of the pipeline or the object that is selected, where they have their own."""
+    if "pipeline" in rows:
+        own = [file for file in files if file.parent.name == rows["pipeline"]]
+    elif "object" in rows:
+        key = f"{rows['class']}/{rows['object']}"
+        own = [file for file in files if file.parent.as_posix().endswith(f"/{key}")]
+    else:
+        own = []
+    return own or files
+
+
+def relative_to_run(run: Run, file: str | Path) -> Path:
+    """Give a file's path as the page names it, from the run's folder."""
+    return Path(os.path.relpath(file, run.files.folder))
+
+
+def predictions_of(run: Run, pipeline: str) -> Sequence[Path]:
+    """Give the files that hold a pipeline's predictions."""
+    return _narrowed(_files(run, "predictions"), {"pipeline": pipeline})
+
+
+def folder_of(files: Sequence[Path]) -> Path:
+    """Give the file, or the folder that holds all of several."""
+    return (
+        files[0] if len(files) == 1 else Path(os.path.commonpath([file.parent for file in files]))
+    )
+
+
+def _pattern(run: Run, files: Sequence[Path]) -> str:
+    """Name files as one path or pattern, relative to the run's folder."""
+    relative = [relative_to_run(run, file) for file in files]
+    folder = folder_of(relative)
+    if len(relative) == 1:
+        return folder.as_posix()
+    deep = any(file.parent != folder for file in relative)
+    return (folder / ("**/*.parquet" if deep else "*.parquet")).as_posix()

@@ -1,0 +1,84 @@
+"""Charts are the same bytes each time, fit into a page, and show in a notebook."""
+
+import re
+from importlib.resources import files
+from xml.etree import ElementTree as ET
+
+import matplotlib as mpl
+import pytest
+
+from visuohaptic.report import figures
+from visuohaptic.report.comparison import Figure
+from visuohaptic.report.drawing import inline_svg, write_svg
+from visuohaptic.report.palette import COLOURS
+
+NASTY = '<script>alert(1)</script> & "x"'
+
+
+def chart(name="a"):
+    return figures.runs([name], {"A": [Figure(0.5, 0.4, 0.6)], "B": [Figure(1.0, 0.7, 1.0)]})
+
+
+@pytest.fixture(scope="module")
+def svg():
+    return inline_svg(chart(), "one", "What it shows")
+
+
+def test_the_same_table_gives_the_same_bytes_whatever_a_reader_has_set():
+    first = write_svg(chart())
+    with mpl.rc_context({"font.size": 30, "lines.linewidth": 9, "svg.fonttype": "path"}):
+        assert write_svg(chart()) == first
+    assert not re.search(r"20\d\d-\d\d", first)
+
+
+def test_drawing_leaves_the_settings_of_matplotlib_as_they_were():
+    before = dict(mpl.rcParams)
+    write_svg(chart())
+    assert dict(mpl.rcParams) == before
+
+
+def test_a_chart_is_described_and_as_wide_as_its_place(svg):
+    root = ET.fromstring(svg)  # noqa: S314 - made here
+    assert (root.get("role"), root.get("aria-label")) == ("img", "What it shows")
+    assert root.get("viewBox").startswith("0 0 360 ")
+    assert root.get("width") is None
+
+
+def test_text_is_text_in_the_font_of_the_page(svg):
+    root = ET.fromstring(svg)  # noqa: S314 - made here
+    texts = ["".join(one.itertext()) for one in root.iter("text")]
+    assert "correctly classified" in texts
+    assert "DejaVu" not in svg
+    assert "<style" not in svg
+
+
+def test_colours_are_those_of_the_page_light_or_dark(svg):
+    style = files("visuohaptic.report").joinpath("templates", "style.css").read_text("utf-8")
+    light = dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6})", style.split("@media")[0]))
+    assert {name: light[name] for name in COLOURS} == COLOURS
+    assert "var(--fixation)" in svg
+    assert not re.search(r"#[0-9a-f]{6}\b", svg)
+
+
+def test_two_charts_of_a_page_share_no_id_and_each_finds_its_own():
+    both = inline_svg(chart(), "one", "") + inline_svg(chart(), "two", "")
+    identifiers = re.findall(r'\bid="([^"]*)"', both)
+    assert identifiers
+    assert len(identifiers) == len(set(identifiers))
+    used = set(re.findall(r'href="#([^"]*)"|url\(#([^)]*)\)', both))
+    assert {first or second for first, second in used} == set(identifiers)
+
+
+def test_names_are_text_and_nothing_else():
+    root = ET.fromstring(inline_svg(chart(NASTY), "one", NASTY))  # noqa: S314 - made here
+    assert not list(root.iter("script"))
+    written = " ".join("".join(one.itertext()) for one in root.iter("text"))
+    assert "<script>" in written
+    assert root.get("aria-label") == NASTY
+
+
+def test_a_notebook_shows_a_chart_as_it_is_returned():
+    from IPython.core.formatters import DisplayFormatter
+
+    shown, _ = DisplayFormatter().format(chart())
+    assert shown["image/svg+xml"].count("<svg") == 1

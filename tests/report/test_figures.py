@@ -1,0 +1,189 @@
+"""Every chart holds the numbers of its table, has named axes, and a mark and a colour for each series."""
+
+import json
+
+import numpy as np
+import pytest
+from report.synthetic import write_run, write_study
+from report.test_certainty import certainty_table
+from report.test_gaze import TABLE as GAZED
+from report.test_stability import EXACT, GRAZING, broken
+from studies.cost.test_front import cost_rows, cost_table
+
+from visuohaptic.errors import ReportError
+from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.gaze.summary import summarise
+from visuohaptic.report import drawing, figures
+from visuohaptic.report.comparison import Figure
+from visuohaptic.report.palette import look
+from visuohaptic.report.studies import read_figures
+from visuohaptic.report.wording import strategy_place
+from visuohaptic.stability.rows import result_table
+
+POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
+
+
+def marks(figure, label):
+    """Give the places of the marks of one series, x and y."""
+    (axes,) = figure.axes
+    (line,) = (line for line in axes.get_lines() if line.get_label() == label)
+    return line.get_xydata()
+
+
+def whiskers(figure):
+    """Give the ends of all intervals along the chart."""
+    (axes,) = figure.axes
+    return [tuple(path.vertices[:, 0]) for one in axes.collections for path in one.get_paths()]
+
+
+def names(figure):
+    """Give the names of the rows."""
+    return [label.get_text().replace("\n", " ") for label in figure.axes[0].get_yticklabels()]
+
+
+@pytest.fixture(scope="module")
+def metrics(tmp_path_factory):
+    files = write_run(tmp_path_factory.mktemp("run"))
+    return json.loads(files.metrics.read_text())
+
+
+@pytest.fixture
+def curves(tmp_path):
+    rows = [("1 touch", 0.6, None, None), ("2 touches", 0.8, None, None)]
+    return read_figures(write_study(tmp_path, "curves", rows), "curves")
+
+
+@pytest.fixture
+def all_figures(metrics, curves):
+    estimates = {"A": [Figure(0.5, 0.4, 0.6)], "B": [Figure(1.0, 0.7, 1.0)]}
+    return {
+        "comparison": figures.comparison(metrics),
+        "conditions": figures.conditions(curves),
+        "runs": figures.runs(["naive Bayes, eye fixations"], estimates),
+        "touches_needed": figures.touches_needed(curves),
+        "coverage": figures.coverage(certainty_table()),
+        "cost": figures.cost(cost_table(POINTS)),
+        "stability": figures.stability(result_table([GRAZING, EXACT])),
+        "gaze": figures.gaze(summarise(GAZED, "training")),
+        "bands": figures.bands([0.1, 0.4]),
+    }
+
+
+def test_every_axis_has_a_name(all_figures):
+    for name, figure in all_figures.items():
+        (axes,) = figure.axes
+        assert axes.get_xlabel(), name
+        assert axes.get_ylabel(), name
+
+
+def test_no_text_is_smaller_than_nine_units_or_leaves_the_chart(all_figures):
+    for name, figure in all_figures.items():
+        with drawing.style():
+            figure.draw_without_rendering()
+            box = figure.get_tightbbox()
+        texts = figure.findobj(lambda artist: hasattr(artist, "get_fontsize"))
+        assert min(text.get_fontsize() for text in texts) >= 9, name
+        width, height = figure.get_size_inches()
+        assert box.x0 > -0.01, name
+        assert box.y0 > -0.01, name
+        assert box.x1 < width + 0.01, name
+        assert box.y1 < height + 0.01, name
+
+
+def test_marks_of_the_comparison_lie_at_the_accuracies(metrics):
+    figure = figures.comparison(metrics)
+    for strategy, label in (("fixation", "eye fixations"), ("random", "random probing")):
+        cells = metrics["results"]["paper"][strategy]
+        expected = sorted(cell["accuracy"]["mean"] for cell in cells.values())
+        assert sorted(marks(figure, label)[:, 0]) == pytest.approx(expected)
+        ends = {(cell["accuracy"]["low"], cell["accuracy"]["high"]) for cell in cells.values()}
+        assert ends <= set(whiskers(figure))
+    assert 0.9345 in marks(figure, "eye fixations, published")[:, 0]
+    assert marks(figure, "chance")[0][0] == 0.5
+
+
+def test_an_axis_begins_at_half_where_all_that_it_shows_lies_above():
+    above, below = ([Figure(mean, mean - 0.1, 1.0)] for mean in (0.7, 0.55))
+    assert figures.runs(["a"], {"A": above}).axes[0].get_xlim()[0] == 0.5
+    assert figures.runs(["a"], {"A": below}).axes[0].get_xlim()[0] == 0.0
+
+
+def test_a_condition_that_failed_has_no_row(tmp_path):
+    rows = [("as run", 0.8, None, None), ("no edge", None, None, None)]
+    found = read_figures(write_study(tmp_path, "mine", rows), "mine")
+    assert names(figures.conditions(found)) == ["as run"]
+
+
+def test_a_study_of_which_nothing_could_be_measured_is_refused_in_a_sentence(tmp_path):
+    found = read_figures(write_study(tmp_path, "mine", [("no edge", None, None, None)]), "mine")
+    with pytest.raises(ReportError, match="nothing to draw"):
+        figures.conditions(found)
+
+
+def test_a_curve_of_one_object_has_no_intervals_and_is_drawn(curves):
+    alone = [{**row, "low": None, "high": None} for row in curves]
+    assert marks(figures.touches_needed(alone), "eye fixations").shape == (2, 2)
+
+
+def test_touches_are_counted_from_one(curves):
+    places = marks(figures.touches_needed(curves), "eye fixations")
+    np.testing.assert_allclose(places, [[1, 0.6], [2, 0.8]])
+
+
+def test_coverage_counts_the_sets_that_would_hold_the_class():
+    # At 50 % sets hold what fits better than 50 %, at 60 % what fits better than 40 %, ...
+    expected = [0.25, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.75, 0.75]
+    drawn = marks(figures.coverage(certainty_table()), "eye fixations")
+    np.testing.assert_allclose(drawn[:, 1], expected)
+
+
+def test_the_front_alone_is_filled_and_has_names_and_intervals():
+    figure = figures.cost(cost_table([*POINTS, ("16 touches", 0.5, 0.0)]))
+    (axes,) = figure.axes
+    texts = {text.get_text() for text in axes.texts}
+    assert texts == {"1 touch", "5 touches", "16 touches"}
+    assert len(axes.collections) == 2 * len(texts)
+    assert "0 %" in {label.get_text() for label in axes.get_yticklabels()}
+
+
+def test_a_line_joins_settings_of_which_one_thing_changes_and_no_others():
+    rows = cost_rows([("skin", 0.1, 0.2), ("pose", 0.2, 0.1), ("5 touches", 0.3, 0.05)])
+    for row, touches in zip(rows, (3, 3, 5), strict=True):
+        row |= {"touches": touches, "viewpoints": 1}
+    lines = [[row["setting"] for row in line] for line in figures.trends(rows)]
+    assert lines == [["skin"], ["pose", "5 touches"]]
+
+
+def test_costs_that_are_all_alike_still_have_an_axis():
+    (axes,) = figures.cost(cost_table([("a", 0.1, 0.1), ("b", 0.1, 0.1)])).axes
+    low, high = axes.get_xlim()
+    assert 0 < low < 0.1 < high
+
+
+def test_costs_of_which_none_was_timed_are_refused_in_a_sentence():
+    failed = cost_table(POINTS, ["8 × 8"]).to_pylist()[3:]
+    with pytest.raises(ReportError, match="nothing to draw"):
+        figures.cost(failed)
+
+
+@pytest.mark.parametrize("values", [[0.001, 3000.0], [0.02, 0.08], [0.0, 0.1, 0.1], [0.5, 0.6]])
+def test_a_logarithmic_axis_has_few_ticks_and_begins_below_its_values(values):
+    ticks = figures.log_ticks(values)
+    positive = [value for value in values if value > 0]
+    assert 1 <= len(ticks) <= 8
+    assert ticks[0] <= min(positive) * (1 + 1e-9)
+    assert ticks == sorted(set(ticks))
+
+
+def test_an_error_beyond_its_tolerance_stands_at_the_right_end_in_another_colour():
+    figure = figures.stability(result_table([broken(GRAZING, np.inf), EXACT]))
+    (axes,) = figure.axes
+    ends = {bar.get_width(): bar.get_facecolor() for bar in axes.patches}
+    assert set(ends) == {figures.LARGEST_SHARE, 0.0}
+    assert len(set(ends.values())) == 2
+
+
+def test_each_strategy_has_a_mark_and_a_colour_of_its_own():
+    looks = [look(strategy_place(name)) for name in (*STRATEGIES.names, "adaptive")]
+    colours, shapes = zip(*looks, strict=True)
+    assert len(set(colours)) == len(set(shapes)) == len(looks)

@@ -1,0 +1,92 @@
+"""The lines beside a headline number print that number, from the run's own tables."""
+
+import contextlib
+import html
+import io
+import re
+
+import pytest
+from report.synthetic import lay_out
+from studies.cost.test_front import cost_table
+
+from visuohaptic.report import sections
+from visuohaptic.report.cost import duration
+from visuohaptic.report.page import render_page
+from visuohaptic.report.questions import row_of
+from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
+from visuohaptic.report.run import read_run
+from visuohaptic.report.run_folder import find_run
+from visuohaptic.report.section import ReportContext
+from visuohaptic.tables.schema import write_table
+from visuohaptic.tables.studies import COST
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = lay_out(tmp_path_factory.mktemp("run"))
+    rows = [("1 touch", 0.0104, 0.4), ('it\'s "5"', 0.02, 0.3)]
+    write_table(COST, cost_table(rows), folder / "results/frontier.parquet")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def run(folder):
+    found = find_run(folder)
+    return read_run(found.files, found.parameters, found.objects)
+
+
+@pytest.fixture
+def printed(folder, monkeypatch):
+    """Run lines in the folder of the run, and give what they print."""
+    monkeypatch.chdir(folder)
+
+    def run_lines(lines):
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said):
+            exec(lines, {})  # noqa: S102 - the lines under test
+        return said.getvalue().strip()
+
+    return run_lines
+
+
+def test_the_accuracy_is_that_of_the_metrics(run, printed):
+    table = run.pipelines[0]
+    found = row_of(table).accuracy["fixation"].mean
+    assert printed(recount_accuracy(run, table)) == f"{100 * found:.1f} %"
+
+
+def test_the_lead_is_that_of_the_paired_comparison(run, printed):
+    table = run.pipelines[0]
+    found = row_of(table).comparisons["random"].difference.mean
+    assert printed(recount_lead(run, table, "random")) == f"{100 * found:+.1f} points"
+
+
+@pytest.mark.parametrize(("setting", "expected"), [("1 touch", "0.0104 s"), ('it\'s "5"', "0.02")])
+def test_the_cost_is_that_of_the_setting(run, printed, setting, expected):
+    row = {"family": "touches", "setting": setting}
+    assert printed(recount_cost(run, row)).startswith(expected)
+
+
+def test_six_lines_are_enough(run):
+    lines = recount_accuracy(run, run.pipelines[0]).splitlines()
+    assert len(lines) == 6
+    assert all(len(line) < 110 for line in lines)
+
+
+def test_every_headline_number_has_its_lines_and_they_print_it(run, printed):
+    answers = sections.answer_values(ReportContext(run, (), ()))["answers"]
+    assert len(answers) == 4
+    for answer in answers:
+        first = printed(answer.recount).split(" ")[0]
+        if answer.link == "cost":
+            first = duration(float(first))
+        number = answer.number.replace("\N{NO-BREAK SPACE}", " ").replace("\N{MINUS SIGN}", "-")
+        assert number.startswith(first)
+
+
+@pytest.mark.slow
+def test_the_page_has_the_lines_as_text(run, printed):
+    page = render_page(run)
+    blocks = re.findall(r"<pre[^>]*><code>(.*?)</code></pre>", page, re.DOTALL)
+    assert len(blocks) == 4
+    assert all(printed(html.unescape(block)) for block in blocks)
