@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -26,9 +26,6 @@ from visuohaptic.recognition.splits import Split
 from visuohaptic.recognition.summary import summarise
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _PIPELINE = "paper"
 _GIVEN = "estimator"
@@ -69,7 +66,7 @@ class Evaluation:
 
 def evaluate(
     estimator: Any,
-    features: pa.Table | pd.DataFrame | str | Path,
+    features: Any,
     parameters: RecognitionParameters | None = None,
     strategy: str = "fixation",
     seed: int = 0,
@@ -122,7 +119,7 @@ def evaluate(
     )  # fmt: skip
 
 
-def _as_table(features: pa.Table | pd.DataFrame | str | Path) -> pa.Table:
+def _as_table(features: Any) -> pa.Table:
     if isinstance(features, pa.Table):
         return features
     if isinstance(features, str | Path):
