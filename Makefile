@@ -48,10 +48,12 @@ test-installed: $(INSTALLED)/.ready
 
 installed-alone installed-dvc: export PATH := $(CURDIR)/$(INSTALLED)/bin:$(OUTER_PATH)
 installed-alone installed-dvc: export PYTHONPATH :=
+# Only pytest is there: what tests/conftest.py needs is not.
+installed-alone installed-dvc: export PYTEST_ADDOPTS := --confcutdir=tests/installed --durations=0
 installed-alone:
-	python -m pytest tests/installed/every_module.py tests/installed/readme_commands.py -k "not under_dvc" --durations 0
+	python -m pytest tests/installed/every_module.py tests/installed/readme_commands.py -k "not under_dvc"
 installed-dvc:
-	python -m pytest tests/installed/readme_commands.py -k under_dvc --durations 0
+	python -m pytest tests/installed/readme_commands.py -k under_dvc
 
 # Hard cases at their full counts, some 17 minutes on two cores; the result is kept with the package.
 test-hard: $(DEVELOP)
@@ -75,6 +77,7 @@ readme: $(DEVELOP) report
 	python docs/make_readings.py
 	python docs/make_claims.py
 	python docs/make_lead_picture.py
+	python docs/make_looking.py
 	python docs/make_tables.py
 	python docs/make_overview_picture.py
 

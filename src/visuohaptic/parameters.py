@@ -101,6 +101,15 @@ class CostParameters(BaseModel):
     look_seconds: float = Field(
         0.5, ge=0, description="Time that a robot takes for a look, without computing (seconds)"
     )
+    budgets: tuple[Annotated[float, Field(gt=0)], ...] = Field(
+        (5.0, 10.0, 20.0, 40.0),
+        min_length=1,
+        description="Robot times for which study looking gives accuracies (seconds)",
+    )
+    adaptive: bool = Field(
+        True,  # noqa: FBT003 - a field's default
+        description="Whether study looking also compares strategy `adaptive`, which takes as long as all others",
+    )
     maximum_objects: int = Field(
         142,
         ge=2,
@@ -170,6 +179,7 @@ def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
         "cost.view_resolutions": cost.view_resolutions,
         "cost.frontier_touches": cost.frontier_touches,
         "cost.frontier_viewpoints": cost.frontier_viewpoints,
+        "cost.budgets": cost.budgets,
     }
     for name, values in lists.items():
         if len(set(values)) < len(values):

@@ -71,7 +71,7 @@ IN_ANOTHER_FORM = {
         "cd ../colleague && dvc checkout",
         "here a model was made since, which it would refuse to remove",
     ),
-    "visuohaptic compare A B": (
+    "visuohaptic compare A B …": (
         "visuohaptic compare reports/metrics.json reports/metrics.json",
         "A and B stand for runs",
     ),

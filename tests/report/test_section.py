@@ -11,6 +11,7 @@ from report.pages import read_page
 from report.synthetic import lay_out, write_study
 from report.test_certainty import evaluation_table, write_certainty
 from report.test_gaze import TABLE as GAZED
+from report.test_looking import write_looking
 from report.test_readings import ROWS
 from report.test_stability import ON_OBJECT, written
 from report.test_touches_needed import write_tables
@@ -50,6 +51,7 @@ def folder(tmp_path_factory):
     columns = {name: [row[name] for row in ROWS] for name in ROWS[0]}
     write_table(READINGS, build_table(READINGS, columns), results / "readings.parquet")
     write_certainty(folder)
+    write_looking(folder)
     write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
     guards = {"guard": ["shuffled labels give chance"], "outcome": ["held"], "found": ["So."]}
     write_table(GUARDS, build_table(GUARDS, guards), results / "guards.parquet")

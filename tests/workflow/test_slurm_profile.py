@@ -8,7 +8,7 @@ import yaml
 pytestmark = pytest.mark.workflow
 
 PROFILE = Path(__file__).parents[2] / "profiles/slurm/config.yaml"
-STUDIES = ("cost", "curves", "readings", "ablations", "effects", "certainty")
+STUDIES = ("cost", "curves", "readings", "ablations", "effects", "certainty", "looking")
 
 
 def test_every_study_can_be_asked_for_with_the_groups_of_the_profile(fresh):

@@ -55,6 +55,7 @@ def test_no_output_of_a_stage_persists(stage):
 # Other studies are made on request; studies/dvc.yaml has their stages.
 ASIDE = {
     "workflow/scripts/certainty.py",
+    "workflow/scripts/looking.py",
     "workflow/scripts/export.py",
     "workflow/scripts/crate.py",
     "workflow/scripts/gaze.py",

@@ -1,6 +1,7 @@
 """A user's own study is one file and one command, and only what is unfinished runs again."""
 
 import shutil
+from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
@@ -23,6 +24,7 @@ MINE = {
 # What a change of recognition makes again for the report's frontier.
 FRONTIER = {"block_of_study": 3, "cost_seconds": 1, "cost": 1}
 EARLIER = "was measured with an earlier state"
+ROOT = Path(__file__).parents[2]
 FIGURES = "results/studies/mine.parquet"
 
 
@@ -185,6 +187,7 @@ def test_a_wrong_file_is_refused_in_one_sentence_before_anything_runs(
 
 def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
     experiment = repository.copy(tmp_path / "experiment")
+    shutil.copytree(ROOT / "studies", experiment.folder / "studies")
     write(experiment, {**MINE, "conditions": {"penalty 2": MINE["conditions"]["penalty 2"]}})
     experiment.snakemake("--", "study_mine")
     assert "report.html" in experiment.run("dvc", "status").stdout

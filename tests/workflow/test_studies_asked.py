@@ -4,7 +4,7 @@ import pytest
 
 from visuohaptic_workflow.studies_asked import studies_asked_for
 
-STUDIES = ("cost", "curves", "readings", "certainty", "palm", "palm_size", "touches")
+STUDIES = ("cost", "curves", "readings", "certainty", "looking", "palm", "palm_size", "touches")
 
 
 @pytest.mark.parametrize(
@@ -23,6 +23,7 @@ STUDIES = ("cost", "curves", "readings", "certainty", "palm", "palm_size", "touc
         ("results/cost_seconds.parquet", "cost"),
         ("results/certainty.parquet", "certainty"),
         ("reports/certainty.json", "certainty"),
+        ("results/looking.parquet", "looking"),
         ("reports/curves.json", "curves"),
         ("results/touches_needed.parquet", "curves"),
         ("results/study_adaptive/best.parquet", "curves"),

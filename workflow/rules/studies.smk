@@ -23,6 +23,8 @@ SPECIAL_FIGURES = {
     "results/touches_needed.parquet": "curves",
     "results/certainty.parquet": "certainty",
     "reports/certainty.json": "certainty",
+    "results/looking.parquet": "looking",
+    "reports/looking.json": "looking",
 }
 TEMPLATES = in_clone(
     sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
@@ -373,7 +375,7 @@ rule cost_seconds:
         parameters={
             **RUN,
             "cost": PARAMETERS.cost.model_dump(
-                exclude={"touch_seconds", "look_seconds"}
+                exclude={"touch_seconds", "look_seconds", "budgets", "adaptive"}
             ),
         },
     message:

@@ -36,13 +36,13 @@ SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
 
 def figures_of(study):
     """Name the table that sums up a study."""
-    if study in {"readings", "certainty"}:
+    if study in {"readings", "certainty", "looking"}:
         return f"results/{study}.parquet"
     return f"results/studies/{study}.parquet"
 
 
-# What the report shows beside the run itself; certainty has no conditions.
-SHOWN_STUDIES = [*STUDIES, "certainty"]
+# What the report shows beside the run itself; certainty and looking have no conditions.
+SHOWN_STUDIES = [*STUDIES, "certainty", "looking"]
 if IS_PLANNER:
     os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
 ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
@@ -219,7 +219,7 @@ def is_shown(file, study):
     """Whether the report shows a file of a study: one that exists, or that this run makes."""
     is_made = study in ASKED_STUDIES and (
         file.startswith("results/studies/")
-        or study in {"readings", "certainty"}
+        or study in {"readings", "certainty", "looking"}
         or names_rule(ARGUMENTS, f"{study}_all")
     )
     return is_made or Path(file).exists()

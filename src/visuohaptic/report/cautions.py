@@ -18,6 +18,7 @@ _SECTION_OF_STUDY = {
     "cost": "cost",
     "curves": "touches_needed",
     "effects": "influence",
+    "looking": "looking",
     "readings": "readings",
 }
 

@@ -30,6 +30,7 @@ from visuohaptic.tables.studies import (
     COST,
     EFFECT_INFLUENCE,
     EVALUATION,
+    LOOKING,
     READINGS,
     STUDY_FIGURES,
     TOUCHES_NEEDED,
@@ -96,6 +97,10 @@ CHAPTERS = {
                 Reads("Known and unknown objects", CERTAINTY, "certainty"),
                 Reads("Objects not learnt", EVALUATION, "evaluation"),
             ),
+        ),
+        Section(
+            "looking", "What the eye alone recognises, and what touch adds", sections.looking_values,
+            (Reads("Looking, touching and both", LOOKING, "looking"),),
         ),
     ),
     "Cost": (Section("cost", "What accuracy costs in time", sections.cost_values, COSTS),),

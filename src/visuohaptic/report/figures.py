@@ -33,6 +33,7 @@ from visuohaptic.report.wording import (
     titled,
 )
 from visuohaptic.studies.cost.front import reference_row
+from visuohaptic.studies.looking.settings import CHECKED, LOOK
 from visuohaptic.tables.studies import STATED_COVERAGES
 
 if TYPE_CHECKING:
@@ -196,6 +197,40 @@ def coverage(table: pa.Table) -> Figure:
     )  # fmt: skip
     axes.set_ylim(0, 1.02)
     _name_axes(axes, "stated coverage", "share of the objects", across_as=percent, up_as=percent)
+    _legend(chart, axes)
+    return chart
+
+
+@_styled
+def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
+    """Draw accuracy after a look, and after each touch that follows, against the robot's time.
+
+    Parameters
+    ----------
+    curves : sequence of mapping
+        Those of ``reports/looking.json``; the look and the checked product are drawn.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A line a strategy; the time is logarithmic.
+    """
+    looks = [row for row in curves if row["answer"] == LOOK]
+    both = [row for row in curves if row["answer"] == CHECKED]
+    strategies = list(dict.fromkeys(row["strategy"] for row in both))
+    chart, axes = _new(190 + _legend_height(strategies))
+    for strategy in strategies:
+        line = [*looks, *(row for row in both if row["strategy"] == strategy)]
+        points = sorted((row["seconds"], row["accuracy"]) for row in line)
+        colour, mark = look(strategy_place(strategy))
+        axes.plot(
+            *zip(*points, strict=True),
+            color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
+        )  # fmt: skip
+    axes.set_xscale("log")
+    _name_axes(
+        axes, "the robot's time, s", "correctly classified", across_as="{:g}".format, up_as=percent
+    )
     _legend(chart, axes)
     return chart
 

@@ -23,6 +23,8 @@ _EXTRAS = {
     "cost": "results/cost.parquet",
     "certainty": "results/certainty.parquet",
     "certainty_figures": "reports/certainty.json",
+    "looking": "results/looking.parquet",
+    "looking_figures": "reports/looking.json",
     "evaluation": "reports/evaluation.parquet",
     "readings": "results/readings.parquet",
     "gaze": "results/gaze/measured.parquet",

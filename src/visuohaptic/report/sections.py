@@ -44,6 +44,7 @@ from visuohaptic.report.influence import (
     rows_of_scenes,
     scene_strips,
 )
+from visuohaptic.report.looking import looking_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import (
     describe_machine,
@@ -245,6 +246,12 @@ def certainty_values(context: ReportContext) -> Values:
             parameters.seed,
         ),
     }
+
+
+def looking_values(context: ReportContext) -> Values | None:
+    """Give what the eye alone recognises and what touch adds, or None where it was not measured."""
+    found = looking_figures(context.run.files.extras.get("looking_figures"))
+    return {"looking": found, "times": figures.looking(found.curves)} if found else None
 
 
 def _measured_readings(run: Run) -> MeasuredReadings | None:

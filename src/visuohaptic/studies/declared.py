@@ -27,8 +27,8 @@ PACKAGED: dict[str, Callable[[ExperimentParameters], Study]] = {
 }
 """Studies that come with the package, by name."""
 
-RESERVED = (*PACKAGED, "certainty")
-"""Names that no own study may have: those of the package, and of a measurement without conditions."""
+RESERVED = (*PACKAGED, "certainty", "looking")
+"""Names that no own study may have: those of the package, and of measurements without conditions."""
 
 MOST_BLOCKS = 8
 MOST_CONDITIONS_A_BLOCK = 25

@@ -200,6 +200,42 @@ CERTAINTY = Schema(
     names_of(CERTAINTY_KEYS),
 )
 
+LOOKING_KEYS = (
+    Column("sight", TEXT, "how well the eye saw"),
+    Column(
+        "answer",
+        TEXT,
+        "by which senses: the view, the outline, touch, product or side by side of view and touch, or stopping: the product where the rule stops",
+    ),
+    Column("strategy", TEXT, "how the places to touch were chosen; none without touches"),
+    Column("touches", COUNT, "touches of a trial, at most", minimum=0),
+    Column(
+        "budget", REAL, "of the rule that stops: mean time of its rehearsals", "s", 0, nullable=True
+    ),
+    *OBJECT_KEYS,
+    Column("split", COUNT, "number of the split", minimum=0),
+    Column("repeat", COUNT, "number of the repeat", minimum=0),
+)
+
+CONFIDENCE_BINS = 10
+"""Equal parts of the range of probabilities, over which calibration is measured."""
+
+LOOKING = Schema(
+    "looking",
+    (
+        *LOOKING_KEYS,
+        Column("trials", COUNT, "viewpoints that were tested", minimum=1),
+        Column("accuracy", REAL, "share of them that is correctly classified", "1", 0, 1),
+        Column("seconds", REAL, "mean time that the robot took, without computing", "s", 0),
+        Column(
+            "gaps",
+            pa.list_(pa.float64()),
+            "in each tenth of the probability of the class: sum over trials of correct (0, 1) less that probability",
+        ),
+    ),
+    names_of(LOOKING_KEYS),
+)
+
 EVALUATION_KEYS = (
     Column("strategy", TEXT, "whose touches, those that the model learnt from"),
     Column("classifier", TEXT, "classifier of pipeline best"),
@@ -413,5 +449,6 @@ STUDIES = (
     COST,
     READINGS,
     CERTAINTY,
+    LOOKING,
     EVALUATION,
 )

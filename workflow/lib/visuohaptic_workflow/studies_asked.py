@@ -11,6 +11,7 @@ from visuohaptic_workflow.keys import Job, read_record
 
 RULES_OF_STUDY: Mapping[str, Sequence[str]] = {
     "certainty": ("certainty",),
+    "looking": ("looking",),
     "curves": ("candidates_of_study", "adaptive_of_study", "touches_needed"),
     "readings": ("readings", "readings_page"),
 }

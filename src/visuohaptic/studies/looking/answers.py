@@ -1,0 +1,222 @@
+"""What a sense answers in every split, tested and held out, and one answer of two senses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.seeds import spawn_generator
+
+if TYPE_CHECKING:
+    from visuohaptic.recognition.parameters import RecognitionParameters
+    from visuohaptic.recognition.sequences import TouchSequences
+    from visuohaptic.recognition.splits import Split
+    from visuohaptic.recognition.tuning import FitMemory, InnerFold, Projection, TunedClassifier
+
+FAMILIAR = 0.95
+"""Share of held-out training views that count as familiar."""
+
+Descriptors = NDArray[np.floating]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One split of one repeat."""
+
+    repeat: int
+    split: Split
+
+
+@dataclass(frozen=True)
+class Answered:
+    """Class probabilities of one split.
+
+    Attributes
+    ----------
+    tested : numpy.ndarray
+        Shape (k, n, c), float64: of the n test sequences, in each of k conditions of the test.
+    held_out : numpy.ndarray
+        Shape (m, c), float64: of training sequences, by models that learnt from other objects.
+    places : numpy.ndarray
+        Shape (m,), int64: which sequences these are.
+    strange, held_out_strange : numpy.ndarray
+        Shape (k, n) and (m,), float64: how far each is from what was learnt.
+    """
+
+    tested: NDArray[np.float64]
+    held_out: NDArray[np.float64]
+    places: NDArray[np.int64]
+    strange: NDArray[np.float64]
+    held_out_strange: NDArray[np.float64]
+
+
+def make_trials(
+    sequences: TouchSequences, parameters: RecognitionParameters, seed: int
+) -> list[Trial]:
+    """Divide sequences as recognition does, by the same draws."""
+    from visuohaptic.recognition.splits import make_splits
+
+    return [
+        Trial(repeat, split)
+        for repeat in range(parameters.protocol.repeats)
+        for split in make_splits(
+            sequences,
+            parameters.protocol,
+            spawn_generator(seed, "recognition", "splits", repeat),
+        )
+    ]
+
+
+def answer_trial(
+    trial: Trial,
+    described: Sequence[Descriptors],
+    sequences: TouchSequences,
+    parameters: RecognitionParameters,
+    seed: int,
+    memory: FitMemory,
+) -> Answered:
+    """Train and test pipeline `best` with its first classifier on descriptors of all sequences.
+
+    Parameters
+    ----------
+    trial : Trial
+        The split.
+    described : sequence of numpy.ndarray
+        Shape (s, d) each: descriptors in each condition of the test. The first is learnt.
+    sequences : TouchSequences
+        Their classes and objects; their features are not used.
+    parameters : RecognitionParameters
+        Everything that is chosen before.
+    seed : int
+        The experiment's seed; draws are those of recognition.
+    memory : FitMemory
+        Fits of other splits on the same descriptors; it changes no number.
+
+    Returns
+    -------
+    Answered
+        Calibrated as the pipeline does, within the training objects.
+
+    Raises
+    ------
+    RecognitionError
+        If no training object can be held out.
+    """
+    from visuohaptic.recognition.tuning import fit_best_classifiers, make_inner_folds
+
+    chance = (seed, "recognition", "best", trial.repeat, trial.split.number)
+    train, test = trial.split.train, trial.split.test
+    training = np.asarray(described[0][train], dtype=np.float64)
+    labels, owners = sequences.labels[train], sequences.object_index[train]
+    projection, fits = fit_best_classifiers(
+        training, labels, owners, len(sequences.classes), parameters,
+        spawn_generator(*chance), memory,
+    )  # fmt: skip
+    classifier = fits[0][1]
+    tests = [one[test].astype(np.float64) for one in described]
+    tested = [classifier.ballots(projection.apply(one)).alone() for one in tests]
+    # The first draws are those of the folds, so these are the same folds.
+    folds = make_inner_folds(
+        training, labels, owners, parameters.best, spawn_generator(*chance), memory
+    )
+    if not folds:
+        raise RecognitionError(
+            "Every class has one training object; two are needed to know how sure answers are."
+        )
+    members = [np.isin(owners, fold.held_out_owners) for fold in folds]
+    return Answered(
+        np.stack(tested),
+        np.concatenate([_without(classifier, fold) for fold in folds]),
+        np.concatenate([train[member] for member in members]),
+        np.stack([strangeness(projection, one) for one in tests]),
+        np.concatenate(
+            [
+                strangeness(fold.fits.projection, training[member])
+                for fold, member in zip(folds, members, strict=True)
+            ]
+        ),
+    )
+
+
+def strangeness(projection: Projection, described: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give how far descriptors (n, d) are from the space that the training ones span: (n,).
+
+    The squared distance after scaling: what principal components do not reconstruct.
+    """
+    scaled = projection.scaling.apply(described)
+    kept = scaled @ projection.components
+    return np.einsum("nd,nd->n", scaled, scaled) - np.einsum("nq,nq->n", kept, kept)
+
+
+def ask_if_familiar(answered: Answered) -> Answered:
+    """Take any class for equally likely where a sequence is stranger than `FAMILIAR` of those held out."""
+    limit = np.quantile(answered.held_out_strange, FAMILIAR)
+    none = np.full(answered.tested.shape[2], 1 / answered.tested.shape[2])
+    return replace(
+        answered,
+        tested=np.where((answered.strange > limit)[..., None], none, answered.tested),
+        held_out=np.where((answered.held_out_strange > limit)[:, None], none, answered.held_out),
+    )
+
+
+def multiply(
+    first: Answered, second: Answered, labels: NDArray[np.int64], owners: NDArray[np.int64]
+) -> Answered:
+    """Take the product of two calibrated answers, of which the second was tested in one condition.
+
+    Two senses that err alike make the product too sure, so it has a temperature, which is fitted on
+    held-out training sequences. `labels` and `owners` are of all sequences, shape (s,).
+    """
+    from visuohaptic.recognition.pooling import best_temperature, softmax
+
+    scores = _log(first.held_out) + _log(second.held_out)
+    # That all of n objects were right doesn't make the next one certain: the rule of succession.
+    doubt = 1 / (len(np.unique(owners[first.places])) + 2)
+    _, temperature = best_temperature(scores, labels[first.places], doubt)
+    tested = _log(first.tested) + _log(second.tested)
+    return replace(
+        first, tested=softmax(tested / temperature), held_out=softmax(scores / temperature)
+    )
+
+
+def answer_trials(
+    trials: Sequence[Trial],
+    described: Iterator[Sequence[Descriptors]],
+    sequences: TouchSequences,
+    parameters: RecognitionParameters,
+    seed: int,
+) -> list[Answered]:
+    """Train and test each trial on descriptors of its own, as `answer_trial` does."""
+    from sklearn import config_context
+    from threadpoolctl import threadpool_limits
+
+    from visuohaptic.recognition.tuning import FitMemory
+
+    memory = FitMemory()
+    checks = config_context(assume_finite=True, skip_parameter_validation=True)
+    with threadpool_limits(limits=1), checks:
+        return [
+            answer_trial(trial, own, sequences, parameters, seed, memory)
+            for trial, own in zip(trials, described, strict=True)
+        ]
+
+
+def _without(classifier: TunedClassifier, fold: InnerFold) -> NDArray[np.float64]:
+    """Give the answers for a fold's held-out sequences, (m, c), by what learnt from the others."""
+    from sklearn.base import clone
+
+    fits = fold.fits
+    fitted = clone(classifier.estimator).fit(fits.train, fits.labels)
+    bags = None if classifier.bags is None else fits.bags
+    return replace(classifier, estimator=fitted, bags=bags).ballots(fold.projected).alone()
+
+
+def _log(probabilities: NDArray[np.float64]) -> NDArray[np.float64]:
+    from visuohaptic.recognition.pooling import LEAST_SCORE
+
+    return np.log(np.maximum(probabilities, np.exp(LEAST_SCORE)))

@@ -1,0 +1,173 @@
+"""Look at objects in every sight and touch them by every strategy, one object after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.parameters import CostParameters, ExperimentParameters
+from visuohaptic.recognition.sequences import TouchSequences
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.conditions import with_changes
+from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE
+from visuohaptic.studies.looking.seeing import SIGHTS, describe_views
+from visuohaptic.studies.looking.settings import CUES
+
+if TYPE_CHECKING:
+    from visuohaptic.fixations.locations import Look
+    from visuohaptic.geometry.raycasting import RayCaster
+    from visuohaptic.recognition.adaptive import Candidates
+
+ADAPTIVE = "adaptive"
+BLIND = "random"
+"""The strategy that needs no look."""
+
+STRATEGIES = ("fixation", BLIND, "random_visible")
+"""Strategies that list their places to touch beforehand; by the first, senses are compared in every sight."""
+
+
+@dataclass(frozen=True)
+class Sensed:
+    """What is known of s viewpoints of all objects.
+
+    Attributes
+    ----------
+    sequences : TouchSequences
+        Their objects and classes, without features.
+    seen : dict of str to numpy.ndarray
+        By cue: shape (s, sights, d), float32.
+    touched : dict of str to numpy.ndarray
+        By strategy: shape (s, t, k), float64, features of t touches.
+    names : tuple of str
+        Names of the k features.
+    candidates : Candidates or None
+        Where `ADAPTIVE` may touch; None where it is not compared.
+    """
+
+    sequences: TouchSequences
+    seen: dict[str, NDArray[np.float32]]
+    touched: dict[str, NDArray[np.float64]]
+    names: tuple[str, ...]
+    candidates: Candidates | None
+
+
+def compared(cost: CostParameters) -> tuple[str, ...]:
+    """Name the strategies that are compared."""
+    return (*STRATEGIES, ADAPTIVE) if cost.adaptive else STRATEGIES
+
+
+def touches_of_run(run: ExperimentParameters) -> int:
+    """Give the touches of a sequence that the run classifies."""
+    return run.recognition.touches or run.attention.fixations
+
+
+def most_touches(run: ExperimentParameters) -> int:
+    """Give the touches that the largest budget allows, at most `LONGEST_SEQUENCE`, at least the run's."""
+    affordable = int(max(run.cost.budgets) // run.cost.touch_seconds)
+    return max(min(affordable, LONGEST_SEQUENCE), touches_of_run(run))
+
+
+def sense_object(
+    mesh: str | Path, run: ExperimentParameters
+) -> tuple[pa.Table, dict[str, NDArray[np.float32]]]:
+    """Touch an object by every strategy but `ADAPTIVE`, and describe its views.
+
+    Gives rows of `tables.FEATURES`, and by cue descriptors of all viewpoints, shape (v, sights, d).
+    """
+    from visuohaptic.geometry.raycasting import RayCaster
+    from visuohaptic.geometry.surface import object_of, read_surface
+    from visuohaptic.phases import describe_at, find_locations, look_from
+
+    changes = {
+        "probing.strategies": STRATEGIES,
+        "probing.when_exhausted": "begin_again",
+        "recognition.touches": most_touches(run),
+    }
+    parameters = with_changes(run, changes)
+    seen: list[dict[str, NDArray[np.float32]]] = []
+
+    def looking(
+        caster: RayCaster, key: str, parameters: ExperimentParameters, viewpoints: Sequence[int]
+    ) -> list[Look]:
+        looks = look_from(caster, key, parameters, viewpoints)
+        generators = {
+            sight: [spawn_generator(run.seed, "sight", sight, key, one) for one in viewpoints]
+            for sight in SIGHTS
+        }
+        seen.append(describe_views(looks[0].seen, generators))
+        return looks
+
+    key, caster = object_of(mesh), RayCaster(read_surface(mesh))
+    located = find_locations(caster, key, parameters, looking=looking)
+    views = {cue: np.concatenate([part[cue] for part in seen]) for cue in CUES}
+    return describe_at(caster, located, parameters), views
+
+
+def sense_all(
+    meshes: Sequence[str | Path],
+    candidates: pa.Table | None,
+    run: ExperimentParameters,
+    processes: int,
+) -> Sensed:
+    """Look at and touch all objects.
+
+    Viewpoints from which a strategy has no place to touch are left out for all, and classes with a
+    single object. `candidates` are rows of `tables.FEATURES` of strategy `ADAPTIVE`, if it is
+    compared.
+    """
+    from joblib import Parallel, delayed
+
+    from visuohaptic.geometry.surface import object_of, usable_meshes
+
+    usable = usable_meshes(meshes)
+    sensed = Parallel(processes)(delayed(sense_object)(mesh, run) for mesh in usable)
+    views = {object_of(mesh): one[1] for mesh, one in zip(usable, sensed, strict=True)}
+    return gather_sensed(pa.concat_tables([one[0] for one in sensed]), views, candidates, run)
+
+
+def gather_sensed(
+    rows: pa.Table,
+    views: Mapping[str, dict[str, NDArray[np.float32]]],
+    candidates: pa.Table | None,
+    run: ExperimentParameters,
+) -> Sensed:
+    """Gather what `sense_object` gave of all objects, their views by `class/name`."""
+    from visuohaptic.recognition.adaptive import gather_candidates
+    from visuohaptic.recognition.experiment import gather_pipeline
+    from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
+    from visuohaptic.recognition.summary import select
+
+    touches = most_touches(run)
+    whole = classes_of_two(whole_sequences(rows, touches)[0])
+    if candidates is not None:
+        whole, candidates = _both(whole, candidates), _both(candidates, whole)
+    recognition = run.recognition.model_copy(update={"touches": touches})
+    gathered = {
+        strategy: gather_pipeline(select(whole, strategy=strategy), recognition, "best", run.seed)
+        for strategy in STRATEGIES
+    }
+    sequences = gathered[STRATEGIES[0]]
+    names = sequences.feature_names
+    keys = ["/".join(sequences.objects[place]) for place in sequences.object_index]
+    seen = {
+        cue: np.stack(
+            [views[key][cue][view] for key, view in zip(keys, sequences.viewpoint, strict=True)]
+        )
+        for cue in CUES
+    }
+    touched = {strategy: one.features for strategy, one in gathered.items()}
+    chosen = None if candidates is None else gather_candidates(candidates, names)
+    return Sensed(sequences, seen, touched, names, chosen)
+
+
+def _both(table: pa.Table, other: pa.Table) -> pa.Table:
+    """Take the rows of a table whose viewpoint is in another table, too."""
+    keys = ["class", "object", "viewpoint"]
+    there = other.group_by(keys).aggregate([])
+    return table.join(there, keys, join_type="left semi").select(table.column_names)

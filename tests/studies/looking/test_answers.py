@@ -1,0 +1,124 @@
+"""What a sense answers is recognition's own answer; held-out answers and products keep to training objects."""
+
+import numpy as np
+import pytest
+from recognition.synthetic import features_table
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.experiment import answer_splits, gather_pipeline
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.tuning import FitMemory
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.looking.answers import (
+    Answered,
+    answer_trial,
+    ask_if_familiar,
+    make_trials,
+    multiply,
+)
+
+PARAMETERS = RecognitionParameters(best={"classifiers": ("naive_bayes",)})
+SEED = 7
+
+
+def sequences_and_descriptors(objects=(4, 4, 4), parameters=PARAMETERS):
+    table = features_table(objects=objects, viewpoints=3, separation=1.0)
+    sequences = gather_pipeline(table, parameters, "best", SEED)
+    waves = draw_waves(parameters.best, spawn_generator(SEED, "recognition", "waves"))
+    described = describe_sequences(
+        sequences.features, sequences.feature_names, waves, parameters.best
+    )
+    return sequences, described
+
+
+@pytest.fixture(scope="module")
+def answered():
+    sequences, described = sequences_and_descriptors()
+    trials = make_trials(sequences, PARAMETERS, SEED)[:3]
+    # In a second condition of the test, descriptors are nowhere near those of training.
+    strange = described + 50 * described.std(axis=0) * np.sin(np.arange(described.shape[1]))
+    found = [
+        answer_trial(one, [described, strange], sequences, PARAMETERS, SEED, FitMemory())
+        for one in trials
+    ]
+    return sequences, trials, found
+
+
+def test_the_answers_are_those_of_pipeline_best(answered):
+    sequences, trials, found = answered
+    theirs = answer_splits(sequences, PARAMETERS, SEED, "best")
+    for (split, _, answer), trial, ours in zip(theirs, trials, found, strict=False):
+        assert np.array_equal(split.test, trial.split.test)
+        assert np.array_equal(answer.ballots.alone(), ours.tested[0])
+
+
+def test_every_training_sequence_is_held_out_once_and_no_test_sequence(answered):
+    _, trials, found = answered
+    for trial, one in zip(trials, found, strict=True):
+        assert np.array_equal(np.sort(one.places), trial.split.train)
+        assert np.allclose(one.held_out.sum(axis=1), 1)
+
+
+def test_a_held_out_answer_is_of_a_model_without_its_object():
+    # Objects have one descriptor of their own: only a model that met an object could know its class.
+    sequences, described = sequences_and_descriptors(objects=(6, 6))
+    owners = sequences.object_index
+    own = np.eye(len(sequences.objects))[owners]
+    (trial, *_) = make_trials(sequences, PARAMETERS, SEED)
+    one = answer_trial(trial, [own], sequences, PARAMETERS, SEED, FitMemory())
+    right = one.held_out.argmax(axis=1) == sequences.labels[one.places]
+    assert right.mean() <= 0.5
+    assert described.shape[0] == len(owners)
+
+
+def test_one_training_object_a_class_is_refused():
+    sequences, described = sequences_and_descriptors(objects=(2, 2))
+    (trial, *_) = make_trials(sequences, PARAMETERS, SEED)
+    with pytest.raises(RecognitionError, match="one training object"):
+        answer_trial(trial, [described], sequences, PARAMETERS, SEED, FitMemory())
+
+
+def test_what_is_strange_is_not_asked_and_what_is_familiar_is(answered):
+    sequences, _, found = answered
+    for one in found:
+        asked = ask_if_familiar(one)
+        assert np.allclose(asked.tested[1], 1 / len(sequences.classes))
+        kept = one.strange[0] <= one.held_out_strange.max()
+        changed = (asked.tested[0] != one.tested[0]).any(axis=1)
+        assert changed.sum() <= len(changed) / 2
+        assert kept[~changed].all()
+
+
+def answer_of(tested, held_out=None):
+    tested = np.asarray(tested, dtype=float)
+    held_out = tested[0] if held_out is None else np.asarray(held_out, dtype=float)
+    strange = np.zeros(tested.shape[:2])
+    return Answered(tested, held_out, np.arange(len(held_out)), strange, np.zeros(len(held_out)))
+
+
+def test_a_sense_that_knows_nothing_changes_no_class_of_a_product():
+    generator = np.random.default_rng(0)
+    known = generator.dirichlet(np.ones(3), size=(1, 20))
+    nothing = answer_of(np.full((1, 20, 3), 1 / 3))
+    labels, owners = known[0].argmax(axis=1), np.arange(20)
+    both = multiply(answer_of(known), nothing, labels, owners)
+    assert np.array_equal(both.tested.argmax(axis=2), known.argmax(axis=2))
+    assert np.allclose(both.tested.sum(axis=2), 1)
+
+
+def test_a_product_lets_the_surer_sense_decide():
+    first, second = answer_of([[[0.6, 0.4]]]), answer_of([[[0.1, 0.9]]])
+    both = multiply(first, second, np.array([1]), np.array([0]))
+    assert both.tested[0, 0].argmax() == 1
+
+
+def test_two_senses_that_err_alike_make_the_product_no_surer():
+    generator = np.random.default_rng(1)
+    labels = generator.integers(2, size=400)
+    # Each says 80 %, is right in 80 %, and both are right and wrong together.
+    right = np.arange(400) % 5 != 0
+    said = np.where(right, labels, 1 - labels)
+    one = answer_of(0.2 + 0.6 * np.eye(2)[said][None])
+    both = multiply(one, one, labels, np.arange(400))
+    assert both.tested.max(axis=2).mean() == pytest.approx(0.8, abs=0.02)

@@ -1,0 +1,127 @@
+"""The summary says what the table holds."""
+
+import numpy as np
+import pytest
+
+from visuohaptic.parameters import CostParameters
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.studies.looking.figures import cells_of, sum_up_looking
+from visuohaptic.studies.looking.seeing import SIGHTS
+from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND, STRATEGIES
+from visuohaptic.studies.looking.settings import (
+    CHECKED,
+    CLEAN,
+    CUES,
+    LOOK,
+    PRODUCT,
+    SIDE_BY_SIDE,
+    STOPPING,
+    TOUCH,
+)
+from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.studies import LOOKING
+
+COST = CostParameters(budgets=(5, 12), touch_seconds=5, look_seconds=0.5)
+INTERVALS = IntervalParameters(bootstrap_samples=200)
+TOUCHES = 2
+
+
+def rows_of(key, accuracy, seconds):
+    """Give two objects of each of two splits, a trial of each is surely right or wrong."""
+    for split, share in enumerate(accuracy):
+        for number in range(2):
+            gaps = np.zeros(10)
+            gaps[9] = 4 * (share - 1)
+            values = ("cup", f"cup{split}{number}", split, 0, 4, share, seconds, gaps)
+            yield (*key, *values)
+
+
+def table_of(accuracy_of):
+    """Give a table whose accuracy is a function of sight, answer, strategy and touches."""
+    rows = []
+    keys = [(sight, cue, "none", 0, None, 0.5) for sight in SIGHTS for cue in CUES]
+    for strategy in (*STRATEGIES, ADAPTIVE):
+        for touches in range(1, TOUCHES + 1):
+            felt = 0.5 * (strategy != BLIND) + 5 * touches
+            keys.append((CLEAN, TOUCH, strategy, touches, None, felt))
+            keys += [
+                (sight, answer, strategy, touches, None, 0.5 + 5 * touches)
+                for sight in SIGHTS
+                for answer in (PRODUCT, CHECKED)
+            ]
+        keys += [
+            (sight, STOPPING, strategy, TOUCHES, budget, budget - 1)
+            for sight in SIGHTS
+            for budget in COST.budgets
+        ]
+    keys += [(sight, SIDE_BY_SIDE, STRATEGIES[0], TOUCHES, None, 10.5) for sight in SIGHTS]
+    for *key, seconds in keys:
+        rows += rows_of(key, accuracy_of(*key[:4]), seconds)
+    names = [column.name for column in LOOKING.columns]
+    return build_table(LOOKING, dict(zip(names, map(list, zip(*rows, strict=True)), strict=True)))
+
+
+def poor_sight(sight, answer, _strategy, touches):
+    """The eye is right in clean sight alone; touch gains a quarter a touch; both are what is better."""
+    seen = 0.5 if sight == CLEAN else 0.25
+    felt = 0.25 * (1 + touches)
+    if answer in CUES:
+        return seen, seen
+    return (felt, felt) if answer == TOUCH else (max(seen, felt),) * 2
+
+
+@pytest.fixture(scope="module")
+def found():
+    return sum_up_looking(table_of(poor_sight), COST, TOUCHES, INTERVALS, 1)
+
+
+def test_accuracy_is_the_mean_over_objects_and_calibration_the_gap_of_the_tenths():
+    cells = cells_of(table_of(lambda *_: (1.0, 0.5)))
+    cell = cells[CLEAN, LOOK, "none", 0, None]
+    assert cell.mean == 0.75
+    assert cell.calibration_error == pytest.approx(0.25)
+
+
+def test_both_senses_are_compared_with_the_better_of_their_parts(found):
+    for one in found["sights"]:
+        assert one["gains"][PRODUCT]["over"] == TOUCH
+        assert one["gains"][PRODUCT]["difference"] == 0
+        lead = 0.25 if one["sight"] == CLEAN else 0.5
+        assert one["gains"][TOUCH]["difference"] == pytest.approx(lead)
+        assert one["gains"][TOUCH]["over"] == LOOK
+
+
+def test_a_budget_buys_as_many_touches_as_fit_and_blind_ones_pay_no_look(found):
+    touches = {
+        (row["budget"], row["strategy"], row["answer"]): row["touches"] for row in found["budgets"]
+    }
+    assert touches[5, BLIND, TOUCH] == 1
+    assert not {(5, STRATEGIES[0], CHECKED), (5, STRATEGIES[0], TOUCH)} & set(touches)
+    assert touches[12, STRATEGIES[0], TOUCH] == 2
+    assert touches[12, BLIND, TOUCH] == 2
+
+
+def test_the_rule_is_compared_with_numbers_of_touches_that_take_as_long(found):
+    gains = {
+        row["budget"]: row["gain"]["difference"]
+        for row in found["budgets"]
+        if row["answer"] == STOPPING
+    }
+    # The rule is right in 3 of 4 in 4 and 11 s. A look reaches a half in 0.5 s, one touch no more,
+    # and two touches 3 of 4 in 10.5 s.
+    assert gains[5] == pytest.approx(0.25)
+    assert gains[12] == pytest.approx(0.0)
+
+
+def test_the_worth_of_touching_is_its_best_rise_a_second(found):
+    worth = {row["sight"]: row for row in found["worth"]}
+    assert worth[CLEAN]["touches"] == TOUCHES
+    assert worth[CLEAN]["accuracy_a_second"] == pytest.approx(0.25 / 10)
+    assert worth["dark"]["touches"] == 1
+    assert worth["dark"]["accuracy_a_second"] == pytest.approx(0.25 / 5)
+
+
+def test_curves_are_of_clean_sight(found):
+    kinds = {(row["answer"], row["strategy"]) for row in found["curves"]}
+    both = {(answer, name) for answer in (TOUCH, CHECKED) for name in (*STRATEGIES, ADAPTIVE)}
+    assert kinds == both | {(LOOK, "none")}

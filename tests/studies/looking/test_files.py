@@ -1,0 +1,104 @@
+"""From meshes to the study's table and figures, and what is looked at and touched on the way."""
+
+import json
+
+import numpy as np
+import pytest
+from studies.surfaces import RUN as SMALL
+from studies.surfaces import small_surfaces
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.geometry.surface import write_surface
+from visuohaptic.studies.curves.adaptive import make_candidates
+from visuohaptic.studies.looking import sensing
+from visuohaptic.studies.looking.files import make_looking
+from visuohaptic.studies.looking.seeing import SIGHTS
+from visuohaptic.studies.looking.sensing import (
+    ADAPTIVE,
+    STRATEGIES,
+    most_touches,
+    sense_all,
+    sense_object,
+)
+from visuohaptic.studies.looking.settings import CUES
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import LOOKING
+
+RUN = SMALL.model_copy(
+    update={
+        "cost": SMALL.cost.model_copy(update={"budgets": (6.0, 16.0)}),
+        "recognition": SMALL.recognition.model_copy(
+            update={
+                "protocol": SMALL.recognition.protocol.model_copy(
+                    update={"maximum_splits": 1, "folds": 2, "fold_rounds": 1}
+                )
+            }
+        ),
+    }
+)
+WITHOUT = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"adaptive": False})})
+
+
+@pytest.fixture(scope="module")
+def meshes(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("looking")
+    files = []
+    for key, surface in small_surfaces().items():
+        category, name = key.split("/")
+        files.append(folder / category / "block" / f"{name}.ply")
+        files[-1].parent.mkdir(parents=True, exist_ok=True)
+        write_surface(surface, files[-1])
+    return files
+
+
+def test_the_longest_budget_gives_the_touches_and_the_run_the_fewest():
+    assert most_touches(RUN) == 3
+    short = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"budgets": (1.0,)})})
+    assert most_touches(short) == RUN.recognition.touches
+
+
+def test_an_object_is_touched_by_every_strategy_and_seen_in_every_sight(meshes):
+    rows, views = sense_object(meshes[0], RUN)
+    counts = rows.group_by(["strategy", "viewpoint"]).aggregate([("touch", "count")]).to_pylist()
+    assert {row["strategy"] for row in counts} == set(STRATEGIES)
+    assert {row["touch_count"] for row in counts} == {most_touches(RUN)}
+    assert {part.shape[:2] for part in views.values()} == {(RUN.viewpoints.count, len(SIGHTS))}
+
+
+def test_views_belong_to_the_viewpoint_and_object_that_is_touched(meshes):
+    sensed = sense_all(meshes, None, WITHOUT, 1)
+    _, views = sense_object(meshes[1], WITHOUT)
+    own = sensed.sequences.object_index == sensed.sequences.objects.index(("box", "box0"))
+    assert meshes[1].stem == "box0"
+    for cue in CUES:
+        assert np.array_equal(sensed.seen[cue][own], views[cue])
+
+
+def test_a_viewpoint_without_a_place_for_one_strategy_is_left_out_for_all(meshes, tmp_path):
+    make_candidates(meshes[:2], tmp_path / "some.parquet", RUN)
+    candidates = read_table(FEATURES, tmp_path / "some.parquet")
+    few = candidates.filter(np.array(candidates.column("viewpoint").to_pylist()) != 1)
+    both = sensing._both(few, candidates)
+    assert set(both.column("viewpoint").to_pylist()) == {0, 2, 3}
+    assert set(sensing._both(candidates, few).column("viewpoint").to_pylist()) == {0, 2, 3}
+
+
+@pytest.mark.slow
+def test_table_and_figures_are_written_with_and_without_adaptive_touches(meshes, tmp_path):
+    candidates = tmp_path / "candidates.parquet"
+    make_candidates(meshes, candidates, RUN)
+    files = tmp_path / "looking.parquet", tmp_path / "looking.json"
+    for run, taken in ((RUN, candidates), (WITHOUT, [])):
+        make_looking(meshes, taken, *files, run)
+        strategies = set(read_table(LOOKING, files[0]).column("strategy").to_pylist())
+        assert (ADAPTIVE in strategies) == run.cost.adaptive
+        found = json.loads(files[1].read_text())
+        assert found["objects"] == len(meshes)
+        assert [row["sight"] for row in found["sights"]] == list(SIGHTS)
+
+
+def test_a_free_touch_is_refused(tmp_path):
+    free = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"touch_seconds": 0.0})})
+    with pytest.raises(ParameterError, match="touch_seconds is 0"):
+        make_looking([], [], tmp_path / "table", tmp_path / "figures", free)

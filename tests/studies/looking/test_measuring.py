@@ -1,0 +1,105 @@
+"""Looking, touching and both are measured in the same splits, and paid for at their prices."""
+
+import numpy as np
+import pytest
+from studies.looking.synthetic import RUN, made_up
+
+from visuohaptic.recognition.summary import select
+from visuohaptic.studies.looking.measuring import measure_looking
+from visuohaptic.studies.looking.seeing import SIGHTS
+from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND, STRATEGIES, most_touches
+from visuohaptic.studies.looking.settings import (
+    CHECKED,
+    CLEAN,
+    CUES,
+    LOOK,
+    PRODUCT,
+    SIDE_BY_SIDE,
+    STOPPING,
+    TOUCH,
+)
+from visuohaptic.tables.schema import check_table
+from visuohaptic.tables.studies import LOOKING
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def sensed():
+    return made_up()
+
+
+@pytest.fixture(scope="module")
+def measured(sensed):
+    return measure_looking(sensed, RUN, processes=1)
+
+
+def mean(table, column="accuracy", **values):
+    return float(np.mean(select(table, **values).column(column).to_numpy()))
+
+
+def test_every_answer_is_measured_for_every_object_in_the_same_splits(measured, sensed):
+    check_table(LOOKING, measured)
+    every = {CLEAN: {*CUES, TOUCH, PRODUCT, CHECKED, SIDE_BY_SIDE, STOPPING}}
+    for sight in SIGHTS:
+        rows = select(measured, sight=sight)
+        found = set(rows.column("answer").to_pylist())
+        assert found == every.get(sight, every[CLEAN] - {TOUCH})
+        of_object = rows.group_by(["answer", "class", "object", "split"]).aggregate([])
+        assert of_object.num_rows == len(found) * len(sensed.sequences.objects)
+
+
+def test_the_number_of_processes_changes_nothing(sensed, measured):
+    assert measure_looking(sensed, RUN, processes=2).equals(measured)
+
+
+def test_looking_in_sights_that_were_never_learnt_is_worse_than_in_clean_sight(measured):
+    clean = mean(measured, answer=LOOK, sight=CLEAN)
+    assert clean > 0.9
+    for sight in set(SIGHTS) - {CLEAN}:
+        assert mean(measured, answer=LOOK, sight=sight) < clean
+
+
+def test_a_checked_product_is_worth_touch_alone_where_no_view_is_familiar(measured):
+    for strategy in STRATEGIES:
+        touch = mean(measured, answer=TOUCH, strategy=strategy, touches=2)
+        dark = mean(measured, answer=CHECKED, strategy=strategy, touches=2, sight="dark")
+        assert dark == pytest.approx(touch, abs=0.1)
+
+
+def test_a_look_and_touches_are_paid_and_a_blind_touch_pays_no_look(measured):
+    cost = RUN.cost
+    assert mean(measured, "seconds", answer=LOOK) == cost.look_seconds
+    for strategy in (*STRATEGIES, ADAPTIVE):
+        looked = 0 if strategy == BLIND else cost.look_seconds
+        alone = mean(measured, "seconds", answer=TOUCH, strategy=strategy, touches=2)
+        both = mean(measured, "seconds", answer=PRODUCT, strategy=strategy, touches=2)
+        assert alone == pytest.approx(looked + 2 * cost.touch_seconds)
+        assert both == pytest.approx(cost.look_seconds + 2 * cost.touch_seconds)
+
+
+def test_a_rule_takes_between_a_look_and_all_touches(measured):
+    rows = select(measured, answer=STOPPING)
+    seconds = rows.column("seconds").to_numpy()
+    cost = RUN.cost
+    assert seconds.min() >= cost.look_seconds
+    assert seconds.max() <= cost.look_seconds + most_touches(RUN) * cost.touch_seconds
+    budgets = {row["budget"] for row in rows.select(["budget"]).to_pylist()}
+    assert budgets == set(cost.budgets)
+
+
+def test_a_larger_budget_stops_no_object_earlier(measured):
+    rows = select(measured, answer=STOPPING)
+    keys = ["sight", "strategy", "class", "object", "split", "budget"]
+    seconds = rows.sort_by([(key, "ascending") for key in keys]).column("seconds").to_numpy()
+    by_budget = seconds.reshape(-1, len(RUN.cost.budgets))
+    assert (np.diff(by_budget, axis=1) >= 0).all()
+    assert (by_budget[:, 0] < by_budget[:, -1]).any()
+
+
+def test_gaps_sum_to_correct_less_stated(measured):
+    gaps = np.stack(measured.column("gaps").to_pylist()).sum(axis=1)
+    trials = measured.column("trials").to_numpy()
+    right = measured.column("accuracy").to_numpy() * trials
+    stated = right - gaps
+    assert ((stated > 0) & (stated <= trials + 1e-9)).all()

@@ -1,0 +1,67 @@
+"""The rule goes on exactly while a second of touching is expected to bring more than it must."""
+
+import numpy as np
+import pytest
+
+from visuohaptic.studies.looking.stopping import (
+    StoppingRule,
+    expected_gain,
+    learn_pace,
+    rule_of_budget,
+)
+
+# After 0, 1 and 2 touches: four rehearsals, of which 1, 2 and 4 are right.
+CORRECT = np.array([[1, 0, 0, 0], [1, 1, 0, 0], [1, 1, 1, 1]], dtype=bool)
+CONFIDENCE = np.array([[0.5, 0.5, 0.5, 0.5], [0.75, 0.75, 0.75, 0.75], [0.9, 0.9, 0.9, 0.9]])
+
+
+def test_pace_is_the_share_of_doubt_that_the_best_number_of_touches_removes_a_second():
+    # Doubt is 2 at first: one touch of 5 s gains 1, two gain 3; then doubt is 1 and a touch gains 2.
+    assert learn_pace(CORRECT, CONFIDENCE, 5.0) == pytest.approx([1 / 10, 1 / 5, 0.0])
+
+
+def test_touches_that_gain_nothing_have_no_pace():
+    never = np.zeros((3, 4), dtype=bool)
+    assert not learn_pace(never, CONFIDENCE, 5.0).any()
+
+
+def test_certainty_leaves_nothing_to_gain():
+    sure = np.ones((3, 4))
+    pace = learn_pace(np.ones((3, 4), dtype=bool), sure, 5.0)
+    assert np.array_equal(StoppingRule(pace, 0.0).touches(sure), np.zeros(4))
+
+
+def test_the_rule_stops_at_the_first_touch_that_is_not_worth_it():
+    rule = StoppingRule(np.array([0.1, 0.1, 0.0]), worth=0.03)
+    confidence = np.array([[0.9, 0.5, 0.5], [0.9, 0.9, 0.5], [0.9, 0.9, 0.6]])
+    assert rule.touches(confidence).tolist() == [0, 1, 2]
+
+
+def test_a_doubtful_sequence_is_touched_at_least_as_often_as_a_sure_one():
+    generator = np.random.default_rng(3)
+    confidence = np.sort(generator.uniform(size=(5, 200)), axis=0)
+    less = confidence - 0.1
+    pace = np.array([0.05, 0.04, 0.03, 0.02, 0.0])
+    for worth in (0.0, 0.005, 0.02):
+        rule = StoppingRule(pace, worth)
+        assert (rule.touches(less) >= rule.touches(confidence)).all()
+
+
+@pytest.mark.parametrize("most", [0.0, 0.4, 1.0, 1.9, 10.0])
+def test_rehearsals_keep_within_the_budget_and_would_not_with_the_next_lower_worth(most):
+    generator = np.random.default_rng(4)
+    confidence = np.sort(generator.uniform(0.2, 1, size=(4, 50)), axis=0)
+    pace = np.array([0.1, 0.08, 0.05, 0.0])
+    rule = rule_of_budget(pace, confidence, most)
+    assert rule.touches(confidence).mean() <= most
+    lower = expected_gain(pace, confidence)
+    lower = lower[lower < rule.worth]
+    if lower.size:
+        assert StoppingRule(pace, lower.max()).touches(confidence).mean() > most
+
+
+def test_without_a_budget_nothing_is_touched_and_with_all_of_it_all_that_gains():
+    pace = np.array([0.1, 0.1, 0.0])
+    confidence = np.full((3, 4), 0.5)
+    assert not rule_of_budget(pace, confidence, 0.0).touches(confidence).any()
+    assert (rule_of_budget(pace, confidence, 2.0).touches(confidence) == 2).all()
