@@ -7,6 +7,7 @@ from textwrap import fill
 
 import pyarrow as pa
 
+from visuohaptic.pipeline import PHASES
 from visuohaptic.tables.schema import Column, Schema
 from visuohaptic.tables.schemas import SCHEMAS
 
@@ -49,7 +50,7 @@ def _section(schema: Schema) -> str:
         [
             f"## {schema.name}",
             "",
-            fill(f"One row for each {keys}.", 100),
+            fill(f"One row for each {keys}.{_makers(schema.name)}", 100),
             "",
             "| column | type | unit, range | meaning |",
             "|---|---|---|---|",
@@ -57,6 +58,11 @@ def _section(schema: Schema) -> str:
             "",
         ]
     )
+
+
+def _makers(table: str) -> str:
+    names = [f"`{phase.name}`" for phase in PHASES if table in phase.writes]
+    return f" Written by phase {' and '.join(names)}." if names else ""
 
 
 def _row(column: Column) -> str:

@@ -7,7 +7,7 @@ def choose_closest(one, attention, generator):
     """Draw places that the viewpoint sees, and give the closest first."""
     import numpy as np
 
-    from visuohaptic.fixations.probing import draw_visible
+    from visuohaptic.fixations.strategies.visible import draw_visible
 
     seen = draw_visible(one.caster, one.camera, 256, generator)
     distances = np.linalg.norm(seen.points - one.camera.eye, axis=1)

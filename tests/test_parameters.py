@@ -161,6 +161,24 @@ def test_a_value_that_yaml_would_change_is_refused_with_its_line(tmp_path, line,
 
 
 @pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ("seed=1:30", "--config: seed (line 1) is 1:30, which YAML takes for another number"),
+        ("meshes={set: no}", "--config: meshes.set (line 1) is no, which YAML takes for a truth"),
+        ("sensor={reach: 1, reach: 2}", "--config: sensor.reach is in line 1 and again in line 1"),
+    ],
+)
+def test_a_value_of_the_command_line_that_yaml_would_change_is_refused(given, sentence):
+    with pytest.raises(ParameterError, match=re.escape(sentence)):
+        parameters.check_config(given)
+
+
+@pytest.mark.parametrize("given", ["seed=7", 'meshes={"set": "odd"}', "plugins=[a.py]", "a={b"])
+def test_a_value_of_the_command_line_that_is_read_as_written_passes(given):
+    parameters.check_config(given)
+
+
+@pytest.mark.parametrize(
     "value", ["10", "0", "0.5", "-1e-3", "true", "False", '"010"', "'yes'", "null"]
 )
 def test_a_value_that_yaml_reads_as_written_passes(tmp_path, value):

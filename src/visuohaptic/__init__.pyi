@@ -2,6 +2,7 @@ from .attention.registry import Channel as Channel
 from .errors import VisuohapticError as VisuohapticError
 from .exploration.examples import example as example
 from .exploration.exploring import Exploration as Exploration
+from .exploration.exploring import Recognition as Recognition
 from .exploration.exploring import TouchableObject as TouchableObject
 from .exploration.exploring import load as load
 from .exploration.exploring import touch as touch
@@ -11,7 +12,6 @@ from .exploration.pose_files import write_poses as write_poses
 from .exploration.pressing import Pressed as Pressed
 from .exploration.pressing import press as press
 from .exploration.recognising import Recogniser as Recogniser
-from .exploration.recognising import Recognition as Recognition
 from .exploration.recognising import read_recogniser as read_recogniser
 from .features.descriptors import Descriptor as Descriptor
 from .fixations.probing import Strategy as Strategy

@@ -277,6 +277,16 @@ def check_spelling(path: str | Path) -> None:
     _check_node(yaml.compose(text, Loader=yaml.SafeLoader), str(path), "")
 
 
+def check_config(given: str) -> None:
+    """Refuse ``section=value``, as Snakemake's ``--config`` takes it, as `check_spelling` does."""
+    import yaml
+
+    section, _, value = given.partition("=")
+    # What is no YAML is text for Snakemake, and refused as the section's value.
+    with suppress(yaml.YAMLError):
+        _check_node(yaml.compose(value, Loader=yaml.SafeLoader), "--config", section)
+
+
 def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParameters:
     """Check values as `ExperimentParameters.from_mapping` does; its errors name the source."""
     try:

@@ -34,7 +34,7 @@ GIVEN = "VISUOHAPTIC_PLUGINS"
 # By name: what follows imports to find which code a job runs would find all of them behind each.
 _KINDS = {
     "Strategy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
-    "Channel": ("visuohaptic.attention.registry", "add_channel"),
+    "Channel": ("visuohaptic.attention.parameters", "add_channel"),
     "Effect": ("visuohaptic.sensor.effects", "add_effect"),
     "Descriptor": ("visuohaptic.features.descriptors", "DESCRIPTORS.add"),
     "Map": ("visuohaptic.recognition.maps", "MAPS.add"),

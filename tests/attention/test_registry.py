@@ -59,4 +59,4 @@ def test_a_channel_has_either_planes_or_stacks():
 
 def test_two_channels_of_one_name_are_refused():
     with pytest.raises(AttentionError, match="each name is allowed once"):
-        registry._by_name(ENTRIES["edge"], ENTRIES["edge"])
+        registry.by_name(ENTRIES["edge"], ENTRIES["edge"])

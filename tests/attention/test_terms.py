@@ -14,7 +14,7 @@ from visuohaptic.attention import (
     TermWeights,
     attend,
     feature_planes,
-    term_registry,
+    registry,
 )
 from visuohaptic.attention.learnt import read_learnt
 from visuohaptic.attention.terms import SEEN, prepare_surface, term_planes
@@ -191,7 +191,7 @@ def test_other_names_of_weights_are_refused():
 
 def test_two_terms_of_one_name_are_refused():
     with pytest.raises(AttentionError, match="each name is allowed once"):
-        term_registry._by_name(TERMS["centre"], TERMS["centre"])
+        registry.by_name(TERMS["centre"], TERMS["centre"])
 
 
 def test_every_term_names_its_source():

@@ -2,8 +2,8 @@
 
 from recognition.synthetic import features_table
 
-from visuohaptic.model.files import make_model
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.model_files import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import write_table

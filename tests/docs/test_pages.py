@@ -22,6 +22,7 @@ from report.synthetic import lay_out
 
 from visuohaptic.cli.commands import app
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pipeline import OF_OBJECT
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.studies.registry import find_studies
 
@@ -37,9 +38,14 @@ RUN_ELSEWHERE = {"tour.md"}
 FOUND = find_studies(ExperimentParameters(), [ROOT / "studies"]).values()
 STUDIES = {f"study_{study.name}" for study in FOUND}
 STUDIES |= {f"{study.name}_all" for study in FOUND if study.is_coded}
-RULES = STUDIES | set(
-    re.findall(
-        r"^rule (\w+):", "".join(f.read_text() for f in ROOT.glob("workflow/rules/*.smk")), re.M
+OF_PHASES = {name for phase in OF_OBJECT for name in (phase.name, f"{phase.name}_all")}
+RULES = (
+    STUDIES
+    | OF_PHASES
+    | set(
+        re.findall(
+            r"^rule (\w+):", "".join(f.read_text() for f in ROOT.glob("workflow/rules/*.smk")), re.M
+        )
     )
 )
 

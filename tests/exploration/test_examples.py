@@ -5,7 +5,7 @@ import pytest
 import visuohaptic as vh
 from visuohaptic.errors import MeshError
 from visuohaptic.exploration.examples import FOLDER, examples
-from visuohaptic.exploration.recognising import _TOUCHING_SECTIONS, PACKAGED_MODEL
+from visuohaptic.exploration.recognising import PACKAGED_MODEL, touching_sections
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.parameters import ExperimentParameters
 
@@ -32,8 +32,8 @@ def test_the_packages_model_learnt_no_example(recogniser):
 
 
 def test_the_packages_model_learnt_from_touches_by_the_default_parameters(recogniser):
-    default = ExperimentParameters().model_dump(include=set(_TOUCHING_SECTIONS))
-    assert recogniser.parameters.model_dump(include=set(_TOUCHING_SECTIONS)) == default
+    default = ExperimentParameters().model_dump(include=touching_sections())
+    assert recogniser.parameters.model_dump(include=touching_sections()) == default
 
 
 @pytest.mark.slow

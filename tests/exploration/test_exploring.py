@@ -10,22 +10,17 @@ import numpy as np
 import pytest
 import trimesh
 from cli.models import fit_on_nonsense
+from phases_by_files import run_phases
 from source_folders import PYTHONPATH
 
 import visuohaptic as vh
 from visuohaptic.errors import MeshError, ParameterError, RecognitionError
-from visuohaptic.features.files import make_features
-from visuohaptic.fixations.files import make_fixations
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.phases import wanted_of
 from visuohaptic.recognition import select
 from visuohaptic.recognition.stored_models import load_model, save_model
-from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES, VIEWS
-from visuohaptic.tables.schema import read_table
-from visuohaptic.touches.files import make_touches
 
 ROOT = Path(__file__).parents[2]
 SMALL = ExperimentParameters.from_mapping(
@@ -45,34 +40,7 @@ def tables_of_the_workflow(key, source, folder, parameters):
         model for model in read_catalogue(ROOT / "meshes/catalogue.csv") if model.key == key
     )
     make_mesh(key, model, source, folder / "mesh.ply", parameters.meshes)
-    make_fixations(
-        meshes={key: folder / "mesh.ply"},
-        fixations=folder / "fixations.parquet",
-        views=folder / "views.parquet",
-        effects=folder / "effects_of_view.parquet",
-        block=range(parameters.viewpoints.total),
-        viewpoints=parameters.viewpoints,
-        rendering=parameters.rendering,
-        attention=parameters.attention,
-        strategies=parameters.probing.strategies,
-        modes=parameters.scene.effects,
-        seed=parameters.seed,
-    )
-    make_touches(
-        {key: folder / "mesh.ply"},
-        folder / "fixations.parquet",
-        folder / "touches.parquet",
-        folder / "effects.parquet",
-        parameters.sensor,
-        parameters.scene,
-        parameters.seed,
-        wanted_of(parameters),
-    )
-    make_features(folder / "touches.parquet", folder / "features.parquet", parameters.features)
-    schemas = (VIEWS, FIXATIONS, TOUCHES, FEATURES)
-    return {
-        schema.name: read_table(schema, folder / f"{schema.name}.parquet") for schema in schemas
-    }
+    return run_phases(key, folder / "mesh.ply", folder, parameters)
 
 
 @pytest.mark.slow

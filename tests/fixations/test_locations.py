@@ -8,13 +8,16 @@ import trimesh
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.errors import RegistryError
-from visuohaptic.fixations.locations import Standpoint, candidate_table, locate, look
+from visuohaptic.fixations.locations import candidate_table, locate
+from visuohaptic.fixations.looking import Standpoint, attend_to
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.probing import STRATEGIES, draw_by_area, face_outwards, spread_far
+from visuohaptic.fixations.places import draw_by_area, face_outwards
+from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.strategies.farthest_point import spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.scene.parameters import EffectModes
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import FIXATIONS, SPARE
 from visuohaptic.tables.schema import check_table, matrix
@@ -34,7 +37,8 @@ def caster():
 def looks_of(caster, block=(0, 1, 2), **changes):
     placed = place_cameras(ViewpointParameters(count=4, **changes))
     cameras = {number: placed[number] for number in block}
-    return look(caster, "box/brick", cameras, RENDERING, ATTENTION, EffectModes())
+    seen = render_views(caster, list(cameras.values()), RENDERING)
+    return attend_to(seen, caster, "box/brick", cameras, ATTENTION)
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES.names)
@@ -84,7 +88,8 @@ def test_fewer_touches_are_the_first_of_more(caster, strategy):
     one = looks_of(caster, block=(1,))[0]
     shorter = AttentionParameters(fixations=3)
     placed = place_cameras(ViewpointParameters(count=4))
-    again = look(caster, "box/brick", {1: placed[1]}, RENDERING, shorter, EffectModes())[0]
+    seen = render_views(caster, [placed[1]], RENDERING)
+    again = attend_to(seen, caster, "box/brick", {1: placed[1]}, shorter)[0]
     few, many = locate(again, strategy, shorter, 3), locate(one, strategy, ATTENTION, 3)
     assert few.num_rows > 3
     assert few.equals(many.slice(0, 3 + SPARE))

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from visuohaptic.fixations.outline import follow_outline, outline_pixels
+from visuohaptic.fixations.strategies.contour import follow_outline, outline_pixels
 
 SIZE = 64
 ROWS, COLUMNS = np.mgrid[:SIZE, :SIZE]

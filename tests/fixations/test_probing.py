@@ -5,13 +5,9 @@ import pytest
 import trimesh
 
 from visuohaptic.fixations.parameters import ViewpointParameters
-from visuohaptic.fixations.probing import (
-    draw_by_area,
-    draw_visible,
-    farthest_order,
-    sees,
-    spread_far,
-)
+from visuohaptic.fixations.places import draw_by_area, sees
+from visuohaptic.fixations.strategies.farthest_point import farthest_order, spread_far
+from visuohaptic.fixations.strategies.visible import draw_visible
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface

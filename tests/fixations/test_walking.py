@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from visuohaptic.fixations.walking import STEP, walk
+from visuohaptic.fixations.strategies.random_walk import STEP, walk
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 

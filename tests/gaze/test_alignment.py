@@ -3,7 +3,7 @@ import pytest
 import trimesh
 
 from visuohaptic.errors import GazeError
-from visuohaptic.fixations.probing import draw_by_area
+from visuohaptic.fixations.places import draw_by_area
 from visuohaptic.gaze.alignment import align, grey_surface, reconstruct
 from visuohaptic.gaze.recordings import Recording
 from visuohaptic.geometry.raycasting import RayCaster

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from numerics.surfaces import of_trimesh
 
-from visuohaptic.fixations.probing import draw_by_area
+from visuohaptic.fixations.places import draw_by_area
 from visuohaptic.guards.areas import LEAST, coordinates, guard_areas
 
 TORUS = of_trimesh(trimesh.creation.torus(0.6, 0.25, 24, 12))

@@ -7,17 +7,14 @@ import numpy as np
 from recognition.synthetic import features_table, with_column
 
 import visuohaptic as vh
-from visuohaptic.features.describing import describe_touches
-from visuohaptic.fixations.locations import locate_all
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import as_stored
 from visuohaptic.parameters import as_parameters
-from visuohaptic.phases import look_from
+from visuohaptic.pipeline import OF_OBJECT, run
 from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.tables.phases import IMPRINT_FEATURES
-from visuohaptic.touches.choosing import Wanted
-from visuohaptic.touches.touching import acquire_touches
 
 STRATEGIES = (
     "fixation", "random", "random_visible", "random_walk", "farthest_point", "curvature", "human",
@@ -31,19 +28,16 @@ def object_arrays(path):
     """Give every phase's arrays of one object, by phase and column."""
     found = vh.load(path)
     surface = as_stored(found.surface)
-    chosen = as_parameters({"viewpoints.count": VIEWPOINTS})
+    chosen = as_parameters({"viewpoints.count": VIEWPOINTS, "probing.strategies": STRATEGIES})
     caster = RayCaster(surface)
     yield "surface", {"vertices": surface.vertices, "faces": surface.faces}
     yield "rays", ray_arrays(caster)
-    looks = look_from(caster, found.key, chosen, range(VIEWPOINTS))
-    yield "views", {name: getattr(looks[0].seen, name) for name in SEEN}
-    yield "saliency", {"saliency": np.stack([one.attended.saliency for one in looks])}
-    located = locate_all(looks, STRATEGIES, chosen.attention, chosen.seed)
-    yield "fixations", columns_of(located)
-    wanted = Wanted(chosen.attention.fixations)
-    touches, _ = acquire_touches(caster, located, chosen.sensor, chosen.scene, chosen.seed, wanted)
-    yield "touches", columns_of(touches)
-    yield "features", columns_of(describe_touches(touches, chosen.features))
+    subject = Subject(found.key, lambda: caster, range(VIEWPOINTS))
+    sight = OF_OBJECT[0].run(subject, {}, chosen)
+    yield "views", {name: getattr(sight.seen, name) for name in SEEN}
+    yield "saliency", {"saliency": np.stack([one.attended.saliency for one in sight.looks])}
+    for name, table in run(subject, chosen, {"fixations": sight.fixations}).items():
+        yield name, columns_of(table)
 
 
 def ray_arrays(caster):

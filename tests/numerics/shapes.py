@@ -4,29 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
+from phases_by_files import run_phases
 
-from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.features.files import make_features
-from visuohaptic.features.parameters import FeatureParameters
-from visuohaptic.fixations.files import make_fixations
-from visuohaptic.fixations.parameters import (
-    ProbingParameters,
-    RenderingParameters,
-    ViewpointParameters,
-)
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.scene.parameters import EffectModes, Scene
-from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES
-from visuohaptic.tables.schema import read_table
-from visuohaptic.touches.choosing import Wanted, touched_places
-from visuohaptic.touches.files import make_touches
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.touches.choosing import touched_places
 
-# Places out of reach are hard cases.
-KEEP = Wanted(AttentionParameters().fixations, unreachable="keep")
-VIEWPOINTS = ViewpointParameters(count=4)
+VIEWPOINTS = 4
 
 
 def hard_meshes(generator):
@@ -135,36 +121,15 @@ def write_obj(path, vertices, faces):
 def run_chain(source, folder, seed=7, resolution=64, block=(0, 1, 2, 3), name="mesh"):
     """Go from a model file to the feature table; give the three tables, read back and checked."""
     make_mesh("hard/mesh", Model("hard", "mesh"), source, folder / f"{name}.ply", MeshParameters())
-    make_fixations(
-        meshes={"hard/mesh": folder / f"{name}.ply"},
-        fixations=folder / f"{name}-fixations.parquet",
-        views=folder / f"{name}-views.parquet",
-        effects=folder / f"{name}-effects.parquet",
-        block=list(block),
-        viewpoints=VIEWPOINTS,
-        rendering=RenderingParameters(resolution=resolution),
-        attention=AttentionParameters(),
-        strategies=ProbingParameters().strategies,
-        modes=EffectModes(),
-        seed=seed,
+    parameters = ExperimentParameters.from_mapping(
+        {
+            "seed": seed,
+            "viewpoints": {"count": VIEWPOINTS},
+            "rendering": {"resolution": resolution},
+            # Places out of reach are hard cases.
+            "probing": {"unreachable": "keep"},
+        }
     )
-    make_touches(
-        {"hard/mesh": folder / f"{name}.ply"},
-        folder / f"{name}-fixations.parquet",
-        folder / f"{name}-touches.parquet",
-        folder / f"{name}-books.parquet",
-        SensorParameters(),
-        Scene(),
-        seed,
-        KEEP,
-    )
-    make_features(
-        folder / f"{name}-touches.parquet", folder / f"{name}-features.parquet", FeatureParameters()
-    )
-    touches = read_table(TOUCHES, folder / f"{name}-touches.parquet")
-    located = read_table(FIXATIONS, folder / f"{name}-fixations.parquet")
-    return {
-        "fixations": touched_places(located, touches),
-        "touches": touches,
-        "features": read_table(FEATURES, folder / f"{name}-features.parquet"),
-    }
+    found = run_phases("hard/mesh", folder / f"{name}.ply", folder / name, parameters, block)
+    located = touched_places(found["fixations"], found["touches"])
+    return {"fixations": located, "touches": found["touches"], "features": found["features"]}

@@ -22,8 +22,8 @@ def test_blocks_of_viewpoints_in_any_order_give_the_same_tables(hold, tmp_path, 
     whole = run_chain(source, tmp_path, name="whole")
     generator = np.random.default_rng(rounds)
     for _ in range(rounds):
-        order = generator.permutation(VIEWPOINTS.total)
-        cuts = np.sort(generator.integers(1, VIEWPOINTS.total, 2))
+        order = generator.permutation(VIEWPOINTS)
+        cuts = np.sort(generator.integers(1, VIEWPOINTS, 2))
         blocks = [sorted(block.tolist()) for block in np.split(order, cuts) if len(block)]
         parts = [run_chain(source, tmp_path, block=block, name="part") for block in blocks]
         for name, table in whole.items():

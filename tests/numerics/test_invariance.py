@@ -24,7 +24,7 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.features.describing import describe_imprints
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import ViewpointParameters
-from visuohaptic.fixations.probing import draw_by_area
+from visuohaptic.fixations.places import draw_by_area
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface, read_surface

@@ -12,9 +12,10 @@ from stability.errors import plant
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.phases import find_locations, touch_at
+from visuohaptic.pipeline import run
 from visuohaptic.stability import objects
 from visuohaptic.stability.object_files import make_object_stability
 from visuohaptic.stability.objects import SensedObject, check_object
@@ -31,10 +32,9 @@ PARAMETERS = ExperimentParameters.from_mapping(
 @pytest.fixture(scope="module")
 def sensed():
     surface = normalise(of_trimesh(trimesh.creation.torus(0.6, 0.25, 24, 16)), "torus")
-    caster = RayCaster(surface)
-    located = find_locations(caster, "ring/torus", PARAMETERS)
-    touches = touch_at(caster, located, PARAMETERS)
-    located = touched_places(located, touches)
+    made = run(Subject("ring/torus", lambda: RayCaster(surface), range(2)), PARAMETERS)
+    touches = made["touches"]
+    located = touched_places(made["fixations"], touches)
     attention, sensor, scene = PARAMETERS.attention, PARAMETERS.sensor, PARAMETERS.scene
     return SensedObject(surface, located, touches, attention, sensor, scene, PARAMETERS.seed)
 

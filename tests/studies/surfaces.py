@@ -1,16 +1,17 @@
 """A few small objects of two classes, and what a small run makes of them."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import trimesh
 
-from visuohaptic.features.describing import describe_touches
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, object_of, read_surface, write_surface
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.phases import find_locations, touch_at
+from visuohaptic.pipeline import run
 from visuohaptic.studies.measuring import Sources
 from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES
 from visuohaptic.tables.schema import write_table
@@ -55,16 +56,16 @@ def surface_of(mesh):
     return Surface(vertices / np.linalg.norm(vertices, axis=1).max(), faces, colours)
 
 
-def run_tables(surfaces, run=RUN):
+def run_tables(surfaces, parameters=RUN):
     """Give the locations, touches and features that a run would have made."""
-    located, touched, described = [], [], []
-    for key, surface in surfaces.items():
-        caster = RayCaster(surface)
-        located.append(find_locations(caster, key, run))
-        touched.append(touch_at(caster, located[-1], run))
-        described.append(describe_touches(touched[-1], run.features))
+    viewpoints = range(parameters.viewpoints.total)
+    made = [
+        run(Subject(key, partial(RayCaster, surface), viewpoints), parameters)
+        for key, surface in surfaces.items()
+    ]
     keys = [(key, "ascending") for key in FEATURES.keys]
-    return [pa.concat_tables(tables).sort_by(keys) for tables in (located, touched, described)]
+    names = ("fixations", "touches", "features")
+    return [pa.concat_tables(one[name] for one in made).sort_by(keys) for name in names]
 
 
 def write_sources(folder, surfaces, run=RUN):

@@ -9,7 +9,7 @@ import trimesh
 from recognition.synthetic import features_table
 from studies.surfaces import RUN, small_surfaces, surface_of, write_sources
 
-from visuohaptic import phases, recognition
+from visuohaptic import pipeline, recognition
 from visuohaptic.errors import ParameterError, RecognitionError
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.recognition.sequences import whole_sequences
@@ -201,7 +201,7 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
     def refuse(*_):
         raise ParameterError("sensor.resolution is 8: this sensor can't be described.")
 
-    monkeypatch.setattr(phases, "describe_at", refuse)
+    monkeypatch.setattr(pipeline, "run", refuse)
     sources, features = run
     conditions = (
         Condition("as run", {**ALONE}),

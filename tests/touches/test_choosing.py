@@ -5,7 +5,7 @@ import pyarrow as pa
 import pytest
 
 from visuohaptic.fixations.locations import location_table
-from visuohaptic.fixations.probing import ProbingLocations
+from visuohaptic.fixations.places import ProbingLocations
 from visuohaptic.sensor import SensorParameters
 from visuohaptic.tables.phases import FIXATIONS, SPARE
 from visuohaptic.tables.schema import check_table

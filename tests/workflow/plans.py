@@ -82,7 +82,7 @@ CHANGES = {
     "touched files": Change(
         files=dict.fromkeys(
             ("params.yaml", OTHER_MESH, CATALOGUE, "Snakefile", "workflow/rules/common.smk",
-             "workflow/scripts/features.py", "src/visuohaptic/features/describing.py"),
+             "workflow/scripts/phase.py", "src/visuohaptic/features/describing.py"),
             same,
         )
     ),
@@ -107,7 +107,7 @@ CHANGES = {
     "a credit": Change(
         files={"meshes/paper/credits.csv": cells(("bsby_chair3", "licence", "CC0-1.0"))}
     ),
-    "a script": module("workflow/scripts/features.py"),
+    "a script": module("workflow/scripts/recognition.py"),
     "meshes/preparing": module("src/visuohaptic/meshes/preparing.py"),
     "attention/saliency": module("src/visuohaptic/attention/saliency.py"),
     "sensor/placing": module("src/visuohaptic/sensor/placing.py"),

@@ -44,16 +44,19 @@ with job(snakemake):
 '''
 MODULES = {
     "features": "visuohaptic.features.describing",
-    "touches": "visuohaptic.scene.parameters",
+    "touches": "visuohaptic.touches.touching",
     "recognition": "visuohaptic.recognition.sequences",
 }
-"""A module that each script imports, and through it real ones, with the packages that these import."""
+"""A module that each phase runs, and through it real ones, with the packages that these import."""
 
 
 def stand_in(name, version=0):
     """Give the script that stands in for one of the workflow's."""
     text = STAND_IN.replace("VERSION = 0", f"VERSION = {version}")
-    if name in MODULES:
+    if name == "phase":
+        named = "import_module(snakemake.params.work.partition(':')[0])"
+        text = text.replace("code = None", f"from importlib import import_module\n\ncode = {named}")
+    if name == "recognition":
         text = text.replace("code = None", f"import {MODULES[name]} as code")
     return text
 

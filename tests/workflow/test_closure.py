@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pipeline import OF_OBJECT, PHASES
 from visuohaptic.plugins import PlugIn
-from visuohaptic_workflow.closure import code_of, with_plug_ins
+from visuohaptic_workflow.closure import Start, code_of, with_plug_ins
 
 ROOT = Path(__file__).parents[2]
 FILES = {
@@ -39,7 +41,7 @@ def source(tmp_path_factory):
 def code(source, folder, text):
     script = folder / "script.py"
     script.write_text(text)
-    found = code_of(script, (source,))
+    found = code_of(Start(script), (source,))
     names = {str(file.relative_to(source / "toyhand")) for file in found.files if file != script}
     assert script in found.files
     return names, found.versions
@@ -73,7 +75,7 @@ def test_a_plug_in_is_code_of_the_scripts_that_run_what_it_registered_with(
     for text, homes in (("import toyhand.a", 2), ("import toyhand.c", 1), ("import toyhand.d", 0)):
         script.write_text(text)
         code_of.cache_clear()
-        plain = code_of(script, (source,))
+        plain = code_of(Start(script), (source,))
         found = with_plug_ins(plain, [mine, installed], (source,))
         added = {str(file) for file in set(found.files) - set(plain.files)}
         assert added == (
@@ -85,9 +87,59 @@ def test_a_plug_in_is_code_of_the_scripts_that_run_what_it_registered_with(
         assert found.versions.get("pytest") == (version("pytest") if homes == 2 else None)
 
 
-@pytest.mark.parametrize("name", ["features", "report"])
-def test_a_phase_runs_its_own_modules_and_not_what_runs_jobs(name):
-    sources = (ROOT / "src", ROOT / "workflow/lib")
-    files = {str(file) for file in code_of(ROOT / f"workflow/scripts/{name}.py", sources).files}
-    assert str(ROOT / f"src/visuohaptic/{name}/files.py") in files
-    assert str(ROOT / "workflow/lib/visuohaptic_workflow/jobs.py") not in files
+SOURCES = (ROOT / "src", ROOT / "workflow/lib", ROOT / "packages/contourlets/src")
+
+
+def files_of(start):
+    return {str(file.relative_to(ROOT)) for file in code_of(start, SOURCES).files}
+
+
+def code_of_phase(phase, parameters):
+    chosen = tuple(phase.chosen_modules(parameters).items())
+    script = ROOT / "workflow/scripts/phase.py"
+    return files_of(Start(script, (phase.work.module,), chosen))
+
+
+@pytest.mark.parametrize("phase", OF_OBJECT, ids=lambda phase: phase.name)
+def test_a_phase_runs_its_own_code_and_not_that_of_other_phases_or_of_jobs(phase):
+    files = code_of_phase(phase, ExperimentParameters())
+    others = {one.name for one in PHASES} - {phase.name}
+    folders = {Path(file).parts[2] for file in files if file.startswith("src/visuohaptic/")}
+    assert phase.name in folders
+    assert not folders & others
+    assert not {"src/visuohaptic/pipeline.py", "src/visuohaptic/parameters.py"} & files
+    assert "workflow/lib/visuohaptic_workflow/jobs.py" not in files
+
+
+def test_a_strategy_is_code_of_the_runs_alone_that_use_it():
+    fixations = OF_OBJECT[0]
+    folder = "src/visuohaptic/fixations/strategies/"
+    for strategies, modules in (
+        (["fixation", "random"], {"fixation", "anywhere"}),
+        (["curvature"], {"curvature"}),
+        (["random_walk", "contour"], {"random_walk", "contour"}),
+    ):
+        parameters = ExperimentParameters.from_mapping({"probing": {"strategies": strategies}})
+        files = code_of_phase(fixations, parameters)
+        used = {file for file in files if file.startswith(folder)}
+        assert used == {f"{folder}{name}.py" for name in {"__init__", *modules}}
+
+
+def test_functions_by_their_names_are_code_of_what_names_them():
+    files = files_of(Start(ROOT / "workflow/scripts/study_features.py"))
+    strategies = ROOT.glob("src/visuohaptic/fixations/strategies/*.py")
+    assert files >= {str(file.relative_to(ROOT)) for file in strategies}
+    assert "src/visuohaptic/touches/touching.py" in files
+
+
+def test_the_classifiers_are_code_of_recognition_and_of_no_phase_before():
+    support_vector_machine = "src/visuohaptic/recognition/classifiers.py"
+    assert support_vector_machine in files_of(Start(ROOT / "workflow/scripts/recognition.py"))
+    for phase in OF_OBJECT:
+        assert support_vector_machine not in code_of_phase(phase, ExperimentParameters())
+
+
+def test_the_report_runs_its_own_modules_and_not_what_runs_jobs():
+    files = files_of(Start(ROOT / "workflow/scripts/report.py"))
+    assert "src/visuohaptic/report/files.py" in files
+    assert "workflow/lib/visuohaptic_workflow/jobs.py" not in files

@@ -8,7 +8,7 @@ from workflow.conftest import Experiment
 
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.one_run import FolderInUseError, check_writable, claim_folder
-from visuohaptic_workflow.planning import triggers_asked_for
+from visuohaptic_workflow.planning import values_of_option
 
 process = pytest.mark.workflow
 
@@ -29,7 +29,7 @@ while len(list(Path().glob("started-*"))) < 8:
 @process
 def test_eight_jobs_run_at_a_time(fresh_stand_in):
     fresh_stand_in.set(workflow={"views_per_job": 1, "objects_per_job": 1})
-    script = fresh_stand_in.folder / "workflow/scripts/fixations.py"
+    script = fresh_stand_in.folder / "workflow/scripts/phase.py"
     script.write_text(WAITS_FOR_SEVEN_OTHERS + script.read_text())
     fresh_stand_in.run("snakemake", "-j8", "--until", "fixations")
 
@@ -106,4 +106,4 @@ def test_what_can_not_be_planned_is_one_sentence(fresh_stand_in, sensor, options
     ],
 )
 def test_triggers_are_read_however_they_are_written(arguments, asked):
-    assert triggers_asked_for(arguments) == asked
+    assert set(values_of_option(arguments, "--rerun-triggers")) == asked

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from visuohaptic_workflow.closure import Code
+from visuohaptic_workflow.closure import Code, Start
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.keys import Job, Keys, read_record
 from visuohaptic_workflow.leftovers import put_aside
@@ -31,14 +31,16 @@ class Run:
             self.job("mesh", "look.py", ("model.obj",), ("mesh.ply",), {}),
             self.job("touch", "touch.py", ("mesh.ply",), ("touch.parquet",), self.parameters),
         ]
-        find_code = lambda script: Code((script,), self.versions)  # noqa: E731
+        find_code = lambda start: Code((start.script,), self.versions)  # noqa: E731
         return Keys(jobs, find_code, Digests(), Path.cwd())
 
     @staticmethod
     def job(rule, script, inputs, tables, parameters):
         record = f"{rule}.json"
         outputs = (*tables, record)
-        return Job(rule, {}, Path(script).absolute(), inputs, outputs, record, lambda: parameters)
+        return Job(
+            rule, {}, Start(Path(script).absolute()), inputs, outputs, record, lambda: parameters
+        )
 
     def make(self, *rules):
         keys = self.keys()

@@ -51,8 +51,9 @@ def test_the_plain_command_goes_on_after_a_run_was_ended(
 def at_work(stand_in):
     """An experiment whose run is in the middle of its jobs."""
     stand_in.run("git", "init", "-q")
-    script = stand_in.folder / "workflow/scripts/features.py"
-    script.write_text(f"import time\nopen('begun', 'w')\ntime.sleep(60)\n{script.read_text()}")
+    module = stand_in.folder / "src/visuohaptic/features/describing.py"
+    waits = "import time\nopen('begun', 'w')\ntime.sleep(60)\n"
+    module.write_text(f"{module.read_text()}\n{waits}")
     process = stand_in.start("snakemake", "-j2")
     wait_for((stand_in.folder / "begun").exists)
     yield stand_in

@@ -34,7 +34,7 @@ FIRST = {
     "columns of the shape": ("meshes", 2),
     "other columns": ("report", 1),
     "a credit": ("report", 1),
-    "a script": ("features", 2),
+    "a script": ("recognition", 2),
     "meshes/preparing": ("meshes", 2),
     "attention/saliency": ("fixations", 2),
     "sensor/placing": ("touches", 2),

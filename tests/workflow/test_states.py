@@ -120,7 +120,7 @@ def test_results_and_logs_of_a_deleted_object_go(stand_in):
 
 
 def test_code_edited_while_a_job_runs_certifies_nothing(stand_in):
-    script = stand_in.folder / "workflow/scripts/features.py"
+    script = stand_in.folder / "workflow/scripts/phase.py"
     whole = script.read_text()
     module = stand_in.folder / MODULE
     edit = f"    with open({str(module)!r}, 'a') as stream:\n        stream.write('# edited')\n"

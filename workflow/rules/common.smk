@@ -25,14 +25,15 @@ from visuohaptic.meshes.catalogue import (
 from visuohaptic.parameters import (
     ExperimentParameters,
     check_run,
+    check_config,
     check_spelling,
 )
+from visuohaptic.pipeline import OF_OBJECT, phase as phase_of
 from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
-from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.whole_files import write_whole
 from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.closing import lines_at_end
-from visuohaptic_workflow.closure import code_of, with_plug_ins
+from visuohaptic_workflow.closure import Start, code_of, with_plug_ins
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.keys import Keys, read_record
@@ -47,7 +48,7 @@ from visuohaptic_workflow.planning import (
     Declared,
     fill,
     plan_jobs,
-    triggers_asked_for,
+    values_of_option,
 )
 from visuohaptic_workflow.records import PREFIX
 from visuohaptic_workflow.why import ASKED, answer
@@ -62,7 +63,7 @@ IS_PLANNER = os.environ.setdefault("VISUOHAPTIC_RUN", HERE) == HERE
 IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None
 if IS_KEYED and IS_PLANNER:
     os.environ[PREFIX] = sys.prefix
-    if triggers_asked_for(sys.argv) - {"mtime"}:
+    if set(values_of_option(sys.argv, "--rerun-triggers")) - {"mtime"}:
         raise WorkflowError(
             "Keys decide what runs here, and Snakemake's other reasons would run it again for ever: "
             "leave out --rerun-triggers, or say --rerun-triggers mtime."
@@ -101,18 +102,15 @@ configfile: shipped("params.yaml")
 # Those of a workflow that uses this one as a module are its own matter.
 for file in workflow.configfiles if IS_MAIN else []:
     or_stop(check_spelling, file)
+if IS_MAIN and IS_PLANNER:
+    for given in values_of_option(sys.argv, "--config", "-C"):
+        or_stop(check_config, given)
 # Before anything is checked by the names that they register; jobs load them as the package is imported.
 or_stop(load_installed)
 or_stop(load_files, config.get("plugins", []))
 hand_on()
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
-# Of each sequence of touches.
-WANTED = {
-    "touches": PARAMETERS.attention.fixations,
-    "unreachable": PARAMETERS.probing.unreachable,
-    "when_exhausted": PARAMETERS.probing.when_exhausted,
-}
 CATALOGUED = {
     model.key: model
     for model in or_stop(
@@ -239,14 +237,18 @@ DECLARED = {}
 VALUES_OF_RULES = {}
 # Records of studies that are left as they are.
 KEPT_RECORDS = set()
-# What the jobs of this run are told: in the process that plans it, and in those of other machines, which read it.
+# What the jobs of this run are given: in the process that plans it, and in those of other machines, which read it.
 GIVEN_FILE = Path("logs/given.json")
 GIVEN = {}
 
 
-def takes(name, script, check=None, **inputs):
-    """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits."""
-    DECLARED[name] = Declared(ROOT / "workflow/scripts" / script, inputs)
+def takes(name, script, check=None, runs=(), chosen=(), **inputs):
+    """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits.
+
+    The script `runs` modules of which it does not know; of registries the entries count that are `chosen`.
+    """
+    start = Start(ROOT / "workflow/scripts" / script, tuple(runs), tuple(chosen))
+    DECLARED[name] = Declared(start, inputs)
 
     def chosen(wildcards):
         if check is not None:
@@ -282,7 +284,7 @@ def keep_times_out(item):
 def code_of_rule(name):
     """List the files of code that a rule runs, as inputs."""
     return in_clone(
-        os.path.relpath(file) for file in find_code(DECLARED[name].script).files
+        os.path.relpath(file) for file in find_code(DECLARED[name].start).files
     )
 
 
@@ -307,10 +309,10 @@ def keys():
 
 
 @cache
-def find_code(script):
-    """Find what a script runs, plug-ins among it."""
+def find_code(start):
+    """Find what a job runs, plug-ins among it."""
     sources = (*SOURCES, *(folder for folder in STUDY_FOLDERS if folder.is_dir()))
-    return with_plug_ins(code_of(script, sources), loaded(), sources)
+    return with_plug_ins(code_of(start, sources), loaded(), sources)
 
 
 def packed_code(wildcards):

@@ -89,9 +89,9 @@ rule meshes:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        **phase_of("meshes").written_values(PARAMETERS),
         key=key_of_rule("meshes"),
         models=models_of,
-        meshes=PARAMETERS.meshes.model_dump(exclude={"set"}),
     message:
         "preparing {wildcards.objects} and others"
     script:

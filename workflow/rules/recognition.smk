@@ -28,11 +28,8 @@ rule recognition:
     conda:
         "../envs/visuohaptic.yaml"
     params:
+        **phase_of("recognition").written_values(PARAMETERS),
         key=key_of_rule("recognition"),
-        recognition=PARAMETERS.recognition.model_dump(
-            exclude={"pipelines", "intervals"}
-        ),
-        seed=PARAMETERS.seed,
     message:
         "training and testing on touches by {wildcards.strategy}, pipeline {wildcards.pipeline}"
     script:

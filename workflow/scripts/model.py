@@ -1,6 +1,6 @@
-"""Fit and keep the model that names objects of which the run knows nothing."""
+"""Fit and keep the model that classifies objects of which the run knows nothing."""
 
-from visuohaptic.model.files import make_model
+from visuohaptic.recognition.model_files import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job
 

@@ -401,13 +401,8 @@ def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
 class _GaborPair:
     """A pair of Gabor filters as sums of products of a row and a column, and the pair mirrored at a column.
 
-    Attributes
-    ----------
-    across, down : tuple of numpy.ndarray
-        Shape (n,), float32: the cosine and the sine of the wave in a row and in a column, by the Gaussian.
-    scales : tuple of numpy.ndarray
-        Shape (3,), float32, of the pair, then of the mirrored one: 1 / norm of the even filter, its mean,
-        1 / norm of the odd one.
+    `across` and `down` are the cosine and the sine of the wave, by the Gaussian; `scales`, of the pair and of
+    the mirrored one, 1 / norm of the even filter, its mean, and 1 / norm of the odd one.
     """
 
     across: tuple[Plane, Plane]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import (
@@ -13,8 +14,9 @@ from pydantic import (
 )
 from pydantic.fields import FieldInfo
 
+from .errors import AttentionError
 from .learnt import read_learnt
-from .registry import ENTRIES, Channel, channel
+from .registry import ENTRIES, Channel, add, channel
 from .term_registry import TERMS
 
 CHANNELS = ENTRIES.keys()
@@ -97,14 +99,28 @@ else:
     )
 
 
-def grow_weights(entry: Channel) -> None:
-    """Give a channel that is added its weight, in all parameters that are made from now on."""
+_SOURCES: dict[str, str] = {}
+
+
+def add_channel(entry: Channel, source: str) -> None:
+    """Add a channel of a plug-in, and its weight in all parameters that are made from now on.
+
+    One that the same source added before is replaced. Raises `AttentionError` if its name is taken, or
+    can't be one.
+    """
+    taken = entry.name in ENTRIES and _SOURCES.get(entry.name) != source
+    if taken or not re.fullmatch("[a-z_]+", entry.name):
+        raise AttentionError(
+            f"{entry.name!r} can't name a channel; letters a to z and _ are allowed, and each name once."
+        )
     weight = Field(entry.weight, ge=0.0, description=entry.description)
     ChannelWeights.__pydantic_fields__[entry.name] = FieldInfo.from_annotated_attribute(
         float, weight
     )
     for model in (ChannelWeights, AttentionParameters):
         model.model_rebuild(force=True)
+    add(entry)
+    _SOURCES[entry.name] = source
 
 
 def _or_a_name(schema: dict[str, Any]) -> None:

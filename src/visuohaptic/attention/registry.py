@@ -6,18 +6,21 @@ weights can be checked without.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import Any, Literal, Protocol, TypeVar
 
 from .errors import AttentionError
 
-if TYPE_CHECKING:
-    from .channels import Stack, WorkingView
-    from .parameters import AttentionParameters
-    from .pyramid import Plane
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+Entry = TypeVar("Entry", bound=_Named)
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,8 @@ class Channel:
 
     name: str
     description: str
-    planes: Callable[[WorkingView, AttentionParameters], list[Plane]] | None = None
-    stacks: Callable[[WorkingView, AttentionParameters], list[Stack]] | None = None
+    planes: Callable[..., list[Any]] | None = None
+    stacks: Callable[..., list[Any]] | None = None
     count: int = 1
     two_sided: bool = False
     needs: Literal["hues", "colours", "curvature"] | None = None
@@ -70,94 +73,50 @@ def channel(name: str) -> Channel:
     return ENTRIES[name]
 
 
-def add_channel(entry: Channel, source: str) -> None:
-    """Add a channel of a plug-in, the last one; one that the same source added before is replaced.
-
-    Raises `AttentionError` if its name is taken, or can't be one.
-    """
-    taken = entry.name in ENTRIES and _SOURCES.get(entry.name) != source
-    if taken or not re.fullmatch("[a-z_]+", entry.name):
-        raise AttentionError(
-            f"{entry.name!r} can't name a channel; letters a to z and _ are allowed, and each name once."
-        )
-    from .parameters import grow_weights
-
-    grow_weights(entry)
-    _ENTRIES[entry.name], _SOURCES[entry.name] = entry, source
+def add(entry: Channel) -> None:
+    """Add a channel, the last one, or replace the one of its name."""
+    _ENTRIES[entry.name] = entry
 
 
-def _by_name(*channels: Channel) -> dict[str, Channel]:
-    names = [entry.name for entry in channels]
+def by_name(*entries: Entry) -> dict[str, Entry]:
+    """Give entries by their names; `AttentionError` if two have one name."""
+    names = [entry.name for entry in entries]
     if len(set(names)) < len(names):
-        raise AttentionError(f"channels are {', '.join(names)}; each name is allowed once.")
-    return dict(zip(names, channels, strict=True))
+        raise AttentionError(f"entries are {', '.join(names)}; each name is allowed once.")
+    return dict(zip(names, entries, strict=True))
 
 
-def _colour(view: WorkingView, _: AttentionParameters) -> list[Plane]:
-    from .channels import colour_planes
+def _measure(name: str, *settings: str) -> Callable[..., list[Any]]:
+    """Name a function of `channels`, which is imported when it is called, and the parameters that it takes."""
 
-    return colour_planes(view)
+    def planes(view: Any, parameters: Any) -> list[Any]:
+        function = getattr(import_module(".channels", __package__), name)
+        found = function(view, *(getattr(parameters, setting) for setting in settings))
+        return found if isinstance(found, list) else [found]
 
-
-def _intensity(view: WorkingView, _: AttentionParameters) -> list[Plane]:
-    from .channels import intensity_plane
-
-    return [intensity_plane(view)]
-
-
-def _orientation(view: WorkingView, parameters: AttentionParameters) -> list[Stack]:
-    from .channels import orientation_stacks
-
-    return orientation_stacks(view, parameters)
+    return planes
 
 
-def _contrast(view: WorkingView, _: AttentionParameters) -> list[Plane]:
-    from .channels import contrast_plane
-
-    return [contrast_plane(view)]
+def _orientation(view: Any, parameters: Any) -> list[Any]:
+    return import_module(".channels", __package__).orientation_stacks(view, parameters)
 
 
-def _curvature(view: WorkingView, _: AttentionParameters) -> list[Plane]:
-    from .channels import curvature_plane
-
-    return [curvature_plane(view)]
-
-
-def _edge(view: WorkingView, _: AttentionParameters) -> list[Plane]:
-    from .channels import edge_plane
-
-    return [edge_plane(view)]
-
-
-def _entropy(view: WorkingView, parameters: AttentionParameters) -> list[Plane]:
-    from .channels import entropy_plane
-
-    return [entropy_plane(view, parameters.entropy_bins)]
-
-
-def _symmetry(view: WorkingView, parameters: AttentionParameters) -> list[Plane]:
-    from .channels import symmetry_plane
-
-    return [symmetry_plane(view, parameters.symmetry_radii)]
-
-
-_ENTRIES = _by_name(
+_ENTRIES = by_name(
     Channel(
-        "colour", "Red-green and blue-yellow double opponency", _colour,
+        "colour", "Red-green and blue-yellow double opponency", _measure("colour_planes"),
         count=2, two_sided=True, needs="hues",
     ),
     Channel(
-        "intensity", "Light against dark surroundings", _intensity,
+        "intensity", "Light against dark surroundings", _measure("intensity_plane"),
         two_sided=True, needs="colours",
     ),
     Channel("orientation", "Gabor energy at each angle", stacks=_orientation, needs="colours"),
-    Channel("contrast", "Local root mean square contrast", _contrast, needs="colours"),
-    Channel("curvature", "Curvedness of the surface", _curvature, needs="curvature"),
-    Channel("edge", "Gradient of intensity", _edge, needs="colours", weight=0.0),
-    Channel("entropy", "Entropy of the local grey level histogram", _entropy, needs="colours", weight=0.0),
-    Channel("symmetry", "Radial symmetry of gradients", _symmetry, needs="colours", weight=0.0),
+    Channel("contrast", "Local root mean square contrast", _measure("contrast_plane"), needs="colours"),
+    Channel("curvature", "Curvedness of the surface", _measure("curvature_plane"), needs="curvature"),
+    Channel("edge", "Gradient of intensity", _measure("edge_plane"), needs="colours", weight=0.0),
+    Channel("entropy", "Entropy of the local grey level histogram", _measure("entropy_plane", "entropy_bins"), needs="colours", weight=0.0),
+    Channel("symmetry", "Radial symmetry of gradients", _measure("symmetry_plane", "symmetry_radii"), needs="colours", weight=0.0),
 )  # fmt: skip
-_SOURCES: dict[str, str] = {}
 
 ENTRIES: Mapping[str, Channel] = MappingProxyType(_ENTRIES)
 """Every channel, in the order in which maps are added up."""

@@ -115,8 +115,8 @@ def normalised_saliency(predicted: NDArray[np.floating], gazed: GazedSurface) ->
 
 def divergence(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
     """Give the Kullback-Leibler divergence of people's time from the prediction (KL, nats); 0 is best."""
-    told, shares = _predicted_shares(predicted, gazed), gazed.shares()
-    return float(np.sum(shares * np.log(SMALLEST_SHARE + shares / (told + SMALLEST_SHARE))))
+    expected, shares = _predicted_shares(predicted, gazed), gazed.shares()
+    return float(np.sum(shares * np.log(SMALLEST_SHARE + shares / (expected + SMALLEST_SHARE))))
 
 
 def similarity(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
@@ -126,8 +126,8 @@ def similarity(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
 
 def _predicted_shares(predicted: NDArray[np.floating], gazed: GazedSurface) -> NDArray[np.float64]:
     values = gazed.of_seen(predicted)
-    told = (values - min(0.0, float(values.min()))) * gazed.weights()
-    return told / told.sum() if told.sum() > 0 else gazed.weights()
+    shifted = (values - min(0.0, float(values.min()))) * gazed.weights()
+    return shifted / shifted.sum() if shifted.sum() > 0 else gazed.weights()
 
 
 def _probability_above(

@@ -6,16 +6,13 @@ that computes them is imported where it is used, as in `registry`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import TYPE_CHECKING
+from importlib import import_module
+from operator import attrgetter
+from typing import Any
 
-from .errors import AttentionError
-
-if TYPE_CHECKING:
-    from .pyramid import Plane
-    from .terms import SeenSurface
+from .registry import by_name
 
 
 @dataclass(frozen=True)
@@ -39,67 +36,23 @@ class Term:
     name: str
     description: str
     source: str
-    plane: Callable[[SeenSurface], Plane]
+    plane: Callable[[Any], Any]
     kind: str
 
 
-def _by_name(*terms: Term) -> Mapping[str, Term]:
-    names = [entry.name for entry in terms]
-    if len(set(names)) < len(names):
-        raise AttentionError(f"terms are {', '.join(names)}; each name is allowed once.")
-    return MappingProxyType(dict(zip(names, terms, strict=True)))
+def _measure(name: str, *reach: float) -> Callable[[Any], Any]:
+    """Name a function of `terms`, which is imported when it is called."""
+    return lambda seen: getattr(import_module(".terms", __package__), name)(seen, *reach)
 
 
-def _centre(reach: float) -> Callable[[SeenSurface], Plane]:
-    def measure(seen: SeenSurface) -> Plane:
-        from .terms import nearness_to_centre
-
-        return nearness_to_centre(seen, reach)
-
-    return measure
+def _relief(reach: float) -> Callable[[Any], Any]:
+    return lambda seen: abs(_measure("protrusion", reach)(seen))
 
 
-def _facing(seen: SeenSurface) -> Plane:
-    return seen.facing
-
-
-def _coordinate(axis: int, power: int, other: int | None = None) -> Callable[[SeenSurface], Plane]:
-    def measure(seen: SeenSurface) -> Plane:
+def _coordinate(axis: int, power: int, other: int | None = None) -> Callable[[Any], Any]:
+    def measure(seen: Any) -> Any:
         plane = seen.point[..., axis] ** power
         return plane if other is None else plane * seen.point[..., other]
-
-    return measure
-
-
-def _protrusion(reach: float) -> Callable[[SeenSurface], Plane]:
-    def measure(seen: SeenSurface) -> Plane:
-        from .terms import protrusion
-
-        return protrusion(seen, reach)
-
-    return measure
-
-
-def _relief(reach: float) -> Callable[[SeenSurface], Plane]:
-    def measure(seen: SeenSurface) -> Plane:
-        from .terms import protrusion
-
-        return abs(protrusion(seen, reach))
-
-    return measure
-
-
-def _extremity(seen: SeenSurface) -> Plane:
-    from .terms import distance_from_middle
-
-    return distance_from_middle(seen)
-
-
-def _crowding(reach: float) -> Callable[[SeenSurface], Plane]:
-    def measure(seen: SeenSurface) -> Plane:
-        from .terms import visible_share
-
-        return visible_share(seen, reach)
 
     return measure
 
@@ -110,23 +63,23 @@ _WANG = "Wang, Koch, Holmqvist & Alexa 2018, ACM Trans. Graph. 37(6)"
 _LEIFMAN = "Leifman, Shtrom & Tal 2016, IEEE TPAMI 38(12)"
 _CERF = "Cerf, Frady & Koch 2009, J. Vision 9(12):10 (faces and heads)"
 
-TERMS = _by_name(
-    Term("centre", "Nearness to the middle of what is seen", _TATLER, _centre(0.2), "view"),
-    Term("middle", "The same, over a wider range", _TATLER, _centre(0.5), "view"),
-    Term("facing", "How much the surface faces the eye", _WANG, _facing, "view"),
+TERMS = by_name(
+    Term("centre", "Nearness to the middle of what is seen", _TATLER, _measure("nearness_to_centre", 0.2), "view"),
+    Term("middle", "The same, over a wider range", _TATLER, _measure("nearness_to_centre", 0.5), "view"),
+    Term("facing", "How much the surface faces the eye", _WANG, attrgetter("facing"), "view"),
     Term("height", "Height above the object's middle", _CERF, _coordinate(1, 1), "place"),
     Term("height_squared", "Height, squared", _CERF, _coordinate(1, 2), "place"),
     Term("front", "Place towards the object's front", _WANG, _coordinate(2, 1), "place"),
     Term("front_squared", "Place along front and back, squared", _LEIFMAN, _coordinate(2, 2), "place"),
     Term("front_height", "Place towards the front, times height", _CERF, _coordinate(2, 1, 1), "place"),
     Term("side_squared", "Place to either side, squared", _LEIFMAN, _coordinate(0, 2), "place"),
-    Term("extremity", "Distance from the object's middle", _LEIFMAN, _extremity, "place"),
-    Term("protrusion_fine", "How far the surface stands out of its surroundings, 0.05 radii", _LEE, _protrusion(0.05), "shape"),
-    Term("protrusion_middle", "The same, 0.1 radii", _LEE, _protrusion(0.1), "shape"),
-    Term("protrusion_coarse", "The same, 0.2 radii", _LEE, _protrusion(0.2), "shape"),
+    Term("extremity", "Distance from the object's middle", _LEIFMAN, _measure("distance_from_middle"), "place"),
+    Term("protrusion_fine", "How far the surface stands out of its surroundings, 0.05 radii", _LEE, _measure("protrusion", 0.05), "shape"),
+    Term("protrusion_middle", "The same, 0.1 radii", _LEE, _measure("protrusion", 0.1), "shape"),
+    Term("protrusion_coarse", "The same, 0.2 radii", _LEE, _measure("protrusion", 0.2), "shape"),
     Term("relief_fine", "How far it lies out of or in its surroundings, 0.05 radii", _LEE, _relief(0.05), "shape"),
     Term("relief_middle", "The same, 0.1 radii", _LEE, _relief(0.1), "shape"),
     Term("relief_coarse", "The same, 0.2 radii", _LEE, _relief(0.2), "shape"),
-    Term("crowding", "Share of the surroundings that the object fills, 0.3 radii", _LEIFMAN, _crowding(0.3), "shape"),
+    Term("crowding", "Share of the surroundings that the object fills, 0.3 radii", _LEIFMAN, _measure("visible_share", 0.3), "shape"),
 )  # fmt: skip
 """Every term, in the order in which terms are added up."""

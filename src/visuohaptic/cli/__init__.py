@@ -1,1 +1,3 @@
 """The command `visuohaptic`."""
+
+DEBUG = "--debug"

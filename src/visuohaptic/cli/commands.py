@@ -8,6 +8,7 @@ import typer
 
 from visuohaptic import __version__
 from visuohaptic.cli import (
+    DEBUG,
     compare,
     evaluate,
     explore,
@@ -18,7 +19,6 @@ from visuohaptic.cli import (
     press,
     report,
 )
-from visuohaptic.cli.main import DEBUG
 from visuohaptic.cli.printing import say
 
 app = typer.Typer(

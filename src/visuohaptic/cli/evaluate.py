@@ -29,7 +29,7 @@ def evaluate(
     ] = Path(),
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
 ) -> None:
-    """Name the objects of a run that a model has not learnt, and count how often it was right.
+    """Classify the objects of a run that a model has not learnt, and count how often it was right.
 
     Gives the share correctly classified, the share whose class is in the prediction set, beside what
     that states, the set's mean size, and the share called unknown, from 1, 4 and 16 views, with intervals over

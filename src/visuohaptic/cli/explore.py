@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
@@ -13,6 +12,7 @@ import typer
 from visuohaptic.cli.printing import (
     file_to_read,
     folder_to_write,
+    one_of,
     printable,
     say,
     say_error,
@@ -20,34 +20,18 @@ from visuohaptic.cli.printing import (
     show_progress,
 )
 from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model
+from visuohaptic.exploration.units import UNITS
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.plugins import load_installed
+from visuohaptic.studies.cost.budgets import BUDGETS
 
 if TYPE_CHECKING:
-    from visuohaptic.exploration.exploring import Exploration, TouchableObject
-    from visuohaptic.exploration.recognising import Recognition
+    from visuohaptic.exploration.exploring import Exploration, Recognition, TouchableObject
     from visuohaptic.parameters import ExperimentParameters
 
 Made = TypeVar("Made")
 
 _TOUCH_COLUMNS = ("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z")
-
-
-class UpAxis(StrEnum):
-    """The axis of a model that points up."""
-
-    Y = "y"
-    Z = "z"
-    AUTO = "auto"
-
-
-class LengthUnit(StrEnum):
-    """The unit of length of a model's file."""
-
-    MM = "mm"
-    CM = "cm"
-    M = "m"
-    IN = "in"
 
 
 def _with_plug_ins(parameters: Path | None) -> Path | None:
@@ -89,27 +73,20 @@ ViewpointsOption = Annotated[
     int | None, typer.Option(min=1, help="Viewpoints around the object.", show_default="16")
 ]
 UpOption = Annotated[
-    UpAxis | None,
+    str | None,
     typer.Option(
         "--up",
+        **one_of(("y", "z", "auto")),
         help="Axis of the file that points up; auto takes the one on which the object stands steadier.",
         show_default="y",
     ),
 ]
-
-
-class BudgetChoice(StrEnum):
-    """The presets of `cost.budgets`."""
-
-    FAST = "fast"
-    BALANCED = "balanced"
-    ACCURATE = "accurate"
-
-
 BudgetOption = Annotated[
-    BudgetChoice | None,
+    str | None,
     typer.Option(
-        "--budget", help="Viewpoints for the time that you have, instead of --viewpoints."
+        "--budget",
+        **one_of(BUDGETS),
+        help="Viewpoints for the time that you have, instead of --viewpoints.",
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
@@ -122,8 +99,11 @@ def touch(
     strategy: StrategyOption = "fixation",
     up: UpOption = None,
     unit: Annotated[
-        LengthUnit | None,
-        typer.Option(help="The files' unit of length: effects then know the objects' real size."),
+        str | None,
+        typer.Option(
+            **one_of([*UNITS]),
+            help="The files' unit of length: effects then know the objects' real size.",
+        ),
     ] = None,
     parameters: Annotated[
         Path | None,
@@ -235,8 +215,8 @@ def recognise(
         )
 
 
-def _say_up(up: UpAxis | None, found: Exploration) -> None:
-    if up is UpAxis.AUTO:
+def _say_up(up: str | None, found: Exploration) -> None:
+    if up == "auto":
         say(
             f"  {found.frame.up_axis} is taken as up, as the object stands steadier so; --up says otherwise"
         )
@@ -309,7 +289,7 @@ def _folders(meshes: list[Path], out: Path) -> dict[Path, Path]:
     return folders
 
 
-def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | None:
+def _viewpoints(viewpoints: int | None, budget: str | None) -> int | None:
     """Give the number of viewpoints that was asked for, in one way or the other."""
     if budget is None:
         return viewpoints
@@ -320,21 +300,21 @@ def _viewpoints(viewpoints: int | None, budget: BudgetChoice | None) -> int | No
         )
     from visuohaptic.studies.cost.budgets import budgets
 
-    return budgets()[budget.value].viewpoints
+    return budgets()[budget].viewpoints
 
 
 def _load(
     mesh: Path,
-    up: UpAxis | None,
+    up: str | None,
     parameters: ExperimentParameters,
-    unit: LengthUnit | None = None,
+    unit: str | None = None,
 ) -> TouchableObject:
     from visuohaptic.exploration.exploring import load
 
     chosen = parameters.meshes
     if up is not None:
-        chosen = chosen.model_copy(update={"own_up_axis": up.value})
-    return load(mesh, parameters=chosen, unit=None if unit is None else unit.value)
+        chosen = chosen.model_copy(update={"own_up_axis": up})
+    return load(mesh, parameters=chosen, unit=unit)
 
 
 def _explore(

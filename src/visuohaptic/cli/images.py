@@ -1,4 +1,4 @@
-"""`visuohaptic images`: features of real tactile images, and how well they name their objects."""
+"""`visuohaptic images`: features of real tactile images, and how well objects are classified by them."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ def images(
 
     import numpy as np
 
-    from visuohaptic.features.tactile_images import (
+    from visuohaptic.cli.image_splits import split_accuracies
+    from visuohaptic.cli.tactile_images import (
         describe_tactile_images,
         name_features,
         read_tactile_images,
         write_tactile_features,
     )
-    from visuohaptic.recognition.image_splits import split_accuracies
 
     chosen = _levels(levels)
     started = time.perf_counter()

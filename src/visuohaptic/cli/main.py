@@ -6,9 +6,8 @@ import os
 import sys
 from contextlib import suppress
 
+from visuohaptic.cli import DEBUG
 from visuohaptic.cli.stopping import stop_at_ctrl_c
-
-DEBUG = "--debug"
 
 
 def main() -> None:

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.explore import LengthUnit
-from visuohaptic.cli.printing import file_to_read, folder_to_write, say
+from visuohaptic.cli.printing import file_to_read, folder_to_write, one_of, say
+from visuohaptic.exploration.units import UNITS
 
 
 def press(
@@ -35,7 +35,8 @@ def press(
         str | None, typer.Option(help="What is simulated: ideal, fsr400 or worn_fsr.")
     ] = None,
     unit: Annotated[
-        LengthUnit | None, typer.Option(help="The mesh's unit of length, for a scene.")
+        str | None,
+        typer.Option(**one_of([*UNITS]), help="The mesh's unit of length, for a scene."),
     ] = None,
     out: Annotated[
         Path, typer.Option(parser=folder_to_write, help="Folder for the imprints and the picture.")
@@ -67,7 +68,7 @@ def press(
         ),
         depth=depth,
         scene=scene,
-        unit=None if unit is None else unit.value,
+        unit=unit,
     )
     out.mkdir(parents=True, exist_ok=True)
     np.save(out / "imprints.npy", pressed.images, allow_pickle=False)

@@ -1,4 +1,4 @@
-"""One object from its mesh file to its name, without the workflow and with the same results."""
+"""One object from its mesh file to its class, without the workflow and with the same results."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ from visuohaptic.exploration.pose_files import write_poses
 from visuohaptic.exploration.recognising import (
     UNKNOWN,
     Recogniser,
-    Recognition,
     check_alike,
     read_recogniser,
 )
@@ -51,7 +50,7 @@ class TouchableObject:
     Attributes
     ----------
     key : str
-        `class/name`; the class is ``unknown`` where nobody told it.
+        `class/name`; the class is ``unknown`` where it is not given.
     surface : Surface
         In the object frame.
     seconds : float
@@ -126,9 +125,7 @@ class TouchableObject:
                 "view, or no sensor comes there; a larger rendering.resolution or strategy random touches it."
             )
         seconds = {"prepare": self.seconds, **seconds}
-        return Exploration(
-            self.key, self.surface, chosen, strategy, seconds, **tables, frame=self.frame
-        )
+        return Exploration(self.key, self.surface, chosen, strategy, seconds, tables, self.frame)
 
     def _sized(self, values: Parameters | None) -> ExperimentParameters:
         """Let the scene have the object's real size, where its file's unit is known and nobody says otherwise."""
@@ -157,7 +154,7 @@ class TouchableObject:
         tables, seconds = touch_points(self.key, self.surface, at, normals, parameters)
         seconds = {"prepare": self.seconds, **seconds}
         return Exploration(
-            self.key, self.surface, parameters, STRATEGY, seconds, **tables, frame=self.frame
+            self.key, self.surface, parameters, STRATEGY, seconds, tables, self.frame
         )
 
 
@@ -177,9 +174,9 @@ class Exploration:
         How the probing locations were chosen; ``given`` where the caller chose them.
     seconds : mapping of str to float
         What each phase took: prepare, look, touch, describe.
-    views, fixations, touches, effects, features : pyarrow.Table
-        As `visuohaptic.tables.schema` describes them, in the object frame; ``frame.table(touches)`` gives
-        one in the file's.
+    tables : mapping of str to pyarrow.Table
+        ``views``, ``fixations``, ``touches``, ``effects`` and ``features``, which are attributes, too, as
+        docs/tables.md describes them, in the object frame; ``frame.table(touches)`` gives one in the file's.
     frame : FileFrame
         The frame of the object's file.
     """
@@ -189,11 +186,7 @@ class Exploration:
     parameters: ExperimentParameters
     strategy: str
     seconds: Mapping[str, float]
-    views: pa.Table
-    fixations: pa.Table
-    touches: pa.Table
-    effects: pa.Table
-    features: pa.Table
+    tables: Mapping[str, pa.Table]
     frame: FileFrame = field(default_factory=lambda: FileFrame(np.eye(4)))
 
     def __repr__(self) -> str:
@@ -213,6 +206,31 @@ class Exploration:
         return png_of(draw_exploration(self.surface, self.parameters, views, self.touches))
 
     @property
+    def views(self) -> pa.Table:
+        """What was seen."""
+        return self.tables["views"]
+
+    @property
+    def fixations(self) -> pa.Table:
+        """Where to touch."""
+        return self.tables["fixations"]
+
+    @property
+    def touches(self) -> pa.Table:
+        """What was felt."""
+        return self.tables["touches"]
+
+    @property
+    def effects(self) -> pa.Table:
+        """Why each effect was needed."""
+        return self.tables["effects"]
+
+    @property
+    def features(self) -> pa.Table:
+        """What describes the touches."""
+        return self.tables["features"]
+
+    @property
     def imprints(self) -> NDArray[np.float32]:
         """What the sensor felt, shape (n, r, r), float32, in [0, 1], in the order of `touches`.
 
@@ -226,7 +244,7 @@ class Exploration:
         return self.frame.poses(self.touches)
 
     def recognise(self, model: str | Path | Recogniser | None = None) -> Recognition:
-        """Name the object from its touches.
+        """Classify the object from its touches.
 
         Parameters
         ----------
@@ -244,7 +262,7 @@ class Exploration:
             If there is no such model, or it learnt from touches that were made in another way.
         """
         recogniser = model if isinstance(model, Recogniser) else read_recogniser(model)
-        check_alike(self, recogniser)
+        check_alike(self.strategy, self.parameters, recogniser)
         started = time.perf_counter()
         found = recogniser.model.answer(self.features)
         seconds = {**self.seconds, "name": time.perf_counter() - started}
@@ -294,7 +312,7 @@ class Exploration:
         with tempfile.TemporaryDirectory(dir=there, prefix=".visuohaptic-") as temporary:
             waiting = Path(temporary)
             for name, schema in SCHEMAS.items():
-                write_table(schema, getattr(self, name), waiting / f"{name}.parquet")
+                write_table(schema, self.tables[name], waiting / f"{name}.parquet")
             for name in poses:
                 write_poses(self.poses, waiting / name)
             self.picture().save(waiting / "picture.png")
@@ -302,6 +320,60 @@ class Exploration:
             for name in names:
                 (waiting / name).replace(folder / name)
         return [folder / name for name in names]
+
+
+@dataclass(frozen=True, eq=False)
+class Recognition:
+    """The class that was predicted for an object; it is equal to itself alone.
+
+    Attributes
+    ----------
+    name : str
+        The likeliest class, or ``unknown`` where the object is of no class that the model knows.
+    probabilities : mapping of str to float
+        Of every class that the model knows, the likeliest first.
+    exploration : Exploration
+        What the answer rests on.
+    touches : int
+        Touches that the answer rests on.
+    seconds : mapping of str to float
+        What each phase took: prepare, look, touch, describe, name.
+    candidates : tuple of str or None
+        The prediction set, the likeliest first, made so that of objects of known classes the share
+        `coverage` has its class in it, which is measured and not guaranteed (docs/recognition.md). None, as
+        all that follows, where the model is not calibrated.
+    strangeness : float or None
+        The share of known objects, this one counted among them, that are less strange than it.
+    unknown : bool or None
+        Whether that is more than `coverage`.
+    coverage : float or None
+        The stated share.
+    """
+
+    name: str
+    probabilities: Mapping[str, float]
+    exploration: Exploration
+    touches: int
+    seconds: Mapping[str, float]
+    candidates: tuple[str, ...] | None = None
+    strangeness: float | None = None
+    unknown: bool | None = None
+    coverage: float | None = None
+
+    def __repr__(self) -> str:
+        from visuohaptic.exploration.showing import probability_line
+
+        line = probability_line(self.probabilities)
+        if self.unknown:
+            line = f"{UNKNOWN} ({line})"
+        return f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches>"
+
+    def _repr_html_(self) -> str:
+        from visuohaptic.exploration.showing import probability_table
+
+        key = self.exploration.key
+        named = f"{key}: {UNKNOWN}" if self.unknown else key
+        return probability_table(named, self.probabilities, self.touches)
 
 
 def load(

@@ -11,10 +11,8 @@ import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.vectors import product
-
-UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
-"""Metres of each unit of length that a file may have."""
 
 _POINTS = ("", "eye_")
 _LENGTHS = ("sensor_size", "penetration")

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
-import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import ParameterError
+from visuohaptic.exploration.seen_points import explore
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.one_phase import Tables
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.tables.phases import EFFECTS, FIXATIONS, VIEWS
 
 STRATEGY = "given"
 
@@ -27,40 +26,29 @@ def touch_points(
     at: ArrayLike,
     normals: ArrayLike | None,
     parameters: ExperimentParameters,
-) -> tuple[dict[str, pa.Table], dict[str, float]]:
+) -> tuple[Tables, dict[str, float]]:
     """Touch an object at given points, as `TouchableObject.touch` describes them.
 
     Gives all tables of an exploration, that of the views empty, and the seconds of touching and
     describing. Raises `ParameterError` if points or normals are none, or a point is too far off the
     surface.
     """
-    from visuohaptic.features.describing import describe_touches
     from visuohaptic.fixations.locations import location_table
-    from visuohaptic.fixations.probing import ProbingLocations
-    from visuohaptic.touches.touching import touch_tables
+    from visuohaptic.fixations.places import ProbingLocations
+    from visuohaptic.pipeline import everywhere
 
-    started = time.perf_counter()
-    caster = RayCaster(surface)
-    points, faces = _nearest(caster, _rows(at, "at"))
-    sensor = parameters.sensor
+    subject = Subject(key, lambda: RayCaster(surface))
+    points, faces = _nearest(subject.caster, _rows(at, "at"))
     if normals is None:
-        outwards = orient_outwards(caster, points, surface.face_normals[faces])
+        outwards = orient_outwards(subject.caster, points, surface.face_normals[faces])
     else:
         outwards = _unit(_rows(normals, "normals"), len(points))
         # The caller's normals are the sensor's own, whatever the touched face says.
-        sensor = sensor.model_copy(update={"normal": "given"})
+        sensor = parameters.sensor.model_copy(update={"normal": "given"})
+        parameters = parameters.model_copy(update={"sensor": sensor})
     places = ProbingLocations(points, outwards, faces)
     fixations = location_table(key, 0, STRATEGY, places)
-    touches, effects = touch_tables(caster, fixations, sensor, parameters.scene, parameters.seed)
-    touched = time.perf_counter()
-    tables = {
-        VIEWS.name: VIEWS.arrow.empty_table(),
-        FIXATIONS.name: fixations,
-        "touches": touches,
-        EFFECTS.name: effects,
-        "features": describe_touches(touches, parameters.features),
-    }
-    return tables, {"touch": touched - started, "describe": time.perf_counter() - touched}
+    return explore([subject], everywhere(parameters, fixations), {"fixations": fixations})
 
 
 def _rows(values: ArrayLike, name: str) -> NDArray[np.float64]:

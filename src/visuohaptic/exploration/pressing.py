@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError, ParameterError
-from visuohaptic.exploration.file_frame import UNITS
+from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.sensor.parameters import Orientation
 

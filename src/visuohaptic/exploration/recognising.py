@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +10,6 @@ from typing import TYPE_CHECKING
 from visuohaptic.errors import RecognitionError
 
 if TYPE_CHECKING:
-    from visuohaptic.exploration.exploring import Exploration
     from visuohaptic.parameters import ExperimentParameters
     from visuohaptic.recognition.model import RecognitionModel
 
@@ -24,62 +22,7 @@ DEFAULT_MODEL = Path("results/models/best.skops")
 PACKAGED_MODEL = Path(__file__).with_name("best.skops")
 """The model of a default run on the paper's twelve objects, which comes with the package."""
 
-_TOUCHING_SECTIONS = ("viewpoints", "rendering", "attention", "sensor", "scene", "features")
 _FREE = ("viewpoints.count", "attention.fixations")
-
-
-@dataclass(frozen=True, eq=False)
-class Recognition:
-    """What an object was named; it is equal to itself alone.
-
-    Attributes
-    ----------
-    name : str
-        The likeliest class, or ``unknown`` where the object is of no class that the model knows.
-    probabilities : mapping of str to float
-        Of every class that the model knows, the likeliest first.
-    exploration : Exploration
-        What the answer rests on.
-    touches : int
-        Touches that the answer rests on.
-    seconds : mapping of str to float
-        What each phase took: prepare, look, touch, describe, name.
-    candidates : tuple of str or None
-        The prediction set, the likeliest first, made so that of objects of known classes the share
-        `coverage` has its class in it, which is measured and not guaranteed (docs/recognition.md). None, as
-        all that follows, where the model is not calibrated.
-    strangeness : float or None
-        The share of known objects, this one counted among them, that are less strange than it.
-    unknown : bool or None
-        Whether that is more than `coverage`.
-    coverage : float or None
-        The stated share.
-    """
-
-    name: str
-    probabilities: Mapping[str, float]
-    exploration: Exploration
-    touches: int
-    seconds: Mapping[str, float]
-    candidates: tuple[str, ...] | None = None
-    strangeness: float | None = None
-    unknown: bool | None = None
-    coverage: float | None = None
-
-    def __repr__(self) -> str:
-        from visuohaptic.exploration.showing import probability_line
-
-        line = probability_line(self.probabilities)
-        if self.unknown:
-            line = f"{UNKNOWN} ({line})"
-        return f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches>"
-
-    def _repr_html_(self) -> str:
-        from visuohaptic.exploration.showing import probability_table
-
-        key = self.exploration.key
-        named = f"{key}: {UNKNOWN}" if self.unknown else key
-        return probability_table(named, self.probabilities, self.touches)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,21 +87,22 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
     return Recogniser(model, check_parameters(json.loads(model.touching), str(path)))
 
 
-def check_alike(exploration: Exploration, recogniser: Recogniser) -> None:
+def check_alike(strategy: str, touched: ExperimentParameters, recogniser: Recogniser) -> None:
     """Refuse touches that were made in another way than those that the model learnt from."""
     from visuohaptic.parameters import leaves
 
-    if exploration.strategy != recogniser.model.strategy:
+    sections = touching_sections()
+    if strategy != recogniser.model.strategy:
         raise RecognitionError(
-            f"The object was touched by {exploration.strategy} and the model learnt from touches by "
+            f"The object was touched by {strategy} and the model learnt from touches by "
             f"{recogniser.model.strategy}; touch with strategy {recogniser.model.strategy!r}."
         )
     here, there = (
-        dict(leaves(parameters.model_dump(include=set(_TOUCHING_SECTIONS))))
-        for parameters in (exploration.parameters, recogniser.parameters)
+        dict(leaves(parameters.model_dump(include=sections)))
+        for parameters in (touched, recogniser.parameters)
     )
     names = sorted(set(here) | set(there))
-    covers = {exploration.parameters.scene.cover, recogniser.parameters.scene.cover}
+    covers = {touched.scene.cover, recogniser.parameters.scene.cover}
     # A sensor without a cover measures shapes, whatever the object's real size is.
     free = (*_FREE, "scene.object_radius_m") if covers == {"none"} else _FREE
     unlike = [name for name in names if here.get(name) != there.get(name) and name not in free]
@@ -169,3 +113,11 @@ def check_alike(exploration: Exploration, recogniser: Recogniser) -> None:
         raise RecognitionError(
             f"The object was touched with {found}; touch it with the model's own parameters."
         )
+
+
+def touching_sections() -> set[str]:
+    """Name the sections of the parameters in which a model's touches and an object's must be alike."""
+    from visuohaptic.pipeline import OF_OBJECT
+
+    found = {name.partition(".")[0] for phase in OF_OBJECT for name in phase.sections()}
+    return found - {"seed", "probing"}

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property, partial
-
-import pyarrow as pa
+from functools import partial
 
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, as_stored
+from visuohaptic.one_phase import SCHEMAS as OF_PHASES
+from visuohaptic.one_phase import Tables
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, TOUCHES, VIEWS
+from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, after
 from visuohaptic.tables.schema import join_parts
 
-VIEWPOINTS_AT_ONCE = 8
-"""Viewpoints that are worked on together; it changes no result."""
-
-SCHEMAS = {schema.name: schema for schema in (VIEWS, FIXATIONS, TOUCHES, EFFECTS, FEATURES)}
+SCHEMAS = {name: OF_PHASES[name] for phase in OF_OBJECT for name in phase.writes}
 """The tables of an exploration."""
 
 Steps = Sequence[Callable[[], None]]
@@ -26,80 +24,37 @@ Track = Callable[[Steps], Iterable[Callable[[], None]]]
 
 def touch_seen_points(
     key: str, surface: Surface, parameters: ExperimentParameters, track: Track
-) -> tuple[dict[str, pa.Table], dict[str, float]]:
+) -> tuple[Tables, dict[str, float]]:
     """Look at an object and touch it, as `TouchableObject.touch` describes it.
 
     Gives all tables of an exploration, the same as the workflow makes, and the seconds of each phase.
     """
-    work = _Work(key, surface, parameters)
-    for step in track(work.steps()):
-        step()
-    return work.tables(), work.seconds
+    # The workflow's surfaces come from files.
+    find_caster = lambda: RayCaster(as_stored(surface))  # noqa: E731
+    subject = Subject(key, find_caster, range(parameters.viewpoints.total))
+    return explore(subject.blocks(VIEWPOINTS_AT_ONCE), parameters, {}, track)
 
 
-class _Work:
-    """The steps from a surface to features, a block of viewpoints each, and their tables."""
+def explore(
+    blocks: Iterable[Subject], parameters: ExperimentParameters, known: Tables, track: Track = iter
+) -> tuple[Tables, dict[str, float]]:
+    """Take blocks of viewpoints through the phases behind the tables that are known."""
+    parts = {name: [known[name]] if name in known else [] for name in SCHEMAS}
+    seconds: dict[str, float] = {}
 
-    def __init__(self, key: str, surface: Surface, parameters: ExperimentParameters) -> None:
-        self.seconds: dict[str, float] = {}
-        self._key, self._surface, self._parameters = key, surface, parameters
-        self._parts: dict[str, list[pa.Table]] = {name: [] for name in SCHEMAS}
-
-    @cached_property
-    def _caster(self) -> RayCaster:
-        # The workflow's surfaces come from files.
-        return RayCaster(as_stored(self._surface))
-
-    def steps(self) -> list[Callable[[], None]]:
-        numbers = range(self._parameters.viewpoints.total)
-        return [
-            step
-            for start in numbers[::VIEWPOINTS_AT_ONCE]
-            for step in (
-                partial(
-                    self._timed, "look", self._look, numbers[start : start + VIEWPOINTS_AT_ONCE]
-                ),
-                partial(self._timed, "touch", self._touch),
-                partial(self._timed, "describe", self._describe),
-            )
-        ]
-
-    def tables(self) -> dict[str, pa.Table]:
-        return {name: join_parts(SCHEMAS[name], parts) for name, parts in self._parts.items()}
-
-    def _timed(self, phase: str, work: Callable[..., dict[str, pa.Table]], *block: range) -> None:
+    def step(phase: Phase, block: Subject) -> None:
         started = time.perf_counter()
-        for name, part in work(*block).items():
-            self._parts[name].append(part)
-        self.seconds[phase] = self.seconds.get(phase, 0.0) + time.perf_counter() - started
+        # The last part of each table is this block's.
+        tables = {name: found[-1] for name, found in parts.items() if found}
+        found = phase.run(block, tables, parameters)
+        for name in phase.writes:
+            parts[name].append(getattr(found, name))
+        verb = str(phase.verb)
+        seconds[verb] = seconds.get(verb, 0.0) + time.perf_counter() - started
 
-    def _look(self, block: range) -> dict[str, pa.Table]:
-        from visuohaptic.fixations.files import view_tables
-        from visuohaptic.fixations.locations import locate_all
-        from visuohaptic.phases import look_from
-
-        chosen = self._parameters
-        looks = look_from(self._caster, self._key, chosen, block)
-        views, effects = view_tables(looks)
-        located = locate_all(looks, chosen.probing.strategies, chosen.attention, chosen.seed)
-        return {"views": views, "effects": effects, "fixations": located}
-
-    def _touch(self) -> dict[str, pa.Table]:
-        from visuohaptic.phases import wanted_of
-        from visuohaptic.touches.touching import acquire_touches
-
-        chosen, located = self._parameters, self._parts["fixations"][-1]
-        touches, effects = acquire_touches(
-            self._caster,
-            located,
-            chosen.sensor,
-            chosen.scene,
-            chosen.seed,
-            wanted_of(chosen),
-        )
-        return {"touches": touches, "effects": effects}
-
-    def _describe(self) -> dict[str, pa.Table]:
-        from visuohaptic.features.describing import describe_touches
-
-        return {"features": describe_touches(self._parts["touches"][-1], self._parameters.features)}
+    steps = [partial(step, phase, block) for block in blocks for phase in after(known)]
+    for work in track(steps):
+        work()
+    empty = {name: [schema.arrow.empty_table()] for name, schema in SCHEMAS.items()}
+    tables = {name: join_parts(SCHEMAS[name], parts[name] or empty[name]) for name in SCHEMAS}
+    return tables, seconds

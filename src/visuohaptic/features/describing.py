@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
@@ -79,3 +81,14 @@ def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Tab
     columns |= dict(zip(CONTOURLET_FEATURES, np.pad(deviations, padding).T, strict=True))
     columns |= dict(zip(IMPRINT_FEATURES, describe_imprint_shape(imprints).T, strict=True))
     return build_table(FEATURES, columns)
+
+
+class Described(NamedTuple):
+    """The table of the third phase."""
+
+    features: pa.Table
+
+
+def describe(_: object, touches: pa.Table, features: FeatureParameters) -> Described:
+    """Describe an object's touches, of whatever object."""
+    return Described(describe_touches(touches, features))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.registry import Registry
@@ -16,10 +16,6 @@ from visuohaptic.registry import Registry
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-    from visuohaptic.features.parameters import FeatureParameters
-
-    Describe = Callable[[NDArray[np.float32], FeatureParameters], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -39,12 +35,10 @@ class Descriptor:
 
     name: str
     label: str
-    describe: Describe
+    describe: Callable[..., NDArray[np.float64]]
 
 
-def _contourlet_deviations(
-    imprints: NDArray[np.float32], parameters: FeatureParameters
-) -> NDArray[np.float64]:
+def _contourlet_deviations(imprints: NDArray[np.float32], parameters: Any) -> NDArray[np.float64]:
     from contourlets import Contourlet, LevelsError, band_deviations
 
     try:
@@ -64,9 +58,7 @@ def _contourlet_deviations(
         ) from None
 
 
-def _nonsubsampled_deviations(
-    imprints: NDArray[np.float32], _: FeatureParameters
-) -> NDArray[np.float64]:
+def _nonsubsampled_deviations(imprints: NDArray[np.float32], _: object) -> NDArray[np.float64]:
     """Give the deviations (N - 1) of a nonsubsampled contourlet's 16 bands."""
     import numpy as np
 
@@ -76,15 +68,13 @@ def _nonsubsampled_deviations(
     return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
 
 
-def _wavelet_deviations(
-    imprints: NDArray[np.float32], parameters: FeatureParameters
-) -> NDArray[np.float64]:
+def _wavelet_deviations(imprints: NDArray[np.float32], parameters: Any) -> NDArray[np.float64]:
     from contourlets import wavelet_deviations
 
     return wavelet_deviations(imprints, "db2", parameters.wavelet_levels)
 
 
-def _image_statistics(imprints: NDArray[np.float32], _: FeatureParameters) -> NDArray[np.float64]:
+def _image_statistics(imprints: NDArray[np.float32], _: object) -> NDArray[np.float64]:
     from visuohaptic.features.imprint_shape import describe_imprint_shape
 
     return describe_imprint_shape(imprints)
@@ -94,6 +84,6 @@ DESCRIPTORS = Registry(
     "descriptor of imprints",
     Descriptor("contourlet", "deviations of 16 contourlet bands", _contourlet_deviations),
     Descriptor("nonsubsampled_contourlet", "nonsubsampled contourlet", _nonsubsampled_deviations),
-    Descriptor("wavelet", "wavelet (db2, three levels)", _wavelet_deviations),
+    Descriptor("wavelet", "wavelet (db2)", _wavelet_deviations),
     Descriptor("image_statistics", "statistics of the raw imprint", _image_statistics),
 )

@@ -1,174 +1,36 @@
-"""Views of an object, attention in them, and probing locations."""
+"""Probing locations of a viewpoint, as rows of a table."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import cast
+from collections.abc import Mapping
 
 import numpy as np
 import pyarrow as pa
 
-from visuohaptic.attention.model import Attention, attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
-from visuohaptic.fixations.parameters import RenderingParameters
-from visuohaptic.fixations.probing import (
-    STRATEGIES,
-    ProbingLocations,
-    sees,
-    turn_towards,
-)
-from visuohaptic.fixations.rendering import Views, render_views
-from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.scene.parameters import EffectModes
+from visuohaptic.fixations.looking import Standpoint
+from visuohaptic.fixations.places import ProbingLocations, sees, turn_towards
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, SPARE, owner_columns
 from visuohaptic.tables.schema import build_table
 
 
-@dataclass(frozen=True)
-class Standpoint:
-    """One viewpoint of an object, without a look.
-
-    Attributes
-    ----------
-    key : str
-        `class/name` of the object.
-    viewpoint : int
-        Number of the viewpoint.
-    caster : RayCaster
-        The object.
-    camera : Camera
-        The viewpoint.
-    """
-
-    key: str
-    viewpoint: int
-    caster: RayCaster
-    camera: Camera
-
-
-@dataclass(frozen=True)
-class Look(Standpoint):
-    """One viewpoint of an object, with saliency and fixations.
-
-    Attributes
-    ----------
-    seen : Views
-        The views of all viewpoints that were looked from together.
-    place : int
-        Which of these views is this one's.
-    attended : Attention
-        Saliency and fixations of the view.
-    """
-
-    seen: Views
-    place: int
-    attended: Attention
-
-
-def look(
-    caster: RayCaster,
-    key: str,
-    cameras: Mapping[int, Camera],
-    rendering: RenderingParameters,
-    attention: AttentionParameters,
-    modes: EffectModes,
-) -> list[Look]:
-    """Look at an object from several viewpoints.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    key : str
-        `class/name` of the object.
-    cameras : mapping of int to Camera
-        Viewpoints by their numbers; none changes what another gives.
-    rendering, attention
-        Sections of the parameters.
-    modes : EffectModes
-        When the effects of the view are simulated.
-
-    Returns
-    -------
-    list of Look
-        One a viewpoint.
-    """
-    seen = render_views(caster, list(cameras.values()), rendering, modes)
-    return attend_to(seen, caster, key, cameras, attention)
-
-
-def attend_to(
-    seen: Views,
-    caster: RayCaster,
-    key: str,
-    cameras: Mapping[int, Camera],
-    attention: AttentionParameters,
-) -> list[Look]:
-    """Find saliency and fixations in rendered views of an object: a `Look` each, as `look` gives."""
-    attentions = attend(
-        colour=seen.colour,
-        mask=seen.mask,
-        point=seen.point,
-        normal=seen.normal,
-        face=seen.face,
-        curvature=seen.curvature,
-        parameters=attention,
-        eye=np.stack([camera.eye for camera in cameras.values()]) if cameras else None,
-    )
-    return [
-        Look(key, number, caster, camera, seen, place, attentions[place])
-        for place, (number, camera) in enumerate(cameras.items())
-    ]
-
-
 def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
-    """Choose where to touch.
+    """Choose where to touch: rows of `tables.FIXATIONS`, `SPARE` more than fixations are asked for.
 
-    Parameters
-    ----------
-    one : Standpoint
-        The viewpoint; a `Look` where the strategy looks.
-    strategy : str
-        One of `probing.STRATEGIES`.
-    attention : AttentionParameters
-        How many touches, and how far apart the eye keeps them.
-    seed : int
-        The experiment's seed; what is drawn depends on it, the strategy, the object and the
-        viewpoint alone.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.FIXATIONS`: `SPARE` more than fixations are asked for, or fewer where
-        the view has no more. Fewer are the first of more.
-
-    Raises
-    ------
-    RegistryError
-        If there is no such strategy.
+    There are fewer where the view has no more; fewer are the first of more. What is drawn depends on
+    the seed, the strategy, the object and the viewpoint alone. `one` is a `Look` where the strategy
+    looks. Raises `RegistryError` if there is no such strategy.
     """
     entry = STRATEGIES[strategy]
     generator = spawn_generator(seed, entry.chance or strategy, one.key, one.viewpoint)
     more = attention.model_copy(update={"fixations": attention.fixations + SPARE})
-    chosen = entry.choose(cast("Look", one), more, generator)
+    chosen = entry.choose(one, more, generator)
     if isinstance(chosen, ProbingLocations):
         return location_table(one.key, one.viewpoint, strategy, chosen)
     return _path_table(one, strategy, chosen)
-
-
-def locate_all(
-    looks: Iterable[Standpoint],
-    strategies: Sequence[str],
-    attention: AttentionParameters,
-    seed: int,
-) -> pa.Table:
-    """Choose where to touch from viewpoints, at least one, by every strategy: `tables.FIXATIONS`."""
-    tables = [locate(one, strategy, attention, seed) for one in looks for strategy in strategies]
-    return pa.concat_tables(tables)
 
 
 def candidate_table(one: Standpoint, crowd: ProbingLocations) -> pa.Table:

@@ -25,7 +25,7 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.srgb import dim_srgb, encode_srgb
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.geometry.vectors import dot
-from visuohaptic.scene.parameters import EffectModes
+from visuohaptic.scene.parameters import VisualModes
 from visuohaptic.scene.records import EffectRecord
 
 # How far a shadow ray starts above the surface, object radii; float32 rays need some 1e-5.
@@ -80,7 +80,7 @@ def render_views(
     caster: RayCaster,
     cameras: Sequence[Camera],
     parameters: RenderingParameters,
-    modes: EffectModes | None = None,
+    modes: VisualModes | None = None,
 ) -> Views:
     """Render a surface from several cameras.
 
@@ -92,7 +92,7 @@ def render_views(
         n cameras; each view depends on its own camera alone.
     parameters : RenderingParameters
         How to render.
-    modes : EffectModes, optional
+    modes : VisualModes, optional
         When colour, texture, shading and cast shadows are simulated; by default as in a
         scene where nothing is given.
 
@@ -109,7 +109,7 @@ def render_views(
     A pixel that meets an image has the mean light of the part of the image that it covers, on
     the plane of the face that its ray meets (`Texture.light`).
     """
-    modes = modes or EffectModes()
+    modes = modes or VisualModes()
     surface = caster.surface
     log = _EffectLog(plan_visual(modes, surface.stored_colours(), parameters.ambient))
     with log.clock("texture" if modes.texture == "never" else "colour"):

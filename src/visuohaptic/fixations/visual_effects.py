@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import RegistryError
 from visuohaptic.geometry.texture import Texture
-from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes, Mode
+from visuohaptic.scene.parameters import VISUAL_EFFECTS, Mode, VisualModes
 
 
 @dataclass(frozen=True)
@@ -36,13 +36,13 @@ class VisualPlan:
 
 
 def plan_visual(
-    modes: EffectModes, colours: NDArray[np.uint8], ambient: float
+    modes: VisualModes, colours: NDArray[np.uint8], ambient: float
 ) -> tuple[VisualPlan, ...]:
     """Decide which visual effects the views of an object need.
 
     Parameters
     ----------
-    modes : EffectModes
+    modes : VisualModes
         When each effect may be simulated.
     colours : numpy.ndarray
         Shape (n, 3), uint8, sRGB: those of all faces and images.
@@ -91,7 +91,7 @@ def plan_visual(
 
 
 def seen_colours(
-    face_colours: NDArray[np.uint8], face_areas: NDArray[np.float64], modes: EffectModes
+    face_colours: NDArray[np.uint8], face_areas: NDArray[np.float64], modes: VisualModes
 ) -> NDArray[np.uint8]:
     """Give the faces' colours without the effects that are never simulated.
 
@@ -104,7 +104,7 @@ def seen_colours(
         Shape (f, 3), uint8, sRGB.
     face_areas : numpy.ndarray
         Shape (f,), float64, any unit.
-    modes : EffectModes
+    modes : VisualModes
         When each effect may be simulated.
 
     Returns
@@ -123,7 +123,7 @@ def seen_colours(
     return np.round(colours).astype(np.uint8)
 
 
-def seen_texture(texture: Texture, modes: EffectModes) -> Texture:
+def seen_texture(texture: Texture, modes: VisualModes) -> Texture:
     """Give images as they are seen: without colour, each texel in the grey of its luma."""
     if modes.colour != "never":
         return texture
@@ -138,7 +138,7 @@ def _greys(colours: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.repeat(luma[..., None], 3, axis=-1)
 
 
-def _plan(modes: EffectModes, effect: str, called_for: bool, reason: str) -> VisualPlan:  # noqa: FBT001
+def _plan(modes: VisualModes, effect: str, called_for: bool, reason: str) -> VisualPlan:  # noqa: FBT001
     mode: Mode = getattr(modes, effect)
     simulated = mode == "always" or (mode == "auto" and called_for)
     return VisualPlan(effect, mode, called_for, simulated, reason)

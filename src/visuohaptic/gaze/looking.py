@@ -15,7 +15,7 @@ from visuohaptic.attention.term_registry import TERMS
 from visuohaptic.attention.terms import SEEN, prepare_surface, term_planes
 from visuohaptic.errors import GazeError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.probing import draw_by_area, sees
+from visuohaptic.fixations.places import draw_by_area, sees
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.gaze.alignment import Alignment, align, grey_surface, reconstruct

@@ -162,7 +162,7 @@ def guard_unseen(
     values = sequences.features.copy()
     values[noisy] = NOISE * generator.normal(size=values[noisy].shape)
     before, after = (
-        _named(replace(sequences, features=each), split, pipeline, parameters)
+        _predict(replace(sequences, features=each), split, pipeline, parameters)
         for each in (sequences.features, values)
     )
     same = ~np.isin(split.test, noisy)
@@ -184,7 +184,7 @@ def _noisy_sequences(split: Split, sequences: TouchSequences) -> NDArray[np.int6
     return split.test[np.isin(owners, tested[len(tested) // 2 :])]
 
 
-def _named(
+def _predict(
     sequences: TouchSequences, split: Split, pipeline: str, parameters: RecognitionParameters
 ) -> dict[str, NDArray[np.int64] | NDArray[np.float64]]:
     """Give by classifier what it names a split's n test sequences: classes, or probabilities, shape (n, c)."""

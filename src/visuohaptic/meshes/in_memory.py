@@ -37,7 +37,6 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
     Materials and vertex colours become a colour a face; images stay images. Raises `MeshError`
     if there are no faces, or an image can't be read.
     """
-    from visuohaptic.meshes.face_colours import face_colours
     from visuohaptic.meshes.textures import add_textures
 
     parts = [part for part in _checked_parts(mesh, name) if len(part.faces)]
@@ -120,3 +119,28 @@ def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:
     if array.ndim != 2 or array.shape[1] != 3:
         raise MeshError(f"{name} has {what} of shape {array.shape}; (n, 3) is needed.")
     return array
+
+
+def face_colours(part: Any) -> NDArray[np.uint8]:
+    """Give each face its colour.
+
+    Parameters
+    ----------
+    part : trimesh.Trimesh
+        A mesh of f faces.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (f, 3), uint8, sRGB: the material's diffuse colour, or the mean of the corners'
+        colours; `GREY` where there is none.
+    """
+    visual, count = part.visual, len(part.faces)
+    if visual.kind == "texture":
+        return np.tile(np.asarray(visual.material.main_color)[:3].astype(np.uint8), (count, 1))
+    if visual.kind == "vertex":
+        corners = np.asarray(visual.vertex_colors)[part.faces][..., :3]
+        return np.rint(corners.mean(axis=1)).astype(np.uint8)
+    if visual.kind == "face":
+        return np.asarray(visual.face_colors)[:, :3].astype(np.uint8)
+    return np.tile(np.array(GREY, dtype=np.uint8), (count, 1))

@@ -254,7 +254,7 @@ def fit_calibration(
             label = int(labels[one][0])
             projected = own.apply(described[one])
             bags = turn_bags(len(projected), place, best)
-            named = name_bags(tuned.ballots(projected), bags)
+            named = classify_bags(tuned.ballots(projected), bags)
             scores = tuned.scores(projected)
             distances, places = object_distances(known_touches, sequences.features[one])
             found = bag_evidence(marks, projected, scores, bags, distances, places)
@@ -345,7 +345,7 @@ def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[NDArray[n
     return chosen
 
 
-def name_bags(ballots: Ballots, bags: Sequence[NDArray[np.int64]]) -> NDArray[np.float64]:
+def classify_bags(ballots: Ballots, bags: Sequence[NDArray[np.int64]]) -> NDArray[np.float64]:
     """Give the answers for bags of an object's n sequences, shape (k, c)."""
     places = np.arange(len(ballots.probabilities))
     return np.array([ballots.together(np.isin(places, bag)[None])[0] for bag in bags])

@@ -10,17 +10,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from visuohaptic.functions import Function
 from visuohaptic.registry import Registry
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
-    from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
-
     Rows = NDArray[np.float64]
-    Fit = Callable[[Rows, SelfOrganisingMapParameters, np.random.Generator], Any]
 
 
 @dataclass(frozen=True)
@@ -49,7 +46,7 @@ class Map:
 
     name: str
     description: str
-    fit: Fit
+    fit: Callable[..., Any]
     reduce: Callable[[Any, Rows], Rows]
     sizes: Callable[[Any, Rows], Rows] | None = None
     fitted_as: str | None = None
@@ -69,25 +66,7 @@ class FeatureGroups:
     weights: Rows
 
 
-def _fit_lattice(
-    touches: Rows, settings: SelfOrganisingMapParameters, generator: np.random.Generator
-) -> SelfOrganisingMap:
-    from visuohaptic.recognition.self_organising_map import fit_map, lattice
-
-    return fit_map(touches, lattice(settings.outputs, settings.lattice_levels), settings, generator)
-
-
-def _fit_line(
-    rows: Rows, settings: SelfOrganisingMapParameters, generator: np.random.Generator
-) -> SelfOrganisingMap:
-    from visuohaptic.recognition.self_organising_map import fit_map, line
-
-    return fit_map(rows, line(settings.outputs), settings, generator)
-
-
-def _fit_groups(
-    touches: Rows, settings: SelfOrganisingMapParameters, generator: np.random.Generator
-) -> FeatureGroups:
+def _fit_groups(touches: Rows, settings: Any, generator: np.random.Generator) -> FeatureGroups:
     """Let a map order the features, each described by its value at every touch."""
     import numpy as np
 
@@ -111,25 +90,28 @@ def _average_sizes(fitted: FeatureGroups, sizes: Rows) -> Rows:
     return sizes @ abs(fitted.weights)
 
 
-def _distances(fitted: SelfOrganisingMap, touches: Rows) -> Rows:
+def _distances(fitted: Any, touches: Rows) -> Rows:
     return fitted.distances(touches)
 
 
-def _distance_sizes(fitted: SelfOrganisingMap, sizes: Rows) -> Rows:
+def _distance_sizes(fitted: Any, sizes: Rows) -> Rows:
     import numpy as np
 
     return np.linalg.norm(sizes, axis=1)[:, None] + np.linalg.norm(fitted.weights, axis=1)
 
 
-def _one_hot(fitted: SelfOrganisingMap, touches: Rows) -> Rows:
+def _one_hot(fitted: Any, touches: Rows) -> Rows:
     import numpy as np
 
     return np.eye(len(fitted.weights))[fitted.nearest(touches)]
 
 
-def _places(fitted: SelfOrganisingMap, touches: Rows) -> Rows:
+def _places(fitted: Any, touches: Rows) -> Rows:
     return fitted.positions[fitted.nearest(touches)]
 
+
+_fit_lattice = Function("visuohaptic.recognition.self_organising_map:fit_lattice")
+_fit_line = Function("visuohaptic.recognition.self_organising_map:fit_line")
 
 MAPS = Registry(
     "map of touches",

@@ -62,7 +62,7 @@ class SequenceDescriber:
 
 @dataclass(frozen=True)
 class _Part:
-    """Sequences (n, p) of an object that one classifier names, and their touches (m, k)."""
+    """Sequences (n, p) of an object for one classifier, and their touches (m, k)."""
 
     classifier: SequenceClassifier
     calibration: Calibration | None
@@ -102,7 +102,7 @@ class ModelAnswer:
 
 @dataclass(frozen=True)
 class RecognitionModel:
-    """Everything needed to name an object from its touches.
+    """Everything needed to classify an object from its touches.
 
     Attributes
     ----------

@@ -64,6 +64,20 @@ def fit_map(
     return fit_online_map(rows, positions, parameters, generator)
 
 
+def fit_line(
+    rows: NDArray[np.float64], settings: SelfOrganisingMapParameters, generator: np.random.Generator
+) -> SelfOrganisingMap:
+    """Fit a map whose units lie on a line."""
+    return fit_map(rows, line(settings.outputs), settings, generator)
+
+
+def fit_lattice(
+    rows: NDArray[np.float64], settings: SelfOrganisingMapParameters, generator: np.random.Generator
+) -> SelfOrganisingMap:
+    """Fit a map whose units lie on a lattice, an axis an output."""
+    return fit_map(rows, lattice(settings.outputs, settings.lattice_levels), settings, generator)
+
+
 def fit_batch_map(
     touches: NDArray[np.float64],
     positions: NDArray[np.float64],

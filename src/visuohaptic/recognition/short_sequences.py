@@ -23,9 +23,9 @@ from visuohaptic.recognition.certainty import (
     Calibration,
     Landmarks,
     bag_evidence,
+    classify_bags,
     gather_calibration,
     hold_out_objects,
-    name_bags,
     object_distances,
     object_means,
     turn_bags,
@@ -240,7 +240,7 @@ def _calibration_rows(
         one = sequences.object_index == place
         label = int(classes[place])
         bags = turn_bags(int(one.sum()), place, best)
-        named = name_bags(_ballots(held_out.scores[length][one], combination), bags)
+        named = classify_bags(_ballots(held_out.scores[length][one], combination), bags)
         rows.append((label, 1 - named[:, label], held_out.evidence[length][place]))
     return rows
 

@@ -12,50 +12,30 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from operator import itemgetter
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import BaseModel
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters, check_parameters
-from visuohaptic.scene.parameters import VISUAL_EFFECTS
+from visuohaptic.pipeline import OF_OBJECT
 from visuohaptic.studies.study import Changes, Condition, Study
 
 AS_RUN = "as run"
 """The condition that changes nothing."""
 
-Phase = Literal["views", "touches", "features"]
-"""From which phase on something is made again."""
-
 MOST_BLOCKS = 8
 MOST_CONDITIONS_A_BLOCK = 25
 
-_ORDER: tuple[Phase, ...] = ("views", "touches", "features")
+_ORDER = tuple(next(iter(phase.writes)) for phase in OF_OBJECT)
+"""The first table of each phase: from which on something is made again."""
+
 _FIXED = {
     "plugins": "they are code of the whole run",
     "workflow": "it changes no result",
     "meshes": "a study has the objects of the run",
     "cost": "it belongs to the study cost",
     "recognition.intervals": "all conditions have the intervals of the run",
-}
-_VIEWS: Any = {
-    "seed": True,
-    "viewpoints": True,
-    "rendering": True,
-    "attention": True,
-    "scene": {"effects": set(VISUAL_EFFECTS)},
-}
-_SECTIONS: dict[Phase, Any] = {
-    "views": {"include": _VIEWS, "exclude": {"attention": {"fixations"}}},
-    "touches": {
-        "include": {
-            "sensor": True,
-            "scene": True,
-            "probing": {"unreachable", "when_exhausted"},
-        },
-        "exclude": {"scene": {"effects": set(VISUAL_EFFECTS)}},
-    },
-    "features": {"include": {"features"}},
 }
 
 
@@ -71,7 +51,7 @@ class Remake:
         With which; they ask for the strategies and the touches of all conditions that share them.
     """
 
-    phase: Phase
+    phase: str
     parameters: ExperimentParameters
 
 
@@ -128,7 +108,7 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
     """
     own = _upstream(run)
     planned: list[Planned] = []
-    needs: dict[str, list[tuple[Phase, ExperimentParameters]]] = {}
+    needs: dict[str, list[tuple[str, ExperimentParameters]]] = {}
     for condition in study.conditions(run):
         parameters = with_changes(run, condition.changes, f"{source}: {condition.name}")
         upstream = _upstream(parameters)
@@ -230,10 +210,11 @@ def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
 
 def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
     """Give the parameters that each phase's tables depend on, but for how many touches are made."""
-    return {
-        phase: parameters.model_dump(mode="json", **sections)
-        for phase, sections in _SECTIONS.items()
-    }
+    attention = parameters.attention.model_copy(update={"fixations": 0})
+    probing = parameters.probing.model_copy(update={"strategies": ()})
+    alike = parameters.model_copy(update={"attention": attention, "probing": probing})
+    found = [phase.written_values(alike) for phase in OF_OBJECT]
+    return dict(zip(_ORDER, found, strict=True))
 
 
 def _asks_for_more(parameters: ExperimentParameters, run: ExperimentParameters) -> bool:
@@ -241,7 +222,7 @@ def _asks_for_more(parameters: ExperimentParameters, run: ExperimentParameters) 
     return bool(strategies) or touches_needed(parameters) > run.attention.fixations
 
 
-def _merge(found: Sequence[tuple[Phase, ExperimentParameters]]) -> Remake:
+def _merge(found: Sequence[tuple[str, ExperimentParameters]]) -> Remake:
     phase = min((phase for phase, _ in found), key=_ORDER.index)
     wanted = [parameters for _, parameters in found]
     strategies = dict.fromkeys(name for one in wanted for name in one.probing.strategies)

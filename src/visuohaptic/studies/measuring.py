@@ -18,7 +18,7 @@ from contourlets.errors import ContourletError
 from visuohaptic.attention.errors import AttentionError
 from visuohaptic.errors import RecognitionError, VisuohapticError
 from visuohaptic.studies.conditions import Planned, Remake, touches_needed
-from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES, by_object, of_objects
+from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import build_table, read_table
 from visuohaptic.tables.studies import STUDY
 
@@ -51,6 +51,12 @@ class Sources:
     fixations: Paths = ()
     touches: Paths = ()
     objects: Collection[str] | None = None
+
+    def tables(self, phase: str) -> list[dict[str, Paths]]:
+        """Give the files that a phase takes, by table; imprints, which are large, part by part."""
+        if phase == "touches":
+            return [{"fixations": self.fixations}]
+        return [{"touches": [part]} for part in self.touches] if phase == "features" else [{}]
 
 
 @dataclass(frozen=True)
@@ -108,34 +114,25 @@ def remake_features(remake: Remake, sources: Sources) -> pa.Table:
 
 
 def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
-    from visuohaptic.features.describing import describe_touches
-    from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.geometry.surface import object_of, read_surface, usable_meshes
-    from visuohaptic.phases import describe_at, find_locations
-    from visuohaptic.recognition.summary import select
+    from visuohaptic.geometry.subject import Subject
+    from visuohaptic.geometry.surface import object_of
+    from visuohaptic.one_phase import SCHEMAS, objects_of
+    from visuohaptic.pipeline import run
 
     parameters = remake.parameters
-    if remake.phase == "features":
-        for part in sources.touches:
-            felt = of_objects(read_table(TOUCHES, part), sources.objects)
-            felt = _of_strategies(felt, parameters.probing.strategies)
-            for _, of_one in by_object(felt):
-                yield describe_touches(of_one, parameters.features)
-        return
-    located = None
-    if remake.phase == "touches":
-        located = read_table(FIXATIONS, sources.fixations)
-        located = _of_strategies(located, parameters.probing.strategies)
-    for mesh in usable_meshes(sources.meshes):
-        key = object_of(mesh)
-        category, name = key.split("/")
-        caster = RayCaster(read_surface(mesh))
-        locations = (
-            find_locations(caster, key, parameters)
-            if located is None
-            else select(located, **{"class": category}, object=name)
-        )
-        yield describe_at(caster, locations, parameters)
+    meshes = {object_of(mesh): mesh for mesh in sources.meshes}
+    for taken in sources.tables(remake.phase):
+        tables = {
+            name: _of_strategies(
+                of_objects(read_table(SCHEMAS[name], files), sources.objects),
+                parameters.probing.strategies,
+            )
+            for name, files in taken.items()
+        }
+        for key, known in objects_of(tables, meshes):
+            viewpoints = range(parameters.viewpoints.total)
+            subject = Subject.of_mesh(key, meshes.get(key, ""), viewpoints)
+            yield run(subject, parameters, known)["features"]
 
 
 def condition_features(planned: Planned, features: pa.Table, strategy: str) -> pa.Table:

@@ -81,20 +81,7 @@ def choose_places(
 
 
 def touched_places(located: pa.Table, felt: pa.Table) -> pa.Table:
-    """Give the probing location of each touch.
-
-    Parameters
-    ----------
-    located : pyarrow.Table
-        Rows of `tables.FIXATIONS`.
-    felt : pyarrow.Table
-        n rows of `tables.TOUCHES`, made from them.
-
-    Returns
-    -------
-    pyarrow.Table
-        n rows of `tables.FIXATIONS` in the order of the touches, with their column ``touch``.
-    """
+    """Give the probing location of each touch: rows of `tables.FIXATIONS`, with the touches' column ``touch``."""
     owner = [name for name in names_of(TOUCH_KEYS) if name != "touch"]
     rows = {key: row for row, key in enumerate(_keys(located, [*owner, "touch"]))}
     found = located.take([rows[key] for key in _keys(felt, [*owner, "rank"])])

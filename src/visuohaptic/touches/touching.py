@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
@@ -28,26 +31,7 @@ from visuohaptic.touches.choosing import Wanted, choose_places
 def touch_locations(
     caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, scene: Scene, seed: int
 ) -> Touches:
-    """Touch an object at its probing locations.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    fixations : pyarrow.Table
-        n rows of `tables.FIXATIONS`; each touch depends on its own row alone.
-    sensor : SensorParameters
-        Section `sensor`.
-    scene : Scene
-        Section `scene`.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    Touches
-        n touches.
-    """
+    """Touch an object at n rows of `tables.FIXATIONS`; each touch depends on its own row alone."""
     names = ["chance" if name == "strategy" else name for name in FIXATIONS.keys]
     keys = [fixations.column(name).to_pylist() for name in names]
     return touch(
@@ -61,20 +45,24 @@ def touch_locations(
     )
 
 
+class Touched(NamedTuple):
+    """The tables of the second phase, as `touch_tables` gives them."""
+
+    touches: pa.Table
+    effects: pa.Table
+
+
 def acquire_touches(
-    caster: RayCaster,
+    subject: Subject,
     fixations: pa.Table,
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
     wanted: Wanted,
-) -> tuple[pa.Table, pa.Table]:
-    """Touch an object at those of its probing locations that `choose_places` gives.
-
-    Gives `tables.TOUCHES` and `tables.EFFECTS` as `touch_tables` does.
-    """
-    places, ranks = choose_places(caster, fixations, sensor, wanted)
-    return touch_tables(caster, places, sensor, scene, seed, ranks)
+) -> Touched:
+    """Touch an object at those of its probing locations that `choose_places` gives."""
+    places, ranks = choose_places(subject.caster, fixations, sensor, wanted)
+    return Touched(*touch_tables(subject.caster, places, sensor, scene, seed, ranks))
 
 
 def touch_tables(
@@ -87,15 +75,9 @@ def touch_tables(
 ) -> tuple[pa.Table, pa.Table]:
     """Touch an object at its probing locations, if there are any, as `touch_locations` does.
 
-    `ranks`, shape (n,), are their places among the view's; without them these are as column
+    Gives n rows of `tables.TOUCHES`, in the order of `fixations`, and of `tables.EFFECTS` one for each
+    effect. `ranks`, shape (n,), are their places among the view's; without them these are as column
     ``touch`` says.
-
-    Returns
-    -------
-    touches : pyarrow.Table
-        n rows of `tables.TOUCHES`, in the order of `fixations`.
-    effects : pyarrow.Table
-        Rows of `tables.EFFECTS`, one for each effect.
     """
     if not fixations.num_rows:
         return TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table()

@@ -5,9 +5,9 @@ import pyarrow as pa
 from recognition.synthetic import features_table
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.adaptive import gather_candidates
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.summary import select
+from visuohaptic.studies.curves.choosing import gather_candidates
 from visuohaptic.studies.looking.seeing import SIGHTS
 from visuohaptic.studies.looking.sensing import ADAPTIVE, STRATEGIES, Sensed, most_touches
 from visuohaptic.studies.looking.settings import CUES

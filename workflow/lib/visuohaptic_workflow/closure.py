@@ -1,9 +1,10 @@
-"""Which code a script runs: the modules that it imports, directly or through others, and their packages."""
+"""Which code a job runs: the modules that its script imports, directly or through others, and their packages."""
 
 from __future__ import annotations
 
 import ast
 import os
+import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -34,31 +35,53 @@ DISTRIBUTIONS = {
 """Packages whose module has another name."""
 
 _DATA = (".json", ".parquet")
+_NAMED = re.compile(r"\bFunction\(\s*\"([\w.]+):")
+"""Functions by their names, which count as imports (`visuohaptic.functions`)."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a job's code begins.
+
+    Attributes
+    ----------
+    script : path
+        A Python file.
+    modules : tuple of str
+        Modules that the script runs by their names.
+    chosen : tuple of (str, frozenset of str)
+        Modules with a registry, each with those that the chosen entries name: the others count for nothing.
+    """
+
+    script: Path
+    modules: tuple[str, ...] = ()
+    chosen: tuple[tuple[str, frozenset[str]], ...] = ()
 
 
 @dataclass(frozen=True)
 class Code:
-    """The files of this project that a script runs, itself among them, and the versions of other packages by name."""
+    """The files of this project that a job runs, its script among them, and the versions of other packages by name."""
 
     files: tuple[Path, ...]
     versions: dict[str, str]
 
 
 @cache
-def code_of(script: Path, sources: tuple[Path, ...]) -> Code:
-    """Find what a script runs.
+def code_of(start: Start, sources: tuple[Path, ...]) -> Code:
+    """Find what a job runs.
 
     Parameters
     ----------
-    script : path
-        A Python file.
+    start : Start
+        Its script, and what this runs by name.
     sources : tuple of path
         Folders that hold this project's packages; `sys.path` has them, too.
 
     Returns
     -------
     Code
-        Imports anywhere count, those inside functions too; what only a type checker sees does not. Data beside a module
+        Imports anywhere count, those inside functions too, and functions by their names; what only a type checker sees
+        does not. Data beside a module
         that imports `importlib.resources` counts, too.
     """
     packages = {
@@ -68,8 +91,8 @@ def code_of(script: Path, sources: tuple[Path, ...]) -> Code:
         if (package / "__init__.py").exists()
     }
     graph = _graph(tuple(sorted(packages)))
-    files, others = {script}, set(ALWAYS)
-    direct = set(_imports_of(script.read_text(encoding="utf-8"))) - {MACHINERY}
+    files, others, chosen = {start.script}, set(ALWAYS), dict(start.chosen)
+    direct = {*start.modules, *_imports_of(start.script.read_text(encoding="utf-8"))} - {MACHINERY}
     waiting = direct | {name for one in direct for name in _lazy_modules(one, packages)}
     seen: set[str] = set()
     while waiting:
@@ -82,8 +105,9 @@ def code_of(script: Path, sources: tuple[Path, ...]) -> Code:
             others |= {top} - sys.stdlib_module_names
             continue
         waiting |= {module.rpartition(".")[0]} - {""}
-        found = graph.find_modules_directly_imported_by(module)
         file = _file_of(module, packages)
+        named = chosen[module] if module in chosen else _named_in(file)
+        found = graph.find_modules_directly_imported_by(module) | named
         files |= {file, *(_data_beside(file) if "importlib" in found else ())}
         waiting |= found | {name for one in found for name in _lazy_modules(one, packages)}
     return Code(tuple(sorted(files)), {name: version_of(name) for name in sorted(others)})
@@ -113,7 +137,7 @@ def with_plug_ins(code: Code, plug_ins: Iterable[PlugIn], sources: tuple[Path, .
         if plug_in.file is None:
             versions[str(plug_in.package)] = version_of(str(plug_in.package))
             continue
-        own = code_of(plug_in.file, sources)
+        own = code_of(Start(plug_in.file), sources)
         files |= {*own.files, Path(os.path.relpath(plug_in.file))} - {plug_in.file}
         names = _imports_of(plug_in.file.read_text(encoding="utf-8"))
         packages = {package.name for source in sources for package in source.iterdir()}
@@ -155,6 +179,11 @@ def _file_of(module: str, packages: dict[str, Path]) -> Path:
     top, _, rest = module.partition(".")
     path = packages[top].joinpath(*rest.split(".")) if rest else packages[top]
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+@cache
+def _named_in(file: Path) -> frozenset[str]:
+    return frozenset(_NAMED.findall(file.read_text(encoding="utf-8")))
 
 
 def _data_beside(file: Path) -> list[Path]:

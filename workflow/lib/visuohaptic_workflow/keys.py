@@ -16,7 +16,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from visuohaptic_workflow.closure import Code
+from visuohaptic_workflow.closure import Code, Start
 from visuohaptic_workflow.digests import Digests, stamps_of
 
 Parts = dict[str, Any]
@@ -35,8 +35,8 @@ class Job:
         Its rule's name.
     wildcards : mapping of str
         The value of each wildcard.
-    script : path
-        The script that it runs.
+    start : Start
+        Where its code begins.
     inputs, outputs : tuple of str
         Its files; the record is one of the outputs.
     record : str
@@ -47,7 +47,7 @@ class Job:
 
     rule: str
     wildcards: Mapping[str, str]
-    script: Path
+    start: Start
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     record: str
@@ -80,8 +80,8 @@ class Keys:
     ----------
     jobs : iterable of Job
         All that today's parameters and objects ask for.
-    find_code : callable of path
-        Gives what a script runs.
+    find_code : callable of Start
+        Gives what a job runs.
     digests : Digests
         What files hold.
     root : path
@@ -93,7 +93,7 @@ class Keys:
     def __init__(
         self,
         jobs: Iterable[Job],
-        find_code: Callable[[Path], Code],
+        find_code: Callable[[Start], Code],
         digests: Digests,
         root: Path,
         kept: Collection[str] = (),
@@ -104,7 +104,7 @@ class Keys:
         self._makers = {file: job.record for job in self.jobs.values() for file in job.outputs}
         self._parts: dict[str, Parts] = {}
         self._keys: dict[str, str] = {}
-        self._code: dict[Path, dict[str, str]] = {}
+        self._code: dict[Start, dict[str, str]] = {}
         self._reasons: dict[str, str | None] = {}
 
     def makers(self, files: Iterable[str]) -> dict[str, None]:
@@ -124,8 +124,8 @@ class Keys:
             job = self.jobs[record]
             sources = [file for file in job.inputs if file not in self._makers]
             self._parts[record] = {
-                "code": self._code_of(job.script),
-                "packages": self._find_code(job.script).versions,
+                "code": self._code_of(job.start),
+                "packages": self._find_code(job.start).versions,
                 "parameters": json.loads(json.dumps({**job.find_params(), **job.wildcards})),
                 "sources": {self._named(file): self._digest(file) for file in sources},
                 "from": {
@@ -141,9 +141,9 @@ class Keys:
         return self._keys[record]
 
     def given(self, record: str) -> Parts:
-        """Give what a job is told: its key's parts, its files of code and sources, and what marks these today."""
+        """Give what a job checks itself by: its key's parts, its files of code and sources, and what marks these today."""
         job = self.jobs[record]
-        code = [os.path.relpath(file) for file in self._find_code(job.script).files]
+        code = [os.path.relpath(file) for file in self._find_code(job.start).files]
         sources = [file for file in job.inputs if file not in self._makers]
         files = {"code": code, "sources": sources}
         return {"parts": self.parts(record), "files": files, "stamps": stamps_of([*code, *sources])}
@@ -193,11 +193,11 @@ class Keys:
             return str(kept["key"])
         return self.key(maker)
 
-    def _code_of(self, script: Path) -> dict[str, str]:
-        if script not in self._code:
-            files = self._find_code(script).files
-            self._code[script] = {self._named(file): self._digest(file) for file in files}
-        return self._code[script]
+    def _code_of(self, start: Start) -> dict[str, str]:
+        if start not in self._code:
+            files = self._find_code(start).files
+            self._code[start] = {self._named(file): self._digest(file) for file in files}
+        return self._code[start]
 
     def _named(self, file: str | Path) -> str:
         path = Path(os.path.abspath(file))  # noqa: PTH100 - links stay

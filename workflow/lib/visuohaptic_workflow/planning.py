@@ -6,10 +6,10 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from visuohaptic_workflow.closure import Start
 from visuohaptic_workflow.keys import Job
 
 _WILDCARD = re.compile(r"{(\w+)}")
@@ -21,7 +21,7 @@ Values = Mapping[str, Iterable[str]]
 class Declared:
     """What a rule's job runs and takes: patterns of files, or functions of wildcards that list them, by name."""
 
-    script: Path
+    start: Start
     inputs: Mapping[str, Any]
 
     def files(self, wildcards: Any) -> dict[str, Any]:
@@ -63,7 +63,7 @@ def plan_jobs(
         yield Job(
             rule=rule,
             wildcards=wildcards,
-            script=declared.script,
+            start=declared.start,
             inputs=tuple(map(str, _flat(declared.files(asked).values()))),
             outputs=tuple(fill(str(file), asked) for file in made.output),
             record=fill(record, asked),
@@ -71,19 +71,19 @@ def plan_jobs(
         )
 
 
-def triggers_asked_for(arguments: Sequence[str]) -> set[str]:
-    """Give the values of `--rerun-triggers` on a command line of Snakemake, empty where it is not there."""
-    found: set[str] = set()
+def values_of_option(arguments: Sequence[str], *names: str) -> list[str]:
+    """Give the values of an option that takes several, by its names, on a command line of Snakemake."""
+    found: list[str] = []
     taking = False
     for argument in arguments:
         name, is_joined, value = argument.partition("=")
-        if name == "--rerun-triggers":
+        if name in names:
             taking = True
-            found |= {value} if is_joined else set()
+            found += [value] if is_joined else []
         elif argument.startswith("-"):
             taking = False
         elif taking:
-            found.add(argument)
+            found.append(argument)
     return found
 
 

@@ -23,9 +23,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-import numpy as np
-
 BudgetName = Literal["fast", "balanced", "accurate"]
+BUDGETS: tuple[BudgetName, ...] = get_args(BudgetName)
 
 FAMILY = "viewpoints"
 KEPT = ("setting", "viewpoints", "objects", "seconds", "error", "error_low", "error_high")
@@ -42,14 +41,16 @@ class Budget:
 
 
 @cache
-def budgets() -> dict[BudgetName, Budget]:
+def budgets() -> dict[str, Budget]:
     """Give the presets, the quickest first."""
     held = json.loads(files("visuohaptic.studies.cost").joinpath("budgets.json").read_text("utf-8"))
-    return {name: Budget(name, **held["budgets"][name]) for name in get_args(BudgetName)}
+    return {name: Budget(name, **held["budgets"][name]) for name in BUDGETS}
 
 
 def choose_budgets(line: Sequence[Mapping[str, Any]]) -> dict[BudgetName, Budget]:
     """Apply the rule to a family's settings that did not fail: presets, the quickest first."""
+    import numpy as np
+
     from visuohaptic.studies.cost.front import pareto_front
 
     points = np.array([(row["seconds"], row["error"]) for row in line], dtype=np.float64)

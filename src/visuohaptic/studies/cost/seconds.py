@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import time
+from collections import defaultdict
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
-import numpy as np
 import pyarrow as pa
 
-from visuohaptic.features.describing import describe_touches
-from visuohaptic.fixations.locations import Look, attend_to
-from visuohaptic.fixations.rendering import render_views
-from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.fixations.sight import Sight
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, object_of, read_surface, usable_meshes
+from visuohaptic.one_phase import Tables
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.phases import find_locations, touch_at
+from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, passed_on
 from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.studies.conditions import Planned, plan_study
@@ -31,7 +30,7 @@ from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import COST_SECONDS
 
-PHASES = ("look", "touch", "describe", "name")
+PHASES = (*(str(phase.verb) for phase in OF_OBJECT), "name")
 PARTS = ("render", "attend", "cast")
 """Parts of looking, the first two, and of touching."""
 
@@ -59,31 +58,6 @@ class TimedCaster(RayCaster):
         found = super().first_hits(*rays)
         self.seconds += time.process_time() - start
         return found
-
-
-class TimedLooking:
-    """Looks as `phases.look_from` does, and adds up the processor seconds of its two parts."""
-
-    render = attend = 0.0
-
-    def __call__(
-        self,
-        caster: RayCaster,
-        key: str,
-        parameters: ExperimentParameters,
-        viewpoints: Sequence[int],
-    ) -> list[Look]:
-        """Look at an object from numbered viewpoints, all of them at once."""
-        placed = place_cameras(parameters.viewpoints)
-        cameras = {number: placed[number] for number in viewpoints}
-        start = time.process_time()
-        chosen = list(cameras.values())
-        seen = render_views(caster, chosen, parameters.rendering, parameters.scene.effects)
-        rendered = time.process_time()
-        looks = attend_to(seen, caster, key, cameras, parameters.attention)
-        self.render += rendered - start
-        self.attend += time.process_time() - rendered
-        return looks
 
 
 def make_cost_seconds(given: Given) -> None:
@@ -126,21 +100,41 @@ def recognise_once(
     clock's. Preparing the surface for rays is a part of ``look``. The key is for the random
     generators, not for the prediction.
     """
-    parameters = fitted.parameters
-    looking = TimedLooking()
-    clock = [time.process_time()]
-    caster = TimedCaster(surface)
-    locations = find_locations(caster, key, parameters, viewpoints, looking)
-    clock.append(time.process_time())
-    caster.seconds = 0.0
-    touches = touch_at(caster, locations, parameters)
-    clock.append(time.process_time())
-    features = describe_touches(touches, parameters.features)
-    clock.append(time.process_time())
-    fitted.model.recognise(features)
-    clock.append(time.process_time())
-    parts = {"render": looking.render, "attend": looking.attend, "cast": caster.seconds}
-    return {**dict(zip(PHASES, np.diff(clock).tolist(), strict=True)), **parts}
+    seconds: dict[str, float] = defaultdict(float)
+    parts: list[pa.Table] = []
+    with _timed(seconds, "look"):
+        caster = TimedCaster(surface)
+    subject = Subject(key, lambda: caster, viewpoints)
+    for block in subject.blocks(VIEWPOINTS_AT_ONCE):
+        tables: Tables = {}
+        for phase in OF_OBJECT:
+            before = caster.seconds
+            with _timed(seconds, str(phase.verb)):
+                found = phase.run(block, tables, fitted.parameters)
+                if phase.verb == "look":
+                    _look(found, seconds)
+                tables |= passed_on(phase, found)
+            if phase.verb == "touch":
+                seconds["cast"] += caster.seconds - before
+        parts.append(tables["features"])
+    with _timed(seconds, "name"):
+        fitted.model.recognise(pa.concat_tables(parts))
+    return {name: seconds[name] for name in (*PHASES, *PARTS)}
+
+
+def _look(sight: Sight, seconds: dict[str, float]) -> None:
+    """Time the two parts of looking, where a strategy needs it."""
+    if sight.needs_looks:
+        for part, name in (("render", "seen"), ("attend", "looks")):
+            with _timed(seconds, part):
+                getattr(sight, name)
+
+
+@contextmanager
+def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
+    start = time.process_time()
+    yield
+    seconds[name] += time.process_time() - start
 
 
 def fit_setting(

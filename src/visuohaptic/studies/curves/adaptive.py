@@ -25,11 +25,11 @@ from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
 
 if TYPE_CHECKING:
-    from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.recognition.adaptive import Candidates
+    from visuohaptic.geometry.subject import Subject
     from visuohaptic.recognition.experiment import Answer
     from visuohaptic.recognition.sequences import TouchSequences
     from visuohaptic.recognition.splits import Split
+    from visuohaptic.studies.curves.choosing import Candidates
 
 CANDIDATES = 256
 """Places of an object among which `adaptive` chooses where a viewpoint sees them."""
@@ -38,40 +38,45 @@ CANDIDATES = 256
 def make_candidates(given: Given) -> None:
     """Touch objects wherever `adaptive` may choose to: rows of `tables.FEATURES`, no sequences."""
     from visuohaptic.fixations.locations import candidate_table
-    from visuohaptic.fixations.probing import ProbingLocations, spread_far
+    from visuohaptic.fixations.looking import Standpoint
+    from visuohaptic.fixations.places import ProbingLocations
+    from visuohaptic.fixations.strategies.farthest_point import spread_far
+    from visuohaptic.fixations.viewpoints import place_cameras
     from visuohaptic.geometry.orientation import orient_outwards
-    from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.geometry.surface import object_of, read_surface, usable_meshes
-    from visuohaptic.phases import look_from
+    from visuohaptic.geometry.subject import Subject
+    from visuohaptic.geometry.surface import object_of, usable_meshes
     from visuohaptic.seeds import spawn_generator
 
     parts, parameters = [], given.run
     for mesh in usable_meshes(given.inputs["meshes"]):
-        key, caster = object_of(mesh), RayCaster(read_surface(mesh))
-        generator = spawn_generator(parameters.seed, "candidates", key)
+        subject = Subject.of_mesh(object_of(mesh), mesh)
+        caster = subject.caster
+        generator = spawn_generator(parameters.seed, "candidates", subject.key)
         crowd = spread_far(caster.surface, CANDIDATES, generator)
         outwards = orient_outwards(caster, crowd.points, crowd.normals)
         places = ProbingLocations(crowd.points, outwards, crowd.faces)
-        looks = look_from(caster, key, parameters, range(parameters.viewpoints.total))
-        located = pa.concat_tables([candidate_table(one, places) for one in looks])
-        parts.append(_describe_candidates(caster, located.combine_chunks(), parameters))
+        located = [
+            candidate_table(Standpoint(subject.key, number, caster, camera), places)
+            for number, camera in enumerate(place_cameras(parameters.viewpoints))
+        ]
+        whole = pa.concat_tables(located).combine_chunks()
+        parts.append(_describe_candidates(subject, whole, parameters))
     write_table(FEATURES, pa.concat_tables(parts), given.outputs[0])
 
 
 def _describe_candidates(
-    caster: RayCaster, located: pa.Table, parameters: ExperimentParameters
+    subject: Subject, located: pa.Table, parameters: ExperimentParameters
 ) -> pa.Table:
     """Touch candidates; where places out of reach are replaced, only those in reach."""
-    from visuohaptic.features.describing import describe_touches
+    from visuohaptic.pipeline import run
     from visuohaptic.touches.choosing import in_reach
     from visuohaptic.touches.touching import touch_tables
 
-    sensor, scene, seed = parameters.sensor, parameters.scene, parameters.seed
+    caster, sensor = subject.caster, parameters.sensor
     if parameters.probing.unreachable == "replace":
         located = located.filter(pa.array(in_reach(caster, located, sensor)))
-    return describe_touches(
-        touch_tables(caster, located, sensor, scene, seed)[0], parameters.features
-    )
+    touches, _ = touch_tables(caster, located, sensor, parameters.scene, parameters.seed)
+    return run(subject, parameters, {"touches": touches})["features"]
 
 
 def make_adaptive_rows(given: Given) -> None:
@@ -108,11 +113,11 @@ class _Chooser:
     def __init__(
         self, features: pa.Table, planned: Sequence[Planned], pipeline: str, seed: int
     ) -> None:
-        from visuohaptic.recognition.adaptive import gather_candidates
         from visuohaptic.recognition.descriptors import draw_waves
         from visuohaptic.recognition.experiment import gather_pipeline
         from visuohaptic.recognition.summary import select
         from visuohaptic.seeds import spawn_generator
+        from visuohaptic.studies.curves.choosing import gather_candidates
 
         recognition = planned[0].parameters.recognition
         # The columns that a pipeline takes are those that it takes of one touch a sequence.
@@ -150,8 +155,8 @@ class _Chooser:
     def _sequences(self, split: Split, parameters: ExperimentParameters) -> TouchSequences:
         from dataclasses import replace
 
-        from visuohaptic.recognition.adaptive import choose_sequences
         from visuohaptic.seeds import spawn_generator
+        from visuohaptic.studies.curves.choosing import choose_sequences
 
         key = tuple(split.test.tolist())
         if key not in self._chosen:

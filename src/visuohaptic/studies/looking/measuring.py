@@ -48,8 +48,8 @@ from visuohaptic.tables.schema import build_table
 from visuohaptic.tables.studies import CONFIDENCE_BINS, LOOKING
 
 if TYPE_CHECKING:
-    from visuohaptic.recognition.adaptive import Candidates
     from visuohaptic.recognition.sequences import TouchSequences
+    from visuohaptic.studies.curves.choosing import Candidates
 
 
 def measure_looking(sensed: Sensed, run: ExperimentParameters, processes: int) -> pa.Table:
@@ -141,7 +141,7 @@ def _choose(
     """Give the features of the touches with the largest expected information gain, by trial."""
     from joblib import Parallel, delayed
 
-    from visuohaptic.recognition.adaptive import choose_sequences
+    from visuohaptic.studies.curves.choosing import choose_sequences
 
     rows = Parallel(processes)(
         delayed(choose_sequences)(

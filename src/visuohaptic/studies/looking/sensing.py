@@ -20,9 +20,7 @@ from visuohaptic.studies.looking.seeing import SIGHTS, describe_views
 from visuohaptic.studies.looking.settings import CUES
 
 if TYPE_CHECKING:
-    from visuohaptic.fixations.locations import Look
-    from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.recognition.adaptive import Candidates
+    from visuohaptic.studies.curves.choosing import Candidates
 
 ADAPTIVE = "adaptive"
 BLIND = "random"
@@ -80,33 +78,31 @@ def sense_object(
 
     Gives rows of `tables.FEATURES`, and by cue descriptors of all viewpoints, shape (v, sights, d).
     """
-    from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.geometry.surface import object_of, read_surface
-    from visuohaptic.phases import describe_at, find_locations, look_from
+    from visuohaptic.geometry.subject import Subject
+    from visuohaptic.geometry.surface import object_of
+    from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, passed_on, phase
+    from visuohaptic.pipeline import run as run_phases
 
     changes = {
         "probing.strategies": STRATEGIES,
         "probing.when_exhausted": "begin_again",
         "recognition.touches": most_touches(run),
     }
-    parameters = with_changes(run, changes)
+    parameters, looking = with_changes(run, changes), phase("fixations")
+    key = object_of(mesh)
+    whole = Subject.of_mesh(key, mesh, range(parameters.viewpoints.count))
+    features: list[pa.Table] = []
     seen: list[dict[str, NDArray[np.float32]]] = []
-
-    def looking(
-        caster: RayCaster, key: str, parameters: ExperimentParameters, viewpoints: Sequence[int]
-    ) -> list[Look]:
-        looks = look_from(caster, key, parameters, viewpoints)
+    for part in whole.blocks(VIEWPOINTS_AT_ONCE):
+        look = looking.run(part, {}, parameters)
         generators = {
-            sight: [spawn_generator(run.seed, "sight", sight, key, one) for one in viewpoints]
+            sight: [spawn_generator(run.seed, "sight", sight, key, one) for one in part.viewpoints]
             for sight in SIGHTS
         }
-        seen.append(describe_views(looks[0].seen, generators))
-        return looks
-
-    key, caster = object_of(mesh), RayCaster(read_surface(mesh))
-    located = find_locations(caster, key, parameters, looking=looking)
-    views = {cue: np.concatenate([part[cue] for part in seen]) for cue in CUES}
-    return describe_at(caster, located, parameters), views
+        seen.append(describe_views(look.seen, generators))
+        features.append(run_phases(part, parameters, passed_on(looking, look))["features"])
+    views = {cue: np.concatenate([one[cue] for one in seen]) for cue in CUES}
+    return pa.concat_tables(features), views
 
 
 def sense_all(
@@ -138,10 +134,10 @@ def gather_sensed(
     run: ExperimentParameters,
 ) -> Sensed:
     """Gather what `sense_object` gave of all objects, their views by `class/name`."""
-    from visuohaptic.recognition.adaptive import gather_candidates
     from visuohaptic.recognition.experiment import gather_pipeline
     from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
     from visuohaptic.recognition.summary import select
+    from visuohaptic.studies.curves.choosing import gather_candidates
 
     touches = most_touches(run)
     whole = classes_of_two(whole_sequences(rows, touches)[0])

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.fixations.probing import (
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.fixations.looking import Standpoint
+from visuohaptic.fixations.places import (
     BATCH,
     FRUITLESS_BATCHES,
     ProbingLocations,
@@ -31,30 +33,21 @@ _LIFT = 1e-4
 _ROUNDING = 1e-6
 
 
+def choose(
+    one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
+) -> ProbingLocations:
+    """Walk over the object from wherever chance puts the first place."""
+    return walk(one.caster, attention.fixations, generator)
+
+
 def walk(caster: RayCaster, count: int, generator: np.random.Generator) -> ProbingLocations:
-    """Walk over a surface at random.
+    """Walk over a surface at random; fewer places are the first of more.
 
     The first place is drawn uniformly by area. Each next one lies a step of length `STEP` farther
     along the surface, in a direction drawn uniformly about the normal, on the side of the surface
     that the walk is on. A place whose way out along the normal is obstructed, as inside a bottle,
-    is drawn again.
+    is drawn again. There are fewer places where no way leads on.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    count : int
-        How many places; fewer places are the first of more.
-    generator : numpy.random.Generator
-        Where chance comes from.
-
-    Returns
-    -------
-    ProbingLocations
-        `count` places with outward normals, or fewer where no way leads on.
-
-    Notes
-    -----
     A step is made of `MOVES` straight moves. A move ends where it meets a part that stands in its
     way, else on what lies below its end; past an edge it turns down, and at the rim of a thin
     sheet to the sheet's other side. The direction is carried along by the least rotation from

@@ -1,77 +1,109 @@
 """From a mesh file to features, file to file: what each phase writes is what its table promises."""
 
+import inspect
 import shutil
 
 import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from phases_by_files import run_phases
 
-from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import INWARD, TIE
-from visuohaptic.features.files import make_features
-from visuohaptic.features.parameters import FeatureParameters
-from visuohaptic.fixations.files import make_fixations
-from visuohaptic.fixations.parameters import (
-    ProbingParameters,
-    RenderingParameters,
-    ViewpointParameters,
-)
+from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes, Scene
-from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pipeline import OF_OBJECT, PHASES, after, everywhere, run
+from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, SPARE, TOUCHES, VIEWS
 from visuohaptic.tables.schema import matrix, read_table
-from visuohaptic.touches.choosing import Wanted, touched_places
-from visuohaptic.touches.files import make_touches
+from visuohaptic.touches.choosing import touched_places
 
-VIEWPOINTS = ViewpointParameters(count=3)
+RING = {
+    "seed": 7,
+    "viewpoints": {"count": 3},
+    "rendering": {"resolution": 64},
+    "attention": {"fixations": 4},
+    "recognition": {"touches": 4},
+}
 
 
-def look(folder, block, seed=7, name="fixations", modes=None):
-    make_fixations(
-        meshes={"ring/torus": folder / "torus.ply"},
-        fixations=folder / f"{name}.parquet",
-        views=folder / f"{name}-views.parquet",
-        effects=folder / f"{name}-effects.parquet",
-        block=block,
-        viewpoints=VIEWPOINTS,
-        rendering=RenderingParameters(resolution=64),
-        attention=AttentionParameters(fixations=4),
-        strategies=ProbingParameters().strategies,
-        modes=modes or EffectModes(),
-        seed=seed,
-    )
-    return read_table(FIXATIONS, folder / f"{name}.parquet")
+def ring(**changes):
+    return ExperimentParameters.from_mapping({**RING, **changes})
+
+
+def look(folder, viewpoints, name="other", **changes):
+    """Look at the ring; write the tables into a folder beside."""
+    there = folder / name
+    mesh = folder / "torus.ply"
+    run_phases("ring/torus", mesh, there, ring(**changes), viewpoints, OF_OBJECT[:1])
+    return read_table(FIXATIONS, there / "fixations.parquet")
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("phases")
     trimesh.creation.torus(1, 0.4).export(folder / "torus.obj")
-    make_mesh(
-        "ring/torus",
-        Model("ring", "torus"),
-        folder / "torus.obj",
-        folder / "torus.ply",
-        MeshParameters(),
-    )
-    look(folder, [0, 1, 2])
-    make_touches(
-        {"ring/torus": folder / "torus.ply"},
-        folder / "fixations.parquet",
-        folder / "touches.parquet",
-        folder / "effects.parquet",
-        SensorParameters(resolution=32),
-        Scene(),
-        7,
-        Wanted(4),
-    )
-    make_features(folder / "touches.parquet", folder / "features.parquet", FeatureParameters())
+    mesh = folder / "torus.ply"
+    make_mesh("ring/torus", Model("ring", "torus"), folder / "torus.obj", mesh, MeshParameters())
+    run_phases("ring/torus", mesh, folder, ring())
     return folder
+
+
+def test_a_phase_takes_what_a_phase_before_it_gives():
+    given = set()
+    for phase in PHASES:
+        assert given >= set(phase.reads), phase.name
+        given |= set(phase.writes)
+
+
+@pytest.mark.parametrize("phase", PHASES, ids=lambda phase: phase.name)
+def test_arguments_are_parameters_and_those_that_the_function_takes(phase):
+    assert phase.values(ring()).keys() == phase.arguments.keys()
+    if phase.verb:
+        assert phase.arguments.keys() <= set(inspect.signature(phase.work.load()).parameters)
+
+
+def test_a_strategy_is_chosen_from_its_registry_alone():
+    chosen = OF_OBJECT[0].chosen_modules(ring(probing={"strategies": ["curvature"]}))
+    modules = {"visuohaptic.fixations.strategies.curvature"}
+    assert chosen == {"visuohaptic.fixations.probing": modules}
+
+
+def test_a_run_in_memory_gives_the_tables_of_a_run_by_files(folder):
+    subject = Subject.of_mesh("ring/torus", folder / "torus.ply", range(3))
+    found = run(subject, ring())
+    for schema in (FIXATIONS, TOUCHES, FEATURES):
+        assert found[schema.name].equals(read_table(schema, folder / f"{schema.name}.parquet"))
+
+
+def test_a_run_goes_on_behind_the_tables_that_are_known(folder):
+    subject = Subject("ring/torus", None)
+    whole = {
+        name: read_table(schema, folder / f"{name}.parquet")
+        for name, schema in (("touches", TOUCHES),)
+    }
+    assert [phase.name for phase in after(whole)] == ["features"]
+    found = run(subject, ring(), whole)
+    assert found["features"].equals(read_table(FEATURES, folder / "features.parquet"))
+
+
+def test_every_probing_location_is_touched_where_everywhere_is_asked_for(folder):
+    subject = Subject.of_mesh("ring/torus", folder / "torus.ply")
+    located = read_table(FIXATIONS, folder / "fixations.parquet").slice(0, 4 + SPARE)
+    changed = ring(probing={"when_exhausted": "begin_again"})
+    found = run(subject, everywhere(changed, located), {"fixations": located})
+    assert found["touches"].num_rows == located.num_rows
+
+
+def test_what_a_job_is_given_says_what_a_run_in_memory_takes(folder):
+    parameters = ring(scene={"preset": "worn_fsr"})
+    for phase in OF_OBJECT:
+        written = phase.work.checked(phase.written_values(parameters))
+        assert written == phase.work.checked(phase.values(parameters))
 
 
 def test_every_viewpoint_and_strategy_gives_its_sequence(folder):
@@ -123,7 +155,7 @@ def test_a_block_of_viewpoints_gives_what_all_of_them_give(folder):
 
 def test_another_seed_moves_random_points_and_no_fixation(folder):
     whole = read_table(FIXATIONS, folder / "fixations.parquet").to_pandas()
-    other = look(folder, [0, 1, 2], seed=8, name="other").to_pandas()
+    other = look(folder, [0, 1, 2], seed=8).to_pandas()
     same = (whole[["x", "y", "z"]] == other[["x", "y", "z"]]).all(axis=1)
     assert (same == (whole.strategy == "fixation")).all()
 
@@ -131,7 +163,7 @@ def test_another_seed_moves_random_points_and_no_fixation(folder):
 def test_views_are_pictures_and_say_what_ran(folder):
     import cv2
 
-    rows = read_table(VIEWS, folder / "fixations-views.parquet").to_pylist()
+    rows = read_table(VIEWS, folder / "views.parquet").to_pylist()
     assert len(rows) == 3
     for row in rows:
         view = cv2.imdecode(np.frombuffer(row["view"], np.uint8), cv2.IMREAD_UNCHANGED)
@@ -163,7 +195,7 @@ def test_features_hold_place_and_normal_as_touched(folder):
 
 
 def test_the_books_of_the_effects_count_every_touch(folder):
-    rows = read_table(EFFECTS, folder / "effects.parquet").to_pylist()
+    rows = read_table(EFFECTS, folder / "effects/touches.parquet").to_pylist()
     assert all(row["touches"] == 24 >= row["called_for"] for row in rows)
     ran = {row["effect"] for row in rows if row["runs"]}
     # The plain scene calls for geometry alone.
@@ -172,7 +204,7 @@ def test_the_books_of_the_effects_count_every_touch(folder):
 
 
 def test_the_books_of_the_view_count_every_view(folder):
-    rows = read_table(EFFECTS, folder / "fixations-effects.parquet").to_pylist()
+    rows = read_table(EFFECTS, folder / "effects/views.parquet").to_pylist()
     books = {row["effect"]: row for row in rows}
     assert set(books) == set(VISUAL_EFFECTS)
     assert {row["touches"] for row in rows} == {3}
@@ -182,36 +214,31 @@ def test_the_books_of_the_view_count_every_view(folder):
 
 
 def test_the_books_of_eye_and_hand_lie_in_one_folder_as_one_table(folder, tmp_path):
-    for part, file in (("views", "fixations-effects"), ("touches", "effects")):
+    for part in ("views", "touches"):
         target = tmp_path / "effects" / part / "ring" / "torus" / "00-02.parquet"
         target.parent.mkdir(parents=True)
-        shutil.copy(folder / f"{file}.parquet", target)
+        shutil.copy(folder / f"effects/{part}.parquet", target)
     frame = pd.read_parquet(tmp_path / "effects")
     assert sorted(frame.effect) == sorted(EffectModes.model_fields)
     assert read_table(EFFECTS, tmp_path / "effects").num_rows == len(frame)
 
 
 def test_the_eye_looks_without_shading_where_the_scene_says_so(folder):
-    shaded = read_table(VIEWS, folder / "fixations-views.parquet").column("view").to_pylist()
-    look(folder, [0, 1, 2], name="flat", modes=EffectModes(shading="never"))
-    flat = read_table(VIEWS, folder / "flat-views.parquet").column("view").to_pylist()
+    shaded = read_table(VIEWS, folder / "views.parquet").column("view").to_pylist()
+    look(folder, [0, 1, 2], name="flat", scene={"effects": {"shading": "never"}})
+    flat = read_table(VIEWS, folder / "flat/views.parquet").column("view").to_pylist()
     assert all(one != other for one, other in zip(shaded, flat, strict=True))
 
 
 def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder):
-    for name, seed in (("one", 7), ("two", 7), ("three", 8)):
-        make_touches(
-            {"ring/torus": folder / "torus.ply"},
-            folder / "fixations.parquet",
-            folder / f"{name}.parquet",
-            folder / f"{name}-effects.parquet",
-            SensorParameters(),
-            Scene(preset="worn_fsr"),
-            seed,
-            Wanted(4),
-        )
+    mesh = folder / "torus.ply"
     one, two, three = (
-        read_table(TOUCHES, folder / f"{name}.parquet") for name in ("one", "two", "three")
+        run(
+            Subject.of_mesh("ring/torus", mesh),
+            ring(seed=seed, scene={"preset": "worn_fsr"}),
+            {"fixations": read_table(FIXATIONS, folder / "fixations.parquet")},
+        )["touches"]
+        for seed in (7, 7, 8)
     )
     assert one.equals(two)
     assert not one.equals(three)

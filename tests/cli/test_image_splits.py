@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from visuohaptic.cli.image_splits import split_accuracies
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.image_splits import split_accuracies
 
 
 def blobs(separation, classes=4, images=20):

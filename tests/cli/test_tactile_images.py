@@ -5,13 +5,13 @@ import pyarrow.parquet as pq
 import pytest
 from features.pressed_images import pressed, written
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.features.tactile_images import (
+from visuohaptic.cli.tactile_images import (
     describe_tactile_images,
     name_features,
     read_tactile_images,
     write_tactile_features,
 )
+from visuohaptic.errors import RecognitionError
 
 
 def test_images_are_read_by_class_and_scaled_to_one(tmp_path):

@@ -1,4 +1,4 @@
-"""How well single tactile images name their objects, over random splits of the images.
+"""How well objects are classified from single tactile images, over random splits of the images.
 
 This is the protocol of Gandarias, García-Cerezo and Gómez-de-Gabriel ("CNN-based methods for object
 recognition with high-resolution tactile sensors", IEEE Sensors Journal 19(16), 2019): of each class a

@@ -6,8 +6,12 @@ import pytest
 from recognition.synthetic import features_table
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition import adaptive
-from visuohaptic.recognition.adaptive import (
+from visuohaptic.recognition.descriptors import POSE
+from visuohaptic.recognition.parameters import BestParameters, ProtocolParameters
+from visuohaptic.recognition.sequences import TouchSequences
+from visuohaptic.recognition.splits import make_splits
+from visuohaptic.studies.curves import choosing
+from visuohaptic.studies.curves.choosing import (
     Candidates,
     choose_sequences,
     choose_touches,
@@ -16,10 +20,6 @@ from visuohaptic.recognition.adaptive import (
     gather_candidates,
     scale_poses,
 )
-from visuohaptic.recognition.descriptors import POSE
-from visuohaptic.recognition.parameters import BestParameters, ProtocolParameters
-from visuohaptic.recognition.sequences import TouchSequences
-from visuohaptic.recognition.splits import make_splits
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, IMPRINT_FEATURES
 
 PARAMETERS = BestParameters()
@@ -160,7 +160,7 @@ def test_a_training_object_is_not_foretold_by_itself():
     alone = model.log_likelihood(poses, place)
     kinds = model.kinds.copy()
     kinds[model.owner == place] = 0
-    altered = adaptive.TouchModel(
+    altered = choosing.TouchModel(
         model.words, model.poses, kinds, model.owner, model.class_of_owner, model.classes,
         model.normal_weight, model.wave_length,
     )  # fmt: skip
@@ -181,7 +181,7 @@ def test_likelihoods_of_a_class_are_a_mean_over_its_objects():
             for row, kernel in zip(rows, np.exp(-distances / 2).T, strict=True):
                 expected[:, model.kinds[row], category] += kernel / len(rows) / len(objects)
     expected = 0.9 * expected + 0.1 * expected.mean(axis=2, keepdims=True)
-    found = np.exp(model.log_likelihood(poses, -1)) - adaptive.LEAST_LIKELIHOOD
+    found = np.exp(model.log_likelihood(poses, -1)) - choosing.LEAST_LIKELIHOOD
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 

@@ -5,7 +5,32 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.attention.scanpath import Scanpath
+from visuohaptic.fixations.looking import Look
+
 _BETWEEN_PIXELS = 0.5
+
+
+def choose(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Follow the object's outline from its most salient place, a focus radius a step."""
+    seen, place, saliency = one.seen, one.place, one.attended.saliency
+    rows, columns = follow_outline(
+        seen.mask[place],
+        seen.point[place],
+        saliency,
+        attention.focus_radius,
+        attention.fixations,
+    )
+    return Scanpath(
+        rows=rows,
+        columns=columns,
+        points=seen.point[place][rows, columns],
+        normals=seen.normal[place][rows, columns],
+        faces=seen.face[place][rows, columns],
+        saliency=saliency[rows, columns].astype("float64"),
+        asked=attention.fixations,
+    )
 
 
 def follow_outline(
@@ -19,26 +44,9 @@ def follow_outline(
 
     The outline is the longest closed curve between object and background, on the pixels just inside
     it. The first place is its most salient one. From there the outline is followed in one
-    direction; the next place is the first one a step away from the place before, until the whole
-    outline was followed.
-
-    Parameters
-    ----------
-    mask : numpy.ndarray
-        Shape (h, w), bool: where the object is.
-    point : numpy.ndarray
-        Shape (h, w, 3), float64: the surface's points.
-    saliency : numpy.ndarray
-        Shape (h, w), float32.
-    step : float
-        Least distance between a place and the next, in the points' units.
-    count : int
-        Most places; fewer are the first of more.
-
-    Returns
-    -------
-    rows, columns : numpy.ndarray
-        Shape (k,) each, int64: pixels of the object, none twice; none where nothing is seen.
+    direction; the next place is the first one a step (in the points' units) away from the place
+    before, until the whole outline was followed. Gives rows and columns, shape (k,) each, int64, none
+    twice; fewer are the first of more.
     """
     rows, columns = outline_pixels(mask)
     if not len(rows):

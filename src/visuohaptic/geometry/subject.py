@@ -1,0 +1,46 @@
+"""An object of the experiment, as the phases take it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import read_surface
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """An object and the viewpoints from which it is looked at.
+
+    Attributes
+    ----------
+    key : str
+        `class/name`.
+    find_caster : callable
+        Gives its surface, prepared for rays.
+    viewpoints : sequence of int
+        Numbers of the viewpoints.
+    """
+
+    key: str
+    find_caster: Callable[[], RayCaster]
+    viewpoints: Sequence[int] = ()
+
+    @classmethod
+    def of_mesh(cls, key: str, mesh: str | Path, viewpoints: Sequence[int] = ()) -> Subject:
+        """Take the object of a mesh file, which is read when a phase needs it."""
+        return cls(key, lambda: RayCaster(read_surface(mesh)), viewpoints)
+
+    @cached_property
+    def caster(self) -> RayCaster:
+        """The object's surface, prepared for rays."""
+        return self.find_caster()
+
+    def blocks(self, size: int) -> Iterator[Subject]:
+        """Divide the viewpoints into blocks of at most so many."""
+        for start in range(0, len(self.viewpoints), size):
+            some = self.viewpoints[start : start + size]
+            yield replace(self, find_caster=lambda: self.caster, viewpoints=some)

@@ -1,1 +1,0 @@
-"""Phase `model`: from the features of a run to the model that it leaves behind."""
