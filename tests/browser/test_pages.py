@@ -5,8 +5,8 @@ from axe_playwright_python.sync_playwright import Axe
 from browser.conftest import DESK, PHONE, SCREENSHOTS
 from report.synthetic import PARAMETERS, write_run
 
-from visuohaptic.report.files import make_report
 from visuohaptic.report.measured_runs import read_measured_run
+from visuohaptic.report.page import make_report
 from visuohaptic.report.run_comparison import compare_runs, render_comparison
 
 pytestmark = pytest.mark.slow

@@ -19,13 +19,15 @@ import pyarrow as pa
 from visuohaptic.errors import ReportError
 from visuohaptic.gaze.summary import PredictorRow
 from visuohaptic.recognition.summary import select
-from visuohaptic.report.comparison import Figure as Estimate
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.cost import duration, time_parts
+from visuohaptic.report.cost import time_parts
+from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import estimate, figure_of
 from visuohaptic.report.palette import COLOURS, look
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
     counted,
+    duration,
     percent,
     spaced,
     strategy_name,
@@ -121,7 +123,7 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
     names = list(dict.fromkeys(row["condition"] for row in rows))
     words = {row["condition"]: row.get("words", row["condition"]) for row in rows}
-    found = {(row["condition"], row["strategy"]): _estimate_of(row) for row in rows}
+    found = {(row["condition"], row["strategy"]): figure_of(row, "accuracy") for row in rows}
     series = [
         Series(
             strategy_name(strategy),
@@ -152,14 +154,11 @@ def touches_needed(table: Rows) -> Figure:
     for number, strategy in enumerate(strategies):
         own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
         aside = 0.06 * (number - (len(strategies) - 1) / 2)
-        touches = np.array([_place_in_study(row) + 1 for row in own])
+        touches = np.array([_place_in_study(row) + 1 for row in own]) + aside
         low, high = ([_end(row, end) for row in own] for end in ("low", "high"))
-        colour, mark = look(strategy_place(strategy))
-        axes.vlines(touches + aside, low, high, colors=colour, linewidth=0.8, alpha=0.6)
-        axes.plot(
-            touches + aside, [row["accuracy"] for row in own],
-            color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
-        )  # fmt: skip
+        colour, _ = look(strategy_place(strategy))
+        axes.vlines(touches, low, high, colors=colour, linewidth=0.8, alpha=0.6)
+        _draw_line(axes, strategy, touches, [row["accuracy"] for row in own])
     lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
@@ -172,29 +171,17 @@ def touches_needed(table: Rows) -> Figure:
 def coverage(table: pa.Table) -> Figure:
     """Draw the share of known objects whose class is in the set, against the stated coverage.
 
-    Parameters
-    ----------
-    table : pyarrow.Table
-        Rows of `tables.CERTAINTY`; those of the largest number of views are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        On the dashed line the coverage is as stated.
+    Of rows of `tables.CERTAINTY`, those of the largest number of views are drawn. On the dashed line
+    the coverage is as stated.
     """
     most = select(table, views=max(table.column("views").to_pylist()), known=True)
     strategies = list(dict.fromkeys(most.column("strategy").to_pylist()))
+    stated = np.array(STATED_COVERAGES) / 100
     chart, axes = _new(190 + _legend_height([*strategies, "as stated"]))
     for strategy in strategies:
-        colour, mark = look(strategy_place(strategy))
-        axes.plot(
-            np.array(STATED_COVERAGES) / 100, covered_shares(most, strategy),
-            color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
-        )  # fmt: skip
-    axes.plot(
-        [STATED_COVERAGES[0] / 100, 1], [STATED_COVERAGES[0] / 100, 1],
-        color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated",
-    )  # fmt: skip
+        _draw_line(axes, strategy, stated, covered_shares(most, strategy))
+    ends = [stated[0], 1]
+    axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
     axes.set_ylim(0, 1.02)
     _name_axes(axes, "stated coverage", "share of the objects", across_as=percent, up_as=percent)
     _legend(chart, axes)
@@ -205,15 +192,8 @@ def coverage(table: pa.Table) -> Figure:
 def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     """Draw accuracy after a look, and after each touch that follows, against the robot's time.
 
-    Parameters
-    ----------
-    curves : sequence of mapping
-        Those of ``reports/looking.json``; the look and the checked product are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A line a strategy; the time is logarithmic.
+    Of the curves of ``reports/looking.json``, the look and the checked product are drawn, a line a
+    strategy; the time is logarithmic.
     """
     looks = [row for row in curves if row["answer"] == LOOK]
     both = [row for row in curves if row["answer"] == CHECKED]
@@ -222,11 +202,7 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     for strategy in strategies:
         line = [*looks, *(row for row in both if row["strategy"] == strategy)]
         points = sorted((row["seconds"], row["accuracy"]) for row in line)
-        colour, mark = look(strategy_place(strategy))
-        axes.plot(
-            *zip(*points, strict=True),
-            color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
-        )  # fmt: skip
+        _draw_line(axes, strategy, *zip(*points, strict=True))
     axes.set_xscale("log")
     _name_axes(
         axes, "the robot's time, s", "correctly classified", across_as="{:g}".format, up_as=percent
@@ -241,22 +217,9 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
 
     A logarithm has no place for an error rate of 0: such settings stand on a line of their own.
 
-    Parameters
-    ----------
-    table : pyarrow.Table or sequence of mapping
-        Rows of `tables.COST`; those that failed or were not timed are left out.
-    across : str
-        What the seconds are.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Lines join settings of a family of which one thing changes.
-
-    Raises
-    ------
-    ReportError
-        If no setting was both run and timed.
+    Of rows of `tables.COST`, those that failed or were not timed are left out; lines join settings of a
+    family of which one thing changes; `across` says what the seconds are. Raises `ReportError` if no
+    setting was both run and timed.
     """
     rows = timed(table)
     if not rows:
@@ -316,15 +279,8 @@ def parts_of_time(table: Rows) -> Figure:
 def stability(table: pa.Table) -> Figure:
     """Draw the worst error of each requirement as a share of its tolerance, by family.
 
-    Parameters
-    ----------
-    table : pyarrow.Table
-        Rows of `tables.STABILITY`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A mark a requirement; those beyond their tolerance stand at the right end.
+    A mark is a requirement, of rows of `tables.STABILITY`; those beyond their tolerance stand at the
+    right end.
     """
     families = stability_figures(table).families
     chart, axes = _new(_AROUND + 26 * len(families))
@@ -354,12 +310,8 @@ def gaze(rows: Sequence[PredictorRow]) -> Figure:
     The rows are those of `gaze.summary.summarise`, which sums `tables.GAZE` up.
     """
     found = [row.measures["correlation"] for row in rows]
-    estimates = [
-        _without_ends(one.mean) if math.isnan(one.low) else Estimate(one.mean, one.low, one.high)
-        for one in found
-    ]
     chart = _draw_intervals(
-        [row.predictor.label for row in rows], "prediction", [Series("", 0, estimates)],
+        [row.predictor.label for row in rows], "prediction", [Series("", 0, [*map(estimate, found)])],
         across="correlation with looking time",
     )  # fmt: skip
     (axes,) = chart.axes
@@ -451,6 +403,11 @@ def _draw_intervals(
     axes.grid(visible=False, axis="y")
     _legend(chart, axes)
     return chart
+
+
+def _draw_line(axes: Axes, strategy: str, across: Any, up: Any) -> None:
+    colour, mark = look(strategy_place(strategy))
+    axes.plot(across, up, color=colour, marker=mark, markersize=4, label=strategy_name(strategy))
 
 
 def _draw_series(axes: Axes, series: Series, offset: float) -> None:
@@ -549,12 +506,8 @@ def _end(row: Mapping[str, Any], end: str) -> float:
     return float(row["accuracy"] if row[end] is None else row[end])
 
 
-def _estimate_of(row: Mapping[str, Any]) -> Estimate:
-    return Estimate(row["accuracy"], row["low"], row["high"])
-
-
 def _without_ends(value: float | None) -> Estimate | None:
-    return None if value is None else Estimate(value, None, None)
+    return None if value is None else Estimate(value)
 
 
 def _lowest(estimate: Estimate) -> float:

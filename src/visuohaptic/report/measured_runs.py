@@ -11,7 +11,7 @@ from typing import Any
 from visuohaptic.errors import ReportError
 from visuohaptic.optional_packages import require
 from visuohaptic.report.archive import Archive, read_archive
-from visuohaptic.report.comparison import Figure
+from visuohaptic.report.estimates import Figure
 
 MEASURES = ("accuracy", "object_accuracy", "balanced_accuracy")
 METRICS = "reports/metrics.json"
