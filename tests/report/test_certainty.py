@@ -132,4 +132,4 @@ def test_the_page_shows_what_was_measured_or_the_command(tmp_path, candidates):
         candidates == 1
     )
     assert ("too few objects for that" in page.text) == (candidates == 2)
-    assert ("Eye fixations, 4 views: the" in page.text) == (candidates is not None)
+    assert (", 4 views: the" in page.text) == (candidates is not None)

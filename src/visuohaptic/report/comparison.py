@@ -81,18 +81,9 @@ class ClassifierRow:
 
 @dataclass(frozen=True)
 class PipelineTable:
-    """One pipeline's classifiers, in the order of the paper's table.
+    """One pipeline's classifiers, in the order of the paper's table, its strategies, and how much was tested.
 
-    Attributes
-    ----------
-    name : str
-        The pipeline.
-    strategies : tuple of str
-        Fixations first.
-    rows : tuple of ClassifierRow
-        One a classifier.
-    splits, repeats, objects, sequences : int
-        How much was tested.
+    Of the strategies, fixations are first.
     """
 
     name: str

@@ -90,27 +90,22 @@ def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
     `metrics` is what ``reports/metrics.json`` holds.
     """
     (table,) = (one for one in read_tables(metrics) if one.name == pipeline)
+    here = {name: [row.accuracy.get(name) for row in table.rows] for name in table.strategies}
+    published = {
+        f"{strategy_name(name)}, published": (name, [row.published.get(name) for row in table.rows])
+        for name in table.strategies
+        if any(name in row.published for row in table.rows)
+    }
     series = [
-        Series(
-            strategy_name(strategy),
-            strategy_place(strategy),
-            [row.accuracy.get(strategy) for row in table.rows],
-        )
-        for strategy in table.strategies
-    ]
-    published = [
-        Series(
-            f"{strategy_name(strategy)}, published",
-            strategy_place(strategy),
-            [_without_ends(row.published.get(strategy)) for row in table.rows],
-            COLOURS["paper"],
-        )
-        for strategy in table.strategies
-        if any(strategy in row.published for row in table.rows)
+        *_by_strategy(here),
+        *(
+            Series(label, strategy_place(name), _without_ends(values), COLOURS["paper"])
+            for label, (name, values) in published.items()
+        ),
     ]
     names = [titled(row.name) for row in table.rows]
     chance = 1 / len(table.best.class_accuracy[table.leading])
-    return _draw_intervals(names, "classifier", [*series, *published], chance=chance)
+    return _draw_intervals(names, "classifier", series, chance=chance)
 
 
 @_styled
@@ -121,18 +116,11 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
     ``words`` names the conditions.
     """
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
-    names = list(dict.fromkeys(row["condition"] for row in rows))
     words = {row["condition"]: row.get("words", row["condition"]) for row in rows}
-    found = {(row["condition"], row["strategy"]): figure_of(row, "accuracy") for row in rows}
-    series = [
-        Series(
-            strategy_name(strategy),
-            strategy_place(strategy),
-            [found.get((name, strategy)) for name in names],
-        )
-        for strategy in sorted({row["strategy"] for row in rows}, key=strategy_place)
-    ]
-    return _draw_intervals([words[name] for name in names], "condition", series, chance=chance)
+    found = {(row["strategy"], row["condition"]): figure_of(row, "accuracy") for row in rows}
+    strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
+    series = _by_strategy({one: [found.get((one, name)) for name in words] for one in strategies})
+    return _draw_intervals(list(words.values()), "condition", series, chance=chance)
 
 
 @_styled
@@ -368,6 +356,10 @@ def log_ticks(values: Sequence[float]) -> list[float]:
     return sorted({below, *inner})
 
 
+def _by_strategy(found: Mapping[str, Sequence[Estimate | None]]) -> list[Series]:
+    return [Series(strategy_name(name), strategy_place(name), row) for name, row in found.items()]
+
+
 def _draw_intervals(
     names: Sequence[str],
     rows_are: str,
@@ -506,8 +498,8 @@ def _end(row: Mapping[str, Any], end: str) -> float:
     return float(row["accuracy"] if row[end] is None else row[end])
 
 
-def _without_ends(value: float | None) -> Estimate | None:
-    return None if value is None else Estimate(value)
+def _without_ends(values: Sequence[float | None]) -> list[Estimate | None]:
+    return [None if value is None else Estimate(value) for value in values]
 
 
 def _lowest(estimate: Estimate) -> float:

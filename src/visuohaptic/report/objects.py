@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.recognition.summary import select
+from visuohaptic.report.estimates import Row
 from visuohaptic.report.models import PackedModel, pack_model
 from visuohaptic.report.pictures import (
     data_uri,
@@ -27,7 +28,7 @@ from visuohaptic.report.pictures import (
     square_corners,
 )
 from visuohaptic.report.run import Run
-from visuohaptic.report.wording import anchor_of, listed, place_in_view, spaced
+from visuohaptic.report.wording import anchor_of, place_in_view
 from visuohaptic.sensor.frames import row_axes
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES, key_of
 from visuohaptic.tables.schema import images, matrix
@@ -47,33 +48,23 @@ _OBJECTS_WORTH_A_PROCESS = 8
 
 
 @dataclass(frozen=True)
-class TouchNote:
-    """One touch in words: its number from 1, the square's edge in object radii, the contact, the share nearly touched."""
-
-    number: int
-    size: float
-    state: str
-    near: float
-
-
-@dataclass(frozen=True)
-class FixationMark:
-    """Where a fixation lies in a view, in pixels, and the sensor's square around it."""
-
-    number: int
-    column: float
-    row: float
-    square: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True)
 class ViewPage:
     """One view of an object: pictures, fixations in order, and what was felt there.
 
-    `right` is the share of its tests that were correctly classified, by strategy.
+    Attributes
+    ----------
+    marks : list of mapping
+        Each fixation's ``number`` from 1, ``column`` and ``row`` in pixels, its ``place`` in words,
+        and the corners of the sensor's ``square`` around it.
+    touches : list of mapping
+        Each touch's ``number`` from 1, ``size`` in object radii, contact ``state``, and the share of
+        the square nearly touched, ``near``.
+    distinct : int
+        Distinct fixations.
+    right : mapping of str to float
+        The share of its tests that were correctly classified, by strategy.
     """
 
-    key: str
     viewpoint: int
     azimuth: float
     elevation: float
@@ -81,45 +72,16 @@ class ViewPage:
     columns: int
     view: str
     saliency: str
-    marks: tuple[FixationMark, ...]
     imprints: str
-    touches: tuple[TouchNote, ...]
+    marks: list[Row]
+    touches: list[Row]
     distinct: int
     right: Mapping[str, float]
 
     @property
     def path(self) -> str:
         """The fixations in order, as points of an SVG line."""
-        return " ".join(f"{mark.column:.1f},{mark.row:.1f}" for mark in self.marks)
-
-    @property
-    def places(self) -> list[str]:
-        """Where the fixations lie, in words."""
-        return [
-            place_in_view(mark.row, mark.column, self.rows, self.columns) for mark in self.marks
-        ]
-
-    @property
-    def view_text(self) -> str:
-        """What the view shows."""
-        numbers = (mark.number for mark in self.marks)
-        ordered = listed([f"{one} {at}" for one, at in zip(numbers, self.places, strict=True)])
-        return (
-            f"View {self.viewpoint} of {self.key}, seen from {self.azimuth:.0f} degrees around and "
-            f"{self.elevation:.0f} degrees up, with fixations in order: {ordered or 'none'}."
-        )
-
-    @property
-    def saliency_text(self) -> str:
-        """What the saliency map shows."""
-        brightest = self.places[0] if self.marks else "no fixation"
-        return f"Saliency map of view {self.viewpoint}, brightest at {brightest}, with the same fixations."
-
-    @property
-    def imprints_text(self) -> str:
-        """What the imprints show."""
-        notes = (f"{one.number} {spaced(one.state)}, size {one.size:.2f}" for one in self.touches)
-        return f"Imprints of view {self.viewpoint}: {'; '.join(notes) or 'none'}."
+        return " ".join(f"{mark['column']:.1f},{mark['row']:.1f}" for mark in self.marks)
 
 
 @dataclass(frozen=True)
@@ -128,23 +90,18 @@ class ObjectPage:
 
     Attributes
     ----------
-    views : tuple of ViewPage
-        All its views, by viewpoint.
-    conspicuity : tuple of (str, str)
-        Channel and picture of each conspicuity map of the view shown.
-    skipped : tuple of (str, str)
-        Channels that did not run, in any view, each with the reason and where.
+    conspicuity, skipped : tuple of (str, str)
+        Channel and picture of each map of the view shown; channels that did not run, and why.
     named : mapping of str to mapping of str to float
         By strategy: the share of its test sequences that were named each class.
     median_size : mapping of str to float
         By strategy: median edge of the square, object radii.
     model : PackedModel or None
-        None where the object's mesh is not at hand.
-    touch_keys : tuple of (str, int, int, str)
+        With its touches; None where the object's mesh is not at hand.
+    touch_keys : list of (str, int, int, str)
         Strategy, viewpoint, number from 1 and contact state of each touch of the model.
     sheets : mapping of str to str
-        By strategy: a picture of the imprints of the model's touches, a row a viewpoint and a
-        column a touch.
+        By strategy: a picture of these touches' imprints, a row a viewpoint and a column a touch.
     """
 
     key: str
@@ -154,7 +111,7 @@ class ObjectPage:
     named: Mapping[str, Mapping[str, float]]
     median_size: Mapping[str, float]
     model: PackedModel | None
-    touch_keys: tuple[tuple[str, int, int, str], ...]
+    touch_keys: list[tuple[str, int, int, str]]
     sheets: Mapping[str, str]
 
     @property
@@ -183,15 +140,14 @@ class ObjectPage:
         return choose_shown(self.views)
 
     @property
-    def shown_rows(self) -> dict[str, Any]:
+    def shown_rows(self) -> dict[str, str | int]:
         """The rows of the tables that hold that view's fixations."""
-        where = {"class": self.category, "object": self.name, "viewpoint": self.shown.viewpoint}
-        return where | {"strategy": "fixation"}
-
-    @property
-    def marks(self) -> list[FixationMark]:
-        """The marks of all views."""
-        return [mark for view in self.views for mark in view.marks]
+        return {
+            "class": self.category,
+            "object": self.name,
+            "viewpoint": self.shown.viewpoint,
+            "strategy": "fixation",
+        }
 
     @property
     def right(self) -> dict[str, float]:
@@ -249,7 +205,7 @@ def choose_shown(views: Sequence[ViewPage]) -> ViewPage:
 
 def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
     """Choose the object that explains the method: its view shown has the most different squares."""
-    return max(pages, key=lambda page: _variety([note.size for note in page.shown.touches]))
+    return max(pages, key=lambda page: _variety([note["size"] for note in page.shown.touches]))
 
 
 def _variety(sizes: Sequence[float]) -> tuple[int, float]:
@@ -273,23 +229,22 @@ def _describe(
     (conspicuity,) = (row["conspicuity"] for row in rows if row["viewpoint"] == shown)
     strategies = sorted(set(touches.column("strategy").to_pylist()))
     felt = {strategy: select(touches, strategy=strategy) for strategy in strategies}
-    keys = touches.select(["strategy", "viewpoint", "touch", "contact_state"]).to_pylist()
     names = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
+    keys = ("strategy", "viewpoint", "touch", "contact_state")
     return ObjectPage(
         key=key,
         views=views,
         conspicuity=tuple((channel, data_uri(png, "image/png")) for channel, png in conspicuity),
         skipped=_skipped(rows),
         named=_named(answers),
-        median_size={
-            name: float(np.median(own.column("sensor_size").to_numpy()))
-            for name, own in felt.items()
-        },
+        median_size={name: float(np.median(own["sensor_size"])) for name, own in felt.items()},
         model=pack_model(read_surface(mesh), matrix(touches, names), faces) if mesh else None,
-        touch_keys=tuple(
-            (row["strategy"], row["viewpoint"], row["touch"] + 1, row["contact_state"])
-            for row in keys
-        ),
+        touch_keys=[
+            (strategy, viewpoint, touch + 1, state)
+            for strategy, viewpoint, touch, state in zip(
+                *(touches[name].to_pylist() for name in keys), strict=True
+            )
+        ],
         sheets={name: _sheet(own) for name, own in felt.items()} if mesh else {},
     )
 
@@ -312,7 +267,6 @@ def _view_page(
     imprints = images(felt) if felt.num_rows else np.zeros((0, 1, 1), dtype=np.float32)
     eye = np.array([row["eye_x"], row["eye_y"], row["eye_z"]], dtype=np.float64)
     return ViewPage(
-        key=key,
         viewpoint=viewpoint,
         azimuth=float(np.degrees(np.arctan2(eye[0], eye[2]))) % 360.0,
         elevation=float(np.degrees(np.arcsin(eye[1] / np.linalg.norm(eye)))),
@@ -320,9 +274,16 @@ def _view_page(
         columns=width,
         view=view,
         saliency=saliency,
-        marks=_marks(looked, felt, camera, height),
         imprints=imprint_strip(imprints) if len(imprints) else "",
-        touches=_notes(felt, imprints),
+        marks=_marks(looked, _squares(felt, camera, height), height, width),
+        touches=[
+            {"number": touch + 1, "size": size, "state": state, "near": near}
+            for touch, size, state, near in zip(
+                *(felt[name].to_pylist() for name in ("touch", "sensor_size", "contact_state")),
+                (imprints > 0.9).mean(axis=(1, 2)).tolist(),
+                strict=True,
+            )
+        ],
         distinct=row["distinct_fixations"],
         right={
             strategy: counts[key.split("/", 1)[0]] / counts.total()
@@ -332,34 +293,30 @@ def _view_page(
     )
 
 
-def _notes(felt: pa.Table, imprints: NDArray[np.float32]) -> tuple[TouchNote, ...]:
-    near = (imprints > 0.9).mean(axis=(1, 2)).tolist() if len(imprints) else []
-    rows = felt.select(["touch", "sensor_size", "contact_state"]).to_pylist()
-    return tuple(
-        TouchNote(row["touch"] + 1, row["sensor_size"], row["contact_state"], share)
-        for row, share in zip(rows, near, strict=True)
-    )
-
-
-def _marks(
-    looked: pa.Table, felt: pa.Table, camera: Camera | None, resolution: int
-) -> tuple[FixationMark, ...]:
-    squares: dict[int, tuple[tuple[float, float], ...]] = {}
-    if camera is not None and felt.num_rows:
-        flat = project(camera, _corners(felt).reshape(-1, 3), resolution).reshape(-1, 4, 2)
-        for touch, square in zip(felt.column("touch").to_pylist(), flat.tolist(), strict=True):
-            squares[touch] = tuple((corner[0], corner[1]) for corner in square)
+def _marks(looked: pa.Table, squares: Mapping[int, Any], height: int, width: int) -> list[Row]:
+    """Give where each fixation lies, at the middle of its pixel; places on hidden sides have none."""
     rows = looked.select(["touch", "pixel_row", "pixel_column"]).to_pylist()
-    return tuple(
-        FixationMark(
-            row["touch"] + 1,
-            row["pixel_column"] + 0.5,
-            row["pixel_row"] + 0.5,
-            squares.get(row["touch"], ()),
-        )
+    return [
+        {
+            "number": row["touch"] + 1,
+            "column": row["pixel_column"] + 0.5,
+            "row": row["pixel_row"] + 0.5,
+            "place": place_in_view(
+                row["pixel_row"] + 0.5, row["pixel_column"] + 0.5, height, width
+            ),
+            "square": squares.get(row["touch"], ()),
+        }
         for row in rows
         if row["pixel_row"] is not None and row["pixel_column"] is not None
-    )
+    ]
+
+
+def _squares(felt: pa.Table, camera: Camera | None, resolution: int) -> dict[int, Any]:
+    """Give the corners of each touch's square in a view, in pixels, shape (4, 2)."""
+    if camera is None or not felt.num_rows:
+        return {}
+    flat = project(camera, _corners(felt).reshape(-1, 3), resolution).reshape(-1, 4, 2)
+    return dict(zip(felt["touch"].to_pylist(), flat.tolist(), strict=True))
 
 
 def _corners(touches: pa.Table) -> NDArray[np.float64]:

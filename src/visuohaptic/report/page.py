@@ -68,7 +68,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         classes=len({key.split("/")[0] for key in run.objects}),
         paper=PAPER,
         paper_address=PAPER_ADDRESS,
-        marks=max((note.number for page in context.pages for note in page.marks), default=0),
+        marks=run.parameters.attention.fixations,
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
         sources={

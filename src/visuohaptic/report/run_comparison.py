@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.resources import files as package_files
@@ -87,29 +88,20 @@ class RunComparison:
         return [self._verdict(place) for place in range(len(self.labels) - 1)]
 
     def _verdict(self, place: int) -> str:
-        changed = sum(
-            fact.kind == "parameter" and fact.texts[place + 1] != fact.texts[0]
-            for fact in self.facts
-        )
-        found = [
-            one.differences[place]
-            for one in self.figures
-            if one.measure == MEASURES[0] and one.differences[place] is not None
-        ]
-        counts = {
-            name: sum(one is not None and one.direction == name for one in found)
-            for name in ("equal", "higher", "lower")
-        }
-        differ = _parameters_differ(changed) if self.parameters_known else "parameters not known"
+        changed = [fact for fact in self.facts if fact.texts[place + 1] != fact.texts[0]]
+        parameters = sum(fact.kind == "parameter" for fact in changed)
+        accuracies = [one.differences[place] for one in self.figures if one.measure == MEASURES[0]]
+        counts = Counter(one.direction for one in accuracies if one is not None)
         said = (
             "equal on every object"
-            if found and counts["equal"] == len(found)
+            if 0 < counts.total() == counts["equal"]
             else f"beyond their intervals {counts['higher']} higher and {counts['lower']} lower, "
             f"equal on every object {counts['equal']}"
         )
+        differ = _parameters_differ(parameters) if self.parameters_known else "parameters not known"
         return (
             f"{self.labels[place + 1]} against {self.labels[0]}: {differ}; "
-            f"accuracies that both have: {len(found)}, {said}."
+            f"accuracies that both have: {counts.total()}, {said}."
         )
 
     def as_values(self) -> dict[str, Any]:
@@ -137,12 +129,10 @@ def compare_runs(runs: Sequence[MeasuredRun]) -> RunComparison:
         raise ReportError(
             f"{counted(len(runs), 'run')} can't be compared; 2 to {len(ascii_uppercase)} are allowed."
         )
-    sources = [run.parameters_source for run in runs]
+    described = {(run.parameters_source, run.source) for run in runs}
     # One file can't describe two runs.
-    known = all(run.parameters is not None for run in runs) and all(
-        sources.count(run.parameters_source) == 1
-        or len({one.source for one in runs if one.parameters_source == run.parameters_source}) == 1
-        for run in runs
+    known = len({source for source, _ in described}) == len(described) and all(
+        run.parameters is not None for run in runs
     )
     keys = dict.fromkeys(key for run in runs for key in run.figures)
     ordered = sorted(keys, key=lambda key: MEASURES.index(key[0]))

@@ -45,10 +45,7 @@ def by_fixation(_: Run, __: ObjectPage) -> list[Rows]:
 
 def shown_view(_: Run, page: ObjectPage) -> list[Rows]:
     """Select the view that explains the method."""
-    view = page.shown.viewpoint
-    return [
-        {"class": page.category, "object": page.name, "viewpoint": view, "strategy": "fixation"}
-    ]
+    return [page.shown_rows]
 
 
 def shown_touch(run: Run, page: ObjectPage) -> list[Rows]:
@@ -58,18 +55,10 @@ def shown_touch(run: Run, page: ObjectPage) -> list[Rows]:
 
 @dataclass(frozen=True)
 class Reads:
-    """A table that a section shows.
+    """A table that a section shows: what of it, and its schema.
 
-    Attributes
-    ----------
-    what : str
-        What the section shows of it.
-    schema : Schema
-        Its schema.
-    files : str
-        Which files of `RunFiles`, or which of its extras; ``studies/NAME`` for a study.
-    selection : callable
-        Gives the rows that are shown, a mapping of columns to values for each place on the page.
+    `files` are those of `RunFiles`, or one of its extras; ``studies/NAME`` for a study. `selection`
+    gives the rows that are shown, a mapping of columns to values for each place on the page.
     """
 
     what: str
@@ -89,18 +78,10 @@ class ReportContext:
 
 @dataclass(frozen=True)
 class Section:
-    """One section of the page.
+    """One section of the page: its anchor, which is the stem of its template, and its title.
 
-    Attributes
-    ----------
-    name : str
-        Its anchor, and the stem of its template.
-    title : str or callable
-        It may depend on the run.
-    values : callable
-        Gives the words and figures of the template; None leaves the section out.
-    reads : tuple of Reads or callable
-        The tables that it shows; they may depend on the run.
+    `values` gives the words and figures of the template; None leaves the section out. `reads` are the
+    tables that it shows. Title and tables may depend on the run.
     """
 
     name: str
@@ -152,13 +133,8 @@ def _files(run: Run, name: str) -> list[Path]:
 
 def _narrowed(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
     """Keep the files of the pipeline or the object that is selected, where they have their own."""
-    if "pipeline" in rows:
-        own = [file for file in files if file.parent.name == rows["pipeline"]]
-    elif "object" in rows:
-        key = f"{rows['class']}/{rows['object']}"
-        own = [file for file in files if file.parent.as_posix().endswith(f"/{key}")]
-    else:
-        own = []
+    place = str(rows.get("pipeline", f"{rows.get('class')}/{rows.get('object')}"))
+    own = [file for file in files if file.parent.as_posix().endswith(f"/{place}")]
     return own or files
 
 
