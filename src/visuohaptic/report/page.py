@@ -21,7 +21,7 @@ from visuohaptic.report.chapters import CHAPTERS
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
-from visuohaptic.report.objects import Track, describe_objects, most_varied
+from visuohaptic.report.objects import Track, describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, find_sources
@@ -57,7 +57,6 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         "pipeline": run.pipelines[0] if run.pipelines else None,
         "several": len(run.pipelines) > 1,
     }
-    explaining = most_varied(context.pages)
     has_models = any(page.model is not None for page in context.pages)
     script = f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('page.js')}"
     plotly = plotly_library() if has_models else None
@@ -72,7 +71,7 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
         sources={
-            section.name: list(find_sources(section.tables(run), run, explaining))
+            section.name: list(find_sources(section.tables(run), run, context.explaining))
             for sections in CHAPTERS.values()
             for section in sections
         },

@@ -5,11 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.report.objects import ObjectPage
+from visuohaptic.report.cost import CostFigures, read_cost
+from visuohaptic.report.influence import InfluenceFigures, influence_figures
+from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
+from visuohaptic.report.readings import ReadingsSummary, read_readings
 from visuohaptic.report.run import Run
 from visuohaptic.tables.schema import Schema
 
@@ -69,11 +73,42 @@ class Reads:
 
 @dataclass(frozen=True)
 class ReportContext:
-    """The data that sections are made from."""
+    """The data that sections are made from; what several show is read once."""
 
     run: Run
     pages: Sequence[ObjectPage]
     seconds: Sequence[PhaseSeconds]
+
+    def file_of(self, name: str) -> Path | None:
+        """Give the file or folder of a study that not every run has."""
+        path = self.run.files.extras.get(name)
+        return None if path is None or not Path(path).exists() else Path(path)
+
+    @cached_property
+    def frontier(self) -> CostFigures | None:
+        """What accuracy costs in this run."""
+        return read_cost(self.file_of("frontier"), self.run.parameters)
+
+    @cached_property
+    def influence(self) -> InfluenceFigures | None:
+        """What effects cost and change."""
+        scene = self.run.parameters.scene.preset
+        return influence_figures(self.file_of("effect_influence"), scene)
+
+    @cached_property
+    def readings(self) -> ReadingsSummary:
+        """What the readings of the paper say together, of this run or as kept with the package."""
+        return read_readings(self.file_of("readings"))
+
+    @cached_property
+    def explaining(self) -> ObjectPage:
+        """The object that explains the method."""
+        return most_varied(self.pages)
+
+
+def given(**values: object) -> Values | None:
+    """Give a section's values, or None where one of them is missing or empty."""
+    return values if all(values.values()) else None
 
 
 @dataclass(frozen=True)

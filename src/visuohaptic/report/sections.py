@@ -11,7 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.gaze.stored import read_measured
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
@@ -27,17 +26,12 @@ from visuohaptic.report.effects import (
     sum_channels,
     sum_effects,
 )
-from visuohaptic.report.gaze import gaze_figures
-from visuohaptic.report.glossary import WORDS
 from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
-    influence_figures,
     rows_of_scenes,
     scene_strips,
 )
-from visuohaptic.report.looking import ANSWERS, looking_figures
-from visuohaptic.report.objects import most_varied
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
     MAIN_OPPONENT,
@@ -48,18 +42,17 @@ from visuohaptic.report.questions import (
     recognition_answer,
     reproduction_answer,
 )
-from visuohaptic.report.readings import ReadingsSummary, read_readings
 from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import ReportContext, Values
+from visuohaptic.report.section import ReportContext, Values, given
 from visuohaptic.report.stability import (
+    StabilityFigures,
     describe_checks,
     read_precision,
     stability_answer,
     stability_figures,
 )
-from visuohaptic.report.studies import read_own_studies, read_study
-from visuohaptic.report.touches_needed import curve_figures
+from visuohaptic.report.studies import read_study
 from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
@@ -77,6 +70,8 @@ UNSEEN: Mapping[Protocol, str] = {
 }
 """What is new to the classifier in a test, by protocol."""
 
+PASSED_OVER = "no touch: a place that the sensor can't reach, before one that was touched instead"
+
 
 def comparison_title(run: Run) -> str:
     """Name the strategies that the run compares: two by their names, more by the first."""
@@ -89,23 +84,25 @@ def comparison_title(run: Run) -> str:
 
 def answer_values(context: ReportContext) -> Values:
     """Give the answers to the experiment's questions."""
-    run = context.run
-    influence = influence_figures(
-        run.files.extras.get("effect_influence"), run.parameters.scene.preset
-    )
-    stored = stored_hard_cases()
-    kept = () if stored is None else (stability_figures(stored.table),)
-    answers = (*_recognition_answers(run), _cost_answer(run))
+    found = context.run.stability
+    answers = (*_recognition_answers(context), _cost_answer(context))
     return {
         "answers": [one for one in answers if one is not None],
-        "untested": not run.pipelines,
-        "effects": effects_answer(influence) if influence else None,
-        "stability": stability_answer([run.stability, *kept]) if run.stability else None,
+        "untested": not context.run.pipelines,
+        "effects": effects_answer(context.influence) if context.influence else None,
+        "stability": stability_answer([found, *_hard_cases().values()]) if found else None,
     }
 
 
-def _recognition_answers(run: Run) -> tuple[Answer | None, ...]:
+def _hard_cases() -> dict[str, StabilityFigures]:
+    """Give the hard cases that are kept with the package, by their title."""
+    stored = stored_hard_cases()
+    return {} if stored is None else {"Hard cases of the code": stability_figures(stored.table)}
+
+
+def _recognition_answers(context: ReportContext) -> tuple[Answer | None, ...]:
     """Answer what only recognition can; nothing where it tested no object."""
+    run = context.run
     if not run.pipelines:
         return ()
     recognition, fixations = run.parameters.recognition, run.parameters.attention.fixations
@@ -114,12 +111,10 @@ def _recognition_answers(run: Run) -> tuple[Answer | None, ...]:
     first = run.pipelines[0]
     accuracy = recount_accuracy(run, first)
     compared = next((table for table in run.pipelines if has_opponent(table)), first)
+    lead = recount_lead(run, compared, MAIN_OPPONENT)
     return (
         _recounted(recognition_answer(run.pipelines, len(run.classes), touches, unseen), accuracy),
-        _recounted(
-            fixation_answer(run.pipelines, _readings(run)),
-            recount_lead(run, compared, MAIN_OPPONENT),
-        ),
+        _recounted(fixation_answer(run.pipelines, context.readings), lead),
         _recounted(reproduction_answer(first), accuracy),
     )
 
@@ -129,17 +124,17 @@ def _recounted(answer: Answer | None, lines: str) -> Answer | None:
     return replace(answer, recount=lines) if answer is not None and answer.number else answer
 
 
-def _cost_answer(run: Run) -> Answer | None:
-    cost = read_cost(run.files.extras.get("frontier"), run.parameters)
-    first = first_step(cost.rows) if cost else None
-    if cost is None or first is None:
-        return None
-    return _recounted(cost_verdict(cost.rows), recount_cost(run, first))
+def _cost_answer(context: ReportContext) -> Answer | None:
+    rows = context.frontier.rows if context.frontier else []
+    first = first_step(rows)
+    return (
+        None if first is None else _recounted(cost_verdict(rows), recount_cost(context.run, first))
+    )
 
 
 def method_values(context: ReportContext) -> Values:
     """Give one real sequence, from the view to the answer."""
-    page = most_varied(context.pages)
+    page = context.explaining
     shown = select(context.run.features, **page.shown_rows, touch=0)
     return {
         "page": page,
@@ -158,11 +153,10 @@ def comparison_values(context: ReportContext) -> Values | None:
     run = context.run
     if not run.pipelines:
         return None
-    cost = read_cost(run.files.extras.get("frontier"), run.parameters)
     sentences = (
         gain_sentence(run.pipelines[0]),
-        readings_sentence(_readings(run)),
-        *(cue_sentences(cost.rows) if cost else ()),
+        readings_sentence(context.readings),
+        *(cue_sentences(context.frontier.rows) if context.frontier else ()),
     )
     return {
         "sentences": [sentence for sentence in sentences if sentence],
@@ -171,61 +165,22 @@ def comparison_values(context: ReportContext) -> Values | None:
     }
 
 
-def touches_needed_values(context: ReportContext) -> Values | None:
-    """Give the curves of accuracy against touches, where they were measured."""
-    extras = context.run.files.extras
-    found = curve_figures(extras.get("studies"), extras.get("touches_needed"))
-    return {"pipelines": found} if found else None
-
-
 def certainty_values(context: ReportContext) -> Values:
     """Give how sure answers are, or None where it was not measured; on new objects also as kept."""
-    extras, parameters = context.run.files.extras, context.run.parameters
-    evaluation = read_evaluation(extras.get("evaluation"))
+    parameters, measured = context.run.parameters, read_evaluation(context.file_of("evaluation"))
     intervals = parameters.recognition.intervals
+    certainty = certainty_figures(
+        context.file_of("certainty"), context.file_of("certainty_figures")
+    )
     return {
-        "certainty": certainty_figures(extras.get("certainty"), extras.get("certainty_figures")),
-        "evaluation": evaluation_figures(evaluation, intervals, parameters.seed),
+        "certainty": certainty,
+        "evaluation": evaluation_figures(measured, intervals, parameters.seed),
     }
-
-
-def looking_values(context: ReportContext) -> Values | None:
-    """Give what the eye alone recognises and what touch adds, or None where it was not measured."""
-    found = looking_figures(context.run.files.extras.get("looking_figures"))
-    return {"looking": found, "answers": ANSWERS} if found else None
-
-
-def _readings(run: Run) -> ReadingsSummary:
-    return read_readings(run.files.extras.get("readings"))
-
-
-def gaze_values(context: ReportContext) -> Values:
-    """Give how attention agrees with people, of this run or as kept with the package."""
-    extras = context.run.files.extras
-    return {"gaze": gaze_figures(read_measured(extras.get("gaze")), extras.get("gaze_pictures"))}
-
-
-def readings_values(context: ReportContext) -> Values:
-    """Give what the readings of the paper say together, of this run or as kept with the package."""
-    return {"readings": _readings(context.run)}
-
-
-def ablations_values(context: ReportContext) -> Values | None:
-    """Give the ablations, where they were measured."""
-    found = read_study(context.run.files.extras.get("studies"), "ablations")
-    return {"study": found} if found else None
-
-
-def studies_values(context: ReportContext) -> Values | None:
-    """Give the user's own studies, where they were measured."""
-    found = read_own_studies(context.run.files.extras.get("studies"))
-    return {"studies": found} if found else None
 
 
 def cost_values(context: ReportContext) -> Values | None:
     """Give what accuracy costs in time: in this run, and in the whole study where it was made."""
-    extras, parameters = context.run.files.extras, context.run.parameters
-    frontier, study = (read_cost(extras.get(name), parameters) for name in ("frontier", "cost"))
+    frontier, study = context.frontier, read_cost(context.file_of("cost"), context.run.parameters)
     if frontier is None and study is None:
         return None
     return {"frontier": frontier, "study": study, "objects": len(context.run.objects)}
@@ -248,19 +203,16 @@ def effects_values(context: ReportContext) -> Values:
 
 def influence_values(context: ReportContext) -> Values:
     """Give hard places, and what effects cost and change where that was measured."""
-    run, page = context.run, most_varied(context.pages)
-    accuracy = read_study(run.files.extras.get("studies"), "effects")
-    influence = influence_figures(
-        run.files.extras.get("effect_influence"), run.parameters.scene.preset
-    )
+    run, page = context.run, context.explaining
+    accuracy = read_study(context.file_of("studies"), "effects")
     locations = select(run.fixations, **page.shown_rows)
     mesh = run.meshes.get(page.key) if locations.num_rows else None
     return {
         "page": page,
         "strips": scene_strips(mesh, locations, run.parameters) if mesh else {},
         "places": hard_places(run.parameters),
-        "influence": influence,
-        "answer": effects_answer(influence) if influence else "",
+        "influence": context.influence,
+        "answer": effects_answer(context.influence) if context.influence else "",
         "accuracy": accuracy,
         "by_scene": rows_of_scenes(accuracy) if accuracy else [],
         "chance": 1 / max(len(run.classes), 1),
@@ -270,11 +222,9 @@ def influence_values(context: ReportContext) -> Values:
 
 def stability_values(context: ReportContext) -> Values | None:
     """Give how exact numbers are: on this run's objects, and in hard cases as kept with the package."""
-    stored = stored_hard_cases()
-    kernels = read_precision(context.run.files.extras.get("precision"))
-    parts = {"Objects of this run": context.run.stability} if context.run.stability else {}
-    if stored is not None:
-        parts["Hard cases of the code"] = stability_figures(stored.table)
+    stored, found = stored_hard_cases(), context.run.stability
+    kernels = read_precision(context.file_of("precision"))
+    parts = ({"Objects of this run": found} if found else {}) | _hard_cases()
     if not parts and not kernels:
         return None
     return {
@@ -289,12 +239,9 @@ def stability_values(context: ReportContext) -> Values | None:
 
 def guards_values(context: ReportContext) -> Values | None:
     """Give what the run's guards found."""
-    path = context.run.files.extras.get("guards")
-    if path is None or not Path(path).is_file():
-        return None
-    marks = {"failed": "exceeded"}
-    rows = read_table(GUARDS, [path]).to_pylist()
-    return {"rows": [{**row, "mark": marks.get(row["outcome"])} for row in rows]}
+    path, marks = context.file_of("guards"), {"failed": "exceeded"}
+    rows = read_table(GUARDS, [path]).to_pylist() if path else []
+    return given(rows=[{**row, "mark": marks.get(row["outcome"])} for row in rows])
 
 
 def confusion_values(context: ReportContext) -> Values | None:
@@ -348,31 +295,22 @@ def objects_values(context: ReportContext) -> Values:
     """Give every object, how often each kind of contact was met, and what was out of reach."""
     run = context.run
     states = count_states(run.touches)
-    counted = [
-        {
-            "state": state,
-            "meaning": meaning,
-            **{name: found[state] for name, found in states.items()},
-        }
-        for state, meaning in CONTACT_STATES.items()
+    passed_over, missing = count_passed_over(run.touches), count_missing(run)
+    rows = [
+        *(
+            (state, meaning, {name: found[state] for name, found in states.items()})
+            for state, meaning in CONTACT_STATES.items()
+        ),
+        ("passed over", PASSED_OVER, {name: passed_over[name] for name in states}),
+        ("missing", "no touch: the view has no further place in reach", missing),
     ]
-    passed_over = {
-        "state": "passed over",
-        "meaning": "no touch: a place that the sensor can't reach, before one that was touched instead",
-        **{name: count_passed_over(run.touches)[name] for name in states},
-    }
-    missing = {
-        "state": "missing",
-        "meaning": "no touch: the view has no further place in reach",
-        **count_missing(run),
-    }
     return {
         "pages": context.pages,
         "credits": run.credits,
         "best": run.pipelines[0].best.name if run.pipelines else "classifier",
         "classes": run.classes,
         "strategies": sorted(states),
-        "states": [*counted, passed_over, missing],
+        "states": [{"state": one, "meaning": why, **counts} for one, why, counts in rows],
         "objects": len(run.objects),
         "checks": {} if run.stability is None else run.stability.objects,
         "describe_checks": describe_checks,
@@ -425,16 +363,6 @@ def provenance_values(context: ReportContext) -> Values:
         "machine": describe_machine(),
         "seconds": context.seconds,
     }
-
-
-def glossary_values(_: ReportContext) -> Values:
-    """Give the words that are explained where one points at them, for those who can't point."""
-    return {"words": WORDS}
-
-
-def credits_values(context: ReportContext) -> Values:
-    """Give the credit of every object's model."""
-    return {"rows": [(key, context.run.credits.get(key)) for key in context.run.objects]}
 
 
 def _flattened(model: Any, path: str) -> list[dict[str, str]]:
