@@ -150,7 +150,7 @@ def touches_needed(table: Rows) -> Figure:
     lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
-    _name_axes(axes, "touches", "correctly classified", up_as=percent)
+    _name_axes(axes, "touches", "correctly classified", up_as=_whole)
     _legend(chart, axes)
     return chart
 
@@ -171,7 +171,7 @@ def coverage(table: pa.Table) -> Figure:
     ends = [stated[0], 1]
     axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
     axes.set_ylim(0, 1.02)
-    _name_axes(axes, "stated coverage", "share of the objects", across_as=percent, up_as=percent)
+    _name_axes(axes, "stated coverage", "share of the objects", across_as=_whole, up_as=_whole)
     _legend(chart, axes)
     return chart
 
@@ -193,7 +193,7 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
         _draw_line(axes, strategy, *zip(*points, strict=True))
     axes.set_xscale("log")
     _name_axes(
-        axes, "the robot's time, s", "correctly classified", across_as="{:g}".format, up_as=percent
+        axes, "the robot's time, s", "correctly classified", across_as="{:g}".format, up_as=_whole
     )
     _legend(chart, axes)
     return chart
@@ -203,7 +203,7 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes.
 
-    A logarithm has no place for an error rate of 0: such settings stand on a line of their own.
+    An error rate of 0 has its place below the axis's first tick, from where on it is linear.
 
     Of rows of `tables.COST`, those that failed or were not timed are left out; lines join settings of a
     family of which one thing changes; `across` says what the seconds are. Raises `ReportError` if no
@@ -213,28 +213,29 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     if not rows:
         raise ReportError("No setting was both run and timed, so there is nothing to draw.")
     families = list(dict.fromkeys(row["family"] for row in rows))
-    ticks = log_ticks([row[name] for row in rows for name in ("error", "error_high")])
-    nothing = ticks[0] / 2
     chart, axes = _new(250 + _legend_height([*families, "front"]))
-    axes.set(xscale="log", yscale="log")
+    errors = log_ticks([row[name] for row in rows for name in ("error", "error_high")])
+    axes.set_xscale("log")
+    axes.set_yscale("symlog", linthresh=errors[0], linscale=0.3)
     for number, family in enumerate(families):
-        for line in trends([row for row in rows if row["family"] == family]):
-            _draw_trend(axes, line, number, nothing)
         colour, mark = look(number)
-        axes.plot(
-            [], [], color=colour, marker=mark, mfc=COLOURS["paper"], label=strategy_name(family)
-        )
-    _draw_front(axes, [row for row in rows if row["on_front"]], families, nothing)
+        drawn: dict[str, Any] = {"color": colour, "marker": mark, "mfc": COLOURS["paper"]}
+        for line in trends([row for row in rows if row["family"] == family]):
+            places = [row["seconds"] for row in line], [row["error"] for row in line]
+            axes.plot(*places, markersize=4.5, linewidth=1, **drawn)
+        axes.plot([], [], label=strategy_name(family), **drawn)
+    _draw_front(axes, [row for row in rows if row["on_front"]], families)
     axes.plot(
         [], [], linestyle="", marker="o", color=COLOURS["quiet"], label="filled: on the front"
     )
-    seconds = [row[name] for row in rows for name in ("seconds_low", "seconds_high")]
+    seconds = log_ticks([row[name] for row in rows for name in ("seconds_low", "seconds_high")])
     flawless = any(row["error"] == 0 for row in rows)
-    _set_log_ticks(axes.xaxis, log_ticks(seconds), duration)
-    _set_log_ticks(
-        axes.yaxis, [nothing, *ticks] if flawless else ticks, lambda error: _error(error, nothing)
-    )
-    axes.set_ylim((nothing if flawless else ticks[0]) / 1.25, ticks[-1] * 1.1)
+    shown = [0.0, *errors] if flawless else errors
+    axes.set_xticks(seconds, [duration(tick) for tick in seconds])
+    axes.set_yticks(shown, [f"{100 * tick:g} %" for tick in shown])
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_ticks([], minor=True)
+    axes.set_ylim(-0.3 * errors[0] if flawless else errors[0] / 1.25, errors[-1] * 1.1)
     _name_axes(axes, across, "error rate")
     _legend(chart, axes)
     return chart
@@ -257,7 +258,7 @@ def parts_of_time(table: Rows) -> Figure:
         axes,
         "median time in one recognition",
         "part",
-        across_as=lambda seconds, _: duration(seconds),
+        across_as=duration,
     )
     axes.grid(visible=False)
     return chart
@@ -391,7 +392,7 @@ def _draw_intervals(
     axes.set_xlim(start, 1.01)
     axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
-    _name_axes(axes, across, rows_are, across_as=percent)
+    _name_axes(axes, across, rows_are, across_as=_whole)
     axes.grid(visible=False, axis="y")
     _legend(chart, axes)
     return chart
@@ -415,37 +416,20 @@ def _draw_series(axes: Axes, series: Series, offset: float) -> None:
     )  # fmt: skip
 
 
-def _draw_trend(axes: Axes, line: Sequence[Mapping[str, Any]], family: int, nothing: float) -> None:
-    colour, mark = look(family)
-    axes.plot(
-        [row["seconds"] for row in line], [row["error"] or nothing for row in line],
-        color=colour, marker=mark, mfc=COLOURS["paper"], markersize=4.5, linewidth=1,
-    )  # fmt: skip
-
-
-def _draw_front(
-    axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequence[str], nothing: float
-) -> None:
+def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequence[str]) -> None:
     """Draw the front's settings filled, with their quartiles, intervals and names."""
     for row in rows:
+        seconds, error = row["seconds"], row["error"]
         colour, mark = look(families.index(row["family"]))
-        error = row["error"] or nothing
-        axes.hlines(
-            error, row["seconds_low"], row["seconds_high"], colors=colour, linewidth=0.8, alpha=0.6
-        )
-        low = max(row["error_low"], nothing)
-        axes.vlines(row["seconds"], low, row["error_high"], colors=colour, linewidth=0.8, alpha=0.6)
-        axes.plot(row["seconds"], error, color=colour, marker=mark, markersize=7, zorder=3)
+        thin: dict[str, Any] = {"colors": colour, "linewidth": 0.8, "alpha": 0.6}
+        axes.hlines(error, row["seconds_low"], row["seconds_high"], **thin)
+        axes.vlines(seconds, row["error_low"], row["error_high"], **thin)
+        axes.plot(seconds, error, color=colour, marker=mark, markersize=7, zorder=3)
         name = str(row["setting"]).removesuffix(", 1 viewpoint")
         axes.annotate(
-            name, (row["seconds"], error), (5, 4), textcoords="offset points", zorder=4,
+            name, (seconds, error), (5, 4), textcoords="offset points", zorder=4,
             bbox={"facecolor": COLOURS["paper"], "edgecolor": "none", "alpha": 0.8, "pad": 0.3},
         )  # fmt: skip
-
-
-def _set_log_ticks(axis: Any, ticks: Sequence[float], write: Callable[[float], str]) -> None:
-    axis.set_ticks(ticks, [write(tick) for tick in ticks])
-    axis.set_ticks([], minor=True)
 
 
 def _new(height: float, width: float = 360) -> tuple[Figure, Axes]:
@@ -458,14 +442,17 @@ def _name_axes(
     axes: Axes,
     across: str,
     up: str,
-    across_as: Callable[[float, int], str] | None = None,
-    up_as: Callable[[float, int], str] | None = None,
+    across_as: Callable[[float], str] | None = None,
+    up_as: Callable[[float], str] | None = None,
 ) -> None:
     axes.set(xlabel=across, ylabel=up)
-    if across_as is not None:
-        axes.xaxis.set_major_formatter(lambda value, _: across_as(value, 0))
-    if up_as is not None:
-        axes.yaxis.set_major_formatter(lambda value, _: up_as(value, 0))
+    for axis, write in ((axes.xaxis, across_as), (axes.yaxis, up_as)):
+        if write is not None:
+            axis.set_major_formatter(_formatter(write))
+
+
+def _formatter(write: Callable[[float], str]) -> Callable[[float, float], str]:
+    return lambda value, _: write(value)
 
 
 def _columns_of(labels: Sequence[str]) -> int:
@@ -483,6 +470,10 @@ def _legend(chart: Figure, axes: Axes) -> None:
             handles, [textwrap.fill(label, 30) for label in labels], loc="outside lower left",
             ncols=_columns_of(labels), handletextpad=0.4, columnspacing=1.2, borderpad=0.2,
         )  # fmt: skip
+
+
+def _whole(share: float) -> str:
+    return percent(share, 0)
 
 
 def _rows(table: Rows) -> list[Mapping[str, Any]]:
@@ -504,10 +495,6 @@ def _without_ends(values: Sequence[float | None]) -> list[Estimate | None]:
 
 def _lowest(estimate: Estimate) -> float:
     return estimate.mean if estimate.low is None else estimate.low
-
-
-def _error(value: float, nothing: float) -> str:
-    return "0 %" if value == nothing else f"{100 * value:g} %"
 
 
 def _family_label(family: str, checks: Sequence[Any]) -> str:
