@@ -179,8 +179,10 @@ def test_the_imprint_of_a_touch_is_shown_on_focus_and_on_tap(model):
     assert figure.locator('.touched [aria-pressed="true"]').inner_text() == "2"
     buttons.nth(3).click()
     assert felt.inner_text().startswith("Touch 4: ")
-    cell = felt.locator(".cell img")
-    assert cell.evaluate("one => one.complete && one.naturalWidth > 0")
+    look = "one => [getComputedStyle(one).backgroundImage, getComputedStyle(one).backgroundPosition]"
+    picture, place = felt.locator(".cell").evaluate(look)
+    assert picture.startswith('url("data:image/webp;base64,')
+    assert place == "-288px 0px"
     figure.page.mouse.move(0, 0)
     figure.locator(".strategies").select_option("random")
     felt.wait_for(state="hidden", timeout=5000)
