@@ -178,8 +178,11 @@ def fill(text: str, name: str, content: str) -> str:
     str
         The page with the block filled.
     """
-    pattern = rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)"
-    return re.sub(pattern, lambda match: f"{match[1]}{content}\n{match[2]}", text, flags=re.DOTALL)
+    pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
+    filled, found = pattern.subn(lambda match: f"{match[1]}{content}\n{match[2]}", text)
+    if not found:
+        raise SystemExit(f"The page has no block {name}; `<!-- {name} -->` is needed.")
+    return filled
 
 
 def main() -> None:

@@ -199,6 +199,21 @@ def test_python_of_the_pages_runs(page, finished, monkeypatch):
         exec(compile(text, page.name, "exec"), given)  # noqa: S102
 
 
+@pytest.mark.parametrize(
+    "script", sorted((ROOT / "docs").glob("make_*.py")), ids=lambda one: one.name
+)
+def test_a_script_that_fills_pages_finds_all_that_it_imports(script, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    assert runpy.run_path(str(script))["__doc__"]
+
+
+def test_a_block_that_a_page_lacks_ends_the_script_that_fills_it():
+    fill = runpy.run_path(str(ROOT / "docs" / "make_readme.py"))["fill"]
+    assert fill("<!-- a -->\nold\n<!-- /a -->", "a", "new") == "<!-- a -->\nnew\n<!-- /a -->"
+    with pytest.raises(SystemExit, match="no block b"):
+        fill("<!-- a -->\nold\n<!-- /a -->", "b", "new")
+
+
 @pytest.mark.parametrize("name", ["tables", "api"])
 def test_a_page_that_is_made_from_the_code_is_current(name):
     made = runpy.run_path(str(ROOT / "docs" / f"make_{name}.py"))[f"{name}_page"]()
