@@ -242,11 +242,7 @@ def _each(
     values: Callable[[Path, Made], dict[str, object]] | None,
     say_one: Callable[[Path, Made], None],
 ) -> None:
-    """Work on one mesh after the other; of several, one that can't be read doesn't stop the others.
-
-    Without `values` each is said at once; with them all are printed as JSON, one alone
-    without a list around it.
-    """
+    """Work on one mesh after the other, and say each or print all values as JSON; one of several may fail."""
     from visuohaptic.errors import VisuohapticError
 
     found: list[Path] = []
