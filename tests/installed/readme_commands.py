@@ -141,7 +141,8 @@ FIRST_OF_DVC = OF_README.index("dvc repro")
 OF_STUDIES = texts(*block_commands(STUDIES))
 OF_SHARING = texts(*block_commands(SHARING), *line_commands(SHARING))
 BEFORE_DVC = list(dict.fromkeys([*OF_README[:FIRST_OF_DVC], *OF_STUDIES]))
-UNDER_DVC = list(dict.fromkeys([*OF_README[FIRST_OF_DVC:], *OF_SHARING]))
+AFTER = dict.fromkeys([*OF_README[FIRST_OF_DVC:], *OF_SHARING])
+UNDER_DVC = [command for command in AFTER if command not in BEFORE_DVC]
 
 
 @pytest.mark.parametrize("command", BEFORE_DVC)
