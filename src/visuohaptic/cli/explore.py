@@ -207,7 +207,7 @@ def recognise(
         say(
             f"{chosen_model}: {classifier}, which learnt {learnt} objects of {classes} classes; "
             + (
-                "an object of another class is named one of these all the same"
+                "an object of another class is classified as one of these all the same"
                 if recogniser.model.calibration is None
                 else "an object that is stranger than nearly all of these is called unknown, and sets "
                 "hold the class as often as stated for objects like these"

@@ -392,7 +392,7 @@ def load(
         (``meshes/paper/<class>/<name>.ply.gz``), which is turned and stretched as
         the catalogue above it says; a mesh in memory; or two arrays, shapes (v, 3) and (f, 3).
     key : str, optional
-        `class/name`; all chance comes from it and the seed. Without it the class is
+        `class/name`; random numbers depend on it and the seed. Without it the class is
         ``unknown``, or the catalogue's, and the name the file's.
     parameters : MeshParameters, ExperimentParameters or mapping, optional
         Which axis points up, and tolerances: section `meshes`, or all parameters.

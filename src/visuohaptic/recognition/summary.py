@@ -128,7 +128,7 @@ def summarise(
 
 
 def confusion(predictions: pa.Table) -> Confusion:
-    """Count how sequences were named, over all splits and repeats in the table.
+    """Count how sequences were classified, over all splits and repeats in the table.
 
     `tables.PREDICTIONS` is filtered before to the pipeline, strategy and classifier of interest
     (see `select`).
