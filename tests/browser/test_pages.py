@@ -179,7 +179,9 @@ def test_the_imprint_of_a_touch_is_shown_on_focus_and_on_tap(model):
     assert figure.locator('.touched [aria-pressed="true"]').inner_text() == "2"
     buttons.nth(3).click()
     assert felt.inner_text().startswith("Touch 4: ")
-    look = "one => [getComputedStyle(one).backgroundImage, getComputedStyle(one).backgroundPosition]"
+    look = (
+        "one => [getComputedStyle(one).backgroundImage, getComputedStyle(one).backgroundPosition]"
+    )
     picture, place = felt.locator(".cell").evaluate(look)
     assert picture.startswith('url("data:image/webp;base64,')
     assert place == "-288px 0px"
