@@ -6,7 +6,12 @@ from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
 
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.report.touches_needed import curve_figures, touches_needed, verdict
+from visuohaptic.report.touches_needed import (
+    CurveFigures,
+    curve_figures,
+    touches_needed,
+    verdict,
+)
 from visuohaptic.studies.curves.settings import touches_name
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import TOUCHES_NEEDED
@@ -97,6 +102,12 @@ def test_p_values_are_adjusted_over_the_strategies(tmp_path):
     adjusted = {one["strategy"]: one["adjusted_p"] for one in figures.rows}
     assert adjusted == {"farthest_point": 0.002, "random": 0.4, "fixation": None}
     assert [one["strategy"] for one in figures.rows] == ["farthest_point", "fixation", "random"]
+
+
+def test_a_plug_in_may_call_its_strategy_as_a_column():
+    point = {"strategy": "touches", "place": 0, "accuracy": 0.5}
+    found = CurveFigures("best", "naive_bayes", [], [point])
+    assert found.by_touches == [{"touches": 1, "points": {"touches": point}}]
 
 
 @pytest.mark.slow

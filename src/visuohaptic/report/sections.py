@@ -273,7 +273,7 @@ def _class_rows(table: PipelineTable, classes: list[str]) -> list[dict[str, Any]
     """Give the best classifier's accuracy of each class by strategy."""
     found = table.best.class_accuracy
     return [
-        {"class": name, **{strategy: shares.get(name) for strategy, shares in found.items()}}
+        {"class": name, "by": {strategy: shares.get(name) for strategy, shares in found.items()}}
         for name in classes
     ]
 
@@ -310,7 +310,7 @@ def objects_values(context: ReportContext) -> Values:
         "best": run.pipelines[0].best.name if run.pipelines else "classifier",
         "classes": run.classes,
         "strategies": sorted(states),
-        "states": [{"state": one, "meaning": why, **counts} for one, why, counts in rows],
+        "states": [{"state": one, "meaning": why, "counts": counts} for one, why, counts in rows],
         "objects": len(run.objects),
         "checks": {} if run.stability is None else run.stability.objects,
         "describe_checks": describe_checks,

@@ -51,9 +51,9 @@ def table(
     label : str
         What the table is called, once on the page.
     columns : sequence of Column
-        A key is a name, or several joined by points; without one it is the whole row. A format is the name of a filter, of several
-        joined by ``|``, or as for ``%`` and `format`; after ``±`` it writes the interval, too.
-        A column of numbers stands to the right.
+        A key is a name, or several joined by points; without one it is the whole row. A format is
+        the name of a filter, of several joined by ``|``, or as for ``%`` and `format`; after ``±``
+        it writes the interval, too. A column of numbers stands to the right.
     caption : str
         What stands above the table, if not the label.
     best : object

@@ -51,12 +51,11 @@ class CurveFigures:
 
     @property
     def by_touches(self) -> list[Row]:
-        """A row for each number of ``touches``, with the points of all strategies by name."""
-        found: dict[int, dict[str, object]] = {}
+        """A row for each number of ``touches``, with the ``points`` of all strategies by name."""
+        found: dict[int, dict[str, Row]] = {}
         for row in self.points:
-            touches = row["place"] + 1
-            found.setdefault(touches, {"touches": touches})[row["strategy"]] = row
-        return [found[touches] for touches in sorted(found)]
+            found.setdefault(row["place"] + 1, {})[row["strategy"]] = row
+        return [{"touches": touches, "points": found[touches]} for touches in sorted(found)]
 
     @property
     def verdict(self) -> str:
