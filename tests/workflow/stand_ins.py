@@ -31,7 +31,7 @@ with job(snakemake):
     # The features alone are made with PyWavelets.
     own = version("PyWavelets") if rule == "features" else ""
     given.update(f"{getattr(code, 'VALUE', 0)} {own}".encode())
-    for file in sorted(set(map(str, snakemake.input))):
+    for file in sorted({*snakemake.input} - {*snakemake.input.get("why", ())}):
         for part in [Path(file)] if Path(file).is_file() else sorted(Path(file).glob("*.ply")):
             given.update(str(part).encode() + part.read_bytes())
     record = snakemake.output.record

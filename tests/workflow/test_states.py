@@ -35,6 +35,16 @@ def test_nothing_is_left_to_do_whatever_the_times_are_and_without_snakemakes_mem
     assert ask(stand_in, "verify").returncode == 0
 
 
+def test_each_job_of_a_plan_runs_for_its_own_reason(stand_in):
+    stand_in.snakemake("dvc_all")
+    module = stand_in.folder / MODULE
+    module.write_text(f"{module.read_text()}\n# edited\n")
+    stand_in.snakemake()  # all but the model
+    table = stand_in.folder / "results/fixations/chair/bs0_chair2/00-01.parquet"
+    table.write_text(f"{table.read_text()} ")
+    assert {"fixations", "model"} <= set(stand_in.planned("dvc_all"))
+
+
 def test_a_parameter_that_changes_three_times_is_seen_each_time(stand_in, whole_stand_in):
     for size in (0.2, 0.25, 0.3):
         before = digests(stand_in.folder)

@@ -265,7 +265,8 @@ def takes(name, script, check=None, runs=(), chosen=(), **inputs):
         GIVEN[record] = keys().given(record)
         if is_another_run_at_work():  # which makes it, or will be waited for
             return files
-        return {**files, "why": or_stop(mark_stale, record, reason)}
+        marker = or_stop(mark_stale, record, reason)
+        return {**files, "why": [*marker, *sorted(keys().stale_behind(record))]}
 
     return unpack(chosen)
 

@@ -106,6 +106,7 @@ class Keys:
         self._keys: dict[str, str] = {}
         self._code: dict[Start, dict[str, str]] = {}
         self._reasons: dict[str, str | None] = {}
+        self._behind: dict[str, set[str]] = {}
 
     def makers(self, files: Iterable[str]) -> dict[str, None]:
         """Name the records of the jobs that make some files, each once."""
@@ -154,6 +155,24 @@ class Keys:
             self._reasons[record] = self._find_reason(record)
         return self._reasons[record]
 
+    def stale_behind(self, record: str) -> set[str]:
+        """Name the records of stale jobs from which a job is parted by current ones alone.
+
+        From a job that runs Snakemake goes on to those that take its files, and passes over all others behind it
+        (https://github.com/snakemake/snakemake/issues/4166): a stale job must take something of these itself.
+        """
+        if record not in self._behind:
+            current = [maker for maker in self._makers_of(record) if not self._runs(maker)]
+            nearest = {one for maker in current for one in self._makers_of(maker) if self._runs(one)}
+            self._behind[record] = nearest.union(*map(self.stale_behind, current))
+        return self._behind[record]
+
+    def _makers_of(self, record: str) -> dict[str, None]:
+        return self.makers(self.jobs[record].inputs)
+
+    def _runs(self, record: str) -> bool:
+        return record not in self._kept and self.reason(record) is not None
+
     def needed_for(self, files: Iterable[str]) -> list[str]:
         """Name the records of all jobs behind some files, in no order of work."""
         found: dict[str, None] = {}
@@ -162,7 +181,7 @@ class Keys:
             record = waiting.pop()
             if record not in found:
                 found[record] = None
-                waiting += self.makers(self.jobs[record].inputs)
+                waiting += self._makers_of(record)
         return list(found)
 
     def _find_reason(self, record: str) -> str | None:
