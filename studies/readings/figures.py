@@ -27,12 +27,13 @@ from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import (
+    CELL,
     Cell,
     CellKey,
     Row,
     cells_of,
     condition_interval,
-    rows_by_cell,
+    rows_by,
 )
 from visuohaptic.tables.schema import build_table, matrix, read_table
 from visuohaptic.tables.studies import STUDY
@@ -78,7 +79,7 @@ def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
     Rows of `tables.STUDY`; what could not be run is left out.
     """
     found = {}
-    for key, cell in rows_by_cell(rows).items():
+    for key, cell in rows_by(rows, CELL).items():
         if cell.column("error")[0].as_py() is not None:
             continue
         split, repeat, sequences, accuracy = matrix(

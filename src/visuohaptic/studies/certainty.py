@@ -80,12 +80,9 @@ def measure_certainty(
     RecognitionError
         If there are fewer than three classes.
     """
-    from sklearn import config_context
-    from threadpoolctl import threadpool_limits
-
     from visuohaptic.recognition.certainty import one_classifier
     from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-    from visuohaptic.recognition.experiment import gather_pipeline
+    from visuohaptic.recognition.experiment import fitting, gather_pipeline
     from visuohaptic.recognition.sequences import take_strategy
 
     table, _ = take_strategy(features, strategy, parameters.touches)
@@ -100,8 +97,7 @@ def measure_certainty(
     )
     one = one_classifier(parameters, classifier)
     rows: list[dict[str, object]] = []
-    checks = config_context(assume_finite=True, skip_parameter_validation=True)
-    with threadpool_limits(limits=1), checks:
+    with fitting():
         for left_out in range(len(sequences.classes)):
             generator = spawn_generator(seed, "certainty", left_out)
             rows += _without_class(sequences, described, left_out, one, generator)

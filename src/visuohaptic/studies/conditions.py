@@ -190,6 +190,11 @@ def touches_needed(parameters: ExperimentParameters) -> int:
     return max(parameters.attention.fixations, parameters.recognition.touches or 0)
 
 
+def touches_of_run(run: ExperimentParameters) -> int:
+    """Give how many touches of a sequence the run classifies."""
+    return run.recognition.touches or run.attention.fixations
+
+
 def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
     for fixed, reason in _FIXED.items():
         if path == fixed or path.startswith(f"{fixed}."):

@@ -11,7 +11,7 @@ from visuohaptic.errors import ParameterError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.studies.curves.adaptive import make_candidates
 from visuohaptic.studies.looking import sensing
-from visuohaptic.studies.looking.files import make_looking
+from visuohaptic.studies.looking.measuring import make_looking
 from visuohaptic.studies.looking.seeing import SIGHTS
 from visuohaptic.studies.looking.sensing import (
     ADAPTIVE,

@@ -17,7 +17,7 @@ from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.scene.parameters import PRESETS
-from visuohaptic.studies.conditions import with_changes
+from visuohaptic.studies.conditions import touches_of_run, with_changes
 from visuohaptic.studies.study import NOT_OF_RESULTS, OF_CONDITIONS, Changes, Condition, Step, Study
 
 STRATEGY = "fixation"
@@ -80,7 +80,7 @@ class Setting:
 def make_settings(run: ExperimentParameters, study: str) -> list[Setting]:
     """Give every setting of study `frontier` or `cost`, family by family; `run` has all that a family does not vary."""
     return [
-        Setting(family, name, place, **{"touches": run_touches(run), **values})
+        Setting(family, name, place, **{"touches": touches_of_run(run), **values})
         for family, settings in FAMILIES[study](run).items()
         for place, (name, values) in enumerate(settings.items())
     ]
@@ -88,13 +88,8 @@ def make_settings(run: ExperimentParameters, study: str) -> list[Setting]:
 
 def is_reference(setting: Setting, run: ExperimentParameters) -> bool:
     """Tell whether a setting is what others are compared with: the run's own, from one viewpoint."""
-    own = Setting(setting.family, setting.name, setting.place, run_touches(run))
+    own = Setting(setting.family, setting.name, setting.place, touches_of_run(run))
     return setting == own
-
-
-def run_touches(run: ExperimentParameters) -> int:
-    """Give the touches of a sequence in the run."""
-    return run.recognition.touches or run.attention.fixations
 
 
 Families = Mapping[str, Mapping[str, Mapping[str, Any]]]
@@ -103,7 +98,7 @@ Families = Mapping[str, Mapping[str, Mapping[str, Any]]]
 
 def frontier_families(run: ExperimentParameters) -> Families:
     """Vary touches and viewpoints of each strategy of the run, and what needs no other looking."""
-    touches = _within(run.cost.frontier_touches, run_touches(run))
+    touches = _within(run.cost.frontier_touches, touches_of_run(run))
     viewpoints = _within(run.cost.frontier_viewpoints, run.viewpoints.total)
     probed = {
         strategy: {
@@ -123,7 +118,7 @@ def frontier_families(run: ExperimentParameters) -> Families:
     mapless = _unless_own(run, "recognition.self_organising_map.output", "none")
     return {
         **probed,
-        "small_imprint": {_touches(run_touches(run)): small} if small["changes"] else {},
+        "small_imprint": {_touches(touches_of_run(run)): small} if small["changes"] else {},
         "cues": _cues(run),
         "paper": {
             "with its map": {"pipeline": "paper"},

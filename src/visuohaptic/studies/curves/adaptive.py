@@ -155,23 +155,14 @@ class _Chooser:
     def _sequences(self, split: Split, parameters: ExperimentParameters) -> TouchSequences:
         from dataclasses import replace
 
-        from visuohaptic.seeds import spawn_generator
-        from visuohaptic.studies.curves.choosing import choose_sequences
+        from visuohaptic.studies.curves.choosing import choose_features
 
         key = tuple(split.test.tolist())
         if key not in self._chosen:
-            self._chosen[key] = choose_sequences(
-                self._candidates,
-                split,
-                self._most,
-                parameters.recognition.best,
-                parameters.attention.focus_radius,
-                spawn_generator(self._seed, "adaptive", *key),
-            )
-        rows = self._chosen[key][:, : parameters.recognition.touches]
+            self._chosen[key] = choose_features(self._candidates, split, self._most, parameters)
         whole = self._candidates.sequences
         return replace(
             whole,
-            features=self._candidates.features[rows][:, :, self._used],
+            features=self._chosen[key][:, : parameters.recognition.touches, self._used],
             feature_names=tuple(whole.feature_names[column] for column in self._used),
         )

@@ -15,12 +15,14 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import LEAST_SIZE, POSE
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.recognition.pooling import best_temperature
 from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
 from visuohaptic.recognition.splits import Split
+from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.schema import matrix
 
 WORDS = 16
@@ -283,6 +285,15 @@ def choose_sequences(
         )
         chosen[members] = rows[chosen[members]]
     return chosen
+
+
+def choose_features(
+    candidates: Candidates, split: Split, touches: int, run: ExperimentParameters
+) -> NDArray[np.float64]:
+    """Give the features of every sequence's chosen touches, (s, touches, k), by the draws of the split."""
+    generator = spawn_generator(run.seed, "adaptive", *split.test.tolist())
+    best, focus = run.recognition.best, run.attention.focus_radius
+    return candidates.features[choose_sequences(candidates, split, touches, best, focus, generator)]
 
 
 def choose_touches(
