@@ -35,7 +35,7 @@ from visuohaptic.studies.figures import (
     condition_interval,
     rows_by,
 )
-from visuohaptic.tables.schema import build_table, matrix, read_table
+from visuohaptic.tables.schema import build_rows, matrix, read_table
 from visuohaptic.tables.studies import STUDY
 
 
@@ -69,8 +69,7 @@ def reading_figures(
             classifiers.index(row["classifier"]),
         )
     )
-    names = [column.name for column in READINGS.columns]
-    return build_table(READINGS, {name: [row[name] for row in rows] for name in names})
+    return build_rows(READINGS, rows)
 
 
 def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:

@@ -36,7 +36,7 @@ from visuohaptic.tables.phases import (
     PREDICTIONS,
     SCORES,
 )
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.schema import build_rows, build_table
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.pooling import Ballots
@@ -349,8 +349,7 @@ class _Record:
         self._predictions = list(itertools.compress(self._predictions, kept))
 
     def scores(self) -> pa.Table:
-        names = self._scores[0]
-        return build_table(SCORES, {name: [row[name] for row in self._scores] for name in names})
+        return build_rows(SCORES, self._scores)
 
     def predictions(self) -> pa.Table:
         names = self._predictions[0]

@@ -15,7 +15,7 @@ from visuohaptic.studies.ablations import CLASSIFIER
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.study import Given, Step, Study
 from visuohaptic.tables.phases import FEATURES
-from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.schema import build_rows, read_table, write_table
 from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
 
 if TYPE_CHECKING:
@@ -102,13 +102,7 @@ def measure_certainty(
             generator = spawn_generator(seed, "certainty", left_out)
             rows += _without_class(sequences, described, left_out, one, generator)
     key = {"strategy": strategy, "classifier": classifier}
-    return build_table(
-        CERTAINTY,
-        {
-            **{name: [value] * len(rows) for name, value in key.items()},
-            **{name: [row[name] for row in rows] for name in rows[0]},
-        },
-    )
+    return build_rows(CERTAINTY, [{**key, **row} for row in rows])
 
 
 def summarise_certainty(
@@ -250,8 +244,9 @@ def _by_object(
     values: dict[tuple[str, str], list[float]] = {}
     for row in rows:
         values.setdefault((row["class"], row["object"]), []).append(float(row[column]))
-    means = np.array([np.mean(found) for found in values.values()])
-    return means, np.array([len(found) for found in values.values()], dtype=np.float64)
+    found = [(np.mean(own), len(own)) for own in values.values()]
+    means, counts = np.array(found, dtype=np.float64).T
+    return means, counts
 
 
 def _area(rows: Sequence[dict[str, Any]], left_out: str) -> float:

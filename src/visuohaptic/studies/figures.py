@@ -24,7 +24,7 @@ from visuohaptic.recognition.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import owners_of
-from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
+from visuohaptic.tables.schema import build_rows, matrix, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 from visuohaptic.whole_files import write_whole
 
@@ -126,8 +126,7 @@ def study_figures(
         }
         rows.append(row)
     _adjust(rows)
-    names = [column.name for column in STUDY_FIGURES.columns]
-    return build_table(STUDY_FIGURES, {name: [row[name] for row in rows] for name in names})
+    return build_rows(STUDY_FIGURES, rows)
 
 
 def make_study_figures(

@@ -23,7 +23,7 @@ from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.cost.settings import ORDER, Setting, is_reference, make_settings
 from visuohaptic.studies.figures import Cell, condition_interval, read_cells
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.schema import build_table, names_of, read_table, write_table
+from visuohaptic.tables.schema import build_rows, names_of, read_table, write_table
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
 
 Row = dict[str, Any]
@@ -172,7 +172,7 @@ def mark_groups(
 
 def cost_table(rows: Sequence[Row]) -> pa.Table:
     """Make `tables.COST` of rows as `join_costs` gives them."""
-    return build_table(COST, {name: [row[name] for row in rows] for name in _COLUMNS})
+    return build_rows(COST, rows)
 
 
 def time_logarithms(rows: Sequence[Row], seconds: pa.Table) -> NDArray[np.float64]:

@@ -25,7 +25,7 @@ from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER, Setting, mak
 from visuohaptic.studies.files import features_by_key
 from visuohaptic.studies.measuring import REFUSALS, condition_features
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.schema import build_table, names_of, write_table
+from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import COST_SECONDS
 
 Row = dict[str, object]
@@ -161,8 +161,7 @@ def measure_seconds(
             _time(fitted, key, surface, 0)
         for turn, (key, surface), fitted in product(range(rounds), surfaces.items(), settings):
             rows += _time(fitted, key, surface, turn)
-    names = names_of(COST_SECONDS.columns)
-    return build_table(COST_SECONDS, {name: [row[name] for row in rows] for name in names})
+    return build_rows(COST_SECONDS, rows)
 
 
 def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> list[Row]:

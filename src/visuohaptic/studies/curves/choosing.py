@@ -185,18 +185,6 @@ class TouchModel:
         return np.where(out, 0.0, weight[self.owner])
 
 
-@dataclass(frozen=True)
-class _ImprintReader:
-    """Touches one object's candidates, and gives the kind of imprint of each."""
-
-    candidates: Candidates
-    words: TactileWords
-    rows: NDArray[np.int64]
-
-    def read(self, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
-        return self.words.read(self.candidates.features[self.rows[chosen]])
-
-
 def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
     """Gather the candidates of every viewpoint, sorted by class, object, viewpoint and place.
 
@@ -263,6 +251,7 @@ def choose_sequences(
         Shape (s, touches), int64: rows of the candidates.
     """
     model = fit_touch_model(candidates, split, parameters, generator)
+    words = model.words.read(candidates.features)
     training = np.unique(candidates.sequences.object_index[split.train])
     plans = {}
     for place in range(len(candidates.sequences.objects)):
@@ -270,20 +259,20 @@ def choose_sequences(
         left_out = place if place in training else -1
         first, seen = np.unique(candidates.poses[rows], axis=0, return_inverse=True)
         plans[place] = (rows, seen.reshape(-1), model.log_likelihood(first, left_out))
-    temperature = _fit_temperature(candidates, model, training, plans, generator)
+    temperature = _fit_temperature(candidates, words, training, plans, generator)
     chosen = np.zeros((len(candidates.sequences.object_index), touches), dtype=np.int64)
     for place, (rows, seen, likelihood) in plans.items():
         members = np.flatnonzero(candidates.sequences.object_index == place)
-        chosen[members] = choose_touches(
+        own = choose_touches(
             candidates.poses[rows],
             seen,
             np.searchsorted(members, candidates.sequence[rows]),
             likelihood / temperature,
-            _ImprintReader(candidates, model.words, rows).read,
+            words[rows].__getitem__,
             touches,
             focus_radius,
         )
-        chosen[members] = rows[chosen[members]]
+        chosen[members] = rows[own]
     return chosen
 
 
@@ -474,7 +463,7 @@ def _skin(
 
 def _fit_temperature(
     candidates: Candidates,
-    model: TouchModel,
+    words: NDArray[np.int64],
     training: NDArray[np.int64],
     plans: dict[int, tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]],
     generator: np.random.Generator,
@@ -484,7 +473,7 @@ def _fit_temperature(
     classes = candidates.sequences.class_of_object
     for place in training:
         rows, seen, likelihood = plans[place]
-        kinds = model.words.read(candidates.features[rows])
+        kinds = words[rows]
         views = len(np.unique(candidates.sequence[rows]))
         drawn = generator.integers(len(rows), size=(views, REHEARSED_TOUCHES))
         scores.append(likelihood[seen[drawn], kinds[drawn]].sum(axis=1))

@@ -20,7 +20,7 @@ import pyarrow as pa
 from visuohaptic.errors import RecognitionError
 from visuohaptic.studies.certainty import VIEWS, sum_up_answers
 from visuohaptic.studies.stored import Source, source_of, store_table
-from visuohaptic.tables.schema import build_table, read_table
+from visuohaptic.tables.schema import build_rows, read_table
 from visuohaptic.tables.studies import EVALUATION
 
 if TYPE_CHECKING:
@@ -81,13 +81,7 @@ def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
         "stated": model.parameters.best.coverage,
         "learnt": len(model.objects),
     }
-    return build_table(
-        EVALUATION,
-        {
-            **{name: [value] * len(rows) for name, value in same.items()},
-            **{name: [row[name] for row in rows] for name in rows[0]},
-        },
-    )
+    return build_rows(EVALUATION, [{**same, **row} for row in rows])
 
 
 def _name_object(
