@@ -22,16 +22,15 @@ from readings.design import (
 )
 from readings.leads import SAME, SIGNIFICANT, against_main, main_opponent
 from readings.tables import READINGS
-from visuohaptic.recognition.intervals import compare_paired
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import (
     CELL,
     Cell,
     CellKey,
     Row,
     cells_of,
+    compare,
     condition_interval,
     rows_by,
 )
@@ -132,12 +131,9 @@ def _figures(
         "splits": len(splits[found["fixation"]]),
         "seconds": (fixation.seconds or 0.0) + (random.seconds or 0.0),
     }
-    if fixation.objects != random.objects:
+    compared = compare(fixation, random, intervals, seed)
+    if compared is None:
         return row
-    generator = spawn_generator(seed, "studies", "comparison")
-    compared = compare_paired(
-        fixation.accuracy, random.accuracy, fixation.weights, intervals, generator
-    )
     return row | {
         "ahead": compared.difference.mean,
         "ahead_low": compared.difference.low,

@@ -52,33 +52,11 @@ def measure_certainty(
     parameters: RecognitionParameters,
     seed: int,
 ) -> pa.Table:
-    """Name known and unknown objects by models that lack one whole class each.
+    """Name known and unknown objects by models that lack one whole class each: `tables.CERTAINTY`.
 
     Of every class in turn, all objects are unknown; of the others, one grouped fold is tested and the
-    rest trains and calibrates.
-
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`.
-    strategy : str
-        Whose touches.
-    classifier : str
-        One classifier of pipeline `best`.
-    parameters : RecognitionParameters
-        Folds, coverage, bags.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.CERTAINTY`.
-
-    Raises
-    ------
-    RecognitionError
-        If there are fewer than three classes.
+    rest trains and calibrates a classifier of pipeline `best` on the touches of a strategy, rows of
+    `tables.FEATURES`. Raises `RecognitionError` if there are fewer than three classes.
     """
     from visuohaptic.recognition.certainty import one_classifier
     from visuohaptic.recognition.descriptors import describe_sequences, draw_waves

@@ -127,17 +127,7 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
 def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Planned]]:
     """Cut a study into blocks that a job each measures, by names such as ``0000-0024``.
 
-    Parameters
-    ----------
-    plan : Plan
-        The study's conditions.
-    conditions_per_job : int or None
-        How many in a block, or some more; None for an eighth of them, at most 25.
-
-    Returns
-    -------
-    dict of str to list of Planned
-        By the block's name, such as 0000-0024.
+    A block has `conditions_per_job` conditions, or some more; without it an eighth of them, at most 25.
     """
     count = len(plan.conditions)
     step = conditions_per_job or min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK)

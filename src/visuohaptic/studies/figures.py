@@ -34,8 +34,6 @@ CellKey = tuple[str, str, str, str]
 
 _UNTOLD = ("study", "title", "condition", "pipeline", "strategy", "classifier", "place", "seconds")
 CELL = ("condition", "pipeline", "strategy", "classifier")
-_COMPARED = ("difference", "difference_low", "difference_high", "p_value", "adjusted_p")
-_LEAD = ("lead", "lead_low", "lead_high", "lead_p")
 LEADER = "fixation"
 """The strategy whose lead over each other one is given."""
 
@@ -122,7 +120,7 @@ def study_figures(
             "remade": condition["remade"],
             "compared_with": None if other == key[0] else other,
             **_figures(cells[key], cells.get((other, *key[1:])), intervals, seed),
-            **_lead(leader, cells[key], intervals, seed),
+            **_paired("lead", "lead_p", compare(leader, cells[key], intervals, seed)),
         }
         rows.append(row)
     _adjust(rows)
@@ -191,33 +189,26 @@ def average_objects(rows: pa.Table, counted: str) -> tuple[Cell, NDArray[np.floa
 
 def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters, seed: int) -> Row:
     row: Row = {"seconds": cell.seconds, "error": cell.error, "objects": len(cell.objects) or None}
-    row |= dict.fromkeys(("accuracy", "low", "high", *_COMPARED))
-    if cell.error is not None:
-        return row
-    row |= ends("accuracy", "", condition_interval(cell, intervals, seed))
-    found = _compare(cell, other, intervals, seed)
-    if found is not None:
-        row |= ends("difference", "difference_", found.difference)
-        row["p_value"] = found.p_value
-    return row
+    row |= dict.fromkeys(("accuracy", "low", "high", "adjusted_p"))
+    if cell.error is None:
+        row |= ends("accuracy", "", condition_interval(cell, intervals, seed))
+    return row | _paired("difference", "p_value", compare(cell, other, intervals, seed))
 
 
-def _lead(leader: Cell | None, cell: Cell, intervals: IntervalParameters, seed: int) -> Row:
-    row: Row = dict.fromkeys(_LEAD)
-    if leader is None or cell.error is not None:
-        return row
-    found = _compare(leader, cell, intervals, seed)
-    if found is not None:
-        row |= ends("lead", "lead_", found.difference)
-        row["lead_p"] = found.p_value
-    return row
+def _paired(name: str, p_value: str, found: PairedComparison | None) -> Row:
+    """Give a difference in pairs and its p value; None where cells can't be compared."""
+    if found is None:
+        return dict.fromkeys((name, f"{name}_low", f"{name}_high", p_value))
+    return {**ends(name, f"{name}_", found.difference), p_value: found.p_value}
 
 
-def _compare(
-    cell: Cell, other: Cell | None, intervals: IntervalParameters, seed: int
+def compare(
+    cell: Cell | None, other: Cell | None, intervals: IntervalParameters, seed: int
 ) -> PairedComparison | None:
-    """Compare two cells in pairs; None where they are the same or of other objects."""
-    if other is None or other is cell or other.objects != cell.objects:
+    """Compare two cells in pairs; None where one is missing, they are the same, or of other objects."""
+    if cell is None or other is None or other is cell:
+        return None
+    if not cell.objects or other.objects != cell.objects:
         return None
     generator = spawn_generator(seed, "studies", "comparison")
     return compare_paired(cell.accuracy, other.accuracy, other.weights, intervals, generator)

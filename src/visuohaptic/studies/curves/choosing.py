@@ -139,20 +139,10 @@ class TouchModel:
     wave_length: float
 
     def log_likelihood(self, poses: NDArray[np.float64], left_out: int) -> NDArray[np.float64]:
-        """Give the log likelihood of each word at each pose, by class.
+        """Give the log likelihood of each word at each pose, by class: (n, 6) to (n, m, c).
 
-        Parameters
-        ----------
-        poses : numpy.ndarray
-            Shape (n, 6), float64.
-        left_out : int
-            A training object to ignore, -1 for none: an object's own touches must not
-            predict its imprints. The only object of a class is kept.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n, m, c), float64.
+        A training object, `left_out`, is ignored, for its own touches must not predict its imprints;
+        -1 for none. The only object of a class is kept.
         """
         scaled = scale_poses(poses, self.normal_weight, self.wave_length)
         squares = np.einsum("nd,nd->n", scaled, scaled)[:, None]
@@ -224,31 +214,13 @@ def choose_sequences(
     focus_radius: float,
     generator: np.random.Generator,
 ) -> NDArray[np.int64]:
-    """Choose every sequence's touches, one after the other.
+    """Choose every sequence's touches, one after the other: rows of the candidates, (s, touches), int64.
 
     The model is fitted on the split's training objects; sequences of these are chosen by it
     without the object itself. Of a test object only the poses of the candidates and the
-    features of touches already made are looked at.
-
-    Parameters
-    ----------
-    candidates : Candidates
-        Where each viewpoint may touch.
-    split : Split
-        Which sequences train.
-    touches : int
-        Touches of each sequence.
-    parameters : BestParameters
-        The kernel's width and the weight of normals.
-    focus_radius : float
-        No two touches are closer while there is another place, object radii.
-    generator : numpy.random.Generator
-        For the words, and for the sequences that set the temperature.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, touches), int64: rows of the candidates.
+    imprints of touches already made are looked at. No two touches are closer than `focus_radius`
+    (object radii) while there is another place. The generator starts the words, and draws the
+    sequences that set the temperature.
     """
     model = fit_touch_model(candidates, split, parameters, generator)
     words = model.words.read(candidates.features)
@@ -348,19 +320,10 @@ def choose_touches(
 def expected_entropy(
     belief: NDArray[np.float64], log_likelihood: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Give the uncertainty about the class that is expected to be left after a touch.
+    """Give the uncertainty about the class that is expected to be left after a touch: (v, u), nats.
 
-    Parameters
-    ----------
-    belief : numpy.ndarray
-        Shape (v, c), float64: log probabilities of the classes so far, up to a constant.
-    log_likelihood : numpy.ndarray
-        Shape (u, m, c), float64: of each of m outcomes at u places.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (v, u), float64, nats.
+    `belief` holds the log probabilities of the classes so far, up to a constant, (v, c);
+    `log_likelihood` that of each of m outcomes at u places, (u, m, c).
     """
     places, outcomes, classes = log_likelihood.shape
     # Factors that are common to a place or to a sequence cancel; the largest is made 1.

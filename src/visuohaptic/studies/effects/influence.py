@@ -39,23 +39,10 @@ VIEWS = 2
 
 @dataclass(frozen=True)
 class Influence:
-    """What one effect costs on a sample, and how far it moves the images.
+    """What one effect costs on a sample, and how far it moves the images: as `tables.EFFECT_INFLUENCE` says.
 
-    Attributes
-    ----------
-    scene, effect : str
-        The scene's name and the effect's.
-    touches, called_for : int
-        Touches of the sample, and those that needed the effect; views, for effects of the view.
-    seconds, seconds_always : float
-        Time spent on it under the scene's own mode, and under `always`.
-    image_shift : float
-        Mean absolute difference of an image's values, 0 to 1, between the scene and the
-        scene without the effect; for an effect of the view, of the pixels that see the object,
-        between `auto` and `never`.
-    equal_to_always : bool or None
-        Whether the images under `auto` are those under `always`, bit for bit: of the whole scene,
-        or of this effect of the view alone; None where the scene switches an effect off.
+    `touches` are views for effects of the view; `seconds` are those under the scene's own mode, of which
+    `equal_to_always` is None where the scene switches an effect off.
     """
 
     scene: str

@@ -39,25 +39,12 @@ class MeasuredEvaluation:
 
 
 def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
-    """Name the objects that a model has not learnt, from 1, 4 and 16 views.
+    """Name the objects that a model of pipeline `best` has not learnt, from 1, 4 and 16 views.
 
-    Parameters
-    ----------
-    model : RecognitionModel
-        Of pipeline `best`.
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`, touched as the objects were that the model learnt. Those of its own
-        objects and of other strategies are left out.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.EVALUATION`: each object by every evenly spread choice of so many views.
-
-    Raises
-    ------
-    RecognitionError
-        If no such object is of a class that the model knows, or the model is not calibrated.
+    `features` are rows of `tables.FEATURES`, touched as the objects were that the model learnt; those of
+    its own objects and of other strategies are left out. Gives `tables.EVALUATION`: each object by every
+    evenly spread choice of so many views. Raises `RecognitionError` if no such object is of a class that
+    the model knows, or the model is not calibrated.
     """
     from visuohaptic.recognition.summary import select
 

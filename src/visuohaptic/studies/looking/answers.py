@@ -60,29 +60,10 @@ def answer_trials(
 ) -> list[Answered]:
     """Train and test pipeline `best` with its first classifier in every trial, by recognition's own draws.
 
-    Parameters
-    ----------
-    trials : sequence of (Split, int)
-        The splits.
-    described : iterable of sequence of numpy.ndarray
-        For each trial descriptors of all s sequences in each condition of the test, (s, d) each. The
-        first is learnt.
-    sequences : TouchSequences
-        Their classes and objects; their features are not used.
-    parameters : RecognitionParameters
-        Everything that is chosen before.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    list of Answered
-        Calibrated as the pipeline does, within the training objects.
-
-    Raises
-    ------
-    RecognitionError
-        If no training object can be held out.
+    `described` holds for each trial the descriptors of all s sequences, (s, d), in each condition
+    of the test; the first is learnt. Of the sequences only classes and objects are used. Answers are
+    calibrated as the pipeline does, within the training objects; raises `RecognitionError` if none
+    of these can be held out.
     """
     from visuohaptic.recognition.experiment import fitting
     from visuohaptic.recognition.tuning import FitMemory

@@ -74,28 +74,12 @@ def _cell(rows: pa.Table) -> LookingCell:
 def sum_up_looking(
     table: pa.Table, cost: CostParameters, touches: int, intervals: IntervalParameters, seed: int
 ) -> Row:
-    """Sum up `tables.LOOKING`.
+    """Sum up `tables.LOOKING`, with the touches by which senses are compared in every sight.
 
-    Parameters
-    ----------
-    table : pyarrow.Table
-        The table.
-    cost : CostParameters
-        The prices.
-    touches : int
-        Touches with which senses are compared in every sight.
-    intervals : IntervalParameters
-        How intervals are drawn.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    dict
-        ``prices``; ``sights``: each answer in each sight, and each answer of both senses against
-        the better of its parts; ``curves``: accuracy against time in clean sight; ``budgets``: the
-        same at each budget, with the rule that stops; ``worth``: what touching brings a second
-        after a look, in each sight.
+    Gives ``prices``; ``sights``: each answer in each sight, and each answer of both senses against
+    the better of its parts; ``curves``: accuracy against time in clean sight; ``budgets``: the
+    same at each budget, with the rule that stops; ``worth``: what touching brings a second after a
+    look, in each sight.
     """
     summary = _Summary(cells_of(table), cost, touches, intervals, seed)
     return {

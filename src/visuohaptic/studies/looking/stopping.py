@@ -13,23 +13,13 @@ from numpy.typing import NDArray
 def learn_pace(
     correct: NDArray[np.bool_], confidence: NDArray[np.float64], touch_seconds: float
 ) -> NDArray[np.float64]:
-    """Learn how fast touching removes doubt, from rehearsals on training objects.
+    """Learn which share of the doubt a second of touching removes, from n rehearsals on training objects.
 
-    Parameters
-    ----------
-    correct, confidence : numpy.ndarray
-        Shape (k + 1, n): whether the likeliest class is right after 0 to k touches, and its
-        probability.
-    touch_seconds : float
-        What a touch takes, more than 0 (seconds).
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (k + 1,), float64: the share of the doubt that a second of touching removes; the last
-        is 0. The doubt is one less the confidence. What further touches gain is the rise in the
-        share that is right, over all rehearsals, as a share of the doubt; of all numbers of further
-        touches, the one with the highest gain a second counts.
+    `correct` and `confidence` say after 0 to k touches whether the likeliest class is right, and its
+    probability: (k + 1, n) to (k + 1,), the last 0. The doubt is one less the confidence. What
+    further touches, of `touch_seconds` each, gain is the rise in the share that is right, over all
+    rehearsals, as a share of the doubt; of all numbers of further touches, the one with the highest
+    gain a second counts.
     """
     right = correct.sum(axis=1)
     doubt = np.maximum((1 - confidence).sum(axis=1), np.finfo(np.float64).tiny)
