@@ -144,7 +144,7 @@ def answer_splits(
     `answer_split` trains and tests a split; without it the pipeline does, on the sequences as they
     are. With it, the features of the sequences aren't used.
     """
-    answer_split = answer_split or _split_runner(sequences, parameters, seed, pipeline)
+    answer_split = answer_split or split_runner(sequences, parameters, seed, pipeline)
     with fitting():
         for split, repeat in draw_splits(sequences, parameters, seed):
             generator = spawn_generator(seed, "recognition", pipeline, repeat, split.number)
@@ -217,11 +217,21 @@ def _described(features: pa.Table) -> tuple[str, ...]:
     return tuple(present[:last])
 
 
-def _split_runner(
-    sequences: TouchSequences, parameters: RecognitionParameters, seed: int, pipeline: str
+def split_runner(
+    sequences: TouchSequences,
+    parameters: RecognitionParameters,
+    seed: int,
+    pipeline: str,
+    maps: ReductionMemory | None = None,
 ) -> AnswerSplit:
+    """Give what trains and tests a split of sequences by a pipeline.
+
+    `maps` holds maps of other runs of pipeline `paper`; it changes no number.
+    """
     if pipeline == "paper":
-        return lambda split, generator: run_paper_split(sequences, split, parameters, generator)
+        return lambda split, generator: run_paper_split(
+            sequences, split, parameters, generator, maps
+        )
     from visuohaptic.recognition.tuning import FitMemory
 
     waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))

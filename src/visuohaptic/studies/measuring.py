@@ -188,9 +188,9 @@ def name_objects(
     parameters: ExperimentParameters,
     pipeline: str,
     seed: int,
-    answer_split: AnswerSplit | None = None,
+    answer_split: AnswerSplit,
 ) -> Named:
-    """Train and test every split of one pipeline, on the sequences or as `answer_split` does."""
+    """Train and test every split of one pipeline as `answer_split` does."""
     from visuohaptic.recognition.experiment import answer_splits
 
     started = time.process_time()
@@ -212,16 +212,12 @@ def _name_condition(
     seed: int,
     maps: ReductionMemory,
 ) -> Named:
-    from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split
+    from visuohaptic.recognition.experiment import gather_pipeline, split_runner
 
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
     sequences = gather_pipeline(rows, recognition, pipeline, seed)
-    answer_split: AnswerSplit | None = None
-    if pipeline == "paper":
-        answer_split = lambda split, generator: run_paper_split(  # noqa: E731
-            sequences, split, recognition, generator, maps
-        )
+    answer_split = split_runner(sequences, recognition, seed, pipeline, maps)
     return name_objects(sequences, planned.parameters, pipeline, seed, answer_split)
 
 

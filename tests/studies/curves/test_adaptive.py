@@ -28,7 +28,7 @@ TABLE = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)
 
 def cells(pipeline, counts):
     planned = [PLANNED[count - 1] for count in counts]
-    return cells_of(pa.concat_tables(adaptive_rows(TABLE, planned, pipeline, 1)))
+    return cells_of(pa.concat_tables(adaptive_rows(TABLE, planned, pipeline)))
 
 
 def test_a_curve_has_a_condition_a_number_of_touches_and_all_share_their_touches():
@@ -56,7 +56,7 @@ def test_a_longer_curve_begins_as_a_shorter_one():
 
 
 def test_no_candidates_give_the_reason():
-    rows = pa.concat_tables(adaptive_rows(TABLE.slice(0, 0), PLANNED[:1], "paper", 1)).to_pylist()
+    rows = pa.concat_tables(adaptive_rows(TABLE.slice(0, 0), PLANNED[:1], "paper")).to_pylist()
     assert [row["accuracy"] for row in rows] == [None]
     assert rows[0]["error"].endswith(".")
 
