@@ -10,7 +10,6 @@ from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.cost.settings import (
     COST_STUDY,
     ORDER,
-    is_reference,
     make_settings,
 )
 
@@ -92,9 +91,3 @@ def test_the_frontier_has_what_the_run_has():
     assert {(setting.touches, setting.viewpoints) for setting in settings} == {
         (1, 1), (2, 1), (1, 3), (2, 3),
     }  # fmt: skip
-
-
-def test_one_setting_of_the_frontier_is_the_reference():
-    run = ExperimentParameters()
-    (own,) = [one for one in make_settings(run, "frontier") if is_reference(one, run)]
-    assert (own.family, own.name) == ("fixation", "5 touches, 1 viewpoint")

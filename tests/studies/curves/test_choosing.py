@@ -1,11 +1,8 @@
 """Adaptive touches: chosen by what is expected of them, from training objects alone."""
 
 import numpy as np
-import pyarrow as pa
-import pytest
 from recognition.synthetic import features_table
 
-from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.parameters import BestParameters, ProtocolParameters
 from visuohaptic.recognition.sequences import TouchSequences
@@ -210,8 +207,3 @@ def test_the_order_of_rows_changes_nothing():
     again = gather_candidates(shuffled, NAMES)
     np.testing.assert_array_equal(again.features, CANDIDATES.features)
     np.testing.assert_array_equal(choose(CANDIDATES), choose(again))
-
-
-def test_no_candidates_are_refused():
-    with pytest.raises(RecognitionError, match="no candidates"):
-        gather_candidates(pa.Table.from_batches([], TABLE.schema), NAMES)

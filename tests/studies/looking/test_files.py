@@ -9,6 +9,7 @@ from studies.surfaces import small_surfaces
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.geometry.surface import write_surface
+from visuohaptic.studies.conditions import with_changes
 from visuohaptic.studies.curves.adaptive import make_candidates
 from visuohaptic.studies.looking import sensing
 from visuohaptic.studies.looking.measuring import make_looking
@@ -26,19 +27,22 @@ from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import LOOKING
 
-RUN = SMALL.model_copy(
-    update={
-        "cost": SMALL.cost.model_copy(update={"budgets": (6.0, 16.0)}),
-        "recognition": SMALL.recognition.model_copy(
-            update={
-                "protocol": SMALL.recognition.protocol.model_copy(
-                    update={"maximum_splits": 1, "folds": 2, "fold_rounds": 1}
-                )
-            }
-        ),
-    }
+RUN = with_changes(
+    SMALL,
+    {
+        "recognition.protocol.maximum_splits": 1,
+        "recognition.protocol.folds": 2,
+        "recognition.protocol.fold_rounds": 1,
+    },
 )
-WITHOUT = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"adaptive": False})})
+
+
+def with_costs(**values):
+    return RUN.model_copy(update={"cost": RUN.cost.model_copy(update=values)})
+
+
+RUN = with_costs(budgets=(6.0, 16.0))
+WITHOUT = with_costs(adaptive=False)
 
 
 @pytest.fixture(scope="module")
@@ -59,8 +63,7 @@ def touch_candidates(meshes, output):
 
 def test_the_longest_budget_gives_the_touches_and_the_run_the_fewest():
     assert most_touches(RUN) == 3
-    short = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"budgets": (1.0,)})})
-    assert most_touches(short) == RUN.recognition.touches
+    assert most_touches(with_costs(budgets=(1.0,))) == RUN.recognition.touches
 
 
 def test_an_object_is_touched_by_every_strategy_and_seen_in_every_sight(meshes):
@@ -104,6 +107,7 @@ def test_table_and_figures_are_written_with_and_without_adaptive_touches(meshes,
 
 
 def test_a_free_touch_is_refused():
-    free = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"touch_seconds": 0.0})})
     with pytest.raises(ParameterError, match="touch_seconds is 0"):
-        make_looking(Given("looking", {"meshes": []}, ["table", "figures"], free))
+        make_looking(
+            Given("looking", {"meshes": []}, ["table", "figures"], with_costs(touch_seconds=0.0))
+        )
