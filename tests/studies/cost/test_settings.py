@@ -76,9 +76,12 @@ def test_what_settings_share_is_made_once():
 
 @pytest.mark.parametrize(("strategy", "looks"), [("fixation", 1), ("random", 0)])
 def test_the_frontier_goes_from_one_touch_to_those_of_the_run_from_one_view(strategy, looks):
-    own = family_settings("frontier", strategy, ExperimentParameters())
+    run = ExperimentParameters()
+    own = family_settings("frontier", strategy, run)
     assert {setting.looks for setting in own} == {looks}
     assert [(one.touches, one.viewpoints) for one in own] == [(1, 1), (2, 1), (5, 1)]
+    changed = [with_changes(run, one.condition.changes).recognition.touches for one in own]
+    assert changed == [1, 2, 5]
 
 
 def test_the_frontier_has_what_the_run_has():
