@@ -37,14 +37,10 @@ Paths = Sequence[str | Path]
 
 @dataclass(frozen=True)
 class Sources:
-    """Files of the run that features are made from; those of later phases may be empty.
+    """Files of the run that features are made from: meshes, and parts of tables; those of later phases may be empty.
 
-    Attributes
-    ----------
-    meshes, fixations, touches : sequence of path
-        Mesh files, and parts of tables.
-    objects : collection of str or None
-        Objects, `class/name`, of the tables that count; None for all. Meshes are taken as they are.
+    `objects`, ``class/name``, are those of the tables that count; None for all. Meshes are taken as they
+    are.
     """
 
     meshes: Paths = ()
@@ -61,17 +57,7 @@ class Sources:
 
 @dataclass(frozen=True)
 class Named:
-    """What every split's training named.
-
-    Attributes
-    ----------
-    sequences : TouchSequences
-        All sequences.
-    answers : list of (Split, int, Answer)
-        Every split, repeat and classifier.
-    seconds : float
-        Of the processor.
-    """
+    """The answers of every split, repeat and classifier for some sequences, and the processor seconds of all."""
 
     sequences: TouchSequences
     answers: list[tuple[Split, int, Answer]]
@@ -79,13 +65,7 @@ class Named:
 
 
 class Memory:
-    """What was named last, and maps, so that what conditions share is trained once.
-
-    Attributes
-    ----------
-    maps : ReductionMemory
-        Maps of the paper's pipeline.
-    """
+    """What was named last, and maps of the paper's pipeline, so that what conditions share is trained once."""
 
     def __init__(self, kept: int = 4) -> None:
         from visuohaptic.recognition.encoding import ReductionMemory

@@ -81,18 +81,10 @@ class Candidates:
 
 @dataclass(frozen=True)
 class TactileWords:
-    """Kinds of imprint, as centres among training touches.
+    """Kinds of imprint, as m centres among training touches, (m, q).
 
-    Attributes
-    ----------
-    scaling : Standardiser
-        Of the columns.
-    columns : numpy.ndarray
-        Shape (q,), int64: the columns of a touch's features that the skin gives.
-    logarithmic : numpy.ndarray
-        Shape (q,), bool: columns of which the logarithm is taken.
-    centres : numpy.ndarray
-        Shape (m, q), float64.
+    `columns` are the q columns of a touch's features that the skin gives, scaled by `scaling`; of
+    those that are `logarithmic`, (q,), the logarithm is taken.
     """
 
     scaling: Standardiser
@@ -109,24 +101,18 @@ class TactileWords:
 
 @dataclass(frozen=True)
 class TouchModel:
-    """Likelihood of imprints by pose and class, from training objects only.
+    """Likelihood of imprints by pose and class, from t training touches only.
 
     Attributes
     ----------
-    words : TactileWords
-        Kinds of imprint.
     poses : numpy.ndarray
-        Shape (t, 6), float64: scaled poses of the training touches.
-    kinds : numpy.ndarray
-        Shape (t,), int64: their words.
-    owner : numpy.ndarray
-        Shape (t,), int64: their objects.
+        Shape (t, 6), float64, scaled by `normal_weight` and `wave_length` as the kernel needs them.
+    kinds, owner : numpy.ndarray
+        Shape (t,), int64: words and objects of the touches.
     class_of_owner : numpy.ndarray
         Shape (o,), int64: classes of the training objects, by `owner`; others are not looked at.
     classes : int
         Number c of classes.
-    normal_weight, wave_length : float
-        How the kernel scales poses.
     """
 
     words: TactileWords
@@ -266,7 +252,7 @@ def choose_touches(
     touches: int,
     focus_radius: float,
 ) -> NDArray[np.int64]:
-    """Choose the touches of one object's viewpoints, one after the other.
+    """Choose the touches of one object's viewpoints, one after the other: candidates, (v, touches), int64.
 
     Each next touch is the open candidate with the largest expected information gain: the
     entropy of the class is expected to be least after it, averaged over the kinds of imprint
@@ -274,28 +260,11 @@ def choose_touches(
     1956). The pose is known before the touch, so it adds no gain; after the touch, pose and
     imprint are both evidence.
 
-    Parameters
-    ----------
-    poses : numpy.ndarray
-        Shape (n, 6), float64: of all candidates.
-    pose_number : numpy.ndarray
-        Shape (n,), int64: equal for candidates of equal pose, below u.
-    view : numpy.ndarray
-        Shape (n,), int64: the viewpoint of each, ascending from 0 without a gap.
-    log_likelihood : numpy.ndarray
-        Shape (u, m, c), float64: of each word under each class, tempered.
-    read_imprints : callable
-        Touches: candidates, shape (v,), to words, shape (v,). It gets only the chosen ones.
-    touches : int
-        Touches of each viewpoint.
-    focus_radius : float
-        No two touches are closer while there is another place; once all places are closed, all
-        but those touched are open again, and at last all.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (v, touches), int64: candidates.
+    `poses` are those of all candidates, (n, 6); equal ones have one `pose_number`, (n,), below u.
+    `view` is the viewpoint of each, (n,), ascending from 0 without a gap. `log_likelihood` is that
+    of each word under each class, tempered, (u, m, c). `read_imprints` gets only the chosen
+    candidates. No two touches are closer than `focus_radius` while there is another place; once all
+    places are closed, all but those touched are open again, and at last all.
     """
     views = int(view[-1]) + 1
     predicted = log_likelihood - _log_sum(log_likelihood)
