@@ -18,12 +18,10 @@ from visuohaptic.optional_packages import require
 from visuohaptic.report.measured_runs import read_measured_run
 
 ROOT = Path(__file__).parents[1]
-# Open3D's wheel asks for a web viewer, of which nothing is imported.
-WITHOUT_DEPENDENCIES = {"open3d", "open3d-cpu"}
 
 
 def core_distributions():
-    """Give the distributions that `pip install visuohaptic` brings, but for Open3D's web viewer."""
+    """Give the distributions that `pip install visuohaptic` brings."""
     import tomllib
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -35,8 +33,7 @@ def core_distributions():
         if requirement.name.lower() in {*found, "contourlets"} or not wanted:
             continue
         found[requirement.name.lower()] = distribution(requirement.name)
-        if requirement.name not in WITHOUT_DEPENDENCIES:
-            waiting += found[requirement.name.lower()].requires or []
+        waiting += found[requirement.name.lower()].requires or []
     return found.values()
 
 
@@ -73,7 +70,7 @@ COMMAND = "from visuohaptic.cli.main import main; main()"
 def test_nothing_of_the_extras_is_there(run_in_core):
     done = run_in_core("""
 from importlib.util import find_spec
-for name in ("dvc", "jinja2", "matplotlib", "pandas", "plotly", "psutil", "snakemake"):
+for name in ("dvc", "jinja2", "matplotlib", "open3d", "pandas", "plotly", "psutil", "snakemake"):
     assert find_spec(name) is None, name
 """)
     assert done.returncode == 0, done.stderr
@@ -89,12 +86,12 @@ def test_an_object_is_loaded_touched_and_saved(run_in_core, tmp_path):
 
 
 @pytest.mark.slow
-def test_every_module_but_those_of_the_report_can_be_imported(run_in_core):
+def test_every_module_but_those_of_the_report_and_of_open3d_can_be_imported(run_in_core):
     done = run_in_core("""
 import importlib, pkgutil
 import visuohaptic
 for module in pkgutil.walk_packages(visuohaptic.__path__, "visuohaptic."):
-    if not module.name.startswith("visuohaptic.report."):
+    if not module.name.startswith("visuohaptic.report.") and "open3d" not in module.name:
         importlib.import_module(module.name)
 """)
     assert done.returncode == 0, done.stderr

@@ -27,6 +27,10 @@ TO_DEVELOP = [
 OWN = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
 # Files that import packages of an extra, and the file that refuses in a sentence without these.
 OF_AN_EXTRA = {
+    "src/visuohaptic/geometry/compiled_open3d.py": (
+        "open3d",
+        "src/visuohaptic/geometry/compiled_open3d.py",
+    ),
     "src/visuohaptic/report/": ("report", "src/visuohaptic/cli/report.py"),
     "src/visuohaptic/report/measured_runs.py": (
         "workflow",

@@ -13,8 +13,11 @@ import sys
 from importlib.machinery import ExtensionFileLoader, ModuleSpec, PathFinder
 from types import ModuleType
 
+from visuohaptic.optional_packages import require
+
 
 def _load_open3d() -> ModuleType:
+    require("open3d", "open3d")
     if importlib.util.find_spec("libusb_package") is not None:
         import libusb_package
 

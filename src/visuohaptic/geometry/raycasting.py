@@ -1,4 +1,4 @@
-"""Rays against a triangle surface, many at once, through Open3D's Embree scene.
+"""Rays against a triangle surface, many at once, through Embree.
 
 Embree says which face a ray meets first, in float32; float64 says where: on the plane of that face.
 Embree may take the wrong face within about 1e-7 of an edge, takes another one on another processor,
@@ -17,12 +17,13 @@ import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.overlaps import overlapping_faces
+from visuohaptic.geometry.scenes import SCENES, Scene, installed_package
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import dot
 
@@ -92,6 +93,9 @@ class RayCaster:
     surface : Surface
         The surface; keep it near the origin and near unit size, for faces are
         found in float32.
+    package : str, optional
+        Which of `scenes.SCENES` casts the rays; the answers are the same. The first one that is
+        installed if it is not given.
 
     Attributes
     ----------
@@ -101,9 +105,7 @@ class RayCaster:
         Shape (2, 3), float64: lower and upper corner of its bounding box.
     """
 
-    def __init__(self, surface: Surface) -> None:
-        from visuohaptic.geometry.compiled_open3d import open3d
-
+    def __init__(self, surface: Surface, package: str | None = None) -> None:
         self.surface = surface
         self.bounds = np.stack([surface.vertices.min(axis=0), surface.vertices.max(axis=0)])
         self._corners = surface.triangles
@@ -111,12 +113,11 @@ class RayCaster:
         heights = LATERAL_ERROR * np.linalg.norm(surface.face_crosses, axis=1)
         longest = self._planes[:, 4]
         self._narrow = np.flatnonzero((heights < _NARROW * longest) & (heights > _LINE * longest))
-        self._tensor = open3d.core.Tensor
-        self._miss = open3d.t.geometry.RaycastingScene.INVALID_ID
-        self._scene = self._make_scene(surface.vertices, surface.faces)
+        make_scene = SCENES[package or installed_package()]
+        self._scene: Scene = make_scene(surface.vertices, surface.faces)
         if len(self._narrow):
             boxes = _boxes_around(self._corners[self._narrow])
-            self._around_narrow = self._make_scene(*boxes)
+            self._around_narrow: Scene = make_scene(*boxes)
 
     @property
     def reach(self) -> float:
@@ -165,12 +166,8 @@ class RayCaster:
             _put(hits, again, self._settle(origins[again], directions[again], first))
         nearer = narrow.distance < hits.distance[narrow_rays]
         _put(hits, narrow_rays[nearer], _take(narrow, nearer))
-        twin_rays, twins = self._nearest_pairs(self._twin_pairs(hits.face), origins, directions)
-        now = _take(hits, twin_rays)
-        nearer = (twins.distance < now.distance) | (
-            (twins.distance == now.distance) & (twins.face < now.face)
-        )
-        _put(hits, twin_rays[nearer], _take(twins, nearer))
+        twins = self._nearest_pairs(self._twin_pairs(hits.face), origins, directions)
+        _put_nearer(hits, *twins)
         return hits
 
     def weights(self, points: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -225,12 +222,7 @@ class RayCaster:
             origin, 0 outside of all solids. Faces are found in float32; one that is met on its edge may
             count twice.
         """
-        if not len(origins):  # Open3D would end the process
-            return np.zeros(0, dtype=np.int64)
-        rays = _as_float32(origins, directions)
-        found = self._scene.list_intersections(self._tensor(rays))
-        which = found["ray_ids"].numpy().astype(np.int64)
-        faces = found["primitive_ids"].numpy().astype(np.int64)
+        which, faces = self._scene.crossings(_as_float32(origins, directions))
         leaving = np.sign(dot(self._planes[faces], directions[which]))
         return np.bincount(which, leaving, minlength=len(origins)).astype(np.int64)
 
@@ -249,45 +241,24 @@ class RayCaster:
         faces : numpy.ndarray
             Shape (n,), int64: the face that each lies on, found in float32.
         """
-        answer = self._scene.compute_closest_points(self._tensor(points.astype(np.float32)))
-        faces = answer["primitive_ids"].numpy().astype(np.int64)
-        return _nearest_on(self._corners[faces], points), faces
+        faces = self._scene.nearest_faces(points)
+        return nearest_on(self._corners[faces], points), faces
 
     def _cast(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[Hits, NDArray[np.bool_]]:
         """Cast rays once: their hits, and which of them float32 may have given the wrong face."""
-        answer = self._embree(self._scene, origins, directions)
-        faces = answer["primitive_ids"].numpy()
-        hit = faces != self._miss
-        faces = faces.astype(np.int64)
-        faces[~hit] = MISS
+        faces, second, third = self._scene.first_faces(_as_float32(origins, directions))
+        hit = faces != MISS
         planes = self._planes.take(faces, axis=0)
         along = dot(planes, directions)
         distance = np.full(len(faces), np.inf)
         met = hit & (along != 0)
         np.divide(planes[:, 3] - dot(planes, origins), along, out=distance, where=met)
-        second, third = answer["primitive_uvs"].numpy().T
         least_weight = np.minimum(np.minimum(second, third), 1 - second - third)
         length = np.sqrt(dot(directions, directions))
         doubtful = hit & (least_weight * np.abs(along) < planes[:, 4] * length)
         return Hits(distance, faces), doubtful
-
-    def _make_scene(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Any:
-        from visuohaptic.geometry.compiled_open3d import open3d
-
-        scene = open3d.t.geometry.RaycastingScene(nthreads=1)
-        scene.add_triangles(
-            self._tensor(np.ascontiguousarray(vertices, dtype=np.float32)),
-            self._tensor(np.ascontiguousarray(faces, dtype=np.uint32)),
-        )
-        return scene
-
-    def _embree(
-        self, scene: Any, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> dict[str, Any]:
-        answer: dict[str, Any] = scene.cast_rays(self._tensor(_as_float32(origins, directions)))
-        return answer
 
     def _settle(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64], first: Hits
@@ -295,6 +266,8 @@ class RayCaster:
         """Choose each ray's face in float64, among those that rays close by meet."""
         candidates = self._faces_around(origins, directions)
         exact = self._nearest_of(candidates, origins, directions)
+        at_corners = self._corner_pairs(candidates, origins, directions)
+        _put_nearer(exact, *self._nearest_pairs(at_corners, origins, directions))
         # Among faces smaller than the bundle none may be found, though no ray gets through.
         kept = ~exact.hit & np.isfinite(first.distance) & (candidates != MISS).all(axis=1)
         return Hits(
@@ -316,6 +289,36 @@ class RayCaster:
         order = np.lexsort((hits.face, hits.distance, rays))
         _, first = np.unique(rays[order], return_index=True)
         return rays[order[first]], _take(hits, order[first])
+
+    @cached_property
+    def _faces_at(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """Number each face's corners by their places, (f, 3); where a place's faces begin in a list; and the list."""
+        _, corners = np.unique(self._corners.reshape(-1, 3), axis=0, return_inverse=True)
+        corners = corners.reshape(-1)
+        order = np.argsort(corners, kind="stable")
+        starts = np.searchsorted(corners[order], np.arange(corners.max(initial=-1) + 2))
+        return corners.reshape(-1, 3), starts, order // 3
+
+    def _corner_pairs(
+        self,
+        candidates: NDArray[np.int64],
+        origins: NDArray[np.float64],
+        directions: NDArray[np.float64],
+    ) -> Pairs:
+        """Give rays that pass a corner of a candidate, and all faces there, of which a bundle may have missed some."""
+        offsets = np.cross(
+            self._corners[candidates] - origins[:, None, None], directions[:, None, None]
+        )
+        reach = (LATERAL_ERROR + _BUNDLE_RADIUS) ** 2 * dot(directions, directions)
+        near = dot(offsets, offsets) < reach[:, None, None]
+        rays, which, corner = np.nonzero(near & (candidates != MISS)[..., None])
+        if not len(rays):
+            return
+        corners, starts, faces = self._faces_at
+        pairs = np.unique(np.stack([rays, corners[candidates[rays, which], corner]]), axis=1)
+        many = starts[pairs[1] + 1] - starts[pairs[1]]
+        firsts = np.repeat(starts[pairs[1]] - np.cumsum(many) + many, many)
+        yield np.repeat(pairs[0], many), faces[firsts + np.arange(many.sum())]
 
     @cached_property
     def _twins(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -341,15 +344,14 @@ class RayCaster:
         if not len(self._narrow):
             return
         rays = _as_float32(origins, directions)
-        counts = self._around_narrow.count_intersections(self._tensor(rays)).numpy()
+        counts = self._around_narrow.count_crossings(rays)
         near = np.flatnonzero(counts)
         ends = np.cumsum(counts[near], dtype=np.int64) // _PAIRS
         for part in np.split(near, np.flatnonzero(np.diff(ends)) + 1):
             if not len(part):
                 continue
-            found = self._around_narrow.list_intersections(self._tensor(rays[part]))
-            boxes = found["primitive_ids"].numpy().astype(np.int64) // len(_BOX_FACES)
-            pairs = np.unique(found["ray_ids"].numpy().astype(np.int64) * len(self._narrow) + boxes)
+            which, met = self._around_narrow.crossings(rays[part])
+            pairs = np.unique(which * len(self._narrow) + met // len(_BOX_FACES))
             yield part[pairs // len(self._narrow)], self._narrow[pairs % len(self._narrow)]
 
     def _nearest_of(
@@ -442,6 +444,14 @@ def _put(hits: Hits, rays: NDArray[np.intp], others: Hits) -> None:
     hits.face[rays] = others.face
 
 
+def _put_nearer(hits: Hits, rays: NDArray[np.intp], others: Hits) -> None:
+    """Put hits where they are nearer, or as near on a face of a lower number."""
+    now = _take(hits, rays)
+    equal = others.distance == now.distance
+    nearer = (others.distance < now.distance) | (equal & (others.face < now.face))
+    _put(hits, rays[nearer], _take(others, nearer))
+
+
 def _join(parts: list[Hits]) -> Hits:
     return Hits(
         np.concatenate([part.distance for part in parts]),
@@ -457,21 +467,3 @@ def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     # A ray without direction goes nowhere; dividing by zero would make it NaN.
     return vectors / np.where(lengths > 0, lengths, 1.0)
-
-
-def _nearest_on(triangles: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give the nearest point of triangle i, shape (n, 3, 3), to point i: on its face or an edge."""
-    edges = np.roll(triangles, -1, axis=1) - triangles
-    offsets = points[:, None] - triangles
-    squares = dot(edges, edges)
-    along = np.divide(dot(offsets, edges), squares, out=np.zeros_like(squares), where=squares > 0)
-    on_edges = triangles + np.clip(along, 0.0, 1.0)[..., None] * edges
-    apart = on_edges - points[:, None]
-    rows = np.arange(len(points))
-    found = on_edges[rows, dot(apart, apart).argmin(axis=1)]
-    crosses = np.cross(edges[:, 0], edges[:, 1])
-    sides = dot(np.cross(edges, offsets), crosses[:, None])
-    above = (sides >= 0).all(axis=1) & (dot(crosses, crosses) > 0)
-    squares = np.where(above, dot(crosses, crosses), 1.0)
-    lowered = points - (dot(offsets[:, 0], crosses) / squares)[:, None] * crosses
-    return np.where(above[:, None], lowered, found)

@@ -1,0 +1,39 @@
+"""Nearest points of triangles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.geometry.vectors import dot
+
+
+def nearest_on(triangles: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give the nearest points of triangles to points.
+
+    Parameters
+    ----------
+    triangles : numpy.ndarray
+        Shape (n, 3, 3), float64: the corners of one for each point.
+    points : numpy.ndarray
+        Shape (n, 3), float64.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, 3), float64: on the face or an edge.
+    """
+    edges = np.roll(triangles, -1, axis=1) - triangles
+    offsets = points[:, None] - triangles
+    squares = dot(edges, edges)
+    along = np.divide(dot(offsets, edges), squares, out=np.zeros_like(squares), where=squares > 0)
+    on_edges = triangles + np.clip(along, 0.0, 1.0)[..., None] * edges
+    apart = on_edges - points[:, None]
+    rows = np.arange(len(points))
+    found = on_edges[rows, dot(apart, apart).argmin(axis=1)]
+    crosses = np.cross(edges[:, 0], edges[:, 1])
+    sides = dot(np.cross(edges, offsets), crosses[:, None])
+    above = (sides >= 0).all(axis=1) & (dot(crosses, crosses) > 0)
+    squares = np.where(above, dot(crosses, crosses), 1.0)
+    lowered = points - (dot(offsets[:, 0], crosses) / squares)[:, None] * crosses
+    return np.where(above[:, None], lowered, found)

@@ -1,0 +1,73 @@
+"""What casts rays in float32: Embree through Open3D or embreex; `raycasting.RayCaster` settles what that leaves open.
+
+The same bits come out of both, for all that float32 may take wrongly is found again in float64.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.util import find_spec
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.errors import MissingPackageError
+from visuohaptic.functions import Function
+
+Points = NDArray[np.float64]
+Faces = NDArray[np.int64]
+Rays = NDArray[np.float32]
+FirstFaces = tuple[Faces, NDArray[np.float32], NDArray[np.float32]]
+Crossings = tuple[Faces, Faces]
+
+
+class Scene(Protocol):
+    """Triangles that rays are cast at, in float32. It is made of corners, shape (v, 3), and faces, shape (f, 3)."""
+
+    def first_faces(self, rays: Rays) -> FirstFaces:
+        """Give the face that each ray meets first.
+
+        Parameters
+        ----------
+        rays : numpy.ndarray
+            Shape (n, 6), float32: origin and direction.
+
+        Returns
+        -------
+        faces : numpy.ndarray
+            Shape (n,), int64; -1 for a miss.
+        second, third : numpy.ndarray
+            Shape (n,), float32: weights of the face's second and third corner.
+        """
+        ...
+
+    def crossings(self, rays: Rays) -> Crossings:
+        """Give every face that rays, shape (n, 6), meet: a ray and a face for each, in any order."""
+        ...
+
+    def count_crossings(self, rays: Rays) -> Faces:
+        """Count the faces that rays, shape (n, 6), meet: shape (n,)."""
+        ...
+
+    def nearest_faces(self, points: Points) -> Faces:
+        """Give the faces, shape (n,), nearest to points, shape (n, 3)."""
+        ...
+
+
+SCENES: Mapping[str, Function] = {
+    "open3d": Function("visuohaptic.geometry.open3d_scene:Open3DScene"),
+    "embreex": Function("visuohaptic.geometry.embreex_scene:EmbreexScene"),
+}
+"""Packages that cast rays; the first that is installed does, unless another one is asked for."""
+
+
+def installed_package() -> str:
+    """Name the package that casts rays; raises `MissingPackageError` if there is none."""
+    for package in SCENES:
+        if find_spec(package) is not None:
+            return package
+    raise MissingPackageError(
+        "Neither open3d nor embreex is installed, and one of them must cast the rays; "
+        "`pip install embreex` or `pip install 'visuohaptic[open3d]'` brings one."
+    )
