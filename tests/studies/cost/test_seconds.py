@@ -75,6 +75,7 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     assert len(timed) == len(fitted) * 2 * 2
     assert all(first[2] != second[2] for first, second in pairwise(timed))
     assert all(len(set(viewpoints)) == len(viewpoints) for _, viewpoints, _ in timed)
+    assert {viewpoints for _, viewpoints, name in timed if name == "1 viewpoint"} == {(0,), (3,)}
     assert [(row["object"], row["setting"]) for row in rows] == [
         (key, name) for key, _, name in timed
     ]

@@ -11,7 +11,6 @@ from visuohaptic.errors import ParameterError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.studies.conditions import with_changes
 from visuohaptic.studies.curves.adaptive import make_candidates
-from visuohaptic.studies.looking import sensing
 from visuohaptic.studies.looking.measuring import make_looking
 from visuohaptic.studies.looking.seeing import SIGHTS
 from visuohaptic.studies.looking.sensing import (
@@ -57,8 +56,11 @@ def meshes(tmp_path_factory):
     return files
 
 
-def touch_candidates(meshes, output):
-    make_candidates(Given("curves", {"meshes": meshes}, [output], RUN))
+@pytest.fixture(scope="module")
+def candidates(meshes, tmp_path_factory):
+    path = tmp_path_factory.mktemp("candidates") / "candidates.parquet"
+    make_candidates(Given("curves", {"meshes": meshes}, [path], RUN))
+    return path
 
 
 def test_the_longest_budget_gives_the_touches_and_the_run_the_fewest():
@@ -83,19 +85,19 @@ def test_views_belong_to_the_viewpoint_and_object_that_is_touched(meshes):
         assert np.array_equal(sensed.seen[cue][own], views[cue])
 
 
-def test_a_viewpoint_without_a_place_for_one_strategy_is_left_out_for_all(meshes, tmp_path):
-    touch_candidates(meshes[:2], tmp_path / "some.parquet")
-    candidates = read_table(FEATURES, tmp_path / "some.parquet")
-    few = candidates.filter(np.array(candidates.column("viewpoint").to_pylist()) != 1)
-    both = sensing._both(few, candidates)
-    assert set(both.column("viewpoint").to_pylist()) == {0, 2, 3}
-    assert set(sensing._both(candidates, few).column("viewpoint").to_pylist()) == {0, 2, 3}
+@pytest.mark.slow
+def test_a_viewpoint_without_a_place_for_one_strategy_is_left_out_for_all(meshes, candidates):
+    whole = read_table(FEATURES, candidates)
+    few = whole.filter(np.array(whole.column("viewpoint").to_pylist()) != 1)
+    sensed = sense_all(meshes, few, RUN, 1)
+    assert set(sensed.sequences.viewpoint) == {0, 2, 3}
+    assert set(sensed.candidates.sequences.viewpoint) == {0, 2, 3}
 
 
 @pytest.mark.slow
-def test_table_and_figures_are_written_with_and_without_adaptive_touches(meshes, tmp_path):
-    candidates = tmp_path / "candidates.parquet"
-    touch_candidates(meshes, candidates)
+def test_table_and_figures_are_written_with_and_without_adaptive_touches(
+    meshes, candidates, tmp_path
+):
     files = tmp_path / "looking.parquet", tmp_path / "looking.json"
     for run, tables in ((RUN, {"tables": [candidates]}), (WITHOUT, {})):
         make_looking(Given("looking", {"meshes": meshes, **tables}, files, run))
