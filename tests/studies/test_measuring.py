@@ -205,6 +205,7 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
     }
     assert {name for (name, _), error in errors.items() if error} == {"too small", "too many"}
     assert "9 viewpoints can't vote" in errors["too many", "paper"]
+    assert "this sensor can't be described" in errors["too small", "paper"]
     make_study_figures(
         describe_study(study, plan), [block], tmp_path / "figures.parquet", tmp_path / "figures.json",
         RUN.recognition.intervals, RUN.seed,
