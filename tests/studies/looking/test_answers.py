@@ -8,12 +8,14 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import answer_splits, draw_splits, gather_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.tuning import fit_projection
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.looking.answers import (
     Answered,
     answer_trials,
     ask_if_familiar,
     multiply,
+    strangeness,
 )
 
 PARAMETERS = RecognitionParameters(best={"classifiers": ("naive_bayes",)})
@@ -72,6 +74,16 @@ def test_one_training_object_a_class_is_refused():
     sequences, described = sequences_and_descriptors(objects=(2, 2))
     with pytest.raises(RecognitionError, match="one training object"):
         answer_trials(trials_of(sequences, 1), [[described]], sequences, PARAMETERS, SEED)
+
+
+def test_what_training_spans_is_not_strange_and_what_leaves_it_is_by_its_squared_distance():
+    generator = np.random.default_rng(0)
+    training = generator.normal(size=(20, 3)) @ generator.normal(size=(3, 8))
+    projection = fit_projection(training, 3)
+    assert strangeness(projection, training) == pytest.approx(0, abs=1e-9)
+    aside = np.linalg.svd(projection.components)[0][:, -1]
+    scale = np.subtract(*(projection.scaling.apply(np.full((1, 8), one)) for one in (1.0, 0.0)))
+    assert strangeness(projection, training + 2 * aside / scale) == pytest.approx(4)
 
 
 def test_what_is_strange_is_not_asked_and_what_is_familiar_is(answered):
