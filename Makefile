@@ -80,6 +80,7 @@ readme: $(DEVELOP) report
 	python docs/make_lead_picture.py
 	python docs/make_looking.py
 	python docs/make_tables.py
+	python docs/make_api.py
 	python docs/make_overview_picture.py
 
 # params.yaml and its schema, from the descriptions in the code; values that you changed are reset.

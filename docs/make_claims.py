@@ -16,7 +16,7 @@ from make_readme import fill
 
 from readings.write_up import points, share
 
-ROOT = Path(__file__).parents[1]
+PAGE = Path(__file__).with_name("claims.md")
 SETS = {"paper": "12 objects", "benchmark": "142 objects"}
 PIPELINES = ("paper", "best")
 CLASSIFIER = "support_vector_machine"
@@ -141,23 +141,18 @@ def main() -> None:
     found = {
         name: json.loads((folder / f"claims_{name}.json").read_text(encoding="utf-8"))
         for name in SETS
-        if (folder / f"claims_{name}.json").is_file()
     }
-    blocks = {
-        ROOT / "README.md": {"strategies": strategy_table(found["paper"])},
-        ROOT / "docs" / "claims.md": {
-            "cues": cue_table(found),
-            "shares": share_table(found),
-            "changes": change_table(found),
-        },
+    tables = {
+        "strategies": strategy_table(found["paper"]),
+        "benchmark": strategy_table(found["benchmark"]),
+        "cues": cue_table(found),
+        "shares": share_table(found),
+        "changes": change_table(found),
     }
-    if "benchmark" in found:
-        blocks[ROOT / "docs" / "recognition.md"] = {"benchmark": strategy_table(found["benchmark"])}
-    for page, tables in blocks.items():
-        text = page.read_text(encoding="utf-8")
-        for name, table in tables.items():
-            text = fill(text, name, table)
-        page.write_text(text, encoding="utf-8")
+    text = PAGE.read_text(encoding="utf-8")
+    for name, table in tables.items():
+        text = fill(text, name, table)
+    PAGE.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

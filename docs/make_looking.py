@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from make_claims import STRATEGIES, accuracy
-from make_readings import points
 from make_readme import fill
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from readings.write_up import points
 from visuohaptic.studies.looking.figures import FUSED
 from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND
 from visuohaptic.studies.looking.sensing import STRATEGIES as COMPARED

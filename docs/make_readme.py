@@ -1,4 +1,4 @@
-"""Fill the README's tables from the last run and the last benchmarks: `make readme`."""
+"""Fill the tables of README and docs/scaling.md from the last run and benchmarks: `make readme`."""
 
 from __future__ import annotations
 
@@ -178,19 +178,32 @@ def fill(text: str, name: str, content: str) -> str:
     str
         The page with the block filled.
     """
-    pattern = rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)"
-    return re.sub(pattern, lambda match: f"{match[1]}{content}\n{match[2]}", text, flags=re.DOTALL)
+    pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
+    filled, found = pattern.subn(lambda match: f"{match[1]}{content}\n{match[2]}", text)
+    if not found:
+        raise SystemExit(f"The page has no block {name}; `<!-- {name} -->` is needed.")
+    return filled
 
 
 def main() -> None:
-    """Fill all blocks of the README."""
-    readme = ROOT / "README.md"
-    metrics = json.loads((ROOT / "reports" / "metrics.json").read_text(encoding="utf-8"))
-    results = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))
-    text = fill(readme.read_text(encoding="utf-8"), "results", results_table(metrics))
-    text = fill(text, "answers", answers(metrics))
-    text = fill(text, "make", printed_lines(ROOT / "reports" / "metrics.json"))
-    readme.write_text(fill(text, "speed", speed_table(results)), encoding="utf-8")
+    """Fill all blocks of the README, and the run times of docs/scaling.md."""
+    metrics = ROOT / "reports" / "metrics.json"
+    found = json.loads(metrics.read_text(encoding="utf-8"))
+    timed = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))
+    pages = {
+        "README.md": {
+            "results": results_table(found),
+            "answers": answers(found),
+            "make": printed_lines(metrics),
+        },
+        "docs/scaling.md": {"speed": speed_table(timed)},
+    }
+    for name, blocks in pages.items():
+        page = ROOT / name
+        text = page.read_text(encoding="utf-8")
+        for block, content in blocks.items():
+            text = fill(text, block, content)
+        page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Look at a 3D object, touch it where the eye would rest, and name it from touch alone.
+"""Look at a 3D object, touch it where the eye would rest, and recognise it from touch alone.
 
 ``import visuohaptic as vh; vh.load("mug.obj").touch(viewpoints=16).recognise()``
 """

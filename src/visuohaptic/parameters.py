@@ -116,7 +116,9 @@ class CostParameters(BaseModel):
         description="Objects, evenly spread over the classes, on which the frontier and study cost are measured where there are more",
     )
     objects: int = Field(4, ge=1, description="Objects, spread over all, on which time is measured")
-    rounds: int = Field(3, ge=1, le=1000, description="How often each setting names each of them")
+    rounds: int = Field(
+        3, ge=1, le=1000, description="How often each setting classifies each of them"
+    )
 
 
 class ExperimentParameters(BaseModel):

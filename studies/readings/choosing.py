@@ -83,7 +83,7 @@ ENOUGH = 0.95
 """Share of the touches asked for that must be acquired."""
 
 NOT_SCORED = ("order", "random_probing", "protocol")
-"""Choices that ask another question than how well touches name objects."""
+"""Choices that ask another question than how well touches classify objects."""
 
 
 @dataclass(frozen=True)

@@ -107,7 +107,7 @@ LITERAL: dict[str, str] = {
 """Where the most literal reading differs from the base of the design.
 
 A map of five units, as Matlab's, gives 1 for the nearest and 0 for the others; the paper names no
-scaling of features and no limit of depth; it used Matlab; its reference 10 weighs channels by people's
+scaling of features and no limit of depth; it used Matlab; its reference 10 gives channels weights by people's
 points; its random sensor moves over the surface. Elsewhere the base is what the words say.
 """
 

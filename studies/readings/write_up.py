@@ -1,4 +1,4 @@
-"""Fill the tables of docs/readings.md from the kept readings: `make readme`."""
+"""Fill the tables of docs/readings.md and its notebook from the kept readings: `make readme`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from readings.verdicts import lead_evidence, of_papers_question, verdict
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.studies.figures import Row
 
-PAGE = Path(__file__).parents[2] / "docs/readings.md"
+DOCS = Path(__file__).parents[2] / "docs"
 OPPONENT_WORDS = {
     "reachable": "in reach",
     "anywhere": "anywhere",
@@ -121,13 +121,19 @@ def _fill(text: str, name: str, content: str) -> str:
 
 
 def main() -> None:
-    """Fill all blocks of the page."""
+    """Fill all blocks of the pages."""
     kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
     tables = {name: one.rows for name, one in kept.items() if one}
-    text = PAGE.read_text(encoding="utf-8")
-    for name, make in (("spread", spread_table), ("options", options_table), ("pair", pair_table)):
-        text = _fill(text, name, make(tables))
-    PAGE.write_text(text, encoding="utf-8")
+    blocks = {
+        "readings.md": {"spread": spread_table(tables), "pair": pair_table(tables)},
+        "notebook/2026-11-readings.md": {"options": options_table(tables)},
+    }
+    for name, found in blocks.items():
+        page = DOCS / name
+        text = page.read_text(encoding="utf-8")
+        for block, content in found.items():
+            text = _fill(text, block, content)
+        page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -26,8 +26,8 @@ def example(rng, telling, name="cup/a"):
 def test_channels_that_predict_the_places_get_the_weights(telling):
     rng = np.random.default_rng(1)
     weights = fit_weights([example(rng, telling) for _ in range(12)], tested=["cup/b"])
-    told = sum(getattr(weights, name) for name in telling)
-    assert told > 0.8 * len(CHANNELS)
+    measured = sum(getattr(weights, name) for name in telling)
+    assert measured > 0.8 * len(CHANNELS)
     assert sum(weights.model_dump().values()) == pytest.approx(len(CHANNELS))
     assert min(weights.model_dump().values()) >= 0.0
 

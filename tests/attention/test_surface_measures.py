@@ -73,17 +73,17 @@ def test_normalised_saliency_is_the_mean_of_z_scores_where_people_looked():
 @pytest.mark.parametrize("seed", range(4))
 def test_divergence_is_the_relative_entropy_of_shares(seed):
     gazed, predicted = drawn(seed)
-    told = (predicted * gazed.area)[gazed.seen]
+    scaled = (predicted * gazed.area)[gazed.seen]
     time = (gazed.density * gazed.area)[gazed.seen]
-    assert divergence(predicted, gazed) == pytest.approx(entropy(time, told), abs=1e-9)
+    assert divergence(predicted, gazed) == pytest.approx(entropy(time, scaled), abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_similarity_is_one_less_half_the_distance_of_shares(seed):
     gazed, predicted = drawn(seed)
-    told = (predicted * gazed.area)[gazed.seen]
+    scaled = (predicted * gazed.area)[gazed.seen]
     time = (gazed.density * gazed.area)[gazed.seen]
-    distance = np.abs(told / told.sum() - time / time.sum()).sum()
+    distance = np.abs(scaled / scaled.sum() - time / time.sum()).sum()
     assert similarity(predicted, gazed) == pytest.approx(1 - distance / 2, abs=1e-12)
 
 

@@ -120,7 +120,7 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert values["class"] in {"class0", "class1", "unknown"}
     assert sum(values["probabilities"].values()) == pytest.approx(1)
     assert values["touches"] == len(values["touched"]) == 10
-    assert set(values["seconds"]) == {"prepare", "look", "touch", "describe", "name"}
+    assert set(values["seconds"]) == {"prepare", "look", "touch", "describe", "recognise"}
     said = visuohaptic("recognise", "ring.obj", "--model", model, "--viewpoints", 1)
     assert (said.code, said.err) == (0, "")
     assert "5 touches from 1 viewpoints by fixation" in said.out

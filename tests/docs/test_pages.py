@@ -20,6 +20,7 @@ from docs.shell_commands import block_commands, blocks
 from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
+import visuohaptic as vh
 from visuohaptic.cli.commands import app
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT
@@ -30,7 +31,8 @@ ROOT = Path(__file__).parents[2]
 PAGES = (
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
-    *sorted((ROOT / "docs").glob("*.md")),
+    ROOT / "studies" / "README.md",
+    *sorted((ROOT / "docs").rglob("*.md")),
     *sorted((ROOT / "packages").glob("*/**/*.md")),
 )
 # Pages whose Python has a test of its own.
@@ -197,9 +199,46 @@ def test_python_of_the_pages_runs(page, finished, monkeypatch):
         exec(compile(text, page.name, "exec"), given)  # noqa: S102
 
 
-def test_the_page_of_tables_is_that_of_the_schemas():
-    made = runpy.run_path(str(ROOT / "docs" / "make_tables.py"))["tables_page"]()
-    assert made == (ROOT / "docs" / "tables.md").read_text(), "run `python docs/make_tables.py`"
+@pytest.mark.parametrize(
+    "script", sorted((ROOT / "docs").glob("make_*.py")), ids=lambda one: one.name
+)
+def test_a_script_that_fills_pages_finds_all_that_it_imports(script, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    assert runpy.run_path(str(script))["__doc__"]
+
+
+def test_a_block_that_a_page_lacks_ends_the_script_that_fills_it():
+    fill = runpy.run_path(str(ROOT / "docs" / "make_readme.py"))["fill"]
+    assert fill("<!-- a -->\nold\n<!-- /a -->", "a", "new") == "<!-- a -->\nnew\n<!-- /a -->"
+    with pytest.raises(SystemExit, match="no block b"):
+        fill("<!-- a -->\nold\n<!-- /a -->", "b", "new")
+
+
+@pytest.mark.parametrize("name", ["tables", "api"])
+def test_a_page_that_is_made_from_the_code_is_current(name):
+    made = runpy.run_path(str(ROOT / "docs" / f"make_{name}.py"))[f"{name}_page"]()
+    assert made == (ROOT / "docs" / f"{name}.md").read_text(), f"run `python docs/make_{name}.py`"
+
+
+def test_the_page_of_public_names_has_each_with_its_parameters():
+    text = (ROOT / "docs" / "api.md").read_text()
+    assert set(re.findall(r"^## (\w+)$", text, re.M)) == set(vh.__all__)
+    assert "`evaluate(estimator, features, parameters=None, strategy='fixation', seed=0)`" in text
+    assert "| `estimator` | object or str |" in text
+
+
+def test_the_page_of_architecture_names_every_folder_of_the_library():
+    text = (ROOT / "docs" / "architecture.md").read_text()
+    folders = {file.parent.name for file in (ROOT / "src" / "visuohaptic").glob("*/__init__.py")}
+    assert {name for name in folders if not re.search(rf"\b{name}\b", text)} == set()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_code_that_the_pages_name_is_there(page):
+    named = re.findall(
+        r"`((?:src|tests|workflow|docs|examples|benchmarks)/[\w./-]+)`", page.read_text()
+    )
+    assert [path for path in named if not (ROOT / path).exists()] == []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -24,6 +24,13 @@ def test_the_printed_lines_have_the_figures_of_the_table():
         assert f"{mean} % ({low}–{high})" in block("results")
 
 
+def test_the_table_of_folders_is_that_of_the_tree():
+    rows = re.findall(r"^\| \w+ \| .* \| (.*/`) \| .*results/.* \|$", TEXT, re.M)
+    folders = {name for row in rows for name in re.findall(r"`(\w+)/`", row)}
+    assert {"meshes", "attention", "touches", "scene", "studies"} <= folders
+    assert {name for name in folders if not (ROOT / "src/visuohaptic" / name).is_dir()} == set()
+
+
 def test_the_printed_lines_are_those_of_a_run_s_end(tmp_path):
     specification = importlib.util.spec_from_file_location(
         "make_readme", ROOT / "docs/make_readme.py"

@@ -32,6 +32,7 @@ KEYS = (
     'ball/\'y: "z"',
     "one/one",
 )
+COMMIT = "0123456789abcdef0123456789abcdef01234567"
 ODD = 'ball | "of" <b>: #'
 
 
@@ -50,14 +51,14 @@ def run(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def exported(run, tmp_path_factory):
-    return export_run(run, tmp_path_factory.mktemp("out") / "export")
+    return export_run(run, tmp_path_factory.mktemp("out") / "export", COMMIT)
 
 
 @pytest.fixture(scope="module")
 def experiment(run):
     return read_experiment(
         [run / "results/features"], [run / "results/predictions"], run / "reports/metrics.json",
-        {"seed": 1},
+        {"seed": 1}, COMMIT,
     )  # fmt: skip
 
 
@@ -189,10 +190,10 @@ def test_another_seed_may_draw_other_test_objects_and_other_classes_change_none(
 
 
 def test_the_lite_version_takes_whole_sequences_until_it_fits(run, tmp_path, monkeypatch):
-    full = export_run(run, tmp_path / "full")
+    full = export_run(run, tmp_path / "full", COMMIT)
     most = full.size_of("lite") // 2
     monkeypatch.setattr(export_contents, "LITE_BYTES", most)
-    lite = export_run(run, tmp_path / "lite")
+    lite = export_run(run, tmp_path / "lite", COMMIT)
     assert lite.size_of("lite") <= most
     rows = pa.concat_tables(rows_of(lite.folder, "lite").values())
     counts = rows.group_by(["class", "object", "viewpoint", "strategy"]).aggregate(
@@ -205,7 +206,7 @@ def test_the_lite_version_takes_whole_sequences_until_it_fits(run, tmp_path, mon
 def test_the_lite_version_has_all_strategies_of_a_view_or_none(run, tmp_path, monkeypatch):
     touches = read_table(TOUCHES, run / "results/touches").num_rows
     monkeypatch.setattr(export_contents, "LITE_BYTES", touches * (32**2 + 768) / 2)
-    lite = export_run(run, tmp_path / "lite")
+    lite = export_run(run, tmp_path / "lite", COMMIT)
     rows = pa.concat_tables(rows_of(lite.folder, "lite").values())
     assert rows.num_rows == pytest.approx(touches / 2, abs=10)
     by_strategy = rows.group_by(["strategy"]).aggregate([([], "count_all")])
@@ -214,10 +215,11 @@ def test_the_lite_version_has_all_strategies_of_a_view_or_none(run, tmp_path, mo
 
 
 def test_features_are_those_of_the_run_and_classify_as_there(run, exported, experiment):
-    features = read_table(FEATURES, exported.folder / "features/all.parquet")
+    features = read_table(FEATURES, exported.folder / "features/run.parquet")
     assert features.equals(experiment.features)
     held = json.loads((exported.folder / "experiment.json").read_text())
     assert held["parameters"]["seed"] == 2018
+    assert held["commit"] == COMMIT
     metrics = json.loads((run / "reports/metrics.json").read_text())["results"]
     for one in held["baselines"]:
         figure = metrics[one["pipeline"]][one["strategy"]][one["classifier"]]["accuracy"]
@@ -237,7 +239,7 @@ def test_the_sample_shows_imprints_of_every_class(exported):
 
 def test_a_run_without_metrics_is_refused(run, tmp_path):
     with pytest.raises(ExportError, match="is no metrics of a run"):
-        read_experiment([], [], tmp_path / "metrics.json", {})
+        read_experiment([], [], tmp_path / "metrics.json", {}, COMMIT)
 
 
 def test_an_earlier_export_is_replaced_and_an_interrupted_one_too(run, exported, tmp_path):
@@ -245,7 +247,7 @@ def test_an_earlier_export_is_replaced_and_an_interrupted_one_too(run, exported,
     (copy / "croissant.json").unlink()
     (copy / "data/test.parquet").unlink()
     (copy / "lite/train.parquet").write_bytes(b"half")
-    export_run(run, copy)
+    export_run(run, copy, COMMIT)
     assert [*contents_of(copy).values()] == [*contents_of(exported.folder).values()]
 
 
@@ -257,7 +259,7 @@ def test_a_folder_with_anything_else_is_refused_and_left_as_it_is(run, tmp_path,
     file.parent.mkdir(parents=True)
     file.write_text("mine")
     with pytest.raises(ExportError, match=r"mine (holds|is not empty)"):
-        export_run(run, tmp_path / "mine")
+        export_run(run, tmp_path / "mine", COMMIT)
     assert contents_of(tmp_path / "mine") == {file: b"mine"}
 
 
@@ -266,7 +268,7 @@ def test_an_export_to_which_someone_added_a_file_is_refused(run, exported, tmp_p
     (copy / "data/more.parquet").write_text("mine")
     before = contents_of(copy)
     with pytest.raises(ExportError, match=r"data/more\.parquet"):
-        export_run(run, copy)
+        export_run(run, copy, COMMIT)
     assert contents_of(copy) == before
 
 
@@ -277,7 +279,7 @@ def test_a_link_inside_is_not_followed(run, exported, tmp_path, name):
     (copy / name).symlink_to(elsewhere)
     before = contents_of(tmp_path)
     with pytest.raises(ExportError, match="no part of an export"):
-        export_run(run, copy)
+        export_run(run, copy, COMMIT)
     assert contents_of(tmp_path) == before
 
 
@@ -326,3 +328,38 @@ def test_what_can_not_be_exported_is_said_before_anything_is_written(run, experi
             [run / "results/touches/all.parquet"], [], tmp_path / "one.parquet", 1, experiment
         )
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("name", ["default", "lite"])
+def test_datasets_reads_what_is_written(exported, tmp_path, name):
+    datasets = pytest.importorskip("datasets")
+    loaded = datasets.load_dataset(str(exported.folder), name, cache_dir=str(tmp_path))
+    stored = rows_of(exported.folder, {"default": "data"}.get(name, name))
+    for split, rows in stored.items():
+        found = loaded[split].with_format("numpy")
+        keys = zip(loaded[split]["class"], loaded[split]["object"], strict=True)
+        assert set(keys) == owners(rows)
+        names = loaded[split].features["label"].int2str(loaded[split]["label"])
+        assert names == rows.column("class").to_pylist()
+        first = found[:9]
+        assert np.stack(first["image"]).shape[1:] == (32, 32)
+        if name == "default":
+            # A picture has 8 bits.
+            assert np.abs(255 * first["imprint"] - np.stack(first["image"])).max() <= 0.5001
+
+
+def test_the_features_that_datasets_reads_are_those_of_the_run(exported, experiment, tmp_path):
+    datasets = pytest.importorskip("datasets")
+    loaded = datasets.load_dataset(str(exported.folder), "features", cache_dir=str(tmp_path))
+    read = loaded["run"].to_pandas()
+    pandas = pytest.importorskip("pandas")
+    pandas.testing.assert_frame_equal(read, experiment.features.to_pandas(), check_dtype=False)
+
+
+def test_croissant_gives_the_pictures_and_the_imprints(exported):
+    mlcroissant = pytest.importorskip("mlcroissant")
+    described = mlcroissant.Dataset(jsonld=str(exported.folder / "croissant.json"))
+    row = next(iter(described.records("default_test")))
+    assert row["default_test/image"].size == (32, 32)
+    felt = 255 * np.array(row["default_test/imprint"])
+    assert np.abs(felt - row["default_test/image"]).max() <= 0.5001

@@ -22,8 +22,8 @@ def visual(face_colours, ambient=0.4, **modes):
 
 def test_a_grey_object_calls_for_no_colour_and_a_uniform_one_for_no_texture():
     plans = visual(GREY)
-    assert not plans["colour"].called_for
-    assert not plans["texture"].called_for
+    assert not plans["colour"].needed
+    assert not plans["texture"].needed
     plans = visual(PATTERN)
     assert plans["colour"].simulated
     assert plans["texture"].simulated
@@ -31,8 +31,8 @@ def test_a_grey_object_calls_for_no_colour_and_a_uniform_one_for_no_texture():
 
 def test_even_light_calls_for_neither_shading_nor_shadows():
     plans = visual(GREY, ambient=1.0)
-    assert not plans["shading"].called_for
-    assert not plans["cast_shadows"].called_for
+    assert not plans["shading"].needed
+    assert not plans["cast_shadows"].needed
     assert plans["cast_shadows"].reason == "all light is ambient"
 
 

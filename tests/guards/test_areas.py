@@ -1,4 +1,4 @@
-"""Places that are uniform by area are told from places that are not."""
+"""Places that are uniform by area are distinguished from places that are not."""
 
 import numpy as np
 import pytest

@@ -1,6 +1,6 @@
-"""Every command of the README runs, in its order, on a small experiment: `make test-installed`.
+"""Every command of the README and of the pages on sharing and studies runs, in its order: `make test-installed`.
 
-The environment is that of `make` and pytest, without the packages of the extra `dev`. A command is run as
+The experiment is a small one. The environment is that of `make` and pytest, without the packages of the extra `dev`. A command is run as
 it stands, is run in another form, or is left out; the last two have a reason, which the test shows.
 """
 
@@ -15,7 +15,9 @@ from docs.shell_commands import block_commands, line_commands
 from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_parameters
 
 ROOT = Path(__file__).parents[2]
-README = ROOT / "README.md"
+README, SHARING, STUDIES = (
+    ROOT / name for name in ("README.md", "docs/sharing.md", "studies/README.md")
+)
 WHY = "PYTHONPATH=$PWD/src:$PWD/packages/contourlets/src:$PWD/workflow/lib python -P -m visuohaptic_workflow.why"
 # Three classes, so that one can be unknown, and two of them with a test object and two to train.
 OBJECTS = (
@@ -61,7 +63,7 @@ IN_ANOTHER_FORM = {
     ),
     "visuohaptic recognise mug.obj": (
         "snakemake -j2 -- model_all && visuohaptic recognise mug.obj",
-        "the README's next command makes the model that this one needs",
+        "with a model of this run",
     ),
     "dvc pull": (
         "git clone -q ../origin ../colleague && cd ../colleague && dvc pull",
@@ -78,17 +80,14 @@ IN_ANOTHER_FORM = {
 }
 LEFT_OUT = {
     "make test": "it needs the extra dev",
-    "make test-hard": "it needs the extra dev",
-    "make bench": "it needs the extra dev",
     "make meshes SET=benchmark": "it downloads 120 MB",
     "source .venv/bin/activate": "it is for the reader's shell; this environment is on PATH",
     "dvc remote modify team endpointurl https://…": "it is for S3, which needs a network and a key",
 }
 
 
-def readme_commands():
-    found = [" ".join(words) for words in (*block_commands(README), *line_commands(README))]
-    return list(dict.fromkeys(found))
+def texts(*commands):
+    return list(dict.fromkeys(" ".join(words) for words in commands))
 
 
 @pytest.fixture(scope="module")
@@ -136,19 +135,25 @@ def run_as_here(folder, command):
     run(folder, IN_ANOTHER_FORM.get(command, (command, ""))[0])
 
 
-COMMANDS = readme_commands()
-FIRST_OF_DVC = COMMANDS.index("dvc repro")
+OF_README = texts(*block_commands(README), *line_commands(README))
+FIRST_OF_DVC = OF_README.index("dvc repro")
+# Within the lines of the page on studies, names stand for the reader's own.
+OF_STUDIES = texts(*block_commands(STUDIES))
+OF_SHARING = texts(*block_commands(SHARING), *line_commands(SHARING))
+BEFORE_DVC = list(dict.fromkeys([*OF_README[:FIRST_OF_DVC], *OF_STUDIES]))
+AFTER = dict.fromkeys([*OF_README[FIRST_OF_DVC:], *OF_SHARING])
+UNDER_DVC = [command for command in AFTER if command not in BEFORE_DVC]
 
 
-@pytest.mark.parametrize("command", COMMANDS[:FIRST_OF_DVC])
-def test_a_command_of_the_readme_runs(command, of_studies):
+@pytest.mark.parametrize("command", BEFORE_DVC)
+def test_a_command_runs(command, of_studies):
     run_as_here(of_studies, command)
 
 
-@pytest.mark.parametrize("command", COMMANDS[FIRST_OF_DVC:])
-def test_a_command_of_the_readme_runs_under_dvc(command, of_dvc):
+@pytest.mark.parametrize("command", UNDER_DVC)
+def test_a_command_runs_under_dvc(command, of_dvc):
     run_as_here(of_dvc, command)
 
 
-def test_every_exception_is_a_command_of_the_readme():
-    assert {*IN_ANOTHER_FORM, *LEFT_OUT} <= set(COMMANDS)
+def test_every_exception_is_a_command_of_the_pages():
+    assert {*IN_ANOTHER_FORM, *LEFT_OUT} <= {*BEFORE_DVC, *UNDER_DVC}

@@ -13,7 +13,7 @@ EXPORTED = [
     *expand(
         "{folder}/{split}.parquet", folder=["data", "lite"], split=["train", "test"]
     ),
-    "features/all.parquet",
+    "features/run.parquet",
 ]
 
 
@@ -44,6 +44,7 @@ rule export:
     params:
         key=key_of_rule("export"),
         seed=PARAMETERS.seed,
+        commit=packed_commit,
         parameters=PARAMETERS.model_dump(mode="json", exclude={"workflow"}),
     message:
         "exporting touches as a data set"

@@ -17,5 +17,6 @@ with job(snakemake):
             snakemake.input.predictions,
             snakemake.input.metrics,
             snakemake.params.parameters,
+            snakemake.params.commit,
         ),
     )

@@ -399,12 +399,10 @@ def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
 
 @dataclass(frozen=True)
 class _GaborPair:
-    """A pair of Gabor filters as sums of products of a row and a column, and the pair mirrored at a column.
+    """A pair of Gabor filters as sums of products of a row and a column, and the pair mirrored at a column."""
 
-    `across` and `down` are the cosine and the sine of the wave, by the Gaussian; `scales`, of the pair and of
-    the mirrored one, 1 / norm of the even filter, its mean, and 1 / norm of the odd one.
-    """
-
+    # Cosine and sine of the wave, by the Gaussian; of the pair and of the mirrored one, 1 / norm of
+    # the even filter, its mean, and 1 / norm of the odd one.
     across: tuple[Plane, Plane]
     down: tuple[Plane, Plane]
     scales: tuple[Plane, ...]

@@ -191,14 +191,10 @@ def _promoted_stack(
     window: tuple[slice, slice],
     parameters: AttentionParameters,
 ) -> tuple[Plane, Plane]:
-    """Add up the promoted maps of each plane of a stack, and give the largest value of any map.
-
-    Presence of a feature stands out, absence does not (search asymmetry, Treisman
-    & Gormley 1988): most channels count only where the centre has more than the
-    surround. Colour and intensity have two sides, such as red and green, and each
-    side is a map of its own (on-centre and off-centre cells), as a red spot among
-    green ones is alone on its side.
-    """
+    """Add up the promoted maps of each plane of a stack, and give the largest value of any map."""
+    # Presence of a feature stands out, absence does not (search asymmetry, Treisman & Gormley 1988):
+    # most channels count only where the centre has more than the surround. Colour and intensity have
+    # two sides, and each is a map of its own, as a red spot among green ones is alone on its side.
     total = np.zeros((MAP_SIZE, MAP_SIZE, 4), dtype=np.float32)[window]
     strongest = np.zeros(4, dtype=np.float32)
     two_sided = np.zeros(4, dtype=bool)
@@ -227,11 +223,9 @@ def _promote_sums(
     strongest: Mapping[str, float],
     parameters: AttentionParameters,
 ) -> None:
-    """Promote up to four channels' sums in place; each is as conspicuous as its strongest map.
-
-    Itti, Koch & Niebur scale every channel's sum to full range before the last N,
-    so a channel in which nothing stands out still counts; here it does not.
-    """
+    """Promote up to four channels' sums in place; each is as conspicuous as its strongest map."""
+    # Itti, Koch & Niebur scale every channel's sum to full range before the last N, so a channel in
+    # which nothing stands out still counts; here it does not.
     names = tuple(name for name in names if name in totals)
     for stack, count in quads([totals[name] for name in names]):
         scale = np.zeros(4, dtype=np.float32)
@@ -266,12 +260,10 @@ def _scaled(planes: Plane) -> Plane:
 
 
 def _promote_by_local_maxima(planes: Plane) -> Plane:
-    """Apply Itti, Koch & Niebur 1998: times (M - mean of the other local maxima) squared.
-
-    Which pixel is a maximum, and whether it is high enough to count, change
-    gradually over a small range, and a peak between pixels counts once. Otherwise,
-    on a symmetric object, rounding would decide between one peak and two.
-    """
+    """Apply Itti, Koch & Niebur 1998: times (M - mean of the other local maxima) squared."""
+    # Which pixel is a maximum, and whether it is high enough to count, change gradually over a small
+    # range, and a peak between pixels counts once: on a symmetric object rounding would otherwise
+    # decide between one peak and two.
     below = cv2.dilate(planes, _NEIGHBOURS) - planes
     topmost = _rectified(1.0 - below * np.float32(1.0 / PLATEAU))
     crowd = cv2.boxFilter(topmost, -1, (3, 3), normalize=False, borderType=cv2.BORDER_CONSTANT)

@@ -161,10 +161,7 @@ def _release(progress: NDArray[np.float32]) -> NDArray[np.float32]:
 def _off_outline(
     mask: NDArray[np.bool_],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
-    """Give the rows and columns that keep off the outline, and their distances from it in pixels.
-
-    In parts thinner than two margins they stay near the middle.
-    """
+    """Give the rows and columns off the outline, near the middle of thin parts, and their distances from it."""
     inside = mask.view(np.uint8)
     left, top, width, height = cv2.boundingRect(inside)
     # One row and column more, so that there is one where the mask is empty.

@@ -22,7 +22,7 @@ from visuohaptic.cli import (
 from visuohaptic.cli.printing import say
 
 app = typer.Typer(
-    help="Look at a 3D object, touch it where the eye would rest, and name it from touch alone.",
+    help="Look at a 3D object, touch it where the eye would rest, and recognise it from touch alone.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

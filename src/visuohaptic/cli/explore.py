@@ -207,7 +207,7 @@ def recognise(
         say(
             f"{chosen_model}: {classifier}, which learnt {learnt} objects of {classes} classes; "
             + (
-                "an object of another class is named one of these all the same"
+                "an object of another class is classified as one of these all the same"
                 if recogniser.model.calibration is None
                 else "an object that is stranger than nearly all of these is called unknown, and sets "
                 "hold the class as often as stated for objects like these"
@@ -242,11 +242,7 @@ def _each(
     values: Callable[[Path, Made], dict[str, object]] | None,
     say_one: Callable[[Path, Made], None],
 ) -> None:
-    """Work on one mesh after the other; of several, one that can't be read doesn't stop the others.
-
-    Without `values` each is said at once; with them all are printed as JSON, one alone
-    without a list around it.
-    """
+    """Work on one mesh after the other, and say each or print all values as JSON; one of several may fail."""
     from visuohaptic.errors import VisuohapticError
 
     found: list[Path] = []

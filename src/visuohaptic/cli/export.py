@@ -30,8 +30,9 @@ def export(
     Example: visuohaptic export touches
     """
     from visuohaptic.export.files import export_run
+    from visuohaptic.report.provenance import find_commit
 
-    written = export_run(run, folder)
+    written = export_run(run, folder, find_commit())
     contents = written.contents
     sizes = {name: written.size_of(name) for name in ("data", "lite")}
     values = {

@@ -265,7 +265,7 @@ class Exploration:
         check_alike(self.strategy, self.parameters, recogniser)
         started = time.perf_counter()
         found = recogniser.model.answer(self.features)
-        seconds = {**self.seconds, "name": time.perf_counter() - started}
+        seconds = {**self.seconds, "recognise": time.perf_counter() - started}
         name = UNKNOWN if found.unknown else next(iter(found.probabilities))
         return Recognition(
             name,
@@ -337,7 +337,7 @@ class Recognition:
     touches : int
         Touches that the answer rests on.
     seconds : mapping of str to float
-        What each phase took: prepare, look, touch, describe, name.
+        What each phase took: prepare, look, touch, describe, recognise.
     candidates : tuple of str or None
         The prediction set, the likeliest first, made so that of objects of known classes the share
         `coverage` has its class in it, which is measured and not guaranteed (docs/recognition.md). None, as
@@ -392,7 +392,7 @@ def load(
         (``meshes/paper/<class>/<name>.ply.gz``), which is turned and stretched as
         the catalogue above it says; a mesh in memory; or two arrays, shapes (v, 3) and (f, 3).
     key : str, optional
-        `class/name`; all chance comes from it and the seed. Without it the class is
+        `class/name`; random numbers depend on it and the seed. Without it the class is
         ``unknown``, or the catalogue's, and the name the file's.
     parameters : MeshParameters, ExperimentParameters or mapping, optional
         Which axis points up, and tolerances: section `meshes`, or all parameters.

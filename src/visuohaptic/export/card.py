@@ -37,7 +37,7 @@ class Configuration:
 CONFIGURATIONS = {
     "default": Configuration("data", COLUMNS),
     "lite": Configuration("lite", LITE_COLUMNS),
-    "features": Configuration("features", FEATURES.columns, ("all",)),
+    "features": Configuration("features", FEATURES.columns, ("run",)),
 }
 """By the names that `datasets` takes."""
 
@@ -124,7 +124,7 @@ from datasets import load_dataset
 
 touches = load_dataset("FOLDER")  # splits train and test
 lite = load_dataset("FOLDER", "lite")
-features = load_dataset("FOLDER", "features")["all"].to_pandas()  # what the experiment classifies by
+features = load_dataset("FOLDER", "features")["run"].to_pandas()  # what the experiment classifies by
 ```
 
 `lite` has no column `imprint` and holds {kept}; it is no larger than 25 MB.

@@ -42,17 +42,21 @@ class Experiment:
         Every parameter, as in ``params.yaml``.
     baselines : sequence of Baseline
         The experiment's own results.
+    commit : str
+        Of the code that writes the data set, or why none is known.
     """
 
     features: pa.Table
     tested: Sequence[Sequence[str]]
     parameters: Mapping[str, Any]
     baselines: Sequence[Baseline]
+    commit: str
 
     def as_json(self) -> str:
         """Give all but the features as JSON text."""
         held = {
             "version": __version__,
+            "commit": self.commit,
             "parameters": self.parameters,
             "tested_objects": self.tested,
             "baselines": [vars(one) for one in self.baselines],
@@ -65,6 +69,7 @@ def read_experiment(
     predictions: Sequence[str | Path],
     metrics: str | Path,
     parameters: Mapping[str, Any],
+    commit: str,
 ) -> Experiment:
     """Read a finished run's experiment from its files.
 
@@ -75,7 +80,8 @@ def read_experiment(
     except (OSError, ValueError, KeyError):
         raise ExportError(f"{metrics} is no metrics of a run; run `snakemake -j2` first.") from None
     tested = _tested_objects(read_table(PREDICTIONS, predictions))
-    return Experiment(read_table(FEATURES, features), tested, parameters, [*_baselines(results)])
+    baselines = [*_baselines(results)]
+    return Experiment(read_table(FEATURES, features), tested, parameters, baselines, commit)
 
 
 def _tested_objects(predictions: pa.Table) -> list[list[str]]:

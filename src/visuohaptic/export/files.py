@@ -53,7 +53,7 @@ class Export:
         )
 
 
-def export_run(run: str | Path, folder: str | Path) -> Export:
+def export_run(run: str | Path, folder: str | Path, commit: str) -> Export:
     """Export the touches of a finished run, in its folder as the workflow lays it out.
 
     Takes ``params.yaml``, ``results/touches`` and the credits below ``meshes``. Raises what
@@ -73,6 +73,7 @@ def export_run(run: str | Path, folder: str | Path) -> Export:
         [run / "results/predictions"],
         run / "reports/metrics.json",
         parameters.model_dump(mode="json"),
+        commit,
     )
     return make_export(touches, credit_files, folder, parameters.seed, experiment)
 
@@ -86,7 +87,7 @@ def make_export(
 ) -> Export:
     """Write touches as a data set that `datasets.load_dataset(folder)` reads as it is.
 
-    The same touches, credits and seed give the same files bit for bit.
+    The same touches, credits, seed and experiment give the same files bit for bit.
 
     Parameters
     ----------
@@ -122,7 +123,7 @@ def make_export(
     write_whole(folder / CREDITS, _credits_of(contents))
     write_whole(folder / EXPERIMENT, experiment.as_json())
     _write_rows(files, contents, folder)
-    write_table(FEATURES, experiment.features, folder / CONFIGURATIONS["features"].files["all"])
+    write_table(FEATURES, experiment.features, folder / CONFIGURATIONS["features"].files["run"])
     with whole_file(folder / SAMPLE) as unfinished:
         unfinished.write_bytes(
             sample_png(pq.read_table(folder / CONFIGURATIONS["lite"].files["train"]))

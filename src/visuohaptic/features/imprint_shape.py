@@ -64,11 +64,8 @@ def _cube(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _quadric_terms(side: int) -> NDArray[np.float64]:
-    """Give 1, u, v, u² - m, uv, v² - m at every sensing point, u along columns, shape (6, side²).
-
-    m is the mean of u², which makes the terms orthogonal: each coefficient of the best quadric is
-    a quotient of two sums.
-    """
+    """Give 1, u, v, u² - m, uv, v² - m at every sensing point, u along columns, shape (6, side²)."""
+    # m, the mean of u², makes the terms orthogonal: each coefficient of the best quadric is a quotient.
     v, u = np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side), indexing="ij")
     centre = np.square(u).mean()
     terms = [np.ones_like(u), u, v, u * u - centre, u * v, v * v - centre]

@@ -154,8 +154,8 @@ class _EffectLog:
         self._plans = {plan.effect: plan for plan in plans}
         self._seconds = dict.fromkeys(self._plans, 0.0)
 
-    def called_for(self, effect: str) -> bool:
-        return self._plans[effect].called_for
+    def needs(self, effect: str) -> bool:
+        return self._plans[effect].needed
 
     def simulates(self, effect: str) -> bool:
         return self._plans[effect].simulated
@@ -173,7 +173,7 @@ class _EffectLog:
                 plan.mode,
                 plan.reason,
                 views,
-                views * plan.called_for,
+                views * plan.needed,
                 views * plan.simulated,
                 self._seconds[plan.effect],
             )
@@ -238,7 +238,7 @@ def _seen_surface(
         "normal": normals,
         "face": faces,
         "curvature": shape.curvature(faces, weights),
-        "lit": lit | (not log.called_for("cast_shadows")),
+        "lit": lit | (not log.needs("cast_shadows")),
     }
 
 
@@ -264,11 +264,8 @@ def _weight_steps(
     directions: NDArray[np.float64],
     sides: tuple[NDArray[np.float64], NDArray[np.float64]],
 ) -> NDArray[np.float64]:
-    """Give how the second and third weight change along both sides of a pixel, shape (n, 2, 2).
-
-    The pixel's sides at the depth of the face, shape (n, 3) each, are carried along the ray on to the
-    face's plane.
-    """
+    """Give how the second and third weight change along both sides of a pixel, shape (n, 2, 2)."""
+    # The pixel's sides at the depth of the face are carried along the ray on to the face's plane.
     normals = caster.surface.face_crosses.take(faces, axis=0)
     second, third = np.moveaxis(caster.slopes.take(faces, axis=0), 1, 0)
     towards = dot(normals, directions)

@@ -22,7 +22,7 @@ class VisualPlan:
         Its name among the effect modes.
     mode : {"auto", "always", "never"}
         When it may be simulated.
-    called_for, simulated : bool
+    needed, simulated : bool
         Whether the object or the light needs it, and whether it is simulated.
     reason : str
         Why it is needed, or why not.
@@ -30,7 +30,7 @@ class VisualPlan:
 
     effect: str
     mode: Mode
-    called_for: bool
+    needed: bool
     simulated: bool
     reason: str
 
@@ -138,7 +138,7 @@ def _greys(colours: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.repeat(luma[..., None], 3, axis=-1)
 
 
-def _plan(modes: VisualModes, effect: str, called_for: bool, reason: str) -> VisualPlan:  # noqa: FBT001
+def _plan(modes: VisualModes, effect: str, needed: bool, reason: str) -> VisualPlan:  # noqa: FBT001
     mode: Mode = getattr(modes, effect)
-    simulated = mode == "always" or (mode == "auto" and called_for)
-    return VisualPlan(effect, mode, called_for, simulated, reason)
+    simulated = mode == "always" or (mode == "auto" and needed)
+    return VisualPlan(effect, mode, needed, simulated, reason)

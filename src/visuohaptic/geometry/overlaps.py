@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import dot
 
-# Planes are told apart by their nearest points to this one, outside of surfaces of unit size: in general
+# Planes are distinguished by their nearest points to this one, outside of surfaces of unit size: in general
 # position, so that hardly a plane goes through it.
 _VANTAGE = np.array([2.31, -2.77, 1.93])
 # Cells of those points: far larger than rounding moves them, far smaller than between two parts of a surface.
@@ -118,10 +118,8 @@ def _extents_meet(
 def _overlaps_along(
     surface: Surface, one: NDArray[np.int64], other: NDArray[np.int64], edge: int
 ) -> NDArray[np.float64]:
-    """Give how far two triangles of a plane overlap across an edge of the first, shape (p,).
-
-    By the separating axis theorem they overlap if they do across each edge of both.
-    """
+    """Give how far two triangles of a plane overlap across an edge of the first, shape (p,)."""
+    # By the separating axis theorem they overlap if they do across each edge of both.
     start, end, across = (surface.triangles[one, (edge + step) % 3] for step in range(3))
     inwards = np.cross(surface.face_normals[one], end - start)
     inwards /= np.sqrt(dot(inwards, inwards))[:, None]

@@ -408,12 +408,9 @@ def _as_float32(
 
 
 def _face_planes(surface: Surface) -> NDArray[np.float64]:
-    """Give normal (not unit), offset, and the edge band of each face, shape (f, 5).
-
-    The distance from a point to a face's nearest edge is at least its least
-    barycentric weight × twice the area / the longest edge; `RayCaster` compares that with
-    `LATERAL_ERROR` without dividing.
-    """
+    """Give normal (not unit), offset, and the edge band of each face, shape (f, 5)."""
+    # The distance from a point to a face's nearest edge is at least its least barycentric weight ×
+    # twice the area / the longest edge; `RayCaster` compares that with `LATERAL_ERROR` undivided.
     corners, crosses = surface.triangles, surface.face_crosses
     edges = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
     offsets = dot(crosses, corners[:, 0])

@@ -266,10 +266,8 @@ def _at(weights: Floats, corners: Floats) -> Floats:
 
 
 def _ellipse(first: Floats, second: Floats) -> tuple[Floats, Floats, Floats]:
-    """Give the longer axis, shape (n, 2), and both lengths of ellipses with conjugate diameters.
-
-    They are the singular values of the matrix whose columns are the diameters.
-    """
+    """Give the longer axis, shape (n, 2), and both lengths of ellipses with conjugate diameters."""
+    # The lengths are the singular values of the matrix whose columns are the diameters.
     xx = first[:, 0] ** 2 + second[:, 0] ** 2
     yy = first[:, 1] ** 2 + second[:, 1] ** 2
     xy = first[:, 0] * first[:, 1] + second[:, 0] * second[:, 1]

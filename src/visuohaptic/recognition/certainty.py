@@ -2,7 +2,7 @@
 
 Both are cross-conformal in kind (V. Vovk, "Cross-conformal predictors", Annals of Mathematics and
 Artificial Intelligence 74, 2015): an object is compared with training objects that were each named
-without themselves, by models of folds of whole objects. The object itself is named by the final model,
+without themselves, by models of folds of whole objects. The object itself is classified by the final model,
 which learnt from more; so the coverage is not guaranteed, and `studies.certainty` measures it.
 """
 
@@ -25,7 +25,7 @@ from visuohaptic.recognition.tuning import Projection, fit_best_classifiers
 
 
 class SequenceClassifier(Protocol):
-    """What names sequences: projected descriptors (n, p) become scores and ballots of c classes."""
+    """What classifies sequences: projected descriptors (n, p) become scores and ballots of c classes."""
 
     @property
     def trained(self) -> NDArray[np.int64]:
@@ -94,7 +94,7 @@ class Certainty:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Training objects, each named without itself, from bags of several sizes.
+    """Training objects, each predicted without itself, from bags of several sizes.
 
     Attributes
     ----------
@@ -269,7 +269,7 @@ def fit_calibration(
 def hold_out_objects(
     sequences: TouchSequences, folds: int, generator: np.random.Generator
 ) -> Iterator[tuple[NDArray[np.bool_], list[int]]]:
-    """Deal the training objects over folds, each of which is named without itself.
+    """Deal the training objects over folds, each of which is predicted without itself.
 
     Yields
     ------

@@ -50,7 +50,7 @@ def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> Wa
     parameters : BestParameters
         Number and length of the waves, weight of the normals.
     generator : numpy.random.Generator
-        Where chance comes from.
+        Random seed.
 
     Returns
     -------

@@ -232,10 +232,7 @@ def _identity(columns: int) -> Standardiser:
 def _without_rounding(
     sequences: NDArray[np.float64], sizes: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Give sequences, shape (s, t, m), that are constant but for rounding one value, 0 if it is rounding.
-
-    `sizes`, of the same shape, are those of what each number was computed from.
-    """
+    """Give sequences that are constant but for rounding one value, 0 if that is rounding of `sizes`."""
     noise = ROUNDING * sizes.max(axis=1, keepdims=True)
     middle = sequences.mean(axis=1, keepdims=True)
     middle = np.where(np.abs(middle) > noise, middle, 0.0)

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 AnswerSplit = Callable[[Split, np.random.Generator], Iterator["Answer"]]
-"""Trains on a split's training sequences and names its test sequences."""
+"""Trains on a split's training sequences and classifies its test sequences."""
 
 PAPER_FEATURES = (*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
 """The paper's 16 cutaneous and 6 kinesthetic features of a touch."""

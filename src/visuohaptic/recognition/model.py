@@ -125,10 +125,10 @@ class RecognitionModel:
     tuned : TunedClassifier
         The classifier.
     calibration : Calibration or None
-        Training objects, each named without itself; None in pipeline `paper`, and where no class has a
+        Training objects, each predicted without itself; None in pipeline `paper`, and where no class has a
         second object.
     short : mapping of int to ShortClassifier
-        What names sequences of fewer touches, by their number; empty where none was wanted.
+        What classifies sequences of fewer touches, by their number; empty where none was wanted.
     touching : str or None
         The parameters with which its touches were made, as JSON, where they are known.
     """
@@ -235,7 +235,7 @@ class RecognitionModel:
     def _sequences(self, features: pa.Table) -> list[NDArray[np.float64]]:
         """Give all sequences of one object, shape (s, t, k) for each length t."""
         if not features.num_rows:
-            raise RecognitionError("There is no touch; an object is named from one touch on.")
+            raise RecognitionError("There is no touch; an object is classified from one touch on.")
         parts = gather_any(spread_contact_states(features), self.feature_names, self.touches)
         if self.pipeline == "paper":  # its wavelet needs whole sequences
             parts = [part for part in parts if part.shape[1] == self.touches]

@@ -51,7 +51,7 @@ Described = Mapping[int, NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class ShortClassifier:
-    """What names sequences of one length.
+    """What classifies sequences of one length.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class ShortClassifier:
     combination : Combination
         Temperatures of this length.
     calibration : Calibration or None
-        Training objects, each named without itself; None where no class has a second object.
+        Training objects, each predicted without itself; None where no class has a second object.
     """
 
     scaling: Standardiser
@@ -124,7 +124,7 @@ def fit_short_classifiers(
         found = _fit(sequences, described, best)
         held_out = _name_held_out(sequences, described, best, generator)
     except RecognitionError as error:
-        logger.warning("short sequences are named as if they were whole: %s", error)
+        logger.warning("short sequences are classified as if they were whole: %s", error)
         return {}
     if not held_out.owners:
         return found

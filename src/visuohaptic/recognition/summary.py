@@ -128,7 +128,7 @@ def summarise(
 
 
 def confusion(predictions: pa.Table) -> Confusion:
-    """Count how sequences were named, over all splits and repeats in the table.
+    """Count how sequences were classified, over all splits and repeats in the table.
 
     `tables.PREDICTIONS` is filtered before to the pipeline, strategy and classifier of interest
     (see `select`).
@@ -167,11 +167,9 @@ def _texts(table: pa.Table, name: str) -> NDArray[np.str_]:
 
 
 def _object_figures(rows: pa.Table) -> _ObjectFigures:
-    """Average each object's accuracy and vote over the splits that tested it.
-
-    The weights make the weighted mean over objects the mean over splits of a
-    split's share of sequences (of objects, for the vote).
-    """
+    """Average each object's accuracy and vote over the splits that tested it."""
+    # The weights make the weighted mean over objects the mean over splits of a split's share of
+    # sequences (of objects, for the vote).
     owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}

@@ -79,8 +79,8 @@ def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: M
 
     started = time.process_time()
     # Half the tolerance is far above rounding, so touches that don't need it change by no bit.
-    called_for = box_heights(caster, poses) > 0.5 * tolerance
-    adapting = called_for if mode == "auto" else np.full(len(poses), mode == "always")
+    needing = box_heights(caster, poses) > 0.5 * tolerance
+    adapting = needing if mode == "auto" else np.full(len(poses), mode == "always")
     rows = np.flatnonzero(adapting)
     sizes[rows] = admissible_sizes(
         free_half_sizes(caster, poses[rows], tolerance),
@@ -100,7 +100,7 @@ def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: M
         mode,
         "where the object's bounding box reaches above the tangent plane",
         len(poses),
-        int(called_for.sum()),
+        int(needing.sum()),
         len(rows),
         sizing,
     )

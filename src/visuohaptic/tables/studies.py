@@ -171,7 +171,7 @@ CERTAINTY_KEYS = (
     Column("left_out", TEXT, "the class that the model does not know"),
     Column("class", TEXT, "class of the tested object"),
     Column("object", TEXT, "name of the tested object"),
-    Column("views", COUNT, "viewpoints from which it is named", minimum=1),
+    Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
 )
 
 STATED_COVERAGES = tuple(range(50, 100, 5))
@@ -241,7 +241,7 @@ EVALUATION_KEYS = (
     Column("classifier", TEXT, "classifier of pipeline best"),
     Column("class", TEXT, "class of the object"),
     Column("object", TEXT, "name of the object, which the model has not learnt"),
-    Column("views", COUNT, "viewpoints from which it is named", minimum=1),
+    Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
     Column("bag", COUNT, "which of the evenly spread choices of so many viewpoints", minimum=0),
 )
 

@@ -78,10 +78,7 @@ def job(snakemake: Any) -> Iterator[None]:
 
 
 def _keep_pandas_out() -> None:
-    """Keep pyarrow from importing pandas with its first array, which would cost each job 0.4 s.
-
-    pyarrow can still give pandas objects later.
-    """
+    """Keep pyarrow from importing pandas with its first array (0.4 s a job); it can still do so later."""
     pyarrow = sys.modules.get("pyarrow")
     if pyarrow is None or "pandas" in sys.modules:
         return

@@ -103,10 +103,8 @@ def _lock_owner_file() -> IO[str]:
 
 
 def _try_lock(stream: IO[str], seconds: float, *, shared: bool = False) -> bool:
-    """Lock a file for this process; False where others have it locked for so long.
-
-    Where the file system has no locks, it counts as locked by this process.
-    """
+    """Lock a file for this process; False where others have it locked for so long."""
+    # Where the file system has no locks, it counts as locked by this process.
     import fcntl
 
     mode = fcntl.LOCK_SH if shared else fcntl.LOCK_EX

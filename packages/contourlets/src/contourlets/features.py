@@ -116,21 +116,7 @@ def _band_sizes(transform: Contourlet, images: Floats) -> list[int]:
 def _describe_bands(
     images: Floats, transform: Contourlet, statistic: Callable[[Floats], Floats], *, degree: int
 ) -> Array:
-    """Compute a statistic of every directional band.
-
-    Parameters
-    ----------
-    images : (..., rows, columns) float32 or float64
-    transform : Contourlet
-    statistic : callable
-        From (n, coefficients) float64 to (n,).
-    degree : int
-        A band that is multiplied by a has a statistic that is multiplied by a^degree.
-
-    Returns
-    -------
-    (..., bands) float64
-    """
+    """Compute a statistic, (n, coefficients) to (n,), of every band; a band × a has the statistic × a^degree."""
     stack = images.reshape(-1, *images.shape[-2:])
     found = np.zeros((len(stack), len(_band_sizes(transform, images))))
     for run in blocks(len(stack), images.shape[-2] * images.shape[-1]):

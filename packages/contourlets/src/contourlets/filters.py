@@ -164,10 +164,8 @@ def _defects(analysis: Array, synthesis: Array) -> tuple[Array, Array]:
 
 
 def _polish(analysis: Array, synthesis: Array) -> PyramidFilters:
-    """Refine a pair to double precision: PyWavelets gives some filters to 1e-12 only.
-
-    Up to two least-norm Newton steps, which change taps by no more than that error.
-    """
+    """Refine a pair to double precision: PyWavelets gives some filters to 1e-12 only."""
+    # Least-norm Newton steps, which change taps by no more than that error.
     for _ in range(2):
         defect, jacobian = _defects(analysis, synthesis)
         if np.abs(defect).max() < 1e-14:

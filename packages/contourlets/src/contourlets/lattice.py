@@ -220,11 +220,9 @@ def _parallelogram_components(x: Indices, kind: int) -> tuple[Indices, Indices]:
 
 
 def _haar_pairs(x: Indices, level: int, kind: int) -> tuple[Indices, Indices]:
-    """Give the kept coset and the neighbours that the two-tap filter combines it with.
-
-    The toolbox's two taps lie along the rows at the first two levels (the second is transposed here),
-    and along the rows of the node resampled by R1 or R2 further down.
-    """
+    """Give the kept coset and the neighbours that the two-tap filter combines it with."""
+    # The toolbox's two taps lie along the rows at the first two levels (the second is transposed
+    # here), and along the rows of the node resampled by R1 or R2 further down.
     if level > 2:
         x = _shear(x.T, 1 - 2 * kind).T
     turn = 1 if level > 2 and kind == 1 else -1
@@ -267,11 +265,9 @@ def in_order(
 def _wrapped_tree(
     pixels: Indices, depth: int, filter_name: str, steps: tuple[LadderStep, LadderStep]
 ) -> tuple[list[list[_Split]], list[Indices]]:
-    """Split down to `depth` in the toolbox's arrays.
-
-    The second level works on transposed nodes, as Q2 is Q1 with exchanged axes; the second half of the
-    tree stays transposed, as P3 and P4 are P1 and P2 with exchanged axes.
-    """
+    """Split down to `depth` in the toolbox's arrays."""
+    # The second level works on transposed nodes, as Q2 is Q1 with exchanged axes; the second half of
+    # the tree stays transposed, as P3 and P4 are P1 and P2 with exchanged axes.
     nodes, levels = [pixels], []
     children: list[Indices]
     for level in range(1, depth + 1):
@@ -312,11 +308,9 @@ def _unquincunx(node: Indices) -> Indices:
 
 @dataclass(frozen=True, eq=False)
 class _Node:
-    """A channel of the tree: its samples' positions, sampling matrix, and the position of sample 0.
+    """A channel of the tree: its samples' positions, sampling matrix, and the position of sample 0."""
 
-    The anchor may lie outside the image, because of the toolbox's delays.
-    """
-
+    # The anchor may lie outside the image, because of the toolbox's delays.
     positions: Indices
     matrix: Indices
     anchor: Indices

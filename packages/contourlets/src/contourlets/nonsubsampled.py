@@ -148,10 +148,7 @@ def _second_half_reversed(bands: list[Floats]) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class _Ladder:
-    """A two-channel ladder on all pixels.
-
-    `turned` ladders see the image with rows and columns exchanged.
-    """
+    """A two-channel ladder on all pixels; a `turned` one sees rows and columns exchanged."""
 
     filter_name: str
     matrix: Indices
