@@ -6,6 +6,7 @@ from recognition.synthetic import features_table
 from studies.surfaces import RUN, small_surfaces, write_sources
 
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition import experiment
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.curves.adaptive import CANDIDATES, adaptive_rows, make_candidates
 from visuohaptic.studies.curves.settings import CURVES, LONGEST_SEQUENCE, touches_name
@@ -47,6 +48,18 @@ def test_touches_are_chosen_the_same_each_time_and_tell_the_class(pipeline):
         assert cell.accuracy.tolist() == again[key].accuracy.tolist()
     key = (touches_name(3), pipeline, "adaptive", "support_vector_machine")
     assert found[key].accuracy.mean() > 0.5
+
+
+def test_each_condition_learns_its_number_of_touches_in_the_pipelines_columns(monkeypatch):
+    seen, runner = set(), experiment.split_runner
+
+    def run(sequences, *given):
+        seen.add((sequences.features.shape[1], sequences.feature_names))
+        return runner(sequences, *given)
+
+    monkeypatch.setattr(experiment, "split_runner", run)
+    cells("paper", [1, 3])
+    assert seen == {(1, experiment.PAPER_FEATURES), (3, experiment.PAPER_FEATURES)}
 
 
 def test_a_longer_curve_begins_as_a_shorter_one():

@@ -150,6 +150,19 @@ def test_imprints_of_training_objects_change_choices():
     assert (choose(CANDIDATES) != choose(with_features(features))).any()
 
 
+def test_the_touches_of_a_training_object_are_chosen_without_it(monkeypatch):
+    left_out, likelihood = [], choosing.TouchModel.log_likelihood
+
+    def leave_out(model, poses, place):
+        left_out.append(place)
+        return likelihood(model, poses, place)
+
+    monkeypatch.setattr(choosing.TouchModel, "log_likelihood", leave_out)
+    choose(CANDIDATES)
+    training = np.unique(CANDIDATES.sequences.object_index[SPLIT.train])
+    assert [place for place in left_out if place != -1] == training.tolist()
+
+
 def test_a_training_object_is_not_foretold_by_itself():
     model = fit_touch_model(CANDIDATES, SPLIT, PARAMETERS, np.random.default_rng(3))
     place = int(CANDIDATES.sequences.object_index[SPLIT.train[0]])
