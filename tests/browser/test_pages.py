@@ -5,8 +5,8 @@ from axe_playwright_python.sync_playwright import Axe
 from browser.conftest import DESK, PHONE, SCREENSHOTS
 from report.synthetic import PARAMETERS, write_run
 
-from visuohaptic.report.files import make_report
 from visuohaptic.report.measured_runs import read_measured_run
+from visuohaptic.report.page import make_report
 from visuohaptic.report.run_comparison import compare_runs, render_comparison
 
 pytestmark = pytest.mark.slow
@@ -179,8 +179,12 @@ def test_the_imprint_of_a_touch_is_shown_on_focus_and_on_tap(model):
     assert figure.locator('.touched [aria-pressed="true"]').inner_text() == "2"
     buttons.nth(3).click()
     assert felt.inner_text().startswith("Touch 4: ")
-    cell = felt.locator(".cell img")
-    assert cell.evaluate("one => one.complete && one.naturalWidth > 0")
+    look = (
+        "one => [getComputedStyle(one).backgroundImage, getComputedStyle(one).backgroundPosition]"
+    )
+    picture, place = felt.locator(".cell").evaluate(look)
+    assert picture.startswith('url("data:image/webp;base64,')
+    assert place == "-288px 0px"
     figure.page.mouse.move(0, 0)
     figure.locator(".strategies").select_option("random")
     felt.wait_for(state="hidden", timeout=5000)

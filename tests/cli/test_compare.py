@@ -9,9 +9,9 @@ from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS
 from report.synthetic import write_run as write_whole_run
 
-from visuohaptic.report.comparison import Figure
-from visuohaptic.report.files import make_report
+from visuohaptic.report.estimates import Figure
 from visuohaptic.report.measured_runs import list_experiments
+from visuohaptic.report.page import make_report
 from visuohaptic.report.run_comparison import difference_of
 
 
@@ -90,7 +90,7 @@ def test_each_of_many_runs_is_compared_with_the_first(visuohaptic, tmp_path):
     assert "1 higher and 0 lower, equal on every object 0." in higher
     page = read_page((tmp_path / "comparison" / "comparison.html").read_text())
     assert page.mismatches == []
-    assert "parameter seed 1 1 2" in page.text
+    assert "seed parameter 1 1 2" in page.text
     (chart,) = page.named("svg")
     assert chart.attributes["role"] == "img"
 

@@ -14,7 +14,7 @@ from visuohaptic.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.gaze.summary import summarise
 from visuohaptic.report import drawing, figures
-from visuohaptic.report.comparison import Figure
+from visuohaptic.report.estimates import Figure
 from visuohaptic.report.palette import look
 from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import strategy_place

@@ -2,7 +2,7 @@ import pytest
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 
 from visuohaptic.errors import ReportError
-from visuohaptic.report.files import make_report
+from visuohaptic.report.page import make_report
 from visuohaptic.report.run import RunFiles
 
 

@@ -4,7 +4,6 @@ from gaze.made_up import made_up_object
 from visuohaptic.gaze.measuring import measure_all
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.stored import MeasuredGaze, read_measured
-from visuohaptic.report import figures
 from visuohaptic.report.gaze import gaze_figures
 from visuohaptic.report.page import make_environment
 from visuohaptic.tables.gaze import GAZE_PICTURES
@@ -18,11 +17,7 @@ TABLE = measure_all(OBJECTS, GazeParameters(folds=2))
 
 
 def page(found):
-    return (
-        make_environment()
-        .get_template("gaze.html.jinja")
-        .render(gaze=found, chart=found and figures.gaze(found.shown))
-    )
+    return make_environment().get_template("gaze.html.jinja").render(gaze=found)
 
 
 def test_without_anything_measured_the_section_says_how_to_get_it():
@@ -36,8 +31,9 @@ def test_the_section_shows_each_predictor_and_the_worst_objects():
     for row in found.rows:
         assert row.predictor.label in text
     assert [row.objects for row in found.rows] == [4] * len(found.rows)
-    assert found.worst == sorted(found.worst, key=lambda one: one[1])
-    assert "On 1 object for tests" in text
+    correlations = [one["correlation"] for one in found.worst]
+    assert correlations == sorted(correlations)
+    assert "1 object for tests" in text
     assert "Measured once" not in text
 
 
@@ -58,7 +54,7 @@ def test_pictures_are_shown_worst_first(tmp_path):
     path = tmp_path / "pictures.parquet"
     write_table(GAZE_PICTURES, build_table(GAZE_PICTURES, columns), path)
     found = gaze_figures(MeasuredGaze(TABLE), path)
-    assert [one.name for one in found.pictures] == ["bad<", "good"]
+    assert [one["object"] for one in found.pictures] == ["bad<", "good"]
     text = page(found)
     assert "bad&lt;" in text
     assert "data:image/png;base64," in text

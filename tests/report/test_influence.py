@@ -40,18 +40,18 @@ def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence)
     figures = influence_figures(influence, "ideal")
     assert (figures.touches, figures.views) == (500, 8)
     ideal, worn = figures.scenes
-    assert (ideal.needed, ideal.unneeded) == (("adaptive_size",), ("noise",))
-    assert (ideal.milliseconds, ideal.milliseconds_always) == pytest.approx((200.0, 1000.0))
-    assert (worn.name, worn.needed, worn.unneeded) == ("worn_fsr", ("noise",), ())
+    assert (ideal["needed"], ideal["unneeded"]) == (["adaptive_size"], ["noise"])
+    assert (ideal["milliseconds"], ideal["milliseconds_always"]) == pytest.approx((200.0, 1000.0))
+    assert (worn["name"], worn["needed"], worn["unneeded"]) == ("worn_fsr", ["noise"], [])
     assert effects_answer(figures).replace("\xa0", " ") == (
         "Of 2 effects of touch so many are needed: ideal 1 (80 %), worn_fsr 1, in brackets the time that leaving out the others saves. No bit "
         "of an image changes."
     )
     size, noise = figures.touch
-    assert (size.milliseconds, size.milliseconds_always) == pytest.approx((200.0, 400.0))
-    assert noise.shifts == {"worn_fsr": 0.0125}
-    assert [one.name for one in figures.view] == ["texture", "shading", "cast_shadows"]
-    assert figures.view[2].milliseconds_always == pytest.approx(50.0)
+    assert (size["milliseconds"], size["milliseconds_always"]) == pytest.approx((200.0, 400.0))
+    assert noise["shifts"] == {"worn_fsr": 0.0125}
+    assert [one["name"] for one in figures.view] == ["texture", "shading", "cast_shadows"]
+    assert figures.view[2]["milliseconds_always"] == pytest.approx(50.0)
 
 
 def test_what_was_not_measured_has_no_figures(tmp_path):
@@ -61,12 +61,12 @@ def test_what_was_not_measured_has_no_figures(tmp_path):
 
 def test_every_hard_place_has_a_picture_a_size_and_a_state():
     places = hard_places(PARAMETERS)
-    assert [place.name for place in places] == [probe.name for probe in hard_probes()]
-    assert all(place.imprint.startswith("data:image/webp;base64,") for place in places)
-    assert len({place.imprint for place in places}) > len(places) // 2
-    assert {place.state for place in places} <= set(CONTACT_STATES)
+    assert [place["name"] for place in places] == [probe.name for probe in hard_probes()]
+    assert all(place["imprint"].startswith("data:image/webp;base64,") for place in places)
+    assert len({place["imprint"] for place in places}) > len(places) // 2
+    assert {place["state"] for place in places} <= set(CONTACT_STATES)
     sensor = PARAMETERS.sensor
-    assert all(sensor.smallest_size <= place.size <= sensor.largest_size for place in places)
+    assert all(sensor.smallest_size <= place["size"] <= sensor.largest_size for place in places)
 
 
 @pytest.mark.slow

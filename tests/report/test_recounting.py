@@ -10,13 +10,13 @@ from report.synthetic import lay_out
 from studies.cost.test_front import cost_table
 
 from visuohaptic.report import sections
-from visuohaptic.report.cost import duration
 from visuohaptic.report.page import render_page
 from visuohaptic.report.questions import row_of
 from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
 from visuohaptic.report.run import read_run
 from visuohaptic.report.run_folder import find_run
 from visuohaptic.report.section import ReportContext
+from visuohaptic.report.wording import duration
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
 

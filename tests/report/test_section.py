@@ -28,7 +28,9 @@ from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import COST, EFFECT_INFLUENCE, EVALUATION
 
-SHOWN = SimpleNamespace(category="cup", name="mug", shown=SimpleNamespace(viewpoint=1))
+SHOWN = SimpleNamespace(
+    shown_rows={"class": "cup", "object": "mug", "viewpoint": 1, "strategy": "fixation"}
+)
 WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance", "glossary", "readings"}
 EFFECT = {
     "scene": ["ideal"], "effect": ["noise"], "touches": [500], "called_for": [0], "seconds": [0.0],

@@ -6,7 +6,12 @@ from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
 
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
-from visuohaptic.report.touches_needed import curve_figures, verdict
+from visuohaptic.report.touches_needed import (
+    CurveFigures,
+    curve_figures,
+    touches_needed,
+    verdict,
+)
 from visuohaptic.studies.curves.settings import touches_name
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import TOUCHES_NEEDED
@@ -62,35 +67,34 @@ def write_tables(folder, rows=BEHIND):
 
 
 def told(rows):
-    adjusted = [{**one, "adjusted_p": one["p_value"]} for one in rows]
-    return " ".join(verdict(adjusted))
+    ranked = sorted(rows, key=lambda one: -one["area"])
+    return verdict([{**one, "adjusted_p": one["p_value"]} for one in ranked])
 
 
 def test_where_attention_does_not_win_the_words_say_so():
-    text = told(BEHIND)
-    assert "2 touches is that of farthest points, 80.0" in text
-    assert "Attention does not win" in text
-    assert "number 2 of 3, behind farthest points (−10.0 percentage points)" in text
-    assert "ahead of random probing (+10.0 percentage points)" in text
-    assert "is the difference to farthest points." in text
-    assert (
-        "stays at 90\N{NO-BREAK SPACE}%: 2, by farthest points; eye fixations never get there"
-        in text
-    )
+    text = told(BEHIND).replace("\N{NO-BREAK SPACE}", " ")
+    assert "2 touches is that of farthest points, 80.0 % of the area" in text
+    assert "attention does not win" in text
+    assert "ahead of others: farthest points −10.0 and random probing +10.0;" in text
+    assert "with 12 objects beyond chance is the difference to farthest points" in text
 
 
 def test_where_attention_wins_the_words_say_whether_beyond_chance():
     text = told(AHEAD)
-    assert "Attention wins" in text
+    assert "attention wins" in text
     assert "does not" not in text
-    assert "none of these differences is beyond chance (smallest Holm-adjusted p 0.2)" in text
-    assert "stays at 90\N{NO-BREAK SPACE}%: 1, by eye fixations." in text
+    assert "no difference is beyond chance (smallest Holm-adjusted p 0.2)" in text
 
 
-def test_without_fixations_or_the_level_nothing_is_claimed():
-    text = told([row("random", 0.6, None)])
-    assert "Attention" not in text
-    assert "None stays at" in text
+def test_without_fixations_nothing_is_claimed():
+    assert "ttention" not in told([row("random", 0.6, None)])
+
+
+def test_touches_needed_are_written_with_what_is_open():
+    assert touches_needed(row("random", 0.6, None)) == "never up to 2"
+    assert touches_needed(row("random", 0.6, 2)) == (
+        '2<span class="interval">1 to more than 2</span>'
+    )
 
 
 def test_p_values_are_adjusted_over_the_strategies(tmp_path):
@@ -98,6 +102,12 @@ def test_p_values_are_adjusted_over_the_strategies(tmp_path):
     adjusted = {one["strategy"]: one["adjusted_p"] for one in figures.rows}
     assert adjusted == {"farthest_point": 0.002, "random": 0.4, "fixation": None}
     assert [one["strategy"] for one in figures.rows] == ["farthest_point", "fixation", "random"]
+
+
+def test_a_plug_in_may_call_its_strategy_as_a_column():
+    point = {"strategy": "touches", "place": 0, "accuracy": 0.5}
+    found = CurveFigures("best", "naive_bayes", [], [point])
+    assert found.by_touches == [{"touches": 1, "points": {"touches": point}}]
 
 
 @pytest.mark.slow
@@ -110,5 +120,5 @@ def test_the_page_shows_the_curves_where_they_were_measured(tmp_path):
     page = render_page(read_run(measured, PARAMETERS, OBJECTS))
     assert 'id="touches_needed"' not in without
     assert 'id="touches_needed"' in page
-    assert "Attention does not win" in page
+    assert "attention does not win" in page
     read_page(page)

@@ -141,5 +141,5 @@ def test_the_classifiers_are_code_of_recognition_and_of_no_phase_before():
 
 def test_the_report_runs_its_own_modules_and_not_what_runs_jobs():
     files = files_of(Start(ROOT / "workflow/scripts/report.py"))
-    assert "src/visuohaptic/report/files.py" in files
+    assert "src/visuohaptic/report/page.py" in files
     assert "workflow/lib/visuohaptic_workflow/jobs.py" not in files

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.files import make_report
+from visuohaptic.report.page import make_report
 from visuohaptic.report.run import RunFiles
 from visuohaptic.report.run_folder import find_extras
 from visuohaptic_workflow.jobs import job

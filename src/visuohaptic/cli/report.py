@@ -31,7 +31,7 @@ def report(
     Example: visuohaptic report . --out report
     """
     require("report", "jinja2", "matplotlib", "plotly")
-    from visuohaptic.report.files import make_report
+    from visuohaptic.report.page import make_report
     from visuohaptic.report.run_folder import find_run
 
     found = find_run(run)

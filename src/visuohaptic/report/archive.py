@@ -25,18 +25,9 @@ _SUMMARY = re.compile(r'<script type="application/json" id="run-summary">(.*?)</
 
 @dataclass(frozen=True)
 class Archive:
-    """A run as its report carries it.
+    """A run as its report carries it: whole `metrics.json` and `params.yaml`, and what `provenance` found.
 
-    Attributes
-    ----------
-    metrics, parameters : mapping
-        As in `metrics.json` and in `params.yaml`, nothing left out.
-    seconds : tuple of PhaseSeconds
-        By phase.
-    commit : str
-        What `find_commit` found.
-    machine, versions : mapping of str to str
-        What `describe_machine` and `find_versions` found; older reports carry no versions.
+    Older reports carry no versions.
     """
 
     metrics: Mapping[str, Any]

@@ -1,14 +1,18 @@
 """The page's sections in the order in which they appear, each with the tables that it reads.
 
-A new section is a function of `sections` that gives its words and figures, a template of its name,
-and its entry here.
+A new section is a function that gives its words and figures, such as one of `sections`, a template of
+its name, and its entry here.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from visuohaptic.gaze.stored import read_measured
 from visuohaptic.report import sections
+from visuohaptic.report.gaze import gaze_figures
+from visuohaptic.report.glossary import WORDS
+from visuohaptic.report.looking import ANSWERS, looking_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import (
     Reads,
@@ -17,9 +21,12 @@ from visuohaptic.report.section import (
     each_best,
     each_pipeline,
     first_best,
+    given,
     shown_touch,
     shown_view,
 )
+from visuohaptic.report.studies import read_own_studies, read_study
+from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.studies.registry import PACKAGED
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.guards import GUARDS
@@ -38,7 +45,7 @@ from visuohaptic.tables.studies import (
 _SHARE = "share of rows with predicted = class, averaged over splits"
 _VOTES = "Whole objects: voted, or the majority of predicted where it is missing"
 
-ANSWERS = Reads(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", each_best)
+BEST = Reads(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", each_best)
 COSTS = (
     Reads("Settings of this run", COST, "frontier"),
     Reads("The whole study", COST, "cost"),
@@ -61,7 +68,7 @@ def of_own_studies(run: Run) -> list[Reads]:
 CHAPTERS = {
     "Answers": (
         Section(
-            "answer", "Answers", sections.answer_values, (ANSWERS, *COSTS, STABLE, INFLUENCE),
+            "answer", "Answers", sections.answer_values, (BEST, *COSTS, STABLE, INFLUENCE),
         ),
         Section(
             "method", "The method on one object of this run", sections.method_values,
@@ -80,7 +87,10 @@ CHAPTERS = {
             ),
         ),
         Section(
-            "touches_needed", "Accuracy against touches", sections.touches_needed_values,
+            "touches_needed", "Accuracy against touches",
+            lambda context: given(
+                pipelines=curve_figures(context.file_of("studies"), context.file_of("touches_needed"))
+            ),
             (
                 Reads("Area and touches needed", TOUCHES_NEEDED, "touches_needed"),
                 of_study("curves"),
@@ -98,7 +108,10 @@ CHAPTERS = {
             ),
         ),
         Section(
-            "looking", "What the eye alone recognises, and what touch adds", sections.looking_values,
+            "looking", "What the eye alone recognises, and what touch adds",
+            lambda context: given(
+                looking=looking_figures(context.file_of("looking_figures")), answers=ANSWERS
+            ),
             (Reads("Looking, touching and both", LOOKING, "looking"),),
         ),
     ),
@@ -139,24 +152,41 @@ CHAPTERS = {
     ),
     "Studies": (
         Section(
-            "readings", "The paper under all its readings", sections.readings_values,
+            "readings", "The paper under all its readings",
+            lambda context: {"readings": context.readings},
         ),
         Section(
-            "gaze", "Attention compared with human gaze", sections.gaze_values,
+            "gaze", "Attention compared with human gaze",
+            lambda context: {
+                "gaze": gaze_figures(
+                    read_measured(context.file_of("gaze")), context.file_of("gaze_pictures")
+                )
+            },
             (
                 Reads("Predictions against people", GAZE, "gaze"),
                 Reads("Pictures", GAZE_PICTURES, "gaze_pictures"),
             ),
         ),
-        Section("ablations", "Ablations", sections.ablations_values, (of_study("ablations"),)),
-        Section("studies", "Own studies", sections.studies_values, of_own_studies),
+        Section(
+            "ablations", "Ablations",
+            lambda context: given(study=read_study(context.file_of("studies"), "ablations")),
+            (of_study("ablations"),),
+        ),
+        Section(
+            "studies", "Own studies",
+            lambda context: given(studies=read_own_studies(context.file_of("studies"))),
+            of_own_studies,
+        ),
     ),
     "Methods": (
         Section("methods", "Methods text", sections.methods_values),
         Section("parameters", "Parameters", sections.parameters_values),
-        Section("credits", "Credits", sections.credits_values),
+        Section(
+            "credits", "Credits",
+            lambda context: {"objects": context.run.objects, "credits": context.run.credits},
+        ),
         Section("provenance", "What ran, where and how long", sections.provenance_values),
-        Section("glossary", "Glossary", sections.glossary_values),
+        Section("glossary", "Glossary", lambda _: {"words": WORDS}),
     ),
 }  # fmt: skip
 """The sections by their entry in the table of contents."""

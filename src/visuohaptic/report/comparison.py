@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from visuohaptic.recognition.intervals import holm
 from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.estimates import Figure
 from visuohaptic.report.wording import (
     classifier_name,
     counted,
@@ -40,24 +41,6 @@ _ORDER = ("fixation", "random")
 
 
 @dataclass(frozen=True)
-class Figure:
-    """A mean and its interval; None where the interval has no end."""
-
-    mean: float
-    low: float | None
-    high: float | None
-
-    @property
-    def is_limit(self) -> bool:
-        """Whether all objects agree, so that the interval is the exact binomial limit."""
-        return self.low is not None and self.mean in (0.0, 1.0)
-
-    def holds(self, value: float) -> bool:
-        """Return whether a value lies within the interval, ends included."""
-        return self.low is not None and self.high is not None and self.low <= value <= self.high
-
-
-@dataclass(frozen=True)
 class Comparison:
     """Fixations against another strategy, over the same objects.
 
@@ -69,6 +52,11 @@ class Comparison:
     adjusted_p: float
     objects: int
     exact: bool
+
+    @property
+    def signs(self) -> str:
+        """Which combinations of signs were tried."""
+        return "all" if self.exact else "drawn at random"
 
 
 @dataclass(frozen=True)
@@ -84,21 +72,18 @@ class ClassifierRow:
     comparisons: Mapping[str, Comparison]
     notes: tuple[str, ...]
 
+    @property
+    def published_gain(self) -> float | None:
+        """By how much fixations are ahead of random probing in the paper."""
+        found = self.published
+        return found["fixation"] - found["random"] if found else None
+
 
 @dataclass(frozen=True)
 class PipelineTable:
-    """One pipeline's classifiers, in the order of the paper's table.
+    """One pipeline's classifiers, in the order of the paper's table, its strategies, and how much was tested.
 
-    Attributes
-    ----------
-    name : str
-        The pipeline.
-    strategies : tuple of str
-        Fixations first.
-    rows : tuple of ClassifierRow
-        One a classifier.
-    splits, repeats, objects, sequences : int
-        How much was tested.
+    Of the strategies, fixations are first.
     """
 
     name: str
@@ -123,7 +108,10 @@ class PipelineTable:
 def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
     """Arrange what `summarise` gives for the page, the paper's pipeline first."""
     names = sorted(metrics["results"], key=pipeline_order)
-    return [_pipeline_table(metrics, name) for name in names]
+    compared = metrics.get("comparisons", {})
+    return [
+        _pipeline_table(metrics["results"][name], compared.get(name, {}), name) for name in names
+    ]
 
 
 def pipeline_order(name: str) -> tuple[bool, str]:
@@ -147,51 +135,49 @@ def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
 def gain_sentence(table: PipelineTable) -> str:
     """Say with how many classifiers fixations are ahead of random probing; empty without both."""
     compared = [
-        (row, row.comparisons["random"]) for row in table.rows if "random" in row.comparisons
+        (row.name, row.comparisons["random"]) for row in table.rows if "random" in row.comparisons
     ]
     if not compared:
         return ""
-    ahead = [row for row, found in compared if found.difference.mean > 0]
     gains = [found.difference.mean for _, found in compared]
     settled = [
-        f"{row.name} ({points(found.difference.mean)})"
-        for row, found in compared
+        f"{name} ({points(found.difference.mean)})"
+        for name, found in compared
         if found.adjusted_p < SIGNIFICANCE
     ]
-    objects = compared[0][1].objects
+    least = probability(min(found.adjusted_p for _, found in compared))
     verdict = (
         f"and the difference is significant for {listed(settled)} (Holm-adjusted p below "
         f"{SIGNIFICANCE:g})"
         if settled
-        else f"but with {counted(objects, 'object')} no difference is significant (smallest "
-        f"Holm-adjusted p {probability(min(found.adjusted_p for _, found in compared))})"
+        else f"but with {counted(compared[0][1].objects, 'object')} no difference is significant "
+        f"(smallest Holm-adjusted p {least})"
     )
     return (
-        f"Fixations are ahead of random probing with {len(ahead)} of "
-        f"{counted(len(compared), 'classifier')} ({points(min(gains))} to {points(max(gains))} "
+        f"Fixations are ahead of random probing with {sum(gain > 0 for gain in gains)} of "
+        f"{counted(len(gains), 'classifier')} ({points(min(gains))} to {points(max(gains))} "
         f"points), {verdict}."
     )
 
 
-def _pipeline_table(metrics: Mapping[str, Any], name: str) -> PipelineTable:
-    results = metrics["results"][name]
-    strategies = sorted(results, key=lambda key: (_ORDER.index(key) if key in _ORDER else 9, key))
-    keys = {key for cells in results.values() for key in cells}
-    order = list(TABLE_1)
-    keys_in_order = sorted(keys, key=lambda key: (order.index(key) if key in order else 9, key))
-    compared = metrics.get("comparisons", {}).get(name, {})
+def _pipeline_table(
+    results: Mapping[str, Any], compared: Mapping[str, Any], name: str
+) -> PipelineTable:
+    strategies = _sorted(results, _ORDER)
+    keys = _sorted({key for cells in results.values() for key in cells}, tuple(TABLE_1))
     adjusted = _adjusted(compared)
-    rows = tuple(_row(results, key, name, compared.get(key, {}), adjusted) for key in keys_in_order)
     cell = next(iter(results[strategies[0]].values()))
     return PipelineTable(
         name,
         tuple(strategies),
-        rows,
-        cell["splits"],
-        cell["repeats"],
-        cell["objects"],
-        cell["sequences"],
+        tuple(_row(results, key, name, compared.get(key, {}), adjusted) for key in keys),
+        *(cell[count] for count in ("splits", "repeats", "objects", "sequences")),
     )
+
+
+def _sorted(names: Collection[str], first: Sequence[str]) -> list[str]:
+    """Order names: those of `first` as there, then the others by name."""
+    return sorted(names, key=lambda one: (first.index(one) if one in first else len(first), one))
 
 
 def _row(
@@ -201,7 +187,7 @@ def _row(
     compared: Mapping[str, Any],
     adjusted: Mapping[tuple[str, str], float],
 ) -> ClassifierRow:
-    cells = {strategy: results[strategy][key] for strategy in results if key in results[strategy]}
+    cells = {strategy: found[key] for strategy, found in results.items() if key in found}
     return ClassifierRow(
         key=key,
         name=classifier_name(key),

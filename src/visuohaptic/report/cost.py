@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
+from markupsafe import Markup
+
 from visuohaptic.parameters import CostParameters, ExperimentParameters
+from visuohaptic.report.estimates import Figure, figure_of, with_interval
 from visuohaptic.report.questions import Answer
-from visuohaptic.report.wording import (
-    counted,
-    listed,
-    percent,
-    points,
-    strategy_name,
-    titled,
-)
+from visuohaptic.report.tables import NONE
+from visuohaptic.report.wording import counted, duration, listed, percent, strategy_name, titled
 from visuohaptic.studies.cost.front import (
     Row,
     Saving,
@@ -25,169 +22,109 @@ from visuohaptic.studies.cost.front import (
     find_savings,
     first_step,
     front_rows,
+    on_robot,
     read_costs,
     reference_row,
 )
 
-
-@dataclass(frozen=True)
-class SettingGroup:
-    """Settings that differ significantly neither in time nor in error: rows of `tables.COST`, at least one."""
-
-    rows: tuple[Row, ...]
-
-    @property
-    def settings(self) -> list[tuple[str, str]]:
-        """Each of their families, with its settings."""
-        families = dict.fromkeys(row["family"] for row in self.rows)
-        return [
-            (
-                strategy_name(family),
-                "; ".join(str(row["setting"]) for row in self.rows if row["family"] == family),
-            )
-            for family in families
-        ]
-
-    @property
-    def verdict(self) -> str:
-        """Whether one of them is on the front."""
-        if self.rows[0]["failed"]:
-            return f"failed: {self.rows[0]['failed']}"
-        if any(row["on_front"] for row in self.rows):
-            return "on the front"
-        return "dominated" if self.rows[0]["dominated"] else "not timed"
-
-    @property
-    def milliseconds(self) -> str:
-        """Their median run times; with `quartiles` under them."""
-        return self._range("seconds", "seconds", _milliseconds)
-
-    @property
-    def quartiles(self) -> str:
-        """The lowest lower and the highest upper quartile."""
-        return self._range("seconds_low", "seconds_high", _milliseconds)
-
-    @property
-    def error(self) -> str:
-        """Their error rates in per cent; with `interval` under them."""
-        return self._range("error", "error", lambda value: f"{100 * value:.2f}")
-
-    @property
-    def interval(self) -> str:
-        """The lowest and the highest end of their intervals."""
-        ends = self._range("error_low", "error_high", lambda value: f"{100 * value:.1f}")
-        return f"{ends}†" if any(row["error"] in (0.0, 1.0) for row in self.rows) else ends
-
-    def part(self, name: str) -> str:
-        """Give the median milliseconds of a part, such as ``look``."""
-        column = f"seconds_{name}"
-        return self._range(column, column, lambda value: f"{1000 * value:.1f}")
-
-    def _range(self, low: str, high: str, write: Callable[[float], str]) -> str:
-        if self.rows[0][low] is None:
-            return "–"
-        ends = min(row[low] for row in self.rows), max(row[high] for row in self.rows)
-        written = dict.fromkeys(map(write, ends))
-        return "\N{EN DASH}".join(written)
+_VERDICTS = {
+    "free": "costs less than 1 point",
+    "open": "can't be told apart",
+    "costs": "costs accuracy",
+}
+_CUES = {
+    ("cues", "pose alone", "skin alone"): "In pipeline best, positions and normals alone reach {} "
+    "correctly classified, imprints alone {}. All objects stand upright.",
+    (
+        "paper",
+        "with its map",
+        "without the map",
+    ): "The paper reduces each touch to five numbers by a "
+    "self-organising map. With it its pipeline has {} correctly classified, without it {}.",
+}
 
 
 @dataclass(frozen=True)
 class CostFigures:
-    """The section's numbers, of one study.
+    """What accuracy costs in a run: rows of `tables.COST`, and what was run."""
 
-    Attributes
-    ----------
-    families : tuple of str
-        Names of the families, in the order of their colours.
-    rows, front : sequence of mapping
-        Rows of `tables.COST`: all, and those on the front, the quickest first.
-    groups : tuple of SettingGroup
-        All rows; those of one number in column `group` together.
-    steps : sequence of mapping
-        Those that are worth their time, as `step_rows` gives them.
-    price : str
-        When looking pays on a robot; may be empty.
-    savings : list of str
-        What smaller settings save and lose.
-    recognitions : int
-        Recognitions that each setting was timed on, at most.
-    objects : int
-        Objects that were tested, at most.
-    reference : mapping or None
-        The row of the run's own setting from one viewpoint.
-    """
-
-    families: tuple[str, ...]
     rows: Sequence[Row]
-    front: Sequence[Row]
-    groups: tuple[SettingGroup, ...]
-    steps: Sequence[Row]
-    price: str
-    savings: list[str]
-    recognitions: int
-    objects: int
-    reference: Row | None
+    run: ExperimentParameters
+
+    @property
+    def timed(self) -> bool:
+        """Whether a setting was both run and timed."""
+        return any(row["failed"] is None and row["seconds"] is not None for row in self.rows)
+
+    @property
+    def steps(self) -> list[Row]:
+        """Settings that are worth their time, the quickest first; each has its ``name``."""
+        return [{**row, "name": _named(row)} for row in step_rows(self.rows)]
+
+    @property
+    def groups(self) -> list[Row]:
+        """Settings that differ significantly neither in time nor in error, a row together."""
+        groups = dict.fromkeys(row["group"] for row in self.rows)
+        return [group_row([row for row in self.rows if row["group"] == one]) for one in groups]
+
+    @property
+    def savings(self) -> list[Row]:
+        """What each smaller setting saves, and what it loses."""
+        return [_saving_row(saving) for saving in find_savings(self.rows)]
+
+    @property
+    def price(self) -> str:
+        """When looking pays on a robot; may be empty."""
+        return robot_sentence(self.rows, self.run.cost)
+
+    @property
+    def robot(self) -> Sequence[Row]:
+        """The rows with a robot's time."""
+        return on_robot(list(self.rows), self.run.cost)
+
+    @property
+    def recognitions(self) -> int:
+        """Recognitions that each setting was timed on, at most."""
+        return max((row["recognitions"] or 0 for row in self.rows), default=0)
+
+    @property
+    def objects(self) -> int:
+        """Objects that were tested, at most."""
+        return max((row["objects"] or 0 for row in self.rows), default=0)
+
+    @property
+    def reference(self) -> Row | None:
+        """The row of the run's own setting from one viewpoint."""
+        return reference_row(self.rows)
 
 
 def read_cost(path: str | Path | None, run: ExperimentParameters) -> CostFigures | None:
     """Read what accuracy costs from `tables.COST`; None where nothing was measured."""
     if path is None or not Path(path).is_file():
         return None
-    return cost_figures(read_costs(path), run)
+    return CostFigures(read_costs(path), run)
 
 
-def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> CostFigures:
-    """Give what accuracy costs.
-
-    Parameters
-    ----------
-    rows : sequence of dict
-        Rows of `tables.COST`.
-    run : ExperimentParameters
-        What was run; it has a robot's prices, and the confidence of intervals.
-
-    Returns
-    -------
-    CostFigures
-        The section's numbers.
-    """
-    families = tuple(dict.fromkeys(row["family"] for row in rows))
-    return CostFigures(
-        families,
-        rows,
-        front_rows(rows),
-        _groups(rows),
-        step_rows(rows),
-        robot_sentence(rows, run.cost),
-        saving_sentences(rows, run),
-        max((row["recognitions"] or 0 for row in rows), default=0),
-        max((row["objects"] or 0 for row in rows), default=0),
-        reference_row(rows),
-    )
-
-
-def cost_verdict(figures: CostFigures) -> Answer | None:
+def cost_verdict(rows: Sequence[Row]) -> Answer | None:
     """Answer what accuracy costs in time: the quickest step and the most accurate setting."""
-    first = first_step(figures.rows)
+    first = first_step(rows)
     if first is None:
         return None
-    last = min(figures.front, key=lambda row: float(row["error"]))
-    question = "What does accuracy cost in time?"
-    if first["error"] <= last["error"]:
-        return Answer(
-            question,
-            "no",
-            _with_quartiles(first),
-            f"of computing, error rate {percent(first['error'])} ({_named(first)}): the quickest "
-            "setting has the lowest error rate, too.",
-            "cost",
-        )
+    last = min(front_rows(rows), key=lambda row: float(row["error"]))
+    error, best = percent(first["error"]), first["error"] <= last["error"]
+    sentence = (
+        f"of computing, error rate {error} ({_named(first)}): the quickest setting has the lowest error "
+        "rate, too."
+        if best
+        else f"of computing for an error rate of {error} ({_named(first)}); the lowest, "
+        f"{percent(last['error'])}, takes {duration(last['seconds'])}."
+    )
+    seconds = Figure(first["seconds"], first["seconds_low"], first["seconds_high"])
     return Answer(
-        question,
-        "depends",
-        _with_quartiles(first),
-        f"of computing for an error rate of {percent(first['error'])} ({_named(first)}); the lowest, "
-        f"{percent(last['error'])}, takes {duration(last['seconds'])}.",
+        "What does accuracy cost in time?",
+        "no" if best else "depends",
+        with_interval(seconds, duration),
+        sentence,
         "cost",
     )
 
@@ -208,57 +145,37 @@ class TimePart:
 
 
 def time_parts(row: Row | None) -> list[TimePart]:
-    """Say where the time of a recognition goes.
-
-    Parameters
-    ----------
-    row : mapping or None
-        A setting's row of `tables.COST`.
-
-    Returns
-    -------
-    list of TimePart
-        In the order of the work; empty where the setting was not timed.
-    """
+    """Say where the time of a recognition goes, by a row of `tables.COST`; empty if it was not timed."""
     if row is None or row["seconds"] is None:
         return []
+    whole, views = (1, "recognition"), (row["looks"], "view")
+    touches = (all_touches(row), "touch")
     looking = row["seconds_render"] + row["seconds_attend"]
-    views, touches = (row["looks"], "view"), (all_touches(row), "touch")
-    parts = [
-        TimePart("preparing the surface", row["seconds_look"] - looking, 1, "recognition"),
-        TimePart("rendering", row["seconds_render"], *views),
-        TimePart("attention: saliency and fixations", row["seconds_attend"], *views),
-        TimePart("casting rays", row["seconds_cast"], *touches),
-        TimePart("rest of touching", row["seconds_touch"] - row["seconds_cast"], *touches),
-        TimePart("describing", row["seconds_describe"], *touches),
-        TimePart("classification", row["seconds_name"], 1, "recognition"),
-    ]
+    parts = (
+        ("preparing the surface", row["seconds_look"] - looking, whole),
+        ("rendering", row["seconds_render"], views),
+        ("attention: saliency and fixations", row["seconds_attend"], views),
+        ("casting rays", row["seconds_cast"], touches),
+        ("rest of touching", row["seconds_touch"] - row["seconds_cast"], touches),
+        ("describing", row["seconds_describe"], touches),
+        ("classification", row["seconds_name"], whole),
+    )
     # Medians of parts need not add up.
-    return [replace(part, seconds=max(part.seconds, 0.0)) for part in parts if part.units]
+    return [TimePart(name, max(seconds, 0.0), *units) for name, seconds, units in parts if units[0]]
 
 
 def cue_sentences(rows: Sequence[Row]) -> list[str]:
     """Say what positions alone and imprints alone are worth, and the map of the paper's pipeline."""
-    found = {(row["family"], row["setting"]): row for row in rows if row["error"] is not None}
-    pose, skin = (found.get(("cues", name)) for name in ("pose alone", "skin alone"))
-    sentences = []
-    if pose and skin:
-        tells = (
-            ": where the touches are tells more than what they feel"
-            if pose["error"] < skin["error"]
-            else ""
-        )
-        sentences.append(
-            f"In pipeline best, positions and normals alone reach {_correct(pose)} correctly classified, "
-            f"imprints alone {_correct(skin)}{tells}. All objects stand upright."
-        )
-    mapped, without = (found.get(("paper", name)) for name in ("with its map", "without the map"))
-    if mapped and without:
-        sentences.append(
-            "The paper reduces each touch to five numbers by a self-organising map. Without it "
-            f"its pipeline has {_correct(without)} correctly classified, with it {_correct(mapped)}."
-        )
-    return sentences
+    found = {
+        (row["family"], row["setting"]): with_interval(_correct(row), percent)
+        for row in rows
+        if row["error"] is not None
+    }
+    return [
+        sentence.format(found[family, one], found[family, other])
+        for (family, one, other), sentence in _CUES.items()
+        if {(family, one), (family, other)} <= found.keys()
+    ]
 
 
 def step_rows(rows: Sequence[Row]) -> list[Row]:
@@ -272,6 +189,29 @@ def step_rows(rows: Sequence[Row]) -> list[Row]:
         return []
     further = [row for row in rows if row["step"] and row is not first]
     return [first, *sorted(further, key=lambda row: -float(row["error"]))]
+
+
+def group_row(rows: Sequence[Row]) -> Row:
+    """Give the table's row of settings that are alike, rows of `tables.COST`, with ranges as texts."""
+    families = dict.fromkeys(row["family"] for row in rows)
+    settings = (
+        (strategy_name(one), "; ".join(row["setting"] for row in rows if row["family"] == one))
+        for one in families
+    )
+    limit = "†" if any(row["error"] in (0.0, 1.0) for row in rows) else ""
+    return {
+        "settings": Markup("").join(
+            Markup('<span class="setting">{}: {}</span>').format(*one) for one in settings
+        ),
+        "seconds": _range_above(rows, "seconds", "{:.0f}", 1000, "{:.0f}"),
+        "error": _range_above(rows, "error", "{:.2f}", 100, "{:.1f}", limit),
+        **{
+            part: _range(rows, f"seconds_{part}", f"seconds_{part}", "{:.1f}", 1000)
+            for part in ("look", "touch", "describe", "name")
+        },
+        "verdict": _verdict(rows),
+        "mark": "best" if any(row["on_front"] for row in rows) else None,
+    }
 
 
 def robot_sentence(rows: Sequence[Row], cost: CostParameters) -> str:
@@ -296,40 +236,42 @@ def robot_sentence(rows: Sequence[Row], cost: CostParameters) -> str:
     )
 
 
-def saving_sentences(rows: Sequence[Row], run: ExperimentParameters) -> list[str]:
-    """Say what each smaller setting saves, and what it loses."""
-    confidence = f"{100 * run.recognition.intervals.confidence:g} %"
-    return [_saving_sentence(saving, confidence) for saving in find_savings(rows)]
+def _saving_row(saving: Saving) -> Row:
+    changes = json.loads(saving.row["changes"])
+    return {
+        "setting": titled(_named(saving.row)),
+        "changes": listed([f"{name} {_short(value)}" for name, value in changes.items()]),
+        "saved": saving.saved,
+        "lost": figure_of(saving.row, "lost"),
+        "verdict": _VERDICTS[saving.verdict],
+        "objects": saving.row["objects"],
+    }
 
 
-def _groups(rows: Sequence[Row]) -> tuple[SettingGroup, ...]:
-    found: dict[int, list[Row]] = {}
-    for row in rows:
-        found.setdefault(row["group"], []).append(row)
-    return tuple(SettingGroup(tuple(group)) for group in found.values())
+def _verdict(rows: Sequence[Row]) -> str:
+    if rows[0]["failed"]:
+        return f"failed: {rows[0]['failed']}"
+    if any(row["on_front"] for row in rows):
+        return "on the front"
+    return "dominated" if rows[0]["dominated"] else "not timed"
 
 
-def _saving_sentence(saving: Saving, confidence: str) -> str:
-    row = saving.row
-    said = f"{titled(_named(row))} ({_changes(row)}) saves {percent(saving.saved, 0)} of the time"
-    ends = f"{points(row['lost_low'])} to {points(row['lost_high'])}"
-    if saving.verdict == "free":
-        return f"{said} and costs less than 1 point of accuracy with {confidence} confidence."
-    if saving.verdict == "open":
-        return (
-            f"{said}; its accuracy can't be told apart from the run's own with "
-            f"{counted(row['objects'], 'object')} ({ends} points of error rate)."
-        )
-    return f"{said} and costs {points(row['lost'])} points of error rate ({ends})."
+def _range_above(
+    rows: Sequence[Row], name: str, form: str, scale: float, ends_as: str, limit: str = ""
+) -> Markup:
+    ends = _range(rows, f"{name}_low", f"{name}_high", ends_as, scale)
+    return Markup('{}<span class="interval">{}{}</span>').format(
+        _range(rows, name, name, form, scale), ends, limit
+    )
 
 
-def _changes(row: Row) -> str:
-    changes = json.loads(row["changes"])
-    return listed([f"{name} {_short(value)}" for name, value in changes.items()])
-
-
-def _milliseconds(seconds: float) -> str:
-    return f"{1000 * seconds:.0f}"
+def _range(rows: Sequence[Row], low: str, high: str, form: str, scale: float) -> str:
+    """Write the lowest and the highest value of rows, once if they are written alike."""
+    if rows[0][low] is None:
+        return NONE
+    ends = min(row[low] for row in rows), max(row[high] for row in rows)
+    write: Callable[[float], str] = form.format
+    return "\N{EN DASH}".join(dict.fromkeys(write(scale * end) for end in ends))
 
 
 def _short(value: object) -> str:
@@ -342,19 +284,5 @@ def _named(row: Row) -> str:
     return f"{strategy_name(row['family'])}, {row['setting']}"
 
 
-def _correct(row: Row) -> str:
-    ends = f"{percent(1 - row['error_high'])} to {percent(1 - row['error_low'])}"
-    return f"{percent(1 - row['error'])} ({ends})"
-
-
-def _with_quartiles(row: Row) -> str:
-    """Write a median run time with its quartiles."""
-    low, high = duration(row["seconds_low"]), duration(row["seconds_high"])
-    return f"{duration(row['seconds'])} ({low} to {high})"
-
-
-def duration(seconds: float, digits: int = 2) -> str:
-    """Write seconds, or milliseconds where they are few."""
-    if seconds >= 1:
-        return f"{seconds:.0f} s" if seconds >= 99.5 else f"{seconds:.{digits}g} s"
-    return f"{1000 * seconds:.{digits}g} ms" if seconds < 0.0995 else f"{1000 * seconds:.0f} ms"
+def _correct(row: Row) -> Figure:
+    return Figure(1 - row["error"], 1 - row["error_high"], 1 - row["error_low"])

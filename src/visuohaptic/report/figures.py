@@ -19,13 +19,15 @@ import pyarrow as pa
 from visuohaptic.errors import ReportError
 from visuohaptic.gaze.summary import PredictorRow
 from visuohaptic.recognition.summary import select
-from visuohaptic.report.comparison import Figure as Estimate
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.cost import duration, time_parts
+from visuohaptic.report.cost import time_parts
+from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import estimate, figure_of
 from visuohaptic.report.palette import COLOURS, look
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
     counted,
+    duration,
     percent,
     spaced,
     strategy_name,
@@ -88,27 +90,22 @@ def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
     `metrics` is what ``reports/metrics.json`` holds.
     """
     (table,) = (one for one in read_tables(metrics) if one.name == pipeline)
+    here = {name: [row.accuracy.get(name) for row in table.rows] for name in table.strategies}
+    published = {
+        f"{strategy_name(name)}, published": (name, [row.published.get(name) for row in table.rows])
+        for name in table.strategies
+        if any(name in row.published for row in table.rows)
+    }
     series = [
-        Series(
-            strategy_name(strategy),
-            strategy_place(strategy),
-            [row.accuracy.get(strategy) for row in table.rows],
-        )
-        for strategy in table.strategies
-    ]
-    published = [
-        Series(
-            f"{strategy_name(strategy)}, published",
-            strategy_place(strategy),
-            [_without_ends(row.published.get(strategy)) for row in table.rows],
-            COLOURS["paper"],
-        )
-        for strategy in table.strategies
-        if any(strategy in row.published for row in table.rows)
+        *_by_strategy(here),
+        *(
+            Series(label, strategy_place(name), _without_ends(values), COLOURS["paper"])
+            for label, (name, values) in published.items()
+        ),
     ]
     names = [titled(row.name) for row in table.rows]
     chance = 1 / len(table.best.class_accuracy[table.leading])
-    return _draw_intervals(names, "classifier", [*series, *published], chance=chance)
+    return _draw_intervals(names, "classifier", series, chance=chance)
 
 
 @_styled
@@ -119,18 +116,11 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
     ``words`` names the conditions.
     """
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
-    names = list(dict.fromkeys(row["condition"] for row in rows))
     words = {row["condition"]: row.get("words", row["condition"]) for row in rows}
-    found = {(row["condition"], row["strategy"]): _estimate_of(row) for row in rows}
-    series = [
-        Series(
-            strategy_name(strategy),
-            strategy_place(strategy),
-            [found.get((name, strategy)) for name in names],
-        )
-        for strategy in sorted({row["strategy"] for row in rows}, key=strategy_place)
-    ]
-    return _draw_intervals([words[name] for name in names], "condition", series, chance=chance)
+    found = {(row["strategy"], row["condition"]): figure_of(row, "accuracy") for row in rows}
+    strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
+    series = _by_strategy({one: [found.get((one, name)) for name in words] for one in strategies})
+    return _draw_intervals(list(words.values()), "condition", series, chance=chance)
 
 
 @_styled
@@ -152,18 +142,15 @@ def touches_needed(table: Rows) -> Figure:
     for number, strategy in enumerate(strategies):
         own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
         aside = 0.06 * (number - (len(strategies) - 1) / 2)
-        touches = np.array([_place_in_study(row) + 1 for row in own])
+        touches = np.array([_place_in_study(row) + 1 for row in own]) + aside
         low, high = ([_end(row, end) for row in own] for end in ("low", "high"))
-        colour, mark = look(strategy_place(strategy))
-        axes.vlines(touches + aside, low, high, colors=colour, linewidth=0.8, alpha=0.6)
-        axes.plot(
-            touches + aside, [row["accuracy"] for row in own],
-            color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
-        )  # fmt: skip
+        colour, _ = look(strategy_place(strategy))
+        axes.vlines(touches, low, high, colors=colour, linewidth=0.8, alpha=0.6)
+        _draw_line(axes, strategy, touches, [row["accuracy"] for row in own])
     lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
-    _name_axes(axes, "touches", "correctly classified", up_as=percent)
+    _name_axes(axes, "touches", "correctly classified", up_as=_whole)
     _legend(chart, axes)
     return chart
 
@@ -172,31 +159,19 @@ def touches_needed(table: Rows) -> Figure:
 def coverage(table: pa.Table) -> Figure:
     """Draw the share of known objects whose class is in the set, against the stated coverage.
 
-    Parameters
-    ----------
-    table : pyarrow.Table
-        Rows of `tables.CERTAINTY`; those of the largest number of views are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        On the dashed line the coverage is as stated.
+    Of rows of `tables.CERTAINTY`, those of the largest number of views are drawn. On the dashed line
+    the coverage is as stated.
     """
     most = select(table, views=max(table.column("views").to_pylist()), known=True)
     strategies = list(dict.fromkeys(most.column("strategy").to_pylist()))
+    stated = np.array(STATED_COVERAGES) / 100
     chart, axes = _new(190 + _legend_height([*strategies, "as stated"]))
     for strategy in strategies:
-        colour, mark = look(strategy_place(strategy))
-        axes.plot(
-            np.array(STATED_COVERAGES) / 100, covered_shares(most, strategy),
-            color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
-        )  # fmt: skip
-    axes.plot(
-        [STATED_COVERAGES[0] / 100, 1], [STATED_COVERAGES[0] / 100, 1],
-        color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated",
-    )  # fmt: skip
+        _draw_line(axes, strategy, stated, covered_shares(most, strategy))
+    ends = [stated[0], 1]
+    axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
     axes.set_ylim(0, 1.02)
-    _name_axes(axes, "stated coverage", "share of the objects", across_as=percent, up_as=percent)
+    _name_axes(axes, "stated coverage", "share of the objects", across_as=_whole, up_as=_whole)
     _legend(chart, axes)
     return chart
 
@@ -205,15 +180,8 @@ def coverage(table: pa.Table) -> Figure:
 def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     """Draw accuracy after a look, and after each touch that follows, against the robot's time.
 
-    Parameters
-    ----------
-    curves : sequence of mapping
-        Those of ``reports/looking.json``; the look and the checked product are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A line a strategy; the time is logarithmic.
+    Of the curves of ``reports/looking.json``, the look and the checked product are drawn, a line a
+    strategy; the time is logarithmic.
     """
     looks = [row for row in curves if row["answer"] == LOOK]
     both = [row for row in curves if row["answer"] == CHECKED]
@@ -222,14 +190,10 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     for strategy in strategies:
         line = [*looks, *(row for row in both if row["strategy"] == strategy)]
         points = sorted((row["seconds"], row["accuracy"]) for row in line)
-        colour, mark = look(strategy_place(strategy))
-        axes.plot(
-            *zip(*points, strict=True),
-            color=colour, marker=mark, markersize=4, label=strategy_name(strategy),
-        )  # fmt: skip
+        _draw_line(axes, strategy, *zip(*points, strict=True))
     axes.set_xscale("log")
     _name_axes(
-        axes, "the robot's time, s", "correctly classified", across_as="{:g}".format, up_as=percent
+        axes, "the robot's time, s", "correctly classified", across_as="{:g}".format, up_as=_whole
     )
     _legend(chart, axes)
     return chart
@@ -239,51 +203,39 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes.
 
-    A logarithm has no place for an error rate of 0: such settings stand on a line of their own.
+    An error rate of 0 has its place below the axis's first tick, from where on it is linear.
 
-    Parameters
-    ----------
-    table : pyarrow.Table or sequence of mapping
-        Rows of `tables.COST`; those that failed or were not timed are left out.
-    across : str
-        What the seconds are.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Lines join settings of a family of which one thing changes.
-
-    Raises
-    ------
-    ReportError
-        If no setting was both run and timed.
+    Of rows of `tables.COST`, those that failed or were not timed are left out; lines join settings of a
+    family of which one thing changes; `across` says what the seconds are. Raises `ReportError` if no
+    setting was both run and timed.
     """
     rows = timed(table)
     if not rows:
         raise ReportError("No setting was both run and timed, so there is nothing to draw.")
     families = list(dict.fromkeys(row["family"] for row in rows))
-    ticks = log_ticks([row[name] for row in rows for name in ("error", "error_high")])
-    nothing = ticks[0] / 2
     chart, axes = _new(250 + _legend_height([*families, "front"]))
-    axes.set(xscale="log", yscale="log")
+    errors = log_ticks([row[name] for row in rows for name in ("error", "error_high")])
+    axes.set_xscale("log")
+    axes.set_yscale("symlog", linthresh=errors[0], linscale=0.3)
     for number, family in enumerate(families):
-        for line in trends([row for row in rows if row["family"] == family]):
-            _draw_trend(axes, line, number, nothing)
         colour, mark = look(number)
-        axes.plot(
-            [], [], color=colour, marker=mark, mfc=COLOURS["paper"], label=strategy_name(family)
-        )
-    _draw_front(axes, [row for row in rows if row["on_front"]], families, nothing)
+        drawn: dict[str, Any] = {"color": colour, "marker": mark, "mfc": COLOURS["paper"]}
+        for line in trends([row for row in rows if row["family"] == family]):
+            places = [row["seconds"] for row in line], [row["error"] for row in line]
+            axes.plot(*places, markersize=4.5, linewidth=1, **drawn)
+        axes.plot([], [], label=strategy_name(family), **drawn)
+    _draw_front(axes, [row for row in rows if row["on_front"]], families)
     axes.plot(
         [], [], linestyle="", marker="o", color=COLOURS["quiet"], label="filled: on the front"
     )
-    seconds = [row[name] for row in rows for name in ("seconds_low", "seconds_high")]
+    seconds = log_ticks([row[name] for row in rows for name in ("seconds_low", "seconds_high")])
     flawless = any(row["error"] == 0 for row in rows)
-    _set_log_ticks(axes.xaxis, log_ticks(seconds), duration)
-    _set_log_ticks(
-        axes.yaxis, [nothing, *ticks] if flawless else ticks, lambda error: _error(error, nothing)
-    )
-    axes.set_ylim((nothing if flawless else ticks[0]) / 1.25, ticks[-1] * 1.1)
+    shown = [0.0, *errors] if flawless else errors
+    axes.set_xticks(seconds, [duration(tick) for tick in seconds])
+    axes.set_yticks(shown, [f"{100 * tick:g} %" for tick in shown])
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_ticks([], minor=True)
+    axes.set_ylim(-0.3 * errors[0] if flawless else errors[0] / 1.25, errors[-1] * 1.1)
     _name_axes(axes, across, "error rate")
     _legend(chart, axes)
     return chart
@@ -306,7 +258,7 @@ def parts_of_time(table: Rows) -> Figure:
         axes,
         "median time in one recognition",
         "part",
-        across_as=lambda seconds, _: duration(seconds),
+        across_as=duration,
     )
     axes.grid(visible=False)
     return chart
@@ -316,15 +268,8 @@ def parts_of_time(table: Rows) -> Figure:
 def stability(table: pa.Table) -> Figure:
     """Draw the worst error of each requirement as a share of its tolerance, by family.
 
-    Parameters
-    ----------
-    table : pyarrow.Table
-        Rows of `tables.STABILITY`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A mark a requirement; those beyond their tolerance stand at the right end.
+    A mark is a requirement, of rows of `tables.STABILITY`; those beyond their tolerance stand at the
+    right end.
     """
     families = stability_figures(table).families
     chart, axes = _new(_AROUND + 26 * len(families))
@@ -354,12 +299,8 @@ def gaze(rows: Sequence[PredictorRow]) -> Figure:
     The rows are those of `gaze.summary.summarise`, which sums `tables.GAZE` up.
     """
     found = [row.measures["correlation"] for row in rows]
-    estimates = [
-        _without_ends(one.mean) if math.isnan(one.low) else Estimate(one.mean, one.low, one.high)
-        for one in found
-    ]
     chart = _draw_intervals(
-        [row.predictor.label for row in rows], "prediction", [Series("", 0, estimates)],
+        [row.predictor.label for row in rows], "prediction", [Series("", 0, [*map(estimate, found)])],
         across="correlation with looking time",
     )  # fmt: skip
     (axes,) = chart.axes
@@ -416,6 +357,10 @@ def log_ticks(values: Sequence[float]) -> list[float]:
     return sorted({below, *inner})
 
 
+def _by_strategy(found: Mapping[str, Sequence[Estimate | None]]) -> list[Series]:
+    return [Series(strategy_name(name), strategy_place(name), row) for name, row in found.items()]
+
+
 def _draw_intervals(
     names: Sequence[str],
     rows_are: str,
@@ -447,10 +392,15 @@ def _draw_intervals(
     axes.set_xlim(start, 1.01)
     axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
-    _name_axes(axes, across, rows_are, across_as=percent)
+    _name_axes(axes, across, rows_are, across_as=_whole)
     axes.grid(visible=False, axis="y")
     _legend(chart, axes)
     return chart
+
+
+def _draw_line(axes: Axes, strategy: str, across: Any, up: Any) -> None:
+    colour, mark = look(strategy_place(strategy))
+    axes.plot(across, up, color=colour, marker=mark, markersize=4, label=strategy_name(strategy))
 
 
 def _draw_series(axes: Axes, series: Series, offset: float) -> None:
@@ -466,37 +416,20 @@ def _draw_series(axes: Axes, series: Series, offset: float) -> None:
     )  # fmt: skip
 
 
-def _draw_trend(axes: Axes, line: Sequence[Mapping[str, Any]], family: int, nothing: float) -> None:
-    colour, mark = look(family)
-    axes.plot(
-        [row["seconds"] for row in line], [row["error"] or nothing for row in line],
-        color=colour, marker=mark, mfc=COLOURS["paper"], markersize=4.5, linewidth=1,
-    )  # fmt: skip
-
-
-def _draw_front(
-    axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequence[str], nothing: float
-) -> None:
+def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequence[str]) -> None:
     """Draw the front's settings filled, with their quartiles, intervals and names."""
     for row in rows:
+        seconds, error = row["seconds"], row["error"]
         colour, mark = look(families.index(row["family"]))
-        error = row["error"] or nothing
-        axes.hlines(
-            error, row["seconds_low"], row["seconds_high"], colors=colour, linewidth=0.8, alpha=0.6
-        )
-        low = max(row["error_low"], nothing)
-        axes.vlines(row["seconds"], low, row["error_high"], colors=colour, linewidth=0.8, alpha=0.6)
-        axes.plot(row["seconds"], error, color=colour, marker=mark, markersize=7, zorder=3)
+        thin: dict[str, Any] = {"colors": colour, "linewidth": 0.8, "alpha": 0.6}
+        axes.hlines(error, row["seconds_low"], row["seconds_high"], **thin)
+        axes.vlines(seconds, row["error_low"], row["error_high"], **thin)
+        axes.plot(seconds, error, color=colour, marker=mark, markersize=7, zorder=3)
         name = str(row["setting"]).removesuffix(", 1 viewpoint")
         axes.annotate(
-            name, (row["seconds"], error), (5, 4), textcoords="offset points", zorder=4,
+            name, (seconds, error), (5, 4), textcoords="offset points", zorder=4,
             bbox={"facecolor": COLOURS["paper"], "edgecolor": "none", "alpha": 0.8, "pad": 0.3},
         )  # fmt: skip
-
-
-def _set_log_ticks(axis: Any, ticks: Sequence[float], write: Callable[[float], str]) -> None:
-    axis.set_ticks(ticks, [write(tick) for tick in ticks])
-    axis.set_ticks([], minor=True)
 
 
 def _new(height: float, width: float = 360) -> tuple[Figure, Axes]:
@@ -509,14 +442,17 @@ def _name_axes(
     axes: Axes,
     across: str,
     up: str,
-    across_as: Callable[[float, int], str] | None = None,
-    up_as: Callable[[float, int], str] | None = None,
+    across_as: Callable[[float], str] | None = None,
+    up_as: Callable[[float], str] | None = None,
 ) -> None:
     axes.set(xlabel=across, ylabel=up)
-    if across_as is not None:
-        axes.xaxis.set_major_formatter(lambda value, _: across_as(value, 0))
-    if up_as is not None:
-        axes.yaxis.set_major_formatter(lambda value, _: up_as(value, 0))
+    for axis, write in ((axes.xaxis, across_as), (axes.yaxis, up_as)):
+        if write is not None:
+            axis.set_major_formatter(_formatter(write))
+
+
+def _formatter(write: Callable[[float], str]) -> Callable[[float, float], str]:
+    return lambda value, _: write(value)
 
 
 def _columns_of(labels: Sequence[str]) -> int:
@@ -536,6 +472,10 @@ def _legend(chart: Figure, axes: Axes) -> None:
         )  # fmt: skip
 
 
+def _whole(share: float) -> str:
+    return percent(share, 0)
+
+
 def _rows(table: Rows) -> list[Mapping[str, Any]]:
     return table.to_pylist() if isinstance(table, pa.Table) else list(table)
 
@@ -549,20 +489,12 @@ def _end(row: Mapping[str, Any], end: str) -> float:
     return float(row["accuracy"] if row[end] is None else row[end])
 
 
-def _estimate_of(row: Mapping[str, Any]) -> Estimate:
-    return Estimate(row["accuracy"], row["low"], row["high"])
-
-
-def _without_ends(value: float | None) -> Estimate | None:
-    return None if value is None else Estimate(value, None, None)
+def _without_ends(values: Sequence[float | None]) -> list[Estimate | None]:
+    return [None if value is None else Estimate(value) for value in values]
 
 
 def _lowest(estimate: Estimate) -> float:
     return estimate.mean if estimate.low is None else estimate.low
-
-
-def _error(value: float, nothing: float) -> str:
-    return "0 %" if value == nothing else f"{100 * value:g} %"
 
 
 def _family_label(family: str, checks: Sequence[Any]) -> str:

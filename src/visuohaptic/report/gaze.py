@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-import math
-from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from visuohaptic.gaze.stored import MeasuredGaze
 from visuohaptic.gaze.summary import PredictorRow, beside_peer, summarise
 from visuohaptic.recognition.intervals import Interval
-from visuohaptic.report.wording import counted
+from visuohaptic.report.estimates import Row, estimate, with_interval
+from visuohaptic.report.pictures import data_uri
+from visuohaptic.report.wording import decimal
 from visuohaptic.tables.gaze import GAZE_PICTURES
 from visuohaptic.tables.schema import read_table
 
 WORST_NAMED = 6
-
-
-@dataclass(frozen=True)
-class Pictured:
-    """One object: its name, the correlation of predictor human, and the picture as a data URL."""
-
-    name: str
-    correlation: float
-    source: str
 
 
 @dataclass(frozen=True)
@@ -33,107 +24,54 @@ class GazeFigures:
 
     Attributes
     ----------
-    sentences : tuple of str
-        What the table says.
-    rows, tests : sequence of PredictorRow
-        Objects held out in turn, and those for tests.
+    sentence : str
+        What the chart says.
+    rows, tests, peer : sequence of PredictorRow
+        Objects held out in turn; those for tests; those that others predicted, with gains over them.
     shown : sequence of PredictorRow
-        The few of `rows` that the sentences are about.
-    peer : sequence of PredictorRow
-        Objects that others predicted, with gains over them; empty without such.
-    worst : sequence of (str, float)
-        Objects with the lowest correlations, lowest first.
-    pictures : sequence of Pictured
-        The worst, then the best; empty where the run has none.
+        The few of `rows` that the sentence is about.
+    worst : sequence of mapping
+        Rows of `tables.GAZE` with the lowest correlations, lowest first.
+    pictures : sequence of mapping
+        Rows of `tables.GAZE_PICTURES`, the worst object's first, each with its address as ``source``.
     largest_error : float
         Largest alignment error, object radii.
     origin : mapping or None
         Where figures come from that are not of this run.
     """
 
-    sentences: tuple[str, ...]
+    sentence: str
     rows: Sequence[PredictorRow]
     tests: Sequence[PredictorRow]
-    shown: Sequence[PredictorRow]
     peer: Sequence[PredictorRow]
-    worst: Sequence[tuple[str, float]]
-    pictures: Sequence[Pictured]
+    shown: Sequence[PredictorRow]
+    worst: Sequence[Row]
+    pictures: Sequence[Row]
     largest_error: float
-    origin: Mapping[str, str] | None
+    origin: Row | None
 
 
 def gaze_figures(
     measured: MeasuredGaze | None, pictures: str | Path | None = None
 ) -> GazeFigures | None:
     """Give what the page shows; None where nothing was measured."""
-    if measured is None:
-        return None
-    rows, tests = (summarise(measured.table, part) for part in ("training", "test"))
-    if not rows:
+    rows = [] if measured is None else summarise(measured.table, "training")
+    if measured is None or not rows:
         return None
     held = [row for row in measured.table.to_pylist() if row["predictor"] == "human"]
     held.sort(key=lambda row: (row["correlation"], row["object"]))
+    shown = shown_predictors(rows)
     return GazeFigures(
-        sentences=tuple(_sentences(rows, tests)),
-        rows=rows,
-        tests=tests,
-        shown=shown_predictors(rows),
-        peer=beside_peer(measured.table),
-        worst=[(row["object"], row["correlation"]) for row in held[:WORST_NAMED]],
-        pictures=_pictures(pictures),
-        largest_error=max(row["alignment_error"] for row in held),
-        origin=measured.origin,
+        _sentence(*shown),
+        rows,
+        summarise(measured.table, "test"),
+        beside_peer(measured.table),
+        shown,
+        held[:WORST_NAMED],
+        _pictures(pictures),
+        max(row["alignment_error"] for row in held),
+        measured.origin,
     )
-
-
-def decimal(value: float) -> str:
-    """Give two decimals, with a true minus sign."""
-    return f"{value:.2f}".replace("-0.00", "0.00").replace("-", "\u2212")
-
-
-def between(value: Interval) -> str:
-    """Give a mean and its interval, such as ``0.16 (0.12 to 0.20)``; of one object the mean alone."""
-    if math.isnan(value.low):
-        return decimal(value.mean)
-    return f"{decimal(value.mean)} ({decimal(value.low)} to {decimal(value.high)})"
-
-
-def _sentences(rows: Sequence[PredictorRow], tests: Sequence[PredictorRow]) -> list[str]:
-    equal, floor, placed, chosen = shown_predictors(rows)
-    place = placed.measures["correlation"]
-    found = [
-        (
-            f"On {equal.objects} objects the saliency map's correlation with the time that people looked at "
-            f"each place is {between(equal.measures['correlation'])} with equal weights of its channels; "
-            f"{floor.predictor.label}, which needs no model, gives {between(floor.measures['correlation'])}, and "
-            f"weights fitted to other objects, with terms such as height, give "
-            f"{between(chosen.measures['correlation'])}."
-        ),
-        (
-            f"The fitted weights gain {between(chosen.gain)} over equal ones; the area under the curve for the "
-            f"most looked at fifth is {between(chosen.measures['auc_top'])}."
-        ),
-        (
-            f"Place on the object alone, up and to the front, reaches {between(place)}: a large part of what is "
-            "gained is knowing where on an object people look, which holds for objects that stand "
-            "upright and face the front."
-        ),
-    ]
-    return [
-        *found,
-        *(
-            f"With all fronts turned at random all channels and terms reach "
-            f"{between(row.measures['correlation'])}."
-            for row in rows
-            if row.predictor.name == "human_turned"
-        ),
-        *(
-            f"On {counted(row.objects, 'object')} for tests, looked at once, it reaches "
-            f"{between(row.measures['correlation'])} and {between(row.measures['auc_top'])}."
-            for row in tests
-            if row.predictor.name == "chosen"
-        ),
-    ]
 
 
 def shown_predictors(rows: Sequence[PredictorRow]) -> tuple[PredictorRow, ...]:
@@ -146,15 +84,27 @@ def shown_predictors(rows: Sequence[PredictorRow]) -> tuple[PredictorRow, ...]:
     return by_name["equal"], floor, by_name["place"], by_name["chosen"]
 
 
-def _pictures(path: str | Path | None) -> list[Pictured]:
+def _sentence(
+    equal: PredictorRow, floor: PredictorRow, placed: PredictorRow, chosen: PredictorRow
+) -> str:
+    own, least, place, most = (
+        _written(row.measures["correlation"]) for row in (equal, floor, placed, chosen)
+    )
+    return (
+        f"On {equal.objects} objects the saliency map's correlation with the time that people looked at "
+        f"each place is {own} with equal weights of its channels; {floor.predictor.label}, which needs no "
+        f"model, gives {least}; weights fitted to other objects, with terms such as height, give {most}. "
+        f"Place on the object alone, up and to the front, reaches {place}, which holds for objects that "
+        "stand upright and face the front."
+    )
+
+
+def _written(interval: Interval) -> str:
+    return with_interval(estimate(interval), decimal)
+
+
+def _pictures(path: str | Path | None) -> list[Row]:
     if path is None or not Path(path).is_file():
         return []
     rows = sorted(read_table(GAZE_PICTURES, [path]).to_pylist(), key=lambda row: row["rank"])
-    return [
-        Pictured(
-            row["object"],
-            row["correlation"],
-            "data:image/png;base64," + b64encode(row["picture"]).decode("ascii"),
-        )
-        for row in rows
-    ]
+    return [{**row, "source": data_uri(row["picture"], "image/png")} for row in rows]

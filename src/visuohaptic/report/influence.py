@@ -5,128 +5,74 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.report.estimates import Row
 from visuohaptic.report.pictures import imprint_strip
-from visuohaptic.report.studies import Row, StudyFigures, StudyTable
+from visuohaptic.report.studies import StudyFigures, StudyTable
 from visuohaptic.report.wording import counted, listed, percent
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
 
-
-@dataclass(frozen=True)
-class EffectFigures:
-    """One effect on a sample of touches, or of views.
-
-    Attributes
-    ----------
-    name : str
-        The effect.
-    milliseconds, milliseconds_always : float
-        For a thousand touches, or for one view: under the run's scene, and under `always`.
-    shifts : mapping of str to float
-        By scene: how far images move without it, 0 to 1; a scene in which nothing calls
-        for it is left out.
-    """
-
-    name: str
-    milliseconds: float
-    milliseconds_always: float
-    shifts: Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class SceneFigures:
-    """All effects of touch in one scene, on a sample.
-
-    Attributes
-    ----------
-    name : str
-        The scene's preset.
-    needed, unneeded : tuple of str
-        Effects that some touch needed, and those that none did.
-    milliseconds, milliseconds_always : float
-        For a thousand touches: as simulated, and with everything simulated always.
-    equal : bool or None
-        Whether both gave the same images, bit for bit; None where the scene switches effects off.
-    """
-
-    name: str
-    needed: tuple[str, ...]
-    unneeded: tuple[str, ...]
-    milliseconds: float
-    milliseconds_always: float
-    equal: bool | None
+_SAME = {True: "bit for bit", False: "no", None: "effects are off"}
 
 
 @dataclass(frozen=True)
 class InfluenceFigures:
-    """All effects on a sample, those of the view apart, and each scene as a whole."""
+    """All effects on a sample, those of the view apart, and each scene as a whole.
 
-    view: list[EffectFigures]
-    touch: list[EffectFigures]
-    scenes: list[SceneFigures]
+    Attributes
+    ----------
+    view, touch : list of mapping
+        An effect each: ``name``; ``milliseconds`` and ``milliseconds_always`` of one view, or of a
+        thousand touches; ``shifts``, how far images move without it, 0 to 1, by scene.
+    scenes : list of mapping
+        ``name``; ``needed`` and ``unneeded`` effects; ``milliseconds`` and ``milliseconds_always``
+        of a thousand touches; ``equal``, whether both gave the same images, and ``same``, in words.
+    views, touches : int
+        Sizes of the samples.
+    """
+
+    view: list[Row]
+    touch: list[Row]
+    scenes: list[Row]
     views: int
     touches: int
 
 
-@dataclass(frozen=True)
-class HardPlace:
-    """One hard place as the sensor felt it; `imprint` is the address of a grey picture."""
-
-    name: str
-    size: float
-    state: str
-    imprint: str
-
-
 def influence_figures(path: str | Path | None, scene: str) -> InfluenceFigures | None:
-    """Read what effects cost and how far they move images.
-
-    Parameters
-    ----------
-    path : path or None
-        `tables.EFFECT_INFLUENCE`.
-    scene : str
-        The preset of the run's scene; the seconds are its own.
-
-    Returns
-    -------
-    InfluenceFigures or None
-        None where nothing was measured.
-    """
+    """Read `tables.EFFECT_INFLUENCE`, with the seconds of one scene; None where nothing was measured."""
     if path is None or not Path(path).is_file():
         return None
-    table = read_table(EFFECT_INFLUENCE, path)
-    rows = {(row["scene"], row["effect"]): row for row in table.to_pylist()}
-    touch = [name for name in EffectModes.model_fields if (scene, name) in rows]
-    view = [name for name in VISUAL_EFFECTS if ("any", name) in rows]
+    rows = read_table(EFFECT_INFLUENCE, path).to_pylist()
+    view = [_effect(row, rows, 1) for row in _ordered(rows, "any", VISUAL_EFFECTS)]
+    touch = [_effect(row, rows, 1000) for row in _ordered(rows, scene, EffectModes.model_fields)]
+    scenes = [_ordered(rows, name, EffectModes.model_fields) for name in PRESETS]
     return InfluenceFigures(
-        view=[_effect_figures(name, rows, "any", 1) for name in view],
-        touch=[_effect_figures(name, rows, scene, 1000) for name in touch],
-        scenes=[
-            _scene_figures(name, [row for row in rows.values() if row["scene"] == name])
-            for name in PRESETS
-            if any(found == name for found, _ in rows)
-        ],
-        views=max((rows["any", name]["touches"] for name in view), default=0),
-        touches=max((rows[scene, name]["touches"] for name in touch), default=0),
+        view,
+        touch,
+        [_scene(found) for found in scenes if found],
+        max((row["units"] for row in view), default=0),
+        max((row["units"] for row in touch), default=0),
     )
 
 
 def effects_answer(figures: InfluenceFigures) -> str:
     """Say how many effects each scene needs, and what leaving out the others saves and changes."""
-    if not figures.scenes:
+    scenes = figures.scenes
+    if not scenes:
         return ""
-    count = max(len(scene.needed) + len(scene.unneeded) for scene in figures.scenes)
-    needed = ", ".join(map(_scene_words, figures.scenes))
+    count = max(len(scene["needed"]) + len(scene["unneeded"]) for scene in scenes)
+    needed = ", ".join(map(_scene_words, scenes))
     saved = ", in brackets the time that leaving out the others saves" if "(" in needed else ""
+    changed = listed([scene["name"] for scene in scenes if scene["equal"] is False])
     said = f"Of {counted(count, 'effect')} of touch so many are needed: {needed}{saved}."
-    return f"{said} {_unchanged(figures.scenes)}".rstrip()
+    if changed:
+        return f"{said} In {changed} images change without the others."
+    return f"{said} No bit of an image changes." if all(one["equal"] for one in scenes) else said
 
 
 def rows_of_scenes(study: StudyFigures) -> list[tuple[StudyTable, list[Row]]]:
@@ -143,21 +89,10 @@ def rows_of_scenes(study: StudyFigures) -> list[tuple[StudyTable, list[Row]]]:
 def scene_strips(
     mesh: str | Path, locations: pa.Table, parameters: ExperimentParameters
 ) -> dict[str, str]:
-    """Touch an object's places in every scene.
+    """Touch an object's places, rows of `tables.FIXATIONS`, in every scene.
 
-    Parameters
-    ----------
-    mesh : path
-        The object's surface.
-    locations : pyarrow.Table
-        Rows of `tables.FIXATIONS`.
-    parameters : ExperimentParameters
-        What was run; its own scene stands for its preset.
-
-    Returns
-    -------
-    dict of str to str
-        By scene, the address of a grey picture of the imprints side by side.
+    The run's own scene stands for its preset. Gives the address of a grey picture by scene, the
+    imprints side by side.
     """
     from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.geometry.surface import read_surface
@@ -173,73 +108,54 @@ def scene_strips(
     }
 
 
-def hard_places(parameters: ExperimentParameters) -> list[HardPlace]:
-    """Touch the hard places with the run's sensor, in the run's scene.
-
-    Parameters
-    ----------
-    parameters : ExperimentParameters
-        What was run.
-
-    Returns
-    -------
-    list of HardPlace
-        One for each.
-    """
+def hard_places(parameters: ExperimentParameters) -> list[Row]:
+    """Touch the hard places with the run's sensor: ``name``, ``size``, ``state``, ``imprint``'s address."""
     from visuohaptic.sensor.gallery import touch_gallery
 
-    touched = touch_gallery(parameters.sensor, parameters.scene, parameters.seed)
     return [
-        HardPlace(
-            probe.name,
-            float(felt.size[0]),
-            str(felt.contact_state[0]),
-            imprint_strip(felt.images[:1]),
-        )
-        for probe, felt in touched
+        {
+            "name": probe.name,
+            "size": float(felt.size[0]),
+            "state": str(felt.contact_state[0]),
+            "imprint": imprint_strip(felt.images[:1]),
+        }
+        for probe, felt in touch_gallery(parameters.sensor, parameters.scene, parameters.seed)
     ]
 
 
-def _scene_figures(name: str, rows: Sequence[Mapping[str, Any]]) -> SceneFigures:
-    order = {effect: place for place, effect in enumerate(EffectModes.model_fields)}
-    rows = sorted(rows, key=lambda row: order[row["effect"]])
-    scale = 1e6 / max(row["touches"] for row in rows)
-    return SceneFigures(
-        name,
-        needed=tuple(row["effect"] for row in rows if row["called_for"]),
-        unneeded=tuple(row["effect"] for row in rows if not row["called_for"]),
-        milliseconds=scale * sum(row["seconds"] for row in rows),
-        milliseconds_always=scale * sum(row["seconds_always"] for row in rows),
-        equal=rows[0]["equal_to_always"],
-    )
+def _ordered(
+    rows: Sequence[Row], scene: str, effects: Mapping[str, object] | Sequence[str]
+) -> list[Row]:
+    found = {row["effect"]: row for row in rows if row["scene"] == scene}
+    return [found[name] for name in effects if name in found]
 
 
-def _scene_words(scene: SceneFigures) -> str:
-    said = f"{scene.name} {len(scene.needed)}"
-    saved = 1 - scene.milliseconds / scene.milliseconds_always if scene.unneeded else 0.0
-    return f"{said} ({percent(saved, 0)})" if saved > 0 else said
-
-
-def _unchanged(scenes: Sequence[SceneFigures]) -> str:
-    """Say whether images are the same where effects that are not needed are left out."""
-    changed = [scene.name for scene in scenes if scene.equal is False]
-    if changed:
-        return f"In {listed(changed)} images change without the others."
-    if all(scene.equal for scene in scenes):
-        return "No bit of an image changes."
-    return ""
-
-
-def _effect_figures(
-    name: str, rows: Mapping[tuple[str, str], Mapping[str, Any]], scene: str, unit: int
-) -> EffectFigures:
-    own = rows[scene, name]
-    milliseconds = 1000.0 * unit / own["touches"]
-    shifts = {
-        preset: rows[preset, name]["image_shift"]
-        for preset in ("any", *PRESETS)
-        if (preset, name) in rows and rows[preset, name]["image_shift"] > 0
+def _effect(own: Row, rows: Sequence[Row], unit: int) -> Row:
+    scale = 1000.0 * unit / own["touches"]
+    moved = [row for row in rows if row["effect"] == own["effect"] and row["image_shift"] > 0]
+    return {
+        "name": own["effect"],
+        "milliseconds": scale * own["seconds"],
+        "milliseconds_always": scale * own["seconds_always"],
+        "shifts": {row["scene"]: row["image_shift"] for row in moved},
+        "units": own["touches"],
     }
-    return EffectFigures(
-        name, milliseconds * own["seconds"], milliseconds * own["seconds_always"], shifts
-    )
+
+
+def _scene(rows: Sequence[Row]) -> Row:
+    scale = 1e6 / max(row["touches"] for row in rows)
+    return {
+        "name": rows[0]["scene"],
+        "needed": [row["effect"] for row in rows if row["called_for"]],
+        "unneeded": [row["effect"] for row in rows if not row["called_for"]],
+        "milliseconds": scale * sum(row["seconds"] for row in rows),
+        "milliseconds_always": scale * sum(row["seconds_always"] for row in rows),
+        "equal": rows[0]["equal_to_always"],
+        "same": _SAME[rows[0]["equal_to_always"]],
+    }
+
+
+def _scene_words(scene: Row) -> str:
+    said = f"{scene['name']} {len(scene['needed'])}"
+    saved = 1 - scene["milliseconds"] / scene["milliseconds_always"] if scene["unneeded"] else 0.0
+    return f"{said} ({percent(saved, 0)})" if saved > 0 else said

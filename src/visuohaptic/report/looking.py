@@ -3,41 +3,23 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from visuohaptic.errors import ReportError
-from visuohaptic.report.comparison import Figure
+from visuohaptic.report.estimates import Row, figure_of
 from visuohaptic.report.wording import counted, percent
 from visuohaptic.studies.looking.settings import CHECKED, LOOK, PRODUCT, TOUCH
 
 ANSWERS = {LOOK: "look", TOUCH: "touch", PRODUCT: "product", CHECKED: "checked product"}
 """What is shown, by the names of `tables.LOOKING`."""
 
-Row = Mapping[str, Any]
-
 
 @dataclass(frozen=True)
 class LookingFigures:
-    """What the section shows.
-
-    Attributes
-    ----------
-    sentence : str
-        The answer.
-    answers : mapping of str to str
-        Names of the answers' columns, by their keys in the rows.
-    rows : tuple of mapping
-        By sight: ``sight``, and of each answer a `Figure`.
-    curves : tuple of mapping
-        Accuracy and time of the robot: ``answer``, ``strategy``, ``touches``, ``seconds``,
-        ``accuracy``.
-    """
+    """The answer, a row a sight with a `Figure` of each answer, and the curves of ``reports/looking.json``."""
 
     sentence: str
-    answers: Mapping[str, str]
     rows: tuple[Row, ...]
     curves: tuple[Row, ...]
 
@@ -52,7 +34,7 @@ def looking_figures(path: str | Path | None) -> LookingFigures | None:
     try:
         found = json.loads(Path(path).read_text(encoding="utf-8"))
         rows = tuple(_row(one) for one in found["sights"])
-        return LookingFigures(_sentence(found, rows), ANSWERS, rows, tuple(found["curves"]))
+        return LookingFigures(_sentence(found, rows), rows, tuple(found["curves"]))
     except (OSError, ValueError, TypeError, LookupError) as error:
         raise ReportError(
             f"{path} holds no figures of looking ({error}); run `snakemake -j2 looking_all` again."
@@ -60,12 +42,8 @@ def looking_figures(path: str | Path | None) -> LookingFigures | None:
 
 
 def _row(one: Row) -> Row:
-    cells = {answer: one["answers"][answer] for answer in ANSWERS}
-    figures = {
-        answer: Figure(*(cell[end] for end in ("accuracy", "low", "high")))
-        for answer, cell in cells.items()
-    }
-    return {"sight": one["sight"], **figures}
+    found = {answer: figure_of(one["answers"][answer], "accuracy") for answer in ANSWERS}
+    return {"sight": one["sight"], **found}
 
 
 def _sentence(found: Row, rows: tuple[Row, ...]) -> str:

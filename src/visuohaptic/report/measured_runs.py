@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel, ValidationError
+
 from visuohaptic.errors import ReportError
 from visuohaptic.optional_packages import require
 from visuohaptic.report.archive import Archive, read_archive
-from visuohaptic.report.comparison import Figure
+from visuohaptic.report.estimates import Figure
 
 MEASURES = ("accuracy", "object_accuracy", "balanced_accuracy")
 METRICS = "reports/metrics.json"
@@ -27,22 +29,10 @@ _REPORT = "report.html"
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """One run's figures.
+    """One run's figures by measure and cell, and where they and its parameters were read from.
 
-    Attributes
-    ----------
-    source : str
-        Where it was read from.
-    parameters : mapping or None
-        As in ``params.yaml``; None where unknown.
-    parameters_source : str
-        Where they were found.
-    figures : mapping
-        By measure and cell.
-    by_object : mapping
-        By cell; empty for a cell whose metrics are of a version that kept none.
-    archive : Archive or None
-        What the run's report carries; None where no report of these figures is at hand.
+    `parameters` are as in ``params.yaml``, None where unknown; `archive` is what the run's report
+    carries, None where no report of these figures is at hand.
     """
 
     source: str
@@ -75,12 +65,13 @@ def read_measured_run(source: str | Path) -> MeasuredRun:
         ) from error
     if file.suffix == ".html":
         archive = read_archive(content.decode("utf-8", "replace"), str(file))
-        return _measured(str(file), archive.metrics, archive.parameters, f"{file}: report", archive)
+        carried = json.dumps(archive.metrics)
+        return _measured(str(file), carried, archive.parameters, f"{file}: report", archive)
     found = _find_parameters(file)
     values = None if found is None else _yaml(found.read_bytes(), str(found))
     report = file.parent / _REPORT
     page = report.read_text("utf-8", "replace") if report.is_file() else ""
-    return _beside(str(file), _parsed(content, str(file)), values, str(found), page)
+    return _beside(str(file), content, values, str(found), page)
 
 
 def list_experiments() -> list[str]:
@@ -121,12 +112,12 @@ def _read_experiment(name: str) -> MeasuredRun:
         page = dvc.api.read(f"reports/{_REPORT}", rev=name)
     except (DvcException, OSError, ValueError, KeyError):
         page = ""  # kept by DVC, and perhaps not at hand
-    return _beside(name, _parsed(metrics, name), _yaml(parameters, source), source, page)
+    return _beside(name, metrics, _yaml(parameters, source), source, page)
 
 
 def _beside(
     source: str,
-    metrics: Mapping[str, Any],
+    metrics: bytes,
     parameters: Mapping[str, Any] | None,
     parameters_source: str,
     page: str,
@@ -135,27 +126,53 @@ def _beside(
     alone = _measured(source, metrics, parameters, parameters_source)
     try:
         archive = read_archive(page, source)
-        found = _measured(source, metrics, archive.parameters, f"{source}: report", archive)
-        return found if _figures(archive.metrics, source) == alone.figures else alone
+        carried = json.dumps(archive.metrics)
+        found = _measured(source, carried, archive.parameters, f"{source}: report", archive)
     except ReportError:
         return alone
+    return found if found.figures == alone.figures else alone
+
+
+class _Cell(BaseModel):
+    """What the metrics say of a pipeline, strategy and classifier; older versions kept no objects."""
+
+    accuracy: Figure | None = None
+    object_accuracy: Figure | None = None
+    balanced_accuracy: Figure | None = None
+    by_object: dict[str, tuple[float, float]] = {}
+
+
+class _Metrics(BaseModel):
+    results: dict[str, dict[str, dict[str, _Cell]]]
 
 
 def _measured(
     source: str,
-    metrics: Mapping[str, Any],
+    metrics: bytes | str,
     parameters: Mapping[str, Any] | None,
     parameters_source: str,
     archive: Archive | None = None,
 ) -> MeasuredRun:
-    return MeasuredRun(
-        source,
-        parameters,
-        parameters_source,
-        _figures(metrics, source),
-        _by_object(metrics, source),
-        archive,
-    )
+    try:
+        results = _Metrics.model_validate_json(metrics).results
+    except ValidationError as error:
+        raise ReportError(
+            f"{source} holds no metrics of this workflow; {METRICS} of a run is needed."
+        ) from error
+    cells = {
+        (pipeline, strategy, classifier): cell
+        for pipeline, strategies in results.items()
+        for strategy, classifiers in strategies.items()
+        for classifier, cell in classifiers.items()
+    }
+    figures = {
+        (measure, key): figure
+        for measure in MEASURES
+        for key, cell in cells.items()
+        if (figure := getattr(cell, measure)) is not None
+    }
+    by_object = {key: cell.by_object for key, cell in cells.items()}
+    return MeasuredRun(source, parameters, parameters_source, figures, by_object, archive)
 
 
 def _metrics_file(path: Path) -> Path:
@@ -164,62 +181,6 @@ def _metrics_file(path: Path) -> Path:
         return path
     of_reports = path / Path(METRICS).name
     return of_reports if of_reports.is_file() else path / METRICS
-
-
-def _parsed(content: bytes, source: str) -> Mapping[str, Any]:
-    try:
-        values = json.loads(content)
-    except ValueError as error:
-        raise _no_metrics(source) from error
-    if not isinstance(values, dict):
-        raise _no_metrics(source)
-    return values
-
-
-def _cells(metrics: Mapping[str, Any], source: str) -> dict[Cell, Mapping[str, Any]]:
-    try:
-        return {
-            (pipeline, strategy, classifier): figures
-            for pipeline, strategies in metrics["results"].items()
-            for strategy, classifiers in strategies.items()
-            for classifier, figures in classifiers.items()
-        }
-    except (KeyError, TypeError, AttributeError) as error:
-        raise _no_metrics(source) from error
-
-
-def _figures(metrics: Mapping[str, Any], source: str) -> dict[tuple[str, Cell], Figure]:
-    try:
-        return {
-            (measure, cell): _estimate(figures[measure])
-            for measure in MEASURES
-            for cell, figures in _cells(metrics, source).items()
-            if measure in figures
-        }
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise _no_metrics(source) from error
-
-
-def _by_object(metrics: Mapping[str, Any], source: str) -> dict[Cell, ByObject]:
-    try:
-        return {
-            cell: {
-                name: (float(accuracy), float(weight))
-                for name, (accuracy, weight) in figures.get("by_object", {}).items()
-            }
-            for cell, figures in _cells(metrics, source).items()
-        }
-    except (ValueError, TypeError, AttributeError) as error:
-        raise _no_metrics(source) from error
-
-
-def _estimate(values: Mapping[str, Any]) -> Figure:
-    mean, low, high = float(values["mean"]), values["low"], values["high"]
-    return Figure(mean, None if low is None else float(low), None if high is None else float(high))
-
-
-def _no_metrics(source: str) -> ReportError:
-    return ReportError(f"{source} holds no metrics of this workflow; {METRICS} of a run is needed.")
 
 
 def _find_parameters(file: Path) -> Path | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +11,13 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.surface import read_surface
+from visuohaptic.recognition.summary import select
+from visuohaptic.report.estimates import Row
 from visuohaptic.report.models import PackedModel, pack_model
 from visuohaptic.report.pictures import (
     data_uri,
@@ -24,14 +28,15 @@ from visuohaptic.report.pictures import (
     square_corners,
 )
 from visuohaptic.report.run import Run
-from visuohaptic.report.wording import anchor_of, listed, place_in_view, spaced
+from visuohaptic.report.wording import anchor_of, place_in_view
 from visuohaptic.sensor.frames import row_axes
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES, key_of
 from visuohaptic.tables.schema import images, matrix
 
 Track = Callable[[Sequence[str]], Iterable[str]]
-# How often each class was named, by strategy and viewpoint.
-PredictionCounts = Mapping[tuple[str, int], Mapping[str, int]]
+PredictionCounts = Mapping[tuple[str, int], Counter[str]]
+"""How often each class was named, by strategy and viewpoint."""
+
 # A model for the page: fewer faces where many objects share the page.
 _FACES_OF_ALL = 120_000
 _FACES_AT_MOST = 4_000
@@ -43,29 +48,22 @@ _OBJECTS_WORTH_A_PROCESS = 8
 
 
 @dataclass(frozen=True)
-class TouchNote:
-    """One touch in words: its number from 1, the square's edge in object radii, and the contact."""
-
-    number: int
-    size: float
-    state: str
-    penetration: float
-    near: float
-
-
-@dataclass(frozen=True)
-class FixationMark:
-    """Where a fixation lies in a view, in pixels, and the sensor's square around it."""
-
-    number: int
-    column: float
-    row: float
-    square: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True)
 class ViewPage:
-    """One view of an object: pictures, fixations in order, and what was felt there."""
+    """One view of an object: pictures, fixations in order, and what was felt there.
+
+    Attributes
+    ----------
+    marks : list of mapping
+        Each fixation's ``number`` from 1, ``column`` and ``row`` in pixels, its ``place`` in words,
+        and the corners of the sensor's ``square`` around it.
+    touches : list of mapping
+        Each touch's ``number`` from 1, ``size`` in object radii, contact ``state``, and the share of
+        the square nearly touched, ``near``.
+    distinct : int
+        Distinct fixations.
+    right : mapping of str to float
+        The share of its tests that were correctly classified, by strategy.
+    """
 
     viewpoint: int
     azimuth: float
@@ -74,66 +72,87 @@ class ViewPage:
     columns: int
     view: str
     saliency: str
-    marks: tuple[FixationMark, ...]
     imprints: str
-    touches: tuple[TouchNote, ...]
+    marks: list[Row]
+    touches: list[Row]
     distinct: int
     right: Mapping[str, float]
-    view_text: str
-    saliency_text: str
-    imprints_text: str
 
     @property
     def path(self) -> str:
         """The fixations in order, as points of an SVG line."""
-        return " ".join(f"{mark.column:.1f},{mark.row:.1f}" for mark in self.marks)
+        return " ".join(f"{mark['column']:.1f},{mark['row']:.1f}" for mark in self.marks)
 
 
 @dataclass(frozen=True)
 class ObjectPage:
-    """All that the page shows of one object.
+    """All that the page shows of one object, `class/name`.
 
     Attributes
     ----------
-    key, category, name, anchor : str
-        What it is called, and where it stands on the page.
-    views : tuple of ViewPage
-        All its views, by viewpoint.
-    shown : ViewPage
-        The one that is shown large.
-    conspicuity : tuple of (str, str)
-        Channel and picture of each conspicuity map of the view shown.
-    skipped : tuple of (str, str)
-        Channels that did not run, in any view, each with the reason and where.
+    conspicuity, skipped : tuple of (str, str)
+        Channel and picture of each map of the view shown; channels that did not run, and why.
     named : mapping of str to mapping of str to float
         By strategy: the share of its test sequences that were named each class.
-    strategies : tuple of str
-        Strategies that touched it.
     median_size : mapping of str to float
         By strategy: median edge of the square, object radii.
     model : PackedModel or None
-        None where the object's mesh is not at hand.
-    touch_keys : tuple of (str, int, int, str)
+        With its touches; None where the object's mesh is not at hand.
+    touch_keys : list of (str, int, int, str)
         Strategy, viewpoint, number from 1 and contact state of each touch of the model.
     sheets : mapping of str to str
-        By strategy: a picture of the imprints of the model's touches, a row a viewpoint and a
-        column a touch.
+        By strategy: a picture of these touches' imprints, a row a viewpoint and a column a touch.
     """
 
     key: str
-    category: str
-    name: str
-    anchor: str
     views: tuple[ViewPage, ...]
-    shown: ViewPage
     conspicuity: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     named: Mapping[str, Mapping[str, float]]
-    strategies: tuple[str, ...]
     median_size: Mapping[str, float]
     model: PackedModel | None
-    touch_keys: tuple[tuple[str, int, int, str], ...]
+    touch_keys: list[tuple[str, int, int, str]]
     sheets: Mapping[str, str]
+
+    @property
+    def category(self) -> str:
+        """Its class."""
+        return self.key.split("/", 1)[0]
+
+    @property
+    def name(self) -> str:
+        """What it is called within its class."""
+        return self.key.split("/", 1)[1]
+
+    @property
+    def anchor(self) -> str:
+        """Where it stands on the page."""
+        return anchor_of(self.key)
+
+    @property
+    def link(self) -> Markup:
+        """Its name, leading to its place."""
+        return Markup('<a href="#{}">{}: {}</a>').format(self.anchor, self.category, self.name)
+
+    @property
+    def shown(self) -> ViewPage:
+        """The view that is shown large."""
+        return choose_shown(self.views)
+
+    @property
+    def shown_rows(self) -> dict[str, str | int]:
+        """The rows of the tables that hold that view's fixations."""
+        return {
+            "class": self.category,
+            "object": self.name,
+            "viewpoint": self.shown.viewpoint,
+            "strategy": "fixation",
+        }
+
+    @property
+    def right(self) -> dict[str, float]:
+        """The share of its test sequences that were correctly classified, by strategy."""
+        return {one: shares.get(self.category, 0.0) for one, shares in self.named.items()}
 
 
 def choose_objects(run: Run) -> list[str]:
@@ -186,7 +205,7 @@ def choose_shown(views: Sequence[ViewPage]) -> ViewPage:
 
 def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
     """Choose the object that explains the method: its view shown has the most different squares."""
-    return max(pages, key=lambda page: _variety([note.size for note in page.shown.touches]))
+    return max(pages, key=lambda page: _variety([note["size"] for note in page.shown.touches]))
 
 
 def _variety(sizes: Sequence[float]) -> tuple[int, float]:
@@ -204,30 +223,29 @@ def _describe(
     faces: int,
 ) -> ObjectPage:
     seen, fixations, touches = tables
-    category, name = key.split("/", 1)
     rows = seen.to_pylist()
     views = tuple(_view_page(key, row, fixations, touches, cameras, answers) for row in rows)
-    shown = choose_shown(views)
-    row = next(row for row in rows if row["viewpoint"] == shown.viewpoint)
-    model, touch_keys = _model(mesh, touches, faces)
+    shown = choose_shown(views).viewpoint
+    (conspicuity,) = (row["conspicuity"] for row in rows if row["viewpoint"] == shown)
     strategies = sorted(set(touches.column("strategy").to_pylist()))
+    felt = {strategy: select(touches, strategy=strategy) for strategy in strategies}
+    names = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
+    keys = ("strategy", "viewpoint", "touch", "contact_state")
     return ObjectPage(
         key=key,
-        category=category,
-        name=name,
-        anchor=anchor_of(key),
         views=views,
-        shown=shown,
-        conspicuity=tuple(
-            (channel, data_uri(png, "image/png")) for channel, png in row["conspicuity"]
-        ),
+        conspicuity=tuple((channel, data_uri(png, "image/png")) for channel, png in conspicuity),
         skipped=_skipped(rows),
         named=_named(answers),
-        strategies=tuple(strategies),
-        median_size={strategy: _median_size(touches, strategy) for strategy in strategies},
-        model=model,
-        touch_keys=touch_keys,
-        sheets={strategy: _sheet(touches, strategy) for strategy in strategies} if model else {},
+        median_size={name: float(np.median(own["sensor_size"])) for name, own in felt.items()},
+        model=pack_model(read_surface(mesh), matrix(touches, names), faces) if mesh else None,
+        touch_keys=[
+            (strategy, viewpoint, touch + 1, state)
+            for strategy, viewpoint, touch, state in zip(
+                *(touches[name].to_pylist() for name in keys), strict=True
+            )
+        ],
+        sheets={name: _sheet(own) for name, own in felt.items()} if mesh else {},
     )
 
 
@@ -242,74 +260,63 @@ def _view_page(
     viewpoint = row["viewpoint"]
     view, (height, width) = shrink_picture(row["view"])
     saliency, _ = shrink_picture(row["saliency"], factor=2)
-    felt = _of_view(touches, viewpoint)
+    felt, looked = (
+        select(table, viewpoint=viewpoint, strategy="fixation") for table in (touches, fixations)
+    )
     camera = cameras[viewpoint] if viewpoint < len(cameras) else None
-    marks = _marks(_of_view(fixations, viewpoint), felt, camera, height)
     imprints = images(felt) if felt.num_rows else np.zeros((0, 1, 1), dtype=np.float32)
-    notes = _notes(felt, imprints)
     eye = np.array([row["eye_x"], row["eye_y"], row["eye_z"]], dtype=np.float64)
-    azimuth = float(np.degrees(np.arctan2(eye[0], eye[2]))) % 360.0
-    elevation = float(np.degrees(np.arcsin(eye[1] / np.linalg.norm(eye))))
-    places = [place_in_view(mark.row, mark.column, height, width) for mark in marks]
-    ordered = listed([f"{mark.number} {place}" for mark, place in zip(marks, places, strict=True)])
     return ViewPage(
         viewpoint=viewpoint,
-        azimuth=azimuth,
-        elevation=elevation,
+        azimuth=float(np.degrees(np.arctan2(eye[0], eye[2]))) % 360.0,
+        elevation=float(np.degrees(np.arcsin(eye[1] / np.linalg.norm(eye)))),
         rows=height,
         columns=width,
         view=view,
         saliency=saliency,
-        marks=marks,
         imprints=imprint_strip(imprints) if len(imprints) else "",
-        touches=notes,
+        marks=_marks(looked, _squares(felt, camera, height), height, width),
+        touches=[
+            {"number": touch + 1, "size": size, "state": state, "near": near}
+            for touch, size, state, near in zip(
+                *(felt[name].to_pylist() for name in ("touch", "sensor_size", "contact_state")),
+                (imprints > 0.9).mean(axis=(1, 2)).tolist(),
+                strict=True,
+            )
+        ],
         distinct=row["distinct_fixations"],
-        right=_right(key, viewpoint, answers),
-        view_text=f"View {viewpoint} of {key}, seen from {azimuth:.0f} degrees around and "
-        f"{elevation:.0f} degrees up, with fixations in order: {ordered or 'none'}.",
-        saliency_text=f"Saliency map of view {viewpoint}, brightest at "
-        f"{places[0] if places else 'no fixation'}, with the same fixations.",
-        imprints_text=f"Imprints of view {viewpoint}: "
-        + ("; ".join(_note_text(note) for note in notes) or "none")
-        + ".",
+        right={
+            strategy: counts[key.split("/", 1)[0]] / counts.total()
+            for (strategy, number), counts in answers.items()
+            if number == viewpoint
+        },
     )
 
 
-def _notes(felt: pa.Table, imprints: NDArray[np.float32]) -> tuple[TouchNote, ...]:
-    near = (imprints > 0.9).mean(axis=(1, 2)) if len(imprints) else []
-    rows = felt.select(["touch", "sensor_size", "contact_state", "penetration"]).to_pylist()
-    return tuple(
-        TouchNote(
-            row["touch"] + 1, row["sensor_size"], row["contact_state"], row["penetration"], share
-        )
-        for row, share in zip(rows, map(float, near), strict=True)
-    )
-
-
-def _note_text(note: TouchNote) -> str:
-    return f"{note.number} {spaced(note.state)}, size {note.size:.2f}"
-
-
-def _marks(
-    looked: pa.Table, felt: pa.Table, camera: Camera | None, resolution: int
-) -> tuple[FixationMark, ...]:
-    squares: dict[int, tuple[tuple[float, float], ...]] = {}
-    if camera is not None and felt.num_rows:
-        corners = _corners(felt)
-        flat = project(camera, corners.reshape(-1, 3), resolution).reshape(-1, 4, 2)
-        for touch, square in zip(felt.column("touch").to_pylist(), flat.tolist(), strict=True):
-            squares[touch] = tuple((corner[0], corner[1]) for corner in square)
+def _marks(looked: pa.Table, squares: Mapping[int, Any], height: int, width: int) -> list[Row]:
+    """Give where each fixation lies, at the middle of its pixel; places on hidden sides have none."""
     rows = looked.select(["touch", "pixel_row", "pixel_column"]).to_pylist()
-    return tuple(
-        FixationMark(
-            row["touch"] + 1,
-            row["pixel_column"] + 0.5,
-            row["pixel_row"] + 0.5,
-            squares.get(row["touch"], ()),
-        )
+    return [
+        {
+            "number": row["touch"] + 1,
+            "column": row["pixel_column"] + 0.5,
+            "row": row["pixel_row"] + 0.5,
+            "place": place_in_view(
+                row["pixel_row"] + 0.5, row["pixel_column"] + 0.5, height, width
+            ),
+            "square": squares.get(row["touch"], ()),
+        }
         for row in rows
         if row["pixel_row"] is not None and row["pixel_column"] is not None
-    )
+    ]
+
+
+def _squares(felt: pa.Table, camera: Camera | None, resolution: int) -> dict[int, Any]:
+    """Give the corners of each touch's square in a view, in pixels, shape (4, 2)."""
+    if camera is None or not felt.num_rows:
+        return {}
+    flat = project(camera, _corners(felt).reshape(-1, 3), resolution).reshape(-1, 4, 2)
+    return dict(zip(felt["touch"].to_pylist(), flat.tolist(), strict=True))
 
 
 def _corners(touches: pa.Table) -> NDArray[np.float64]:
@@ -319,22 +326,9 @@ def _corners(touches: pa.Table) -> NDArray[np.float64]:
     return square_corners(matrix(touches, POINT_NAMES), columns, rows, sizes)
 
 
-def _model(
-    mesh: Path | None, touches: pa.Table, faces: int
-) -> tuple[PackedModel | None, tuple[tuple[str, int, int, str], ...]]:
-    if mesh is None:
-        return None, ()
-    names = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
-    keys = touches.select(["strategy", "viewpoint", "touch", "contact_state"]).to_pylist()
-    return pack_model(read_surface(mesh), matrix(touches, names), faces), tuple(
-        (row["strategy"], row["viewpoint"], row["touch"] + 1, row["contact_state"]) for row in keys
-    )
-
-
-def _sheet(touches: pa.Table, strategy: str) -> str:
-    own = touches.filter(pc.equal(touches.column("strategy"), strategy))
-    viewpoints, numbers = (own.column(name).to_numpy() for name in ("viewpoint", "touch"))
-    return imprint_sheet(images(own), viewpoints.astype(np.int64), numbers.astype(np.int64))
+def _sheet(touches: pa.Table) -> str:
+    viewpoints, numbers = (touches.column(name).to_numpy() for name in ("viewpoint", "touch"))
+    return imprint_sheet(images(touches), viewpoints.astype(np.int64), numbers.astype(np.int64))
 
 
 def _by_object(table: pa.Table, objects: Sequence[str]) -> dict[str, pa.Table]:
@@ -342,65 +336,34 @@ def _by_object(table: pa.Table, objects: Sequence[str]) -> dict[str, pa.Table]:
     return {key: table.filter(pc.equal(owners, key)) for key in objects}
 
 
-def _of_view(table: pa.Table, viewpoint: int) -> pa.Table:
-    chosen = pc.and_(
-        pc.equal(table.column("viewpoint"), viewpoint),
-        pc.equal(table.column("strategy"), "fixation"),
-    )
-    return table.filter(chosen)
-
-
-def _answers(run: Run) -> dict[str, dict[tuple[str, int], dict[str, int]]]:
+def _answers(run: Run) -> dict[str, dict[tuple[str, int], Counter[str]]]:
     """Count what the best classifier named each object."""
+    found: dict[str, dict[tuple[str, int], Counter[str]]] = {}
     if not run.pipelines:
-        return {}
+        return found
     table = run.pipelines[0]
-    chosen = pc.and_(
-        pc.equal(run.predictions.column("pipeline"), table.name),
-        pc.equal(run.predictions.column("classifier"), table.best.key),
-    )
+    chosen = select(run.predictions, pipeline=table.name, classifier=table.best.key)
     keys = ["class", "object", "strategy", "viewpoint", "predicted"]
-    counts = run.predictions.filter(chosen).group_by(keys).aggregate([([], "count_all")])
-    found: dict[str, dict[tuple[str, int], dict[str, int]]] = {}
-    for row in counts.to_pylist():
+    for row in chosen.group_by(keys).aggregate([([], "count_all")]).to_pylist():
         of_object = found.setdefault(key_of(row), {})
-        of_view = of_object.setdefault((row["strategy"], row["viewpoint"]), {})
-        of_view[row["predicted"]] = row["count_all"]
+        counts = of_object.setdefault((row["strategy"], row["viewpoint"]), Counter())
+        counts[row["predicted"]] = row["count_all"]
     return found
 
 
 def _named(answers: PredictionCounts) -> dict[str, dict[str, float]]:
-    sums: dict[str, dict[str, int]] = {}
-    for (strategy, _), counts in answers.items():
-        held = sums.setdefault(strategy, {})
-        for name, count in counts.items():
-            held[name] = held.get(name, 0) + count
+    sums: dict[str, Counter[str]] = {}
+    for (strategy, _), counts in sorted(answers.items()):
+        sums.setdefault(strategy, Counter()).update(counts)
     return {
-        strategy: {name: count / sum(counts.values()) for name, count in sorted(counts.items())}
-        for strategy, counts in sorted(sums.items())
-    }
-
-
-def _right(key: str, viewpoint: int, answers: PredictionCounts) -> dict[str, float]:
-    category = key.split("/", 1)[0]
-    return {
-        strategy: counts.get(category, 0) / sum(counts.values())
-        for (strategy, number), counts in answers.items()
-        if number == viewpoint
+        strategy: {name: count / counts.total() for name, count in sorted(counts.items())}
+        for strategy, counts in sums.items()
     }
 
 
 def _skipped(rows: Sequence[Mapping[str, Any]]) -> tuple[tuple[str, str], ...]:
-    reasons: dict[tuple[str, str], int] = {}
-    for row in rows:
-        for channel, reason in row["skipped"]:
-            reasons[channel, reason] = reasons.get((channel, reason), 0) + 1
+    reasons = Counter((channel, reason) for row in rows for channel, reason in row["skipped"])
     return tuple(
         (channel, reason if count == len(rows) else f"{reason} ({count} of {len(rows)} views)")
         for (channel, reason), count in sorted(reasons.items())
     )
-
-
-def _median_size(touches: pa.Table, strategy: str) -> float:
-    of_strategy = touches.filter(pc.equal(touches.column("strategy"), strategy))
-    return float(np.median(of_strategy.column("sensor_size").to_numpy()))

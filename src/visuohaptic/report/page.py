@@ -1,30 +1,49 @@
-"""The page of a run: its sections and their templates."""
+"""The page of a run: its sections and their templates, and the file that holds it."""
 
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from hashlib import sha256
 from importlib.resources import files as package_files
+from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.published import PAPER
-from visuohaptic.report import wording
+from visuohaptic.report import figures, wording
 from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
 from visuohaptic.report.chapters import CHAPTERS
-from visuohaptic.report.cost import duration
 from visuohaptic.report.drawing import inline_svg
-from visuohaptic.report.gaze import between, decimal
 from visuohaptic.report.glossary import explained
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
-from visuohaptic.report.objects import Track, describe_objects, most_varied
+from visuohaptic.report.objects import Track, describe_objects
 from visuohaptic.report.provenance import phase_seconds
-from visuohaptic.report.run import Run
+from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, find_sources
+from visuohaptic.report.studies import REMADE, accuracy_or_error
+from visuohaptic.report.tables import NONE, NUMBER, table
+from visuohaptic.report.touches_needed import touches_needed
+from visuohaptic.whole_files import write_whole
 
 PAPER_ADDRESS = "https://www.mdpi.com/2504-3900/4/1/47"
+
+
+def make_report(
+    files: RunFiles,
+    output: str | Path,
+    parameters: ExperimentParameters,
+    objects: Sequence[str],
+    processes: int = 1,
+    track: Track = iter,
+) -> None:
+    """Write the report of a run, completely or not at all."""
+    page = render_page(read_run(files, parameters, objects), processes, track)
+    write_whole(output, page)
 
 
 def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
@@ -32,45 +51,51 @@ def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
     context = ReportContext(run, describe_objects(run, processes, track), seconds)
     environment = make_environment()
-    shared = {
+    environment.globals |= {
         "parameters": run.parameters,
+        "confidence": f"{100 * run.parameters.recognition.intervals.confidence:g} %",
         "pipeline": run.pipelines[0] if run.pipelines else None,
         "several": len(run.pipelines) > 1,
-    }
-    chapters: dict[str, list[tuple[str, str, str]]] = {}
-    for chapter, sections in CHAPTERS.items():
-        for section in sections:
-            values = section.values(context)
-            if values is not None:
-                template = environment.get_template(f"{section.name}.html.jinja")
-                body = template.render({**shared, **values})
-                chapters.setdefault(chapter, []).append((section.name, section.titled(run), body))
-    explained = most_varied(context.pages)
-    sources = {
-        section.name: list(find_sources(section.tables(run), run, explained))
-        for sections in CHAPTERS.values()
-        for section in sections
     }
     has_models = any(page.model is not None for page in context.pages)
     script = f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('page.js')}"
     plotly = plotly_library() if has_models else None
     return environment.get_template("page.html.jinja").render(
         policy=content_policy(script, *([plotly.source] if plotly else [])),
-        chapters=chapters,
+        chapters=_chapters(environment, context),
         objects=len(run.objects),
         classes=len({key.split("/")[0] for key in run.objects}),
         paper=PAPER,
         paper_address=PAPER_ADDRESS,
-        marks=_most_marks(context),
+        marks=run.parameters.attention.fixations,
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
-        sources=sources,
+        sources={
+            section.name: list(find_sources(section.tables(run), run, context.explaining))
+            for sections in CHAPTERS.values()
+            for section in sections
+        },
         summary=summarise_run(run, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
         script=script,
         plotly=plotly.packed if plotly else "",
     )
+
+
+def _chapters(
+    environment: Environment, context: ReportContext
+) -> dict[str, list[tuple[str, str, str]]]:
+    """Give name, title and body of each section that the run has something for, by chapter."""
+    chapters: dict[str, list[tuple[str, str, str]]] = {}
+    for chapter, sections in CHAPTERS.items():
+        for section in sections:
+            values = section.values(context)
+            if values is not None:
+                body = environment.get_template(f"{section.name}.html.jinja").render(values)
+                title = section.titled(context.run)
+                chapters.setdefault(chapter, []).append((section.name, title, body))
+    return chapters
 
 
 def content_policy(*scripts: str | bytes) -> str:
@@ -99,29 +124,35 @@ def make_environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    words = ("percent", "points", "probability", "listed", "counted", "spaced", "titled")
     environment.filters |= {
-        "percent": wording.percent,
-        "points": wording.points,
-        "probability": wording.probability,
-        "listed": wording.listed,
-        "counted": wording.counted,
-        "spaced": wording.spaced,
-        "titled": wording.titled,
+        name: getattr(wording, name) for name in (*words, "decimal", "duration")
+    }
+    environment.filters |= {
         "anchor": wording.anchor_of,
         "classifier": wording.classifier_name,
         "strategy": wording.strategy_name,
-        "decimal": decimal,
-        "between": between,
-        "duration": duration,
         "explained": explained,
         "svg": inline_svg,
+        "table": table,
+        NUMBER: lambda text: text,
+        "whole_percent": lambda share: wording.percent(share, 0),
+        "exact_percent": lambda share: wording.percent(share, 2),
+        "exact_probability": _exact_probability,
+        "accuracy_or_error": accuracy_or_error,
+        "touches_needed": touches_needed,
+        "remade": REMADE.__getitem__,
+        "names": lambda names: ", ".join(map(wording.spaced, names)) or NONE,
+        "code": Markup("<code>{}</code>").format,
+        "grouped": lambda value: f"{value:,}" if isinstance(value, int) else value,
+        "error_size": lambda error: "not finite" if error is None else f"{error:.2g}",
     }
+    environment.globals["charts"] = figures
     return environment
 
 
-def _most_marks(context: ReportContext) -> int:
-    numbers = (mark.number for page in context.pages for view in page.views for mark in view.marks)
-    return max(numbers, default=0)
+def _exact_probability(value: float) -> Markup:
+    return Markup('<data value="{}">{}</data>').format(value, wording.probability(value))
 
 
 def _text(name: str) -> str:

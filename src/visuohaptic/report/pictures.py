@@ -53,19 +53,9 @@ def imprint_sheet(
     rows: NDArray[np.int64],
     columns: NDArray[np.int64],
 ) -> str:
-    """Store imprints as one lossy grey picture, a cell each: its data address.
+    """Store imprints (n, r, r), n at least 1, in [0, 1] as one lossy grey picture: its data address.
 
-    Parameters
-    ----------
-    imprints : numpy.ndarray
-        Shape (n, r, r), float32, in [0, 1]; n is at least 1.
-    rows, columns : numpy.ndarray
-        Shape (n,), int64: cell of each; cells without an imprint stay black.
-
-    Returns
-    -------
-    str
-        A WebP picture, r pixels a cell.
+    `rows` and `columns` (n,) are the cell of each, of r pixels; cells without an imprint stay black.
     """
     size = imprints.shape[1]
     cells = np.zeros((rows.max() + 1, columns.max() + 1, size, size), dtype=np.uint8)
@@ -78,22 +68,10 @@ def imprint_sheet(
 
 
 def project(camera: Camera, points: NDArray[np.float64], resolution: int) -> NDArray[np.float64]:
-    """Find where points of the object frame appear in a camera's view.
+    """Find where points (n, 3) of the object frame, in front of a camera, appear in its view.
 
-    Parameters
-    ----------
-    camera : Camera
-        The viewpoint.
-    points : numpy.ndarray
-        Shape (n, 3), float64, in front of the camera.
-    resolution : int
-        Pixels along each edge of the view.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 2), float64: column and row in pixels from the view's upper left
-        corner; the first pixel's centre is at 0.5. The inverse of `Camera.rays`.
+    Gives (n, 2): column and row in pixels from the upper left corner of a view of `resolution` pixels
+    along each edge; the first pixel's centre is at 0.5. The inverse of `Camera.rays`.
     """
     right, up, back = camera.axes
     if camera.projection == "orthographic":
@@ -111,28 +89,12 @@ def square_corners(
     rows: NDArray[np.float64],
     sizes: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Give the corners of the sensor's squares, at their true size.
+    """Give the corners (n, 4, 3) of the sensor's squares, going around, at their true size.
 
-    Parameters
-    ----------
-    points, columns, rows : numpy.ndarray
-        Shape (n, 3) each, float64: centres, and unit vectors along columns and rows.
-    sizes : numpy.ndarray
-        Shape (n,), float64: edge of each square, object radii.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 4, 3), float64, going around.
+    `points`, `columns` and `rows` (n, 3) are centres, and unit vectors along columns and rows; `sizes`
+    (n,) the edge of each square in object radii.
     """
     half = 0.5 * sizes[:, None]
     across, down = half * columns, half * rows
-    return np.stack(
-        [
-            points - across - down,
-            points + across - down,
-            points + across + down,
-            points - across + down,
-        ],
-        axis=1,
-    )
+    turns = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    return np.stack([points + a * across + b * down for a, b in turns], axis=1)

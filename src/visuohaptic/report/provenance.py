@@ -17,40 +17,17 @@ from visuohaptic.job_logs import read_seconds
 PHASES = ("downloads", "meshes", "fixations", "touches", "features", "recognition", "metrics")
 _PACKAGE = Path(visuohaptic.__file__).parent
 _DISTRIBUTIONS = (
-    "contourlets",
-    "numpy",
-    "scipy",
-    "opencv-contrib-python-headless",
-    "open3d-cpu",
-    "open3d",
-    "trimesh",
-    "PyWavelets",
-    "minisom",
-    "scikit-learn",
-    "pyarrow",
-    "pydantic",
-    "snakemake",
-    "dvc",
-    "Jinja2",
-    "matplotlib",
-    "plotly",
+    *("contourlets", "numpy", "scipy", "opencv-contrib-python-headless", "open3d-cpu", "open3d"),
+    *("trimesh", "PyWavelets", "minisom", "scikit-learn", "pyarrow", "pydantic"),
+    *("snakemake", "dvc", "Jinja2", "matplotlib", "plotly"),
 )
 
 
 @dataclass(frozen=True)
 class PhaseSeconds:
-    """What the jobs of a phase took, when each last ran.
+    """Seconds that the finished jobs of a phase took, when each last ran, and logs of jobs that did not finish.
 
-    Attributes
-    ----------
-    phase : str
-        The phase: the folder or the stem of its logs.
-    jobs : int
-        Jobs that finished.
-    imports, work : float
-        Summed over these jobs, in s; jobs that ran side by side count each.
-    unfinished : tuple of str
-        Logs of jobs that did not finish.
+    Jobs that ran side by side count each.
     """
 
     phase: str
@@ -108,15 +85,11 @@ def phase_seconds(folder: str | Path) -> list[PhaseSeconds]:
 
 
 def _summed(phase: str, logs: Sequence[Path]) -> PhaseSeconds:
-    seconds = {log: read_seconds(log) for log in logs}
+    seconds = {str(log): read_seconds(log) for log in logs}
     finished = [found for found in seconds.values() if found is not None]
-    return PhaseSeconds(
-        phase,
-        len(finished),
-        sum(found.imports for found in finished),
-        sum(found.work for found in finished),
-        tuple(str(log) for log, found in seconds.items() if found is None),
-    )
+    imports, work = (sum(getattr(one, name) for one in finished) for name in ("imports", "work"))
+    unfinished = tuple(log for log, found in seconds.items() if found is None)
+    return PhaseSeconds(phase, len(finished), imports, work, unfinished)
 
 
 def _git(folder: str | Path, *arguments: str) -> str | None:

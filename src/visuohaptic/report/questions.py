@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
     REFERENCE,
     ClassifierRow,
-    Figure,
     PipelineTable,
 )
+from visuohaptic.report.estimates import with_interval
 from visuohaptic.report.readings import ReadingsSummary, Verdict
 from visuohaptic.report.wording import counted, percent, points, spaced
 
@@ -30,32 +30,14 @@ REASONS: Mapping[Verdict, str] = {
 }
 """Why fixation leads or not, by the rule in docs/readings.md."""
 
-WORDS: Mapping[Verdict, str] = {
-    "yes": "Yes",
-    "no": "No",
-    "depends": "Depends",
-    "not shown": "Not shown",
-}
-
 
 @dataclass(frozen=True)
 class Answer:
     """A question of the experiment, and what its tables say.
 
-    Attributes
-    ----------
-    question : str
-        In plain words.
-    verdict : str
-        What the rule gives.
-    number : str
-        The figure that it rests on, with its interval.
-    sentence : str
-        What the number is of, in at most 25 words.
-    link : str
-        Anchor of the section that shows more.
-    recount : str
-        Lines of Python that print the number; may be empty.
+    `number` is the figure that the verdict rests on, with its interval, `sentence` says in at most
+    25 words what it is of, `link` is the anchor of the section that shows more, and `recount` are
+    lines of Python that print the number.
     """
 
     question: str
@@ -68,7 +50,7 @@ class Answer:
     @property
     def word(self) -> str:
         """The verdict as an answer, such as ``Yes``."""
-        return WORDS[self.verdict]
+        return self.verdict.capitalize()
 
 
 def recognition_answer(
@@ -77,15 +59,8 @@ def recognition_answer(
     """Answer whether objects can be recognised by touch.
 
     Yes, if the interval of every pipeline lies above chance; no, if each excludes `GAIN` above it.
-
-    Parameters
-    ----------
-    tables : sequence of PipelineTable
-        At least one, the paper's pipeline first.
-    classes, touches : int
-        How many classes there are, and how many touches a sequence has.
-    unseen : str
-        What training had not met of what is tested, such as ``objects that were not in training``.
+    `tables` are at least one, the paper's pipeline first; `unseen` says what training had not met of
+    what is tested, such as ``unseen objects``.
     """
     found = [row_of(table).accuracy[table.leading] for table in tables]
     chance = 1 / classes
@@ -101,7 +76,7 @@ def recognition_answer(
     return Answer(
         "Can an object be recognised by touch?",
         word,
-        f"{percent(found[0].mean)}{_span(found[0], percent)}",
+        with_interval(found[0], percent),
         f"of {touches}-touch sequences of {unseen} correctly classified by {_pipeline(tables[0])} "
         f"({row_of(tables[0]).name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
         "comparison",
@@ -111,17 +86,7 @@ def recognition_answer(
 def fixation_answer(tables: Sequence[PipelineTable], readings: ReadingsSummary) -> Answer | None:
     """Answer whether it helps to touch where the eye would fixate, against random places in reach.
 
-    Parameters
-    ----------
-    tables : sequence of PipelineTable
-        Of the run, at least one.
-    readings : ReadingsSummary
-        What the readings of the paper say.
-
-    Returns
-    -------
-    Answer or None
-        None for a run without random touches in reach.
+    None for a run without random touches in reach.
     """
     compared = [
         (table, row_of(table).comparisons[MAIN_OPPONENT]) for table in tables if has_opponent(table)
@@ -130,13 +95,12 @@ def fixation_answer(tables: Sequence[PipelineTable], readings: ReadingsSummary) 
         return None
     (first, main), *others = compared
     further = [
-        f"; {_pipeline(table)} {points(found.difference.mean)}{_span(found.difference, points)}"
-        for table, found in others
+        f"; {_pipeline(table)} {with_interval(found.difference, points)}" for table, found in others
     ]
     return Answer(
         "Does it help to touch where the eye would fixate?",
         readings.verdict,
-        f"{points(main.difference.mean)} points{_span(main.difference, points)}",
+        with_interval(main.difference, points, " points"),
         f"correctly classified above random touches, {_pipeline(first)}, "
         f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[readings.verdict]}.",
         "readings",
@@ -162,7 +126,7 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
     number = against = ""
     if table.leading in row.published:
         here, published = row.accuracy[table.leading], row.published[table.leading]
-        number = f"{percent(here.mean)}{_span(here, percent)}"
+        number = with_interval(here, percent)
         against = f"here, {percent(published, 2)} published ({row.name}); "
     return Answer(
         "Is the paper reproduced?",
@@ -202,9 +166,3 @@ def _pipeline(table: PipelineTable) -> str:
     return (
         "the paper's pipeline" if table.name == PAPER_PIPELINE else f"pipeline {spaced(table.name)}"
     )
-
-
-def _span(figure: Figure, write: Callable[[float], str]) -> str:
-    if figure.low is None or figure.high is None:
-        return ""
-    return f" ({write(figure.low)} to {write(figure.high)})"

@@ -35,18 +35,9 @@ class Spread(BaseModel):
 class ReadingsSummary(BaseModel):
     """What all readings say together.
 
-    Attributes
-    ----------
-    verdict : str
-        Whether fixation leads, by the rule in docs/readings.md.
-    spread : tuple of Spread
-        Of the paper's best classifier, on the paper's set and on other objects.
-    sentences : tuple of str
-        What the readings show.
-    literal : dict of str to dict of str to float
-        Accuracies of the most literal reading, by strategy and classifier.
-    source : Source or None
-        Where the readings come from; None where they are of this run.
+    `verdict` says whether fixation leads, by the rule in docs/readings.md; `spread` is of the paper's
+    best classifier, on the paper's set and on other objects; `literal` are accuracies of the most
+    literal reading, by strategy and classifier; `source` is None where the readings are of this run.
     """
 
     model_config = ConfigDict(frozen=True)

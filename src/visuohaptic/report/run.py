@@ -34,30 +34,11 @@ from visuohaptic.touches.choosing import touched_places
 class RunFiles:
     """Where a run's tables lie; what may be missing has a default.
 
-    Attributes
-    ----------
-    metrics : path
-        The metrics file.
-    predictions, views, fixations, touches, features : sequence of path
-        Parts of each table.
-    effects : sequence of path
-        Parts of the effect log.
-    meshes : sequence of path
-        ``<class>/<block>/<object>.ply`` files; an object without one gets no model to turn.
-    credits : sequence of path
-        CSV files with the columns class, object, author, licence and source_url; later ones
-        add to earlier ones.
-    logs : path or None
-        Folder of the jobs' logs.
-    folder : path
-        The run's folder, to which the page's names of files are relative.
-    extras : mapping of str to path
-        Tables of studies that not every run has, by name.
-    earlier_studies : mapping of str
-        Studies that were measured with other tables, parameters or code than the run's, with the
-        date.
-    key : str
-        The digest of all that the page was made from: code, versions, parameters, sources.
+    Tables lie in parts. `meshes` are ``<class>/<block>/<object>.ply``, `credits` CSV files of which
+    later ones add to earlier ones, `logs` the folder of the jobs' logs, `folder` that to which the
+    page's names of files are relative, `extras` tables that not every run has, by name.
+    `earlier_studies` are those of other tables, parameters or code than the run's, with the date;
+    `key` is the digest of all that the page was made from.
     """
 
     metrics: str | Path

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.resources import files as package_files
 from string import ascii_uppercase
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+from markupsafe import Markup
 
 from visuohaptic.errors import ParameterError, ReportError
 from visuohaptic.parameters import ExperimentParameters, leaves
-from visuohaptic.report import figures as charts
-from visuohaptic.report.comparison import Figure, pipeline_order
+from visuohaptic.report.comparison import pipeline_order
+from visuohaptic.report.estimates import Figure, points_above_interval
 from visuohaptic.report.measured_runs import MEASURES, ByObject, Cell, MeasuredRun
 from visuohaptic.report.wording import classifier_name, counted, strategy_name
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
 
 Direction = Literal["equal", "higher", "lower", "open"]
 
@@ -50,17 +49,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class ComparedFigure:
-    """One figure of all runs.
-
-    Attributes
-    ----------
-    measure, pipeline, strategy, classifier : str
-        Of what.
-    figures : tuple of Figure or None
-        A run each; None where the run does not have it.
-    differences : tuple of Difference or None
-        A run each but the first; None where it or the first does not have the figure.
-    """
+    """One figure of all runs, and the `differences` of each but the first from it; None where it is missing."""
 
     measure: str
     pipeline: str
@@ -81,18 +70,10 @@ class Fact:
 
 @dataclass(frozen=True)
 class RunComparison:
-    """Everything that differs, or could have.
+    """Everything that differs, or could have: of each run its letter and where it was read from.
 
-    Attributes
-    ----------
-    labels, sources : tuple of str
-        A letter each, and where each was read from.
-    parameters_known : bool
-        Whether each run has parameters of its own.
-    facts : tuple of Fact
-        Parameters, code, packages and machine that differ, and seconds.
-    figures : tuple of ComparedFigure
-        All accuracies.
+    `facts` are parameters, code, packages and machine that differ, and seconds; `parameters_known`
+    says whether each run has parameters of its own.
     """
 
     labels: tuple[str, ...]
@@ -107,29 +88,20 @@ class RunComparison:
         return [self._verdict(place) for place in range(len(self.labels) - 1)]
 
     def _verdict(self, place: int) -> str:
-        changed = sum(
-            fact.kind == "parameter" and fact.texts[place + 1] != fact.texts[0]
-            for fact in self.facts
-        )
-        found = [
-            one.differences[place]
-            for one in self.figures
-            if one.measure == MEASURES[0] and one.differences[place] is not None
-        ]
-        counts = {
-            name: sum(one is not None and one.direction == name for one in found)
-            for name in ("equal", "higher", "lower")
-        }
-        differ = _parameters_differ(changed) if self.parameters_known else "parameters not known"
+        changed = [fact for fact in self.facts if fact.texts[place + 1] != fact.texts[0]]
+        parameters = sum(fact.kind == "parameter" for fact in changed)
+        accuracies = [one.differences[place] for one in self.figures if one.measure == MEASURES[0]]
+        counts = Counter(one.direction for one in accuracies if one is not None)
         said = (
             "equal on every object"
-            if found and counts["equal"] == len(found)
+            if 0 < counts.total() == counts["equal"]
             else f"beyond their intervals {counts['higher']} higher and {counts['lower']} lower, "
             f"equal on every object {counts['equal']}"
         )
+        differ = _parameters_differ(parameters) if self.parameters_known else "parameters not known"
         return (
             f"{self.labels[place + 1]} against {self.labels[0]}: {differ}; "
-            f"accuracies that both have: {len(found)}, {said}."
+            f"accuracies that both have: {counts.total()}, {said}."
         )
 
     def as_values(self) -> dict[str, Any]:
@@ -157,12 +129,10 @@ def compare_runs(runs: Sequence[MeasuredRun]) -> RunComparison:
         raise ReportError(
             f"{counted(len(runs), 'run')} can't be compared; 2 to {len(ascii_uppercase)} are allowed."
         )
-    sources = [run.parameters_source for run in runs]
+    described = {(run.parameters_source, run.source) for run in runs}
     # One file can't describe two runs.
-    known = all(run.parameters is not None for run in runs) and all(
-        sources.count(run.parameters_source) == 1
-        or len({one.source for one in runs if one.parameters_source == run.parameters_source}) == 1
-        for run in runs
+    known = len({source for source, _ in described}) == len(described) and all(
+        run.parameters is not None for run in runs
     )
     keys = dict.fromkeys(key for run in runs for key in run.figures)
     ordered = sorted(keys, key=lambda key: MEASURES.index(key[0]))
@@ -175,14 +145,30 @@ def compare_runs(runs: Sequence[MeasuredRun]) -> RunComparison:
     )
 
 
-def accuracy_charts(comparison: RunComparison) -> list[tuple[str, Drawing]]:
-    """Draw the accuracies of all runs, a chart a pipeline."""
+def accuracies(
+    comparison: RunComparison,
+) -> list[tuple[str, list[str], dict[str, Sequence[Figure | None]]]]:
+    """Give each pipeline, what its accuracies are of, and those of each run by its label."""
     shown = [one for one in comparison.figures if one.measure == MEASURES[0]]
-    pipelines = sorted({one.pipeline for one in shown}, key=pipeline_order)
-    return [
-        (pipeline, _chart(comparison.labels, [one for one in shown if one.pipeline == pipeline]))
-        for pipeline in pipelines
-    ]
+    found: list[tuple[str, list[str], dict[str, Sequence[Figure | None]]]] = []
+    for pipeline in sorted({one.pipeline for one in shown}, key=pipeline_order):
+        own = [one for one in shown if one.pipeline == pipeline]
+        names = [f"{classifier_name(one.classifier)}, {strategy_name(one.strategy)}" for one in own]
+        sides = zip(*(one.figures for one in own), strict=True)
+        found.append((pipeline, names, dict(zip(comparison.labels, sides, strict=True))))
+    return found
+
+
+def difference_in_words(found: Difference) -> str | Markup:
+    """Write a difference for its cell: what it is, and whether it is beyond its interval."""
+    if found.direction == "equal":
+        return "equal on every object"
+    said = "within the interval" if found.direction == "open" else found.direction
+    p_value = "" if found.p_value is None else f", p {found.p_value:.2g}"
+    mean = points_above_interval(found.difference)
+    return mean + Markup('<span class="interval {}">{}{}</span>').format(
+        found.direction, said, p_value
+    )
 
 
 def render_comparison(comparison: RunComparison) -> str:
@@ -190,10 +176,11 @@ def render_comparison(comparison: RunComparison) -> str:
     from visuohaptic.report.page import make_environment
 
     environment = make_environment()
+    environment.filters["difference"] = difference_in_words
     style = package_files("visuohaptic.report").joinpath("templates", "style.css")
     return environment.get_template("run_comparison.html.jinja").render(
         comparison=comparison,
-        charts=accuracy_charts(comparison),
+        accuracies=accuracies(comparison),
         style=style.read_text("utf-8"),
     )
 
@@ -255,10 +242,9 @@ def _difference(
 
 def _parameters(runs: Sequence[MeasuredRun]) -> list[Fact]:
     written = [run.parameters or {} for run in runs]
-    whole = [_completed(values) for values in written]
-    known = [values for values in whole if values is not None]
+    whole = [values for values in map(_completed, written) if values is not None]
     # A name that today's workflow lacks can't be completed; then each run is taken as written.
-    sides = [dict(leaves(values)) for values in (known if len(known) == len(runs) else written)]
+    sides = [dict(leaves(values)) for values in (whole if len(whole) == len(runs) else written)]
     texts = [
         {name: json.dumps(value, ensure_ascii=False, default=str) for name, value in side.items()}
         for side in sides
@@ -277,38 +263,24 @@ def _completed(values: Mapping[str, Any]) -> Mapping[str, Any] | None:
 def _circumstances(runs: Sequence[MeasuredRun]) -> list[Fact]:
     """Give the code, the packages and the machine, as far as reports say them."""
     archives = [run.archive for run in runs]
-    code = [{"commit": one.commit} if one else {} for one in archives]
-    packages = [one.versions if one else {} for one in archives]
-    machines = [one.machine if one else {} for one in archives]
     return [
-        *_differing("code", code),
-        *_differing("package", packages),
-        *_differing("machine", machines),
+        *_differing("code", [{"commit": one.commit} if one else {} for one in archives]),
+        *_differing("package", [one.versions if one else {} for one in archives]),
+        *_differing("machine", [one.machine if one else {} for one in archives]),
     ]
 
 
 def _differing(kind: str, sides: Sequence[Mapping[str, str]], missing: str = UNKNOWN) -> list[Fact]:
+    return [fact for fact in _facts(kind, sides, missing) if len(set(fact.texts)) > 1]
+
+
+def _facts(kind: str, sides: Sequence[Mapping[str, str]], missing: str = UNKNOWN) -> list[Fact]:
     names = dict.fromkeys(name for side in sides for name in side)
-    facts = [Fact(kind, name, tuple(side.get(name, missing) for side in sides)) for name in names]
-    return [fact for fact in facts if len(set(fact.texts)) > 1]
+    return [Fact(kind, name, tuple(side.get(name, missing) for side in sides)) for name in names]
 
 
 def _seconds(runs: Sequence[MeasuredRun]) -> list[Fact]:
     """Give each phase's seconds of imports and work, summed over its jobs, whether they differ or not."""
-    sides = [
-        {phase.phase: f"{phase.imports + phase.work:.1f}" for phase in run.archive.seconds}
-        if run.archive
-        else {}
-        for run in runs
-    ]
-    phases = dict.fromkeys(phase for side in sides for phase in side)
-    return [
-        Fact("seconds", phase, tuple(side.get(phase, UNKNOWN) for side in sides))
-        for phase in phases
-    ]
-
-
-def _chart(labels: Sequence[str], rows: Sequence[ComparedFigure]) -> Drawing:
-    names = [f"{classifier_name(row.classifier)}, {strategy_name(row.strategy)}" for row in rows]
-    sides = zip(*(row.figures for row in rows), strict=True)
-    return charts.runs(names, dict(zip(labels, sides, strict=True)))
+    phases = [run.archive.seconds if run.archive else () for run in runs]
+    sides = [{one.phase: f"{one.imports + one.work:.1f}" for one in side} for side in phases]
+    return _facts("seconds", sides)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from visuohaptic.errors import ReportError
 from visuohaptic.geometry.surface import object_of
@@ -36,19 +37,10 @@ _KERNELS = "reports/precision.json"
 
 
 def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
-    """Name the tables that not every run has, by section, whether they are there or not.
+    """Name the tables that not every run has, as `RunFiles.extras` has them, whether they are there or not.
 
-    Parameters
-    ----------
-    run : path
-        The folder that holds `results` and `reports`.
-    checks : path
-        The folder in whose `reports` `make test-hard` leaves the precision of kernels.
-
-    Returns
-    -------
-    dict of str to pathlib.Path
-        As `RunFiles.extras` has them.
+    `run` holds `results` and `reports`; in the `reports` of `checks` `make test-hard` leaves the
+    precision of kernels.
     """
     found = {name: Path(run, path) for name, path in _EXTRAS.items()}
     return found | {"precision": Path(checks, _KERNELS)}
@@ -56,17 +48,7 @@ def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
 
 @dataclass(frozen=True)
 class RunFolder:
-    """A finished run.
-
-    Attributes
-    ----------
-    files : RunFiles
-        Where its tables lie.
-    parameters : ExperimentParameters
-        What the folder's ``params.yaml`` says.
-    objects : tuple of str
-        Objects that were to take part, `class/name`.
-    """
+    """A finished run: its tables, what its ``params.yaml`` says, and the objects that were to take part."""
 
     files: RunFiles
     parameters: ExperimentParameters
@@ -80,36 +62,26 @@ def find_run(folder: str | Path) -> RunFolder:
     if the parameters are not allowed. A table with no file is left to its reader, who names it.
     """
     folder = Path(folder)
-    tables = {name: _parts(folder / "results" / name) for name in _TABLES}
-    missing = [
-        name
-        for name, there in (
-            (PARAMETERS, (folder / PARAMETERS).is_file()),
-            *((f"results/{table}", bool(parts)) for table, parts in tables.items()),
-            (METRICS, (folder / METRICS).is_file()),
-        )
-        if not there
-    ]
-    if missing:
+    results = folder / "results"
+    tables: dict[str, Any] = {name: _parts(results / name) for name in _TABLES}
+    needed = {
+        PARAMETERS: (folder / PARAMETERS).is_file(),
+        **{f"results/{name}": bool(parts) for name, parts in tables.items()},
+        METRICS: (folder / METRICS).is_file(),
+    }
+    missing = next((name for name, there in needed.items() if not there), None)
+    if missing is not None:
         raise ReportError(
-            f"{folder / missing[0]} is not there, and the report needs it; name the folder of a "
+            f"{folder / missing} is not there, and the report needs it; name the folder of a "
             "finished run, or run `snakemake -j2` there first."
         )
     parameters = read_parameters(folder / PARAMETERS)
-    effects = [
-        *_parts(folder / "results/effects/views"),
-        *_parts(folder / "results/effects/touches"),
-    ]
     logs = folder / "logs"
     files = RunFiles(
         metrics=folder / METRICS,
-        predictions=tables["predictions"],
-        views=tables["views"],
-        fixations=tables["fixations"],
-        touches=tables["touches"],
-        features=tables["features"],
-        effects=effects,
-        meshes=sorted((folder / "results/meshes").glob("*/*/*.ply")),
+        **tables,
+        effects=[*_parts(results / "effects/views"), *_parts(results / "effects/touches")],
+        meshes=sorted((results / "meshes").glob("*/*/*.ply")),
         credits=[folder / "meshes/catalogue.csv", folder / "meshes/paper/credits.csv"],
         logs=logs if logs.is_dir() else None,
         folder=folder,

@@ -5,11 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.report.objects import ObjectPage
+from visuohaptic.report.cost import CostFigures, read_cost
+from visuohaptic.report.influence import InfluenceFigures, influence_figures
+from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
+from visuohaptic.report.readings import ReadingsSummary, read_readings
 from visuohaptic.report.run import Run
 from visuohaptic.tables.schema import Schema
 
@@ -45,10 +49,7 @@ def by_fixation(_: Run, __: ObjectPage) -> list[Rows]:
 
 def shown_view(_: Run, page: ObjectPage) -> list[Rows]:
     """Select the view that explains the method."""
-    view = page.shown.viewpoint
-    return [
-        {"class": page.category, "object": page.name, "viewpoint": view, "strategy": "fixation"}
-    ]
+    return [page.shown_rows]
 
 
 def shown_touch(run: Run, page: ObjectPage) -> list[Rows]:
@@ -58,18 +59,10 @@ def shown_touch(run: Run, page: ObjectPage) -> list[Rows]:
 
 @dataclass(frozen=True)
 class Reads:
-    """A table that a section shows.
+    """A table that a section shows: what of it, and its schema.
 
-    Attributes
-    ----------
-    what : str
-        What the section shows of it.
-    schema : Schema
-        Its schema.
-    files : str
-        Which files of `RunFiles`, or which of its extras; ``studies/NAME`` for a study.
-    selection : callable
-        Gives the rows that are shown, a mapping of columns to values for each place on the page.
+    `files` are those of `RunFiles`, or one of its extras; ``studies/NAME`` for a study. `selection`
+    gives the rows that are shown, a mapping of columns to values for each place on the page.
     """
 
     what: str
@@ -80,27 +73,50 @@ class Reads:
 
 @dataclass(frozen=True)
 class ReportContext:
-    """The data that sections are made from."""
+    """The data that sections are made from; what several show is read once."""
 
     run: Run
     pages: Sequence[ObjectPage]
     seconds: Sequence[PhaseSeconds]
 
+    def file_of(self, name: str) -> Path | None:
+        """Give the file or folder of a study that not every run has."""
+        path = self.run.files.extras.get(name)
+        return None if path is None or not Path(path).exists() else Path(path)
+
+    @cached_property
+    def frontier(self) -> CostFigures | None:
+        """What accuracy costs in this run."""
+        return read_cost(self.file_of("frontier"), self.run.parameters)
+
+    @cached_property
+    def influence(self) -> InfluenceFigures | None:
+        """What effects cost and change."""
+        scene = self.run.parameters.scene.preset
+        return influence_figures(self.file_of("effect_influence"), scene)
+
+    @cached_property
+    def readings(self) -> ReadingsSummary:
+        """What the readings of the paper say together, of this run or as kept with the package."""
+        return read_readings(self.file_of("readings"))
+
+    @cached_property
+    def explaining(self) -> ObjectPage:
+        """The object that explains the method."""
+        return most_varied(self.pages)
+
+
+def given(**values: object) -> Values | None:
+    """Give a section's values, or None where one of them is missing or empty."""
+    return values if all(values.values()) else None
+
 
 @dataclass(frozen=True)
 class Section:
-    """One section of the page.
+    """One section of the page: its anchor, which is the stem of its template, and its title.
 
-    Attributes
-    ----------
-    name : str
-        Its anchor, and the stem of its template.
-    title : str or callable
-        It may depend on the run.
-    values : callable
-        Gives the words and figures of the template; None leaves the section out.
-    reads : tuple of Reads or callable
-        The tables that it shows; they may depend on the run.
+    `values` gives the words and figures of the template; None leaves the section out. `reads` are the
+    tables that it shows. Title and tables may depend on the run.
     """
 
     name: str
@@ -152,13 +168,8 @@ def _files(run: Run, name: str) -> list[Path]:
 
 def _narrowed(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
     """Keep the files of the pipeline or the object that is selected, where they have their own."""
-    if "pipeline" in rows:
-        own = [file for file in files if file.parent.name == rows["pipeline"]]
-    elif "object" in rows:
-        key = f"{rows['class']}/{rows['object']}"
-        own = [file for file in files if file.parent.as_posix().endswith(f"/{key}")]
-    else:
-        own = []
+    place = str(rows.get("pipeline", f"{rows.get('class')}/{rows.get('object')}"))
+    own = [file for file in files if file.parent.as_posix().endswith(f"/{place}")]
     return own or files
 
 

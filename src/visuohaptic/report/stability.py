@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 from markupsafe import Markup
 
 from visuohaptic.errors import ReportError
+from visuohaptic.report.estimates import Row
 from visuohaptic.report.wording import counted, percent
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.stability import STABILITY
@@ -28,22 +28,10 @@ _DRAWING = re.compile(
 
 @dataclass(frozen=True)
 class Check:
-    """One kind of hard case: how many were tried, and how the worst of them went.
+    """A row of `tables.STABILITY`: one kind of hard case, and how the worst of them went.
 
-    Attributes
-    ----------
-    family, requirement, unit, reason, hardest : str
-        What was wanted, the error's unit, why its tolerance is what it is, and the worst case.
-    key : str
-        `class/name` of the object that it is about; empty where it is about none.
-    cases : int
-        How many were tried.
-    worst_error : float or None
-        None where it was not finite.
-    tolerance : float
-        The largest error that is allowed.
-    drawing : str
-        The worst case as SVG, safe to be shown; may be empty.
+    `key` is `class/name` of the object that it is about, or empty. `worst_error` is None where it was
+    not finite. `drawing` is the worst case as SVG, safe to be shown, or empty.
     """
 
     family: str
@@ -65,24 +53,26 @@ class Check:
     @property
     def share(self) -> float:
         """The worst error over its tolerance; where 0 is allowed, 0 or infinite."""
-        if self.worst_error is None:
+        if self.worst_error == 0:
+            return 0.0
+        if self.worst_error is None or self.tolerance == 0:
             return float("inf")
-        if self.tolerance == 0:
-            return 0.0 if self.worst_error == 0 else float("inf")
         return self.worst_error / self.tolerance
+
+    @property
+    def kind(self) -> tuple[str, str]:
+        """What is required, of all objects."""
+        return self.family, self.requirement
+
+    @property
+    def title(self) -> str:
+        """Its kind in words, and its object."""
+        return ": ".join(filter(None, (self.key, ", ".join(self.kind))))
 
 
 @dataclass(frozen=True)
 class StabilityFigures:
-    """What was found in hard cases.
-
-    Attributes
-    ----------
-    checks : tuple of Check
-        One for each requirement, and for each object of those about objects.
-    table : pyarrow.Table
-        The same as rows of `tables.STABILITY`.
-    """
+    """Checks: one for each requirement, and for each object of those about objects; `table` has them as rows."""
 
     checks: tuple[Check, ...]
     table: pa.Table
@@ -90,28 +80,20 @@ class StabilityFigures:
     @property
     def families(self) -> dict[str, list[Check]]:
         """The worst check of each requirement over all objects, by family."""
-        merged: dict[tuple[str, str], Check] = {}
-        for check in self.checks:
-            place = (check.family, check.requirement)
-            merged[place] = _worse(merged[place], check) if place in merged else _named(check)
         found: dict[str, list[Check]] = {}
-        for check in merged.values():
-            found.setdefault(check.family, []).append(check)
+        for kind in dict.fromkeys(check.kind for check in self.checks):
+            own = [check for check in self.checks if check.kind == kind]
+            worst = max(own, key=lambda check: check.share)
+            hardest = ": ".join(filter(None, (worst.key, worst.hardest)))
+            cases = sum(check.cases for check in own)
+            found.setdefault(kind[0], []).append(replace(worst, cases=cases, hardest=hardest))
         return found
 
     @property
     def objects(self) -> dict[str, list[Check]]:
         """Checks about an object, by `class/name`."""
-        found: dict[str, list[Check]] = {}
-        for check in self.checks:
-            if check.key:
-                found.setdefault(check.key, []).append(check)
-        return found
-
-    @property
-    def cases(self) -> int:
-        """Number of all cases that were tried."""
-        return sum(check.cases for check in self.checks)
+        keys = sorted({check.key for check in self.checks if check.key})
+        return {key: [check for check in self.checks if check.key == key] for key in keys}
 
     @property
     def broken(self) -> list[Check]:
@@ -119,38 +101,13 @@ class StabilityFigures:
         return [check for check in self.checks if not check.held]
 
 
-def _named(check: Check) -> Check:
-    """Say in the hardest case which object it is about."""
-    return replace(check, hardest=f"{check.key}: {check.hardest}") if check.key else check
-
-
-def _worse(kept: Check, other: Check) -> Check:
-    worse = _named(other) if other.share > kept.share else kept
-    return replace(worse, cases=kept.cases + other.cases)
-
-
 def read_stability(paths: Sequence[str | Path]) -> StabilityFigures | None:
-    """Read tables of hard cases.
+    """Read files of `tables.STABILITY`, or folders of them; None where there is none.
 
-    Parameters
-    ----------
-    paths : sequence of path
-        Files of the table, or folders of them; those that don't exist are left out.
-
-    Returns
-    -------
-    StabilityFigures or None
-        None where there is no file.
-
-    Raises
-    ------
-    TableError
-        If a file breaks the schema.
+    Raises `TableError` if a file breaks the schema.
     """
     there = [path for path in map(Path, paths) if path.is_file() or any(path.rglob("*.parquet"))]
-    if not there:
-        return None
-    return stability_figures(read_table(STABILITY, there))
+    return stability_figures(read_table(STABILITY, there)) if there else None
 
 
 def stability_figures(table: pa.Table) -> StabilityFigures:
@@ -158,42 +115,27 @@ def stability_figures(table: pa.Table) -> StabilityFigures:
     return StabilityFigures(tuple(map(_check, table.to_pylist())), table)
 
 
-def _check(row: Mapping[str, Any]) -> Check:
-    kept = {
-        name: row[name] for name in Check.__dataclass_fields__ if name not in ("key", "drawing")
-    }
-    key = f"{row['class']}/{row['object']}" if row["object"] else ""
-    return Check(key=key, drawing=_safe_drawing(row["drawing"]), **kept)
-
-
 def describe_checks(checks: Iterable[Check]) -> str:
     """Say in a sentence or two how many cases were tried, and which came nearest to its tolerance."""
     found = list(checks)
     cases = counted(sum(check.cases for check in found), "hard case")
-    kinds = {(check.family, check.requirement) for check in found}
+    kinds = {check.kind for check in found}
     tried = f"{cases} of {counted(len(kinds), 'kind')}"
-    broken = [check for check in found if not check.held]
+    broken = [check.title for check in found if not check.held]
     if broken:
-        names = "; ".join(dict.fromkeys(_title(check) for check in broken))
+        names = "; ".join(dict.fromkeys(broken))
         return f"{tried}: {counted(len(broken), 'tolerance')} exceeded ({names})."
     worst = max(found, key=lambda check: check.share)
-    exact = kinds - {(check.family, check.requirement) for check in found if check.share > 0}
+    exact = len(kinds - {check.kind for check in found if check.share > 0})
     return (
-        f"{tried} were tried, and every error is within its tolerance; {counted(len(exact), 'kind')} "
-        f"{'has' if len(exact) == 1 else 'have'} no error at all. The largest error, as a share of what "
-        f"is allowed, is {percent(worst.share, 2)} ({_title(worst)})."
+        f"{tried} were tried, and every error is within its tolerance; {counted(exact, 'kind')} "
+        f"{'has' if exact == 1 else 'have'} no error at all. The largest error, as a share of what "
+        f"is allowed, is {percent(worst.share, 2)} ({worst.title})."
     )
 
 
-def _title(check: Check) -> str:
-    return ": ".join(filter(None, (check.key, f"{check.family}, {check.requirement}")))
-
-
 def stability_answer(figures: Sequence[StabilityFigures]) -> str:
-    """Say how many cases were tried, and how near the worst came to its tolerance.
-
-    `figures` are those found on the run's objects, and in hard cases of the code.
-    """
+    """Say how many cases were tried, on the run's objects and of the code, and what was exceeded."""
     checks = [check for part in figures for check in part.checks]
     if any(not check.held for check in checks):
         return describe_checks(checks)
@@ -201,45 +143,27 @@ def stability_answer(figures: Sequence[StabilityFigures]) -> str:
     return f"{cases} tried; every error is within its tolerance."
 
 
-def read_precision(path: str | Path | None) -> dict[str, list[Mapping[str, Any]]]:
-    """Read errors and seconds of each kernel's settings.
+def read_precision(path: str | Path | None) -> dict[str, list[Row]]:
+    """Read errors and seconds of each kernel's settings, ``reports/precision.json``, by kernel.
 
-    Parameters
-    ----------
-    path : path or None
-        `reports/precision.json`.
-
-    Returns
-    -------
-    dict of str to list
-        Rows by kernel; empty where there is no such file.
-
-    Raises
-    ------
-    ReportError
-        If the file is there but holds no such rows.
+    Raises `ReportError` if the file is there but holds no such rows.
     """
-    rows = _read_json(path) or []
-    kernels: dict[str, list[Mapping[str, Any]]] = {}
+    kernels: dict[str, list[Row]] = {}
+    if path is None or not Path(path).exists():
+        return kernels
     try:
-        for row in rows:
+        for row in json.loads(Path(path).read_text(encoding="utf-8")):
             kernels.setdefault(row["kernel"], []).append(row)
-    except (KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError) as error:
         raise ReportError(
             f"{path} holds no rows of kernels ({error}); run make test-hard again."
         ) from error
     return kernels
 
 
-def _read_json(path: str | Path | None) -> Any:
-    if path is None or not Path(path).exists():
-        return None
-    try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise ReportError(f"{path} is no JSON ({error}); make it again.") from error
-
-
-def _safe_drawing(svg: str) -> str:
-    """Let a drawing onto the page only if it is plain shapes: the file may be anyone's."""
-    return Markup(svg) if _DRAWING.fullmatch(svg) else ""  # noqa: S704
+def _check(row: Row) -> Check:
+    names = set(Check.__dataclass_fields__) - {"key", "drawing"}
+    # The file may be anyone's, so a drawing comes onto the page only if it is plain shapes.
+    safe = Markup(row["drawing"]) if _DRAWING.fullmatch(row["drawing"]) else ""  # noqa: S704
+    key = f"{row['class']}/{row['object']}" if row["object"] else ""
+    return Check(key=key, drawing=safe, **{name: row[name] for name in names})

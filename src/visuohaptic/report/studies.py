@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from visuohaptic.report.comparison import PAPER_PIPELINE, SIGNIFICANCE
-from visuohaptic.report.wording import counted, listed, percent, points, probability, spaced
+from visuohaptic.report.estimates import Row, figure_of, share_above_interval
+from visuohaptic.report.wording import (
+    counted,
+    listed_in_short,
+    points,
+    probability,
+    spaced,
+    strategy_name,
+    titled,
+)
 from visuohaptic.studies.ablations import OTHER_DESCRIPTORS
 from visuohaptic.studies.registry import PACKAGED
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY_FIGURES
 
-Row = Mapping[str, Any]
-
 MOST_NAMED = 5
 """Conditions that a sentence names; more are counted."""
-
-NO_LOSS = "Nothing makes it worse"
 
 NAMES = {
     "whole_method": "whole method",
@@ -45,34 +50,42 @@ REMADE = {
 
 @dataclass(frozen=True)
 class StudyTable:
-    """One pipeline and classifier of a study.
-
-    Attributes
-    ----------
-    pipeline, classifier : str
-        Of what.
-    strategies : tuple of str
-        In the order of their columns.
-    opponents : tuple of str
-        Of them, those that fixation is compared with.
-    sentences : tuple of str
-        What the figures say, one a strategy.
-    rows : sequence of mapping
-        A condition each: its ``words``, what is ``remade``, ``seconds`` of all strategies, and
-        ``cells``: rows of `tables.STUDY_FIGURES` by strategy.
-    """
+    """One pipeline and classifier of a study: rows of `tables.STUDY_FIGURES` with ``words``."""
 
     pipeline: str
     classifier: str
-    strategies: tuple[str, ...]
-    opponents: tuple[str, ...]
-    sentences: tuple[str, ...]
-    rows: Sequence[Row]
+    cells: list[Row]
 
     @property
-    def cells(self) -> list[Row]:
-        """All rows of `tables.STUDY_FIGURES`, each with the ``words`` of its condition."""
-        return [cell for row in self.rows for cell in row["cells"].values()]
+    def strategies(self) -> list[str]:
+        """In the order of their columns."""
+        return sorted({cell["strategy"] for cell in self.cells})
+
+    @property
+    def opponents(self) -> list[str]:
+        """Strategies that fixation is compared with."""
+        return sorted({cell["strategy"] for cell in self.cells if cell["lead"] is not None})
+
+    @property
+    def rows(self) -> list[Row]:
+        """A condition each: its ``words``, what is ``remade``, ``seconds``, and ``cells`` by strategy."""
+        found: dict[str, dict[str, Any]] = {}
+        for cell in self.cells:
+            row = found.setdefault(cell["condition"], {**cell, "seconds": 0.0, "cells": {}})
+            row["cells"][cell["strategy"]] = cell
+            row["seconds"] += cell["seconds"] or 0.0
+        return list(found.values())
+
+    @property
+    def sentences(self) -> list[str]:
+        """What the figures say, one a strategy."""
+        parts = [
+            [cell for cell in self.cells if cell["strategy"] == one] for one in self.strategies
+        ]
+        said = {name: _sentence(part) for name, part in zip(self.strategies, parts, strict=True)}
+        if len(said) == 1:
+            return [titled(text) for text in said.values() if text]
+        return [f"{titled(strategy_name(name))}: {text}" for name, text in said.items() if text]
 
 
 @dataclass(frozen=True)
@@ -98,16 +111,15 @@ def read_study(folder: str | Path | None, study: str) -> StudyFigures | None:
     rows = read_figures(folder, study)
     if not rows:
         return None
-    keys = sorted({(row["pipeline"], row["classifier"]) for row in rows})
-    keys.sort(key=lambda key: key[0] != PAPER_PIPELINE)
+    words = condition_name if study in PACKAGED else str
+    found: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
-        row["words"] = (
-            row["condition"] if study not in PACKAGED else condition_name(row["condition"])
-        )
-    tables = tuple(
-        _table([row for row in rows if (row["pipeline"], row["classifier"]) == key]) for key in keys
+        cell = {**row, "words": words(row["condition"])}
+        found.setdefault((row["pipeline"], row["classifier"]), []).append(cell)
+    keys = sorted(found, key=lambda key: (key[0] != PAPER_PIPELINE, key))
+    return StudyFigures(
+        study, rows[0]["title"], tuple(StudyTable(*key, found[key]) for key in keys)
     )
-    return StudyFigures(study, rows[0]["title"], tables)
 
 
 def read_own_studies(folder: str | Path | None) -> list[StudyFigures]:
@@ -127,65 +139,31 @@ def condition_name(name: str) -> str:
     return f"channel {spaced(channel)} left out" if channel != name else spaced(name)
 
 
-def remade_name(name: str) -> str:
-    """Say what a condition made again."""
-    return REMADE[name]
+def accuracy_or_error(cell: Row) -> str:
+    """Write the accuracy of a row of `tables.STUDY_FIGURES`, or why it has none."""
+    found = figure_of(cell, "accuracy")
+    return f"failed: {cell['error']}" if found is None else share_above_interval(found)
 
 
-def _table(rows: Sequence[Row]) -> StudyTable:
-    strategies = tuple(dict.fromkeys(sorted(row["strategy"] for row in rows)))
-    conditions: dict[str, dict[str, Any]] = {}
-    for row in rows:
-        about = {**row, "seconds": 0.0, "cells": {}}
-        condition = conditions.setdefault(row["condition"], about)
-        condition["cells"][row["strategy"]] = row
-        condition["seconds"] += row["seconds"] or 0.0
-    sentences = (
-        _sentence([row for row in rows if row["strategy"] == strategy]) for strategy in strategies
-    )
-    return StudyTable(
-        rows[0]["pipeline"],
-        rows[0]["classifier"],
-        strategies,
-        tuple(name for name in strategies if _has_lead(rows, name)),
-        tuple(sentences),
-        list(conditions.values()),
-    )
-
-
-def _has_lead(rows: Sequence[Row], strategy: str) -> bool:
-    return any(row["strategy"] == strategy and row["lead"] is not None for row in rows)
-
-
-def _sentence(rows: Sequence[Row]) -> str:
-    whole = rows[0]
-    others = [row for row in rows if row["adjusted_p"] is not None]
-    if not others or whole["accuracy"] is None:
+def _sentence(cells: Sequence[Row]) -> str:
+    """Say what loses and what gains most, and which changes are beyond chance."""
+    others = [row for row in cells if row["adjusted_p"] is not None]
+    if not others:
         return ""
-    one_reference = {row["compared_with"] for row in others} == {whole["condition"]}
-    text = (
-        f"With {whole['words']}, {percent(whole['accuracy'])} are correctly classified. "
-        if one_reference
-        else ""
-    )
     worst, best = (pick(others, key=lambda row: row["difference"]) for pick in (min, max))
-    text += f"The largest loss is {_change(worst)}" if worst["difference"] < 0 else NO_LOSS
-    text += f"; the largest gain is {_change(best)}" if best["difference"] > 0 else ""
-    settled = [row for row in others if row["adjusted_p"] < SIGNIFICANCE]
-    objects = counted(others[0]["objects"], "object")
-    if not settled:
-        least = probability(min(row["adjusted_p"] for row in others))
-        return (
-            f"{text}. With {objects} no change is beyond chance (smallest Holm-adjusted p {least})."
+    said = [
+        f"{words} {row['words']} ({points(row['difference'])} percentage points)"
+        for words, row, there in (
+            ("most is lost by", worst, worst["difference"] < 0),
+            ("most is gained by", best, best["difference"] > 0),
         )
-    names = [row["words"] for row in settled[:MOST_NAMED]]
-    if len(settled) > MOST_NAMED:
-        names.append(counted(len(settled) - MOST_NAMED, "other"))
-    return (
-        f"{text}. Beyond chance with {objects} (Holm-adjusted p below {SIGNIFICANCE:g}): "
-        f"{listed(names)}."
+        if there
+    ] or ["nothing changes the accuracy"]
+    settled = [row["words"] for row in others if row["adjusted_p"] < SIGNIFICANCE]
+    chance = (
+        f"beyond chance (Holm-adjusted p below {SIGNIFICANCE:g}): {listed_in_short(settled, MOST_NAMED)}"
+        if settled
+        else "no change is beyond chance (smallest Holm-adjusted p "
+        f"{probability(min(row['adjusted_p'] for row in others))})"
     )
-
-
-def _change(row: Row) -> str:
-    return f"that of {row['words']}, {points(row['difference'])} percentage points"
+    return f"{'; '.join(said)}; with {counted(others[0]['objects'], 'object')} {chance}."

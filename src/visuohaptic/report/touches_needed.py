@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+
+from markupsafe import Markup
 
 from visuohaptic.recognition.intervals import holm
 from visuohaptic.report.comparison import PAPER_PIPELINE, REFERENCE, SIGNIFICANCE
+from visuohaptic.report.estimates import Row
 from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import (
     counted,
@@ -22,8 +24,6 @@ from visuohaptic.report.wording import (
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import TOUCHES_NEEDED
 
-Row = Mapping[str, Any]
-
 
 @dataclass(frozen=True)
 class CurveFigures:
@@ -33,22 +33,34 @@ class CurveFigures:
     ----------
     pipeline, classifier : str
         Of what.
-    sentences : tuple of str
-        Which strategy wins, and by how much.
-    strategies : tuple of str
-        In the order of their colours.
-    rows : sequence of mapping
+    rows : list of mapping
         Rows of `tables.TOUCHES_NEEDED` with ``adjusted_p``, the largest area first.
-    curves : mapping of str to sequence of mapping
-        Rows of `tables.STUDY_FIGURES` by strategy, with ``touches``.
+    points : list of mapping
+        Rows of `tables.STUDY_FIGURES`.
     """
 
     pipeline: str
     classifier: str
-    sentences: tuple[str, ...]
-    strategies: tuple[str, ...]
-    rows: Sequence[Row]
-    curves: Mapping[str, Sequence[Row]]
+    rows: list[Row]
+    points: list[Row]
+
+    @property
+    def strategies(self) -> list[str]:
+        """In the order of their colours."""
+        return sorted((row["strategy"] for row in self.rows), key=strategy_place)
+
+    @property
+    def by_touches(self) -> list[Row]:
+        """A row for each number of ``touches``, with the ``points`` of all strategies by name."""
+        found: dict[int, dict[str, Row]] = {}
+        for row in self.points:
+            found.setdefault(row["place"] + 1, {})[row["strategy"]] = row
+        return [{"touches": touches, "points": found[touches]} for touches in sorted(found)]
+
+    @property
+    def verdict(self) -> str:
+        """Whether attention wins, in a sentence or two."""
+        return verdict(self.rows)
 
 
 def curve_figures(studies: str | Path | None, needed: str | Path | None) -> list[CurveFigures]:
@@ -56,114 +68,68 @@ def curve_figures(studies: str | Path | None, needed: str | Path | None) -> list
 
     `studies` is the folder of `tables.STUDY_FIGURES`, `needed` the file of `tables.TOUCHES_NEEDED`.
     """
-    points_of = [{**row, "touches": row["place"] + 1} for row in read_figures(studies, "curves")]
+    points_of = read_figures(studies, "curves")
     if not points_of or needed is None or not Path(needed).is_file():
         return []
     rows_of = read_table(TOUCHES_NEEDED, needed).to_pylist()
-    keys = sorted({(row["pipeline"], row["classifier"]) for row in rows_of})
-    keys.sort(key=lambda key: key[0] != PAPER_PIPELINE)
+    keys = sorted({_cell(row) for row in rows_of}, key=lambda key: (key[0] != PAPER_PIPELINE, key))
     return [
-        _figures(
+        CurveFigures(
             *key,
-            [row for row in rows_of if (row["pipeline"], row["classifier"]) == key],
-            [row for row in points_of if (row["pipeline"], row["classifier"]) == key],
+            _adjusted([row for row in rows_of if _cell(row) == key]),
+            [row for row in points_of if _cell(row) == key],
         )
         for key in keys
     ]
 
 
-def verdict(rows: Sequence[Row]) -> tuple[str, ...]:
-    """Say in sentences which strategy wins, and whether attention does.
+def touches_needed(row: Row) -> Markup:
+    """Write how many touches a strategy needs, with those that its intervals leave open."""
+    most = row["most_touches"]
+    found = Markup("{}").format(f"never up to {most}" if row["touches"] is None else row["touches"])
+    if row["touches_low"] is None:
+        return found
+    high = f"more than {most}" if row["touches_high"] is None else row["touches_high"]
+    return found + Markup('<span class="interval">{} to {}</span>').format(row["touches_low"], high)
 
-    The rows are those of `tables.TOUCHES_NEEDED` of one pipeline and classifier, with
-    ``adjusted_p``.
+
+def verdict(ranked: Sequence[Row]) -> str:
+    """Say whether attention has the largest area, and which differences are beyond chance.
+
+    The rows are those of `CurveFigures`.
     """
-    ranked = sorted(rows, key=lambda row: -row["area"])
     best = ranked[0]
-    most = best["most_touches"]
     first = (
-        f"The largest area under the curve of 1 to {counted(most, 'touch')} is that of "
-        f"{strategy_name(best['strategy'])}, {percent(best['area'])} of the area of perfect "
-        f"classification."
+        f"The largest area under the curve of 1 to {counted(best['most_touches'], 'touch')} is that of "
+        f"{strategy_name(best['strategy'])}, {percent(best['area'])} of the area of perfect classification"
     )
-    return tuple(
-        sentence
-        for sentence in (first, _attention_sentence(ranked), _level_sentence(rows))
-        if sentence
-    )
-
-
-def _figures(
-    pipeline: str, classifier: str, rows: Sequence[Row], curve_points: Sequence[Row]
-) -> CurveFigures:
-    compared = [row for row in rows if row["p_value"] is not None]
-    adjusted = holm([row["p_value"] for row in compared])
-    of_strategy = {row["strategy"]: value for row, value in zip(compared, adjusted, strict=True)}
-    full = [{**row, "adjusted_p": of_strategy.get(row["strategy"])} for row in rows]
-    strategies = tuple(sorted((row["strategy"] for row in rows), key=strategy_place))
-    curves = {
-        strategy: sorted(
-            (row for row in curve_points if row["strategy"] == strategy),
-            key=lambda row: row["touches"],
-        )
-        for strategy in strategies
-    }
-    return CurveFigures(
-        pipeline,
-        classifier,
-        verdict(full),
-        strategies,
-        sorted(full, key=lambda row: -row["area"]),
-        curves,
-    )
-
-
-def _attention_sentence(ranked: Sequence[Row]) -> str:
-    rank = next((place for place, row in enumerate(ranked, 1) if row["strategy"] == REFERENCE), 0)
     others = [row for row in ranked if row["gain"] is not None]
-    if not rank or not others:
-        return ""
-    own = ranked[rank - 1]
-    area = percent(own["area"])
+    if not others:
+        return f"{first}."
     ahead = [row for row in others if row["gain"] < 0]
-    if not ahead:
-        text = (
-            f"Attention wins: no other strategy's area is larger than that of eye fixations, {area}"
-        )
-    else:
-        text = (
-            f"Attention does not win: eye fixations, with {area}, are number {rank} of {len(ranked)}, "
-            f"behind {listed([_gap(row) for row in ahead])}"
-        )
-    behind = [row for row in others if row["gain"] > 0]
-    if behind:
-        text += f"; they are ahead of {listed([_gap(row) for row in behind])}"
-    settled = [row for row in others if row["adjusted_p"] < SIGNIFICANCE]
-    objects = counted(own["objects"], "object")
-    if not settled:
-        least = probability(min(row["adjusted_p"] for row in others))
-        return f"{text}. With {objects} none of these differences is beyond chance (smallest Holm-adjusted p {least})."
-    names = listed([strategy_name(row["strategy"]) for row in settled])
+    wins = "attention does not win" if ahead else "attention wins"
+    gaps = listed([f"{strategy_name(row['strategy'])} {points(row['gain'])}" for row in others])
+    settled = [strategy_name(row["strategy"]) for row in others if row["adjusted_p"] < SIGNIFICANCE]
+    least = probability(min(row["adjusted_p"] for row in others))
+    chance = (
+        f"beyond chance is the difference to {listed(settled)} (Holm-adjusted p below {SIGNIFICANCE:g})"
+        if settled
+        else f"no difference is beyond chance (smallest Holm-adjusted p {least})"
+    )
     return (
-        f"{text}. Beyond chance with {objects} (Holm-adjusted p below {SIGNIFICANCE:g}) is the "
-        f"difference to {names}."
+        f"{first}: {wins}. Percentage points by which {strategy_name(REFERENCE)} are ahead of others: "
+        f"{gaps}; with {counted(others[0]['objects'], 'object')} {chance}."
     )
 
 
-def _gap(row: Row) -> str:
-    return f"{strategy_name(row['strategy'])} ({points(row['gain'])} percentage points)"
+def _cell(row: Row) -> tuple[str, str]:
+    return row["pipeline"], row["classifier"]
 
 
-def _level_sentence(rows: Sequence[Row]) -> str:
-    level = percent(rows[0]["level"], 0)
-    reached = [row for row in rows if row["touches"] is not None]
-    if not reached:
-        return f"None stays at {level} up to {counted(rows[0]['most_touches'], 'touch')}."
-    fewest = min(row["touches"] for row in reached)
-    winners = [strategy_name(row["strategy"]) for row in reached if row["touches"] == fewest]
-    text = f"Fewest touches from which on accuracy stays at {level}: {fewest}, by {listed(winners)}"
-    own = next((row for row in rows if row["strategy"] == REFERENCE), None)
-    if own is None or own["touches"] == fewest:
-        return f"{text}."
-    need = "never get there" if own["touches"] is None else f"need {own['touches']}"
-    return f"{text}; eye fixations {need}."
+def _adjusted(rows: Sequence[Row]) -> list[Row]:
+    """Add p values adjusted over the strategies, and order by area."""
+    compared = [row for row in rows if row["p_value"] is not None]
+    found = holm([row["p_value"] for row in compared])
+    adjusted = {row["strategy"]: value for row, value in zip(compared, found, strict=True)}
+    full = [{**row, "adjusted_p": adjusted.get(row["strategy"])} for row in rows]
+    return sorted(full, key=lambda row: -row["area"])

@@ -65,6 +65,18 @@ def probability(value: float) -> str:
     return "< 0.0001" if value < 0.0001 else f"{value:.2g}"
 
 
+def decimal(value: float) -> str:
+    """Give two decimals."""
+    return _with_minus(f"{value:.2f}".replace("-0.00", "0.00"))
+
+
+def duration(seconds: float, digits: int = 2) -> str:
+    """Write seconds, or milliseconds where they are few."""
+    if seconds >= 1:
+        return f"{seconds:.0f} s" if seconds >= 99.5 else f"{seconds:.{digits}g} s"
+    return f"{1000 * seconds:.{digits}g} ms" if seconds < 0.0995 else f"{1000 * seconds:.0f} ms"
+
+
 def listed(names: Sequence[str]) -> str:
     """Join names as a sentence does: a, b and c."""
     if len(names) < 2:

@@ -149,17 +149,8 @@
     picture.className = "cell";
     picture.setAttribute("role", "img");
     picture.setAttribute("aria-label", `Imprint of touch ${key.number}`);
-    const image = new Image();
-    image.alt = "";
-    image.onload = () => {
-      const scale = (96 * sheet.columns) / image.naturalWidth;
-      Object.assign(image.style, {
-        width: `${96 * sheet.columns}px`, height: `${image.naturalHeight * scale}px`,
-        translate: `${-96 * (key.number - 1)}px ${-96 * key.viewpoint}px`,
-      });
-    };
-    image.src = sheet.picture;
-    picture.append(image);
+    const place = `${-96 * (key.number - 1)}px ${-96 * key.viewpoint}px`;
+    picture.style.background = `url(${sheet.picture}) ${place} / ${96 * sheet.columns}px auto`;
     const edge = key.pose[9].toFixed(3);
     felt.replaceChildren(picture, `Touch ${key.number}: edge ${edge} object radii, contact ${key.state.replaceAll("_", " ")}`);
     felt.hidden = false;
@@ -184,7 +175,6 @@
 
   function enlarge(figure, stage, Plotly, large) {
     figure.classList.toggle("large", large);
-    document.body.classList.toggle("covered", large);
     const button = figure.querySelector(".enlarge");
     button.setAttribute("aria-pressed", String(large));
     Plotly.Plots.resize(stage);
@@ -316,7 +306,4 @@
   };
   window.addEventListener("hashchange", reveal);
   reveal();
-  window.addEventListener("beforeprint", () => {
-    for (const details of document.querySelectorAll("main details")) details.open = true;
-  });
 })();

@@ -1,0 +1,79 @@
+"""Figures with their intervals: taken from a table's row, and written in one way all over the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from visuohaptic.recognition.intervals import Interval
+from visuohaptic.report.wording import percent, points
+
+LIMIT = "†"
+"""Stands at an interval that is the exact binomial limit, which the page explains."""
+
+Row = Mapping[str, Any]
+"""A row of a table, by column."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A mean and its interval; None where the interval has no end."""
+
+    mean: float
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def is_limit(self) -> bool:
+        """Whether a share is that of objects that all agree, so that its interval is the exact binomial limit."""
+        return self.low is not None and self.mean in (0.0, 1.0)
+
+    def holds(self, value: float) -> bool:
+        """Return whether a value lies within the interval, ends included."""
+        return self.low is not None and self.high is not None and self.low <= value <= self.high
+
+
+def figure_of(row: Row, name: str) -> Figure | None:
+    """Give a column's value with its interval, whose columns are ``NAME_low``, or ``low``."""
+    if row[name] is None:
+        return None
+    low, high = (row.get(f"{name}_{end}", row.get(end)) for end in ("low", "high"))
+    return Figure(row[name], low, high)
+
+
+def estimate(interval: Interval) -> Figure:
+    """Give a mean over objects; that of one object has no ends."""
+    if math.isnan(interval.low):
+        return Figure(interval.mean)
+    return Figure(interval.mean, interval.low, interval.high)
+
+
+def with_interval(figure: Figure, write: Callable[[float], str], unit: str = "") -> str:
+    """Write a figure within a sentence, such as ``70.0 % (65.0 % to 75.0 %)``."""
+    if figure.low is None or figure.high is None:
+        return write(figure.mean) + unit
+    return f"{write(figure.mean)}{unit} ({write(figure.low)} to {write(figure.high)})"
+
+
+def share_above_interval(figure: Figure) -> Markup:
+    """Write a share as `above_interval` does; an interval that is a limit has its mark."""
+    return above_interval(figure, percent, LIMIT if figure.is_limit else "")
+
+
+def points_above_interval(figure: Figure) -> Markup:
+    """Write a difference of shares as `above_interval` does, with the mark of a limit."""
+    is_limit = figure.mean == 0 and figure.low is not None and figure.low == -(figure.high or 0)
+    return above_interval(figure, points, LIMIT if is_limit else "")
+
+
+def above_interval(figure: Figure, write: Callable[[float], str], mark: str = "") -> Markup:
+    """Write a figure of a table's cell, with its interval in a line below, and a mark there."""
+    mean = Markup('<data value="{}">{}</data>').format(figure.mean, write(figure.mean))
+    if figure.low is None or figure.high is None:
+        return mean
+    ends = f"{write(figure.low)} to {write(figure.high)}{mark}"
+    return mean + Markup('<span class="interval">{}</span>').format(ends)

@@ -1,0 +1,129 @@
+"""The tables of the page: of some rows, these columns with these formats."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from jinja2 import Environment, pass_environment
+from markupsafe import Markup
+
+from visuohaptic.recognition.intervals import Interval
+from visuohaptic.report.estimates import (
+    Figure,
+    above_interval,
+    estimate,
+    figure_of,
+    points_above_interval,
+    share_above_interval,
+)
+
+Column = Sequence[str]
+"""Heading, key and format; without a format the value is written as it is."""
+
+SHARES = {"percent": share_above_interval, "points": points_above_interval}
+"""Formats of figures whose intervals may be limits."""
+
+NUMBER = "number"
+"""The format of a text that stands where numbers do."""
+
+NONE = "\N{EN DASH}"
+"""Stands where there is no value."""
+
+
+@pass_environment
+def table(
+    environment: Environment,
+    rows: Iterable[Any],
+    label: str,
+    columns: Sequence[Column],
+    caption: str = "",
+    best: object = None,
+) -> Markup:
+    """Write rows as a table that scrolls where the screen is narrow.
+
+    Parameters
+    ----------
+    environment : jinja2.Environment
+        Has the formats.
+    rows : iterable of mapping or object
+        The first column heads its row. A row with ``mark`` has that class.
+    label : str
+        What the table is called, once on the page.
+    columns : sequence of Column
+        A key is a name, or several joined by points; without one it is the whole row. A format is
+        the name of a filter, of several joined by ``|``, or as for ``%`` and `format`; after ``±``
+        it writes the interval, too. A column of numbers stands to the right.
+    caption : str
+        What stands above the table, if not the label.
+    best : object
+        The row that stands out.
+    """
+    listed = list(rows)
+    numeric = [
+        column[-1] == NUMBER or any(_is_number(_find(row, column[1])) for row in listed)
+        for column in columns
+    ]
+    return Markup(  # noqa: S704 - the template escapes
+        environment.get_template("table.html.jinja").render(
+            label=label,
+            caption=caption or label,
+            headings=[column[0] for column in columns],
+            numeric=numeric,
+            rows=[
+                (
+                    "best" if row is best else _mark(row),
+                    [_write(environment, row, *column[1:]) for column in columns],
+                )
+                for row in listed
+            ],
+        )
+    )
+
+
+def _is_number(value: object) -> bool:
+    kinds = (int, float, Figure, Interval, Mapping)
+    return isinstance(value, kinds) and not isinstance(value, bool)
+
+
+def _with_interval(environment: Environment, figure: Figure, form: str) -> Markup:
+    if form in SHARES:
+        return SHARES[form](figure)
+    return above_interval(figure, environment.filters[form])
+
+
+def _mark(row: object) -> object:
+    return row.get("mark") if isinstance(row, Mapping) else None
+
+
+def _figure(value: object) -> Figure | None:
+    if isinstance(value, Interval):
+        return estimate(value)
+    return value if isinstance(value, Figure) else None
+
+
+def _find(row: Any, key: str) -> Any:
+    """Follow a key; None where it leads nowhere."""
+    for name in filter(None, key.split(".")):
+        if isinstance(row, tuple):
+            row = row[int(name)]
+        elif row is not None:
+            row = row.get(name) if isinstance(row, Mapping) else getattr(row, name)
+    return row
+
+
+def _write(environment: Environment, row: Any, key: str, form: str = "") -> object:
+    value = _find(row, key)
+    if value is None:
+        return NONE
+    if form.startswith("±"):
+        owner, _, name = key.rpartition(".")
+        figure = _figure(value) or figure_of(_find(row, owner) if owner else row, name)
+        return NONE if figure is None else _with_interval(environment, figure, form[1:])
+    if "%" in form:
+        return form % value
+    if "{" in form:
+        return form.format(value)
+    for name in filter(None, form.split("|")):
+        value = environment.filters[name](value)
+    return value

@@ -1,0 +1,51 @@
+"""A table has the columns and formats that were asked for, and what it shows is text."""
+
+from report.pages import read_page
+
+from visuohaptic.report.estimates import Figure
+from visuohaptic.report.page import make_environment
+
+ROWS = [
+    {"name": "<b>", "share": 0.5, "share_low": 0.4, "share_high": 0.6, "of": {"count": 1234}},
+    {"name": "two", "share": None, "of": {}, "mark": "exceeded"},
+]
+COLUMNS = (("Name", "name"), ("Share", "share", "±percent"), ("Count", "of.count", "{:,}"))
+
+
+def written(rows, columns=COLUMNS, **options):
+    source = "{{ rows|table('Label', columns, 'Caption', best) }}"
+    template = make_environment().from_string(source)
+    return template.render(rows=rows, columns=columns, best=options.get("best"))
+
+
+def test_each_value_has_its_format_and_its_interval():
+    page = read_page(written(ROWS))
+    assert page.mismatches == []
+    assert page.text.replace("\N{NO-BREAK SPACE}", " ") == (
+        "Caption Name Share Count <b> 50.0 % 40.0 % to 60.0 % 1,234 two – –"
+    )
+    assert page.values("value") == ["0.5"]
+
+
+def test_columns_of_numbers_stand_to_the_right_and_rows_have_marks():
+    page = read_page(written(ROWS))
+    headings = [one.attributes.get("class") for one in page.named("th")]
+    assert headings[:3] == [None, "number", "number"]
+    assert [row.attributes.get("class") for row in page.named("tr")] == [None, None, "exceeded"]
+    best = read_page(written(ROWS, best=ROWS[0]))
+    assert [row.attributes.get("class") for row in best.named("tr")][1] == "best"
+
+
+def test_a_table_without_rows_has_its_headings():
+    assert read_page(written([])).text == "Caption Name Share Count"
+
+
+def test_formats_are_filters_one_after_another_or_patterns():
+    rows = [{"key": "naive_bayes", "seconds": 0.25, "all": (Figure(1.0, 0.7, 1.0),)}]
+    columns = (
+        ("Name", "key", "spaced|titled"),
+        ("s", "seconds", "%.1f"),
+        ("A", "all.0", "±percent"),
+    )
+    text = read_page(written(rows, columns)).text.replace("\N{NO-BREAK SPACE}", " ")
+    assert text == "Caption Name s A Naive bayes 0.2 100.0 % 70.0 % to 100.0 %†"
