@@ -22,19 +22,19 @@ from readings.design import (
 )
 from readings.leads import SAME, SIGNIFICANT, against_main, main_opponent
 from readings.tables import READINGS
-from visuohaptic.recognition.intervals import compare_paired
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import (
+    CELL,
     Cell,
     CellKey,
     Row,
     cells_of,
+    compare,
     condition_interval,
-    rows_by_cell,
+    rows_by,
 )
-from visuohaptic.tables.schema import build_table, matrix, read_table
+from visuohaptic.tables.schema import build_rows, matrix, read_table
 from visuohaptic.tables.studies import STUDY
 
 
@@ -68,8 +68,7 @@ def reading_figures(
             classifiers.index(row["classifier"]),
         )
     )
-    names = [column.name for column in READINGS.columns]
-    return build_table(READINGS, {name: [row[name] for row in rows] for name in names})
+    return build_rows(READINGS, rows)
 
 
 def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
@@ -78,7 +77,7 @@ def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
     Rows of `tables.STUDY`; what could not be run is left out.
     """
     found = {}
-    for key, cell in rows_by_cell(rows).items():
+    for key, cell in rows_by(rows, CELL).items():
         if cell.column("error")[0].as_py() is not None:
             continue
         split, repeat, sequences, accuracy = matrix(
@@ -132,12 +131,9 @@ def _figures(
         "splits": len(splits[found["fixation"]]),
         "seconds": (fixation.seconds or 0.0) + (random.seconds or 0.0),
     }
-    if fixation.objects != random.objects:
+    compared = compare(fixation, random, intervals, seed)
+    if compared is None:
         return row
-    generator = spawn_generator(seed, "studies", "comparison")
-    compared = compare_paired(
-        fixation.accuracy, random.accuracy, fixation.weights, intervals, generator
-    )
     return row | {
         "ahead": compared.difference.mean,
         "ahead_low": compared.difference.low,

@@ -10,7 +10,7 @@ from recognition.synthetic import features_table, with_column
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import ClassifierParameters, fit_classifier
-from visuohaptic.recognition.experiment import PAPER_FEATURES, gather_pipeline
+from visuohaptic.recognition.experiment import PAPER_FEATURES, draw_splits, gather_pipeline
 from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.parameters import (
     ProtocolParameters,
@@ -65,6 +65,18 @@ def test_same_seed_gives_the_same_tables_whatever_the_order_of_rows():
     second = recognition.run_pipeline(shuffled, SMALL, 1)
     assert first[0].equals(second[0])
     assert first[1].equals(second[1])
+
+
+def test_every_repeat_draws_splits_of_its_own():
+    protocol = ProtocolParameters(protocol="grouped_folds", folds=2, fold_rounds=1, repeats=2)
+    parameters = RecognitionParameters(protocol=protocol)
+    sequences = gather_pipeline(features_table(objects=(6, 6), viewpoints=1), parameters, "paper")
+    splits = list(draw_splits(sequences, parameters, 1))
+    first, second = (
+        [split.test.tolist() for split, repeat in splits if repeat == number] for number in (0, 1)
+    )
+    assert len(first) == len(second) == 2
+    assert first != second
 
 
 def test_strategies_are_tested_on_the_same_splits():

@@ -10,7 +10,7 @@ from recognition.synthetic import features_table
 from studies.surfaces import RUN, small_surfaces, surface_of, write_sources
 
 from visuohaptic import pipeline, recognition
-from visuohaptic.errors import ParameterError, RecognitionError
+from visuohaptic.errors import ParameterError
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.recognition.sequences import whole_sequences
 from visuohaptic.studies import measuring
@@ -36,32 +36,19 @@ from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 
 # Share of each object's sequences that was classified correctly: boxes, then rings. The same with OpenBLAS's kernels
-# for SkylakeX, Haswell and Prescott and NumPy's for AVX-512, AVX2 and older. "cutaneous_only" of pipeline paper is
-# left out: two of three touches on a box are alike, and the skewness of such a sequence is the same for all objects,
-# so that rounding alone tells them apart.
+# for SkylakeX, Haswell and Prescott and NumPy's for AVX-512, AVX2 and older.
 EARLIER = {
     ("whole_method", "paper"): [0.75, 0.75, 0.8333, 0.8333, 1.0, 1.0],
     ("whole_method", "best"): [1.0, 0.75, 0.75, 1.0, 1.0, 1.0],
-    ("cutaneous_only", "best"): [1.0, 0.8333, 1.0, 1.0, 1.0, 0.8333],
     ("kinesthetic_only", "paper"): [0.75, 0.5, 0.6667, 0.9167, 0.9167, 0.6667],
-    ("kinesthetic_only", "best"): [1.0, 0.8333, 1.0, 1.0, 1.0, 1.0],
-    ("contourlet_only", "paper"): [0.75, 0.75, 0.8333, 0.8333, 1.0, 1.0],
-    ("contourlet_only", "best"): [1.0, 0.75, 0.8333, 1.0, 1.0, 1.0],
     ("nonsubsampled_contourlet", "paper"): [0.8333, 0.8333, 0.5, 0.6667, 1.0, 1.0],
-    ("nonsubsampled_contourlet", "best"): [1.0, 0.75, 1.0, 1.0, 1.0, 1.0],
-    ("wavelet", "paper"): [0.75, 0.75, 0.5833, 0.8333, 0.8333, 0.9167],
     ("wavelet", "best"): [1.0, 0.8333, 0.75, 1.0, 1.0, 1.0],
     ("image_statistics", "paper"): [0.9167, 0.5, 0.3333, 0.8333, 1.0, 0.1667],
-    ("image_statistics", "best"): [1.0, 0.9167, 1.0, 1.0, 1.0, 1.0],
     ("fixed_sensor_size", "paper"): [1.0, 0.75, 0.8333, 0.8333, 1.0, 1.0],
-    ("fixed_sensor_size", "best"): [1.0, 0.8333, 0.75, 1.0, 1.0, 1.0],
     ("without_map", "paper"): [1.0, 1.0, 1.0, 0.6667, 0.6667, 0.8333],
     ("fsr400", "paper"): [1.0, 1.0, 0.75, 1.0, 1.0, 1.0],
-    ("fsr400", "best"): [1.0, 0.8333, 0.8333, 1.0, 1.0, 1.0],
     ("without_colour", "paper"): [0.8333, 0.75, 0.8333, 0.6667, 1.0, 1.0],
-    ("without_colour", "best"): [1.0, 0.8333, 0.75, 1.0, 1.0, 1.0],
     ("without_edge", "paper"): [0.8333, 0.75, 0.6667, 0.5, 1.0, 1.0],
-    ("without_edge", "best"): [1.0, 0.75, 0.75, 1.0, 1.0, 1.0],
 }  # fmt: skip
 # With the defaults of that time.
 EARLIER_RUN = with_changes(
@@ -115,21 +102,15 @@ def test_accuracies_are_those_of_earlier_studies(ablations, name, pipeline):
     assert np.round(found[key].accuracy, 4).tolist() == EARLIER[name, pipeline]
 
 
-@pytest.mark.slow
-def test_without_a_map_only_the_papers_pipeline_is_run(ablations):
-    plan, made = ablations
-    planned = next(one for one in plan.conditions if one.condition.name == "without_map")
-    assert {key[1] for key in cells(planned, made[planned.key])} == {"paper"}
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"features.extension": "symmetric"},
-        {"sensor.largest_size": 0.2},
-        {"rendering.resolution": 32},
-    ],
+# From features, touches and views on.
+CHANGES = (
+    {"features.extension": "symmetric"},
+    {"sensor.largest_size": 0.2},
+    {"rendering.resolution": 32},
 )
+
+
+@pytest.mark.parametrize("changes", CHANGES)
 def test_what_comes_before_the_change_is_read_and_not_made(run, monkeypatch, changes):
     (remake,) = mine(Condition("c", changes)).remakes.values()
     sources, _ = run
@@ -224,6 +205,7 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
     }
     assert {name for (name, _), error in errors.items() if error} == {"too small", "too many"}
     assert "9 viewpoints can't vote" in errors["too many", "paper"]
+    assert "this sensor can't be described" in errors["too small", "paper"]
     make_study_figures(
         describe_study(study, plan), [block], tmp_path / "figures.parquet", tmp_path / "figures.json",
         RUN.recognition.intervals, RUN.seed,
@@ -263,12 +245,6 @@ def test_a_block_gives_the_same_rows_however_conditions_are_cut(run, tmp_path):
     parts = [rows(f"part{place}", [one]) for place, one in enumerate(plan.conditions)]
     keys = [(key, "ascending") for key in STUDY.keys]
     assert pa.concat_tables(parts).sort_by(keys).equals(whole.sort_by(keys))
-
-
-def test_a_strategy_without_touches_is_refused():
-    planned = mine(Condition("c", {**ALONE, "probing.strategies": ["fixation"]})).conditions[0]
-    with pytest.raises(RecognitionError, match="no touch was made by fixation"):
-        measuring.condition_features(planned, SYNTHETIC.slice(0, 0), "fixation")
 
 
 def without_last_touches(table, objects, viewpoint, touch):
@@ -317,15 +293,10 @@ def test_a_view_is_left_out_for_all_strategies_where_one_lacks_touches():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("phase", ["views", "touches", "features"])
-def test_an_object_that_no_view_shows_a_place_of_stops_no_study(tmp_path, phase):
+@pytest.mark.parametrize("changes", CHANGES)
+def test_an_object_that_no_view_shows_a_place_of_stops_no_study(tmp_path, changes):
     hair = surface_of(trimesh.creation.cylinder(1e-5, 2))
     sources, _ = write_sources(tmp_path, small_surfaces() | {"ring/hair": hair})
-    changes = {
-        "views": {"rendering.resolution": 32},
-        "touches": {"sensor.largest_size": 0.2},
-        "features": {"features.extension": "symmetric"},
-    }[phase]
     plan = mine(Condition("c", changes | ALONE | {"recognition.pipelines": ["paper"]}))
     (remake,) = plan.remakes.values()
     (found,) = cells(plan.conditions[0], remake_features(remake, sources)).values()

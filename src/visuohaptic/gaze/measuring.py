@@ -25,7 +25,7 @@ from visuohaptic.gaze.predicting import (
 )
 from visuohaptic.gaze.recordings import RecordingFile
 from visuohaptic.tables.gaze import GAZE
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.schema import build_rows
 
 Track = Callable[[list[Any]], Iterable[Any]]
 
@@ -99,7 +99,7 @@ def measure_all(objects: Sequence[GazedObject], gaze: GazeParameters) -> pa.Tabl
                     "digest": one.digest,
                 }
             )
-    return build_table(GAZE, {name: [row[name] for row in rows] for name in rows[0]})
+    return build_rows(GAZE, rows)
 
 
 def human_weights(objects: Sequence[GazedObject], gaze: GazeParameters) -> dict[str, Any]:

@@ -25,7 +25,7 @@ from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import FEATURES, FIXATIONS, POINT_NAMES, PREDICTIONS
-from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
+from visuohaptic.tables.schema import build_rows, matrix, read_table, write_table
 
 UNIFORM_STRATEGIES = tuple(entry.name for entry in STRATEGIES if entry.uniform)
 """Strategies whose places, in reach or not, are drawn by area; both have the same draws."""
@@ -58,9 +58,7 @@ def make_guards(
         guard_signs(_object_weights(predicted), generator),
     ]
     rows = [asdict(verdict) for verdict in verdicts]
-    write_table(
-        GUARDS, build_table(GUARDS, {name: [row[name] for row in rows] for name in rows[0]}), output
-    )
+    write_table(GUARDS, build_rows(GUARDS, rows), output)
 
 
 def _guard_training(

@@ -6,6 +6,7 @@ import itertools
 import logging
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -35,7 +36,7 @@ from visuohaptic.tables.phases import (
     PREDICTIONS,
     SCORES,
 )
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.schema import build_rows, build_table
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.pooling import Ballots
@@ -143,20 +144,37 @@ def answer_splits(
     `answer_split` trains and tests a split; without it the pipeline does, on the sequences as they
     are. With it, the features of the sequences aren't used.
     """
+    answer_split = answer_split or split_runner(sequences, parameters, seed, pipeline)
+    with fitting():
+        for split, repeat in draw_splits(sequences, parameters, seed):
+            generator = spawn_generator(seed, "recognition", pipeline, repeat, split.number)
+            for answer in answer_split(split, generator):
+                yield split, repeat, answer
+
+
+def draw_splits(
+    sequences: TouchSequences, parameters: RecognitionParameters, seed: int
+) -> Iterator[tuple[Split, int]]:
+    """Divide sequences into training and test: every split of every repeat, with the repeat's number."""
+    for repeat in range(parameters.protocol.repeats):
+        drawing = spawn_generator(seed, "recognition", "splits", repeat)
+        for split in make_splits(sequences, parameters.protocol, drawing):
+            yield split, repeat
+
+
+@contextmanager
+def fitting() -> Iterator[None]:
+    """Fit on one thread, so that sums are taken in one order on every machine, and without checks.
+
+    What scikit-learn would check for every fit was checked once: numbers when gathered, parameters
+    by their model.
+    """
     from sklearn import config_context
     from threadpoolctl import threadpool_limits
 
-    answer_split = answer_split or _split_runner(sequences, parameters, seed, pipeline)
-    # One thread, so that sums are taken in one order on every machine. What scikit-learn would
-    # check for every fit was checked once: numbers when gathered, parameters by their model.
     checks = config_context(assume_finite=True, skip_parameter_validation=True)
     with threadpool_limits(limits=1), checks:
-        for repeat in range(parameters.protocol.repeats):
-            drawing = spawn_generator(seed, "recognition", "splits", repeat)
-            for split in make_splits(sequences, parameters.protocol, drawing):
-                generator = spawn_generator(seed, "recognition", pipeline, repeat, split.number)
-                for answer in answer_split(split, generator):
-                    yield split, repeat, answer
+        yield
 
 
 def gather_pipeline(
@@ -199,11 +217,21 @@ def _described(features: pa.Table) -> tuple[str, ...]:
     return tuple(present[:last])
 
 
-def _split_runner(
-    sequences: TouchSequences, parameters: RecognitionParameters, seed: int, pipeline: str
+def split_runner(
+    sequences: TouchSequences,
+    parameters: RecognitionParameters,
+    seed: int,
+    pipeline: str,
+    maps: ReductionMemory | None = None,
 ) -> AnswerSplit:
+    """Give what trains and tests a split of sequences by a pipeline.
+
+    `maps` holds maps of other runs of pipeline `paper`; it changes no number.
+    """
     if pipeline == "paper":
-        return lambda split, generator: run_paper_split(sequences, split, parameters, generator)
+        return lambda split, generator: run_paper_split(
+            sequences, split, parameters, generator, maps
+        )
     from visuohaptic.recognition.tuning import FitMemory
 
     waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
@@ -331,8 +359,7 @@ class _Record:
         self._predictions = list(itertools.compress(self._predictions, kept))
 
     def scores(self) -> pa.Table:
-        names = self._scores[0]
-        return build_table(SCORES, {name: [row[name] for row in self._scores] for name in names})
+        return build_rows(SCORES, self._scores)
 
     def predictions(self) -> pa.Table:
         names = self._predictions[0]

@@ -15,7 +15,7 @@ from visuohaptic.studies.ablations import CLASSIFIER
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.study import Given, Step, Study
 from visuohaptic.tables.phases import FEATURES
-from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.schema import build_rows, read_table, write_table
 from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
 
 if TYPE_CHECKING:
@@ -52,40 +52,15 @@ def measure_certainty(
     parameters: RecognitionParameters,
     seed: int,
 ) -> pa.Table:
-    """Name known and unknown objects by models that lack one whole class each.
+    """Name known and unknown objects by models that lack one whole class each: `tables.CERTAINTY`.
 
     Of every class in turn, all objects are unknown; of the others, one grouped fold is tested and the
-    rest trains and calibrates.
-
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`.
-    strategy : str
-        Whose touches.
-    classifier : str
-        One classifier of pipeline `best`.
-    parameters : RecognitionParameters
-        Folds, coverage, bags.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.CERTAINTY`.
-
-    Raises
-    ------
-    RecognitionError
-        If there are fewer than three classes.
+    rest trains and calibrates a classifier of pipeline `best` on the touches of a strategy, rows of
+    `tables.FEATURES`. Raises `RecognitionError` if there are fewer than three classes.
     """
-    from sklearn import config_context
-    from threadpoolctl import threadpool_limits
-
     from visuohaptic.recognition.certainty import one_classifier
     from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-    from visuohaptic.recognition.experiment import gather_pipeline
+    from visuohaptic.recognition.experiment import fitting, gather_pipeline
     from visuohaptic.recognition.sequences import take_strategy
 
     table, _ = take_strategy(features, strategy, parameters.touches)
@@ -100,19 +75,12 @@ def measure_certainty(
     )
     one = one_classifier(parameters, classifier)
     rows: list[dict[str, object]] = []
-    checks = config_context(assume_finite=True, skip_parameter_validation=True)
-    with threadpool_limits(limits=1), checks:
+    with fitting():
         for left_out in range(len(sequences.classes)):
             generator = spawn_generator(seed, "certainty", left_out)
             rows += _without_class(sequences, described, left_out, one, generator)
     key = {"strategy": strategy, "classifier": classifier}
-    return build_table(
-        CERTAINTY,
-        {
-            **{name: [value] * len(rows) for name, value in key.items()},
-            **{name: [row[name] for row in rows] for name in rows[0]},
-        },
-    )
+    return build_rows(CERTAINTY, [{**key, **row} for row in rows])
 
 
 def summarise_certainty(
@@ -254,8 +222,9 @@ def _by_object(
     values: dict[tuple[str, str], list[float]] = {}
     for row in rows:
         values.setdefault((row["class"], row["object"]), []).append(float(row[column]))
-    means = np.array([np.mean(found) for found in values.values()])
-    return means, np.array([len(found) for found in values.values()], dtype=np.float64)
+    found = [(np.mean(own), len(own)) for own in values.values()]
+    means, counts = np.array(found, dtype=np.float64).T
+    return means, counts
 
 
 def _area(rows: Sequence[dict[str, Any]], left_out: str) -> float:

@@ -127,17 +127,7 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
 def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Planned]]:
     """Cut a study into blocks that a job each measures, by names such as ``0000-0024``.
 
-    Parameters
-    ----------
-    plan : Plan
-        The study's conditions.
-    conditions_per_job : int or None
-        How many in a block, or some more; None for an eighth of them, at most 25.
-
-    Returns
-    -------
-    dict of str to list of Planned
-        By the block's name, such as 0000-0024.
+    A block has `conditions_per_job` conditions, or some more; without it an eighth of them, at most 25.
     """
     count = len(plan.conditions)
     step = conditions_per_job or min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK)
@@ -188,6 +178,11 @@ def describe_conditions(planned: Sequence[Planned]) -> list[dict[str, Any]]:
 def touches_needed(parameters: ExperimentParameters) -> int:
     """Give how many touches a sequence must have: recognition may ask for more than are made."""
     return max(parameters.attention.fixations, parameters.recognition.touches or 0)
+
+
+def touches_of_run(run: ExperimentParameters) -> int:
+    """Give how many touches of a sequence the run classifies."""
+    return run.recognition.touches or run.attention.fixations
 
 
 def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:

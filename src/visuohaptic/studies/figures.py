@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from visuohaptic.recognition.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import owners_of
-from visuohaptic.tables.schema import build_table, matrix, read_table, write_table
+from visuohaptic.tables.schema import build_rows, matrix, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 from visuohaptic.whole_files import write_whole
 
@@ -33,9 +33,7 @@ CellKey = tuple[str, str, str, str]
 """Condition, pipeline, strategy and classifier."""
 
 _UNTOLD = ("study", "title", "condition", "pipeline", "strategy", "classifier", "place", "seconds")
-_CELL = ("condition", "pipeline", "strategy", "classifier")
-_COMPARED = ("difference", "difference_low", "difference_high", "p_value", "adjusted_p")
-_LEAD = ("lead", "lead_low", "lead_high", "lead_p")
+CELL = ("condition", "pipeline", "strategy", "classifier")
 LEADER = "fixation"
 """The strategy whose lead over each other one is given."""
 
@@ -76,14 +74,14 @@ def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
 
 def cells_of(rows: pa.Table) -> dict[CellKey, Cell]:
     """Average each object's accuracy over the splits that tested it: rows of `tables.STUDY`."""
-    return {key: _cell(part) for key, part in rows_by_cell(rows).items()}
+    return {key: _cell(part) for key, part in rows_by(rows, CELL).items()}
 
 
-def rows_by_cell(rows: pa.Table) -> dict[CellKey, pa.Table]:
-    """Give the rows of `tables.STUDY` of each condition, pipeline, strategy and classifier."""
-    names = [rows.column(name).to_pylist() for name in _CELL]
-    places: dict[CellKey, list[int]] = {}
-    for place, key in enumerate(zip(*names, strict=True)):
+def rows_by(rows: pa.Table, names: Sequence[str]) -> dict[tuple[Any, ...], pa.Table]:
+    """Give the rows of each combination of values of some columns."""
+    columns = [rows.column(name).to_pylist() for name in names]
+    places: dict[tuple[Any, ...], list[int]] = {}
+    for place, key in enumerate(zip(*columns, strict=True)):
         places.setdefault(key, []).append(place)
     return {key: rows.take(chosen) for key, chosen in places.items()}
 
@@ -117,17 +115,16 @@ def study_figures(
         row: Row = {
             "study": study["name"],
             "title": study["title"],
-            **dict(zip(_CELL, key, strict=True)),
+            **dict(zip(CELL, key, strict=True)),
             "place": order[key[0]],
             "remade": condition["remade"],
             "compared_with": None if other == key[0] else other,
             **_figures(cells[key], cells.get((other, *key[1:])), intervals, seed),
-            **_lead(leader, cells[key], intervals, seed),
+            **_paired("lead", "lead_p", compare(leader, cells[key], intervals, seed)),
         }
         rows.append(row)
     _adjust(rows)
-    names = [column.name for column in STUDY_FIGURES.columns]
-    return build_table(STUDY_FIGURES, {name: [row[name] for row in rows] for name in names})
+    return build_rows(STUDY_FIGURES, rows)
 
 
 def make_study_figures(
@@ -167,64 +164,65 @@ def _cell(rows: pa.Table) -> Cell:
     error = rows.column("error")[0].as_py()
     if error is not None:
         return Cell((), np.empty(0), np.empty(0), None, error)
+    cell, _ = average_objects(rows, "sequences")
+    return replace(cell, seconds=rows.column("seconds")[0].as_py())
+
+
+def average_objects(rows: pa.Table, counted: str) -> tuple[Cell, NDArray[np.float64]]:
+    """Average column `accuracy` of each object over the splits and repeats that tested it.
+
+    Gives a cell without seconds, and each row's share of its split by the number in column `counted`.
+    """
     owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}
     owner = np.array([places[one] for one in owners])
-    split, repeat, sequences, accuracy = matrix(
-        rows, ["split", "repeat", "sequences", "accuracy"]
-    ).T
+    split, repeat, count, accuracy = matrix(rows, ["split", "repeat", counted, "accuracy"]).T
     _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
-    share = sequences / np.bincount(run, weights=sequences)[run]
+    share = count / np.bincount(run, weights=count)[run]
     weights = np.bincount(owner, weights=share).astype(np.float64)
     # Shares times counts are whole numbers but for rounding, except where viewpoints vote.
-    right = np.where(sequences > 1, np.rint(accuracy * sequences), accuracy)
-    means = np.bincount(owner, weights=share * right / sequences) / weights
-    return Cell(objects, means, weights, rows.column("seconds")[0].as_py())
+    right = np.where(count > 1, np.rint(accuracy * count), accuracy)
+    means = np.bincount(owner, weights=share * right / count) / weights
+    return Cell(objects, means, weights), share
 
 
 def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters, seed: int) -> Row:
     row: Row = {"seconds": cell.seconds, "error": cell.error, "objects": len(cell.objects) or None}
-    row |= dict.fromkeys(("accuracy", "low", "high", *_COMPARED))
-    if cell.error is not None:
-        return row
-    row |= _ends("accuracy", "", condition_interval(cell, intervals, seed))
-    found = _compare(cell, other, intervals, seed)
-    if found is not None:
-        row |= _ends("difference", "difference_", found.difference)
-        row["p_value"] = found.p_value
-    return row
+    row |= dict.fromkeys(("accuracy", "low", "high", "adjusted_p"))
+    if cell.error is None:
+        row |= ends("accuracy", "", condition_interval(cell, intervals, seed))
+    return row | _paired("difference", "p_value", compare(cell, other, intervals, seed))
 
 
-def _lead(leader: Cell | None, cell: Cell, intervals: IntervalParameters, seed: int) -> Row:
-    row: Row = dict.fromkeys(_LEAD)
-    if leader is None or cell.error is not None:
-        return row
-    found = _compare(leader, cell, intervals, seed)
-    if found is not None:
-        row |= _ends("lead", "lead_", found.difference)
-        row["lead_p"] = found.p_value
-    return row
+def _paired(name: str, p_value: str, found: PairedComparison | None) -> Row:
+    """Give a difference in pairs and its p value; None where cells can't be compared."""
+    if found is None:
+        return dict.fromkeys((name, f"{name}_low", f"{name}_high", p_value))
+    return {**ends(name, f"{name}_", found.difference), p_value: found.p_value}
 
 
-def _compare(
-    cell: Cell, other: Cell | None, intervals: IntervalParameters, seed: int
+def compare(
+    cell: Cell | None, other: Cell | None, intervals: IntervalParameters, seed: int
 ) -> PairedComparison | None:
-    """Compare two cells in pairs; None where they are the same or of other objects."""
-    if other is None or other is cell or other.objects != cell.objects:
+    """Compare two cells in pairs; None where one is missing, they are the same, or of other objects."""
+    if cell is None or other is None or other is cell:
+        return None
+    if not cell.objects or other.objects != cell.objects:
         return None
     generator = spawn_generator(seed, "studies", "comparison")
     return compare_paired(cell.accuracy, other.accuracy, other.weights, intervals, generator)
 
 
-def _ends(name: str, prefix: str, interval: Interval) -> Row:
+def ends(name: str, prefix: str, interval: Interval) -> Row:
+    """Give an interval's mean under a name, and its ends under a prefix; what is NaN is None."""
     plain = plain_interval(interval)
     return {name: plain["mean"], f"{prefix}low": plain["low"], f"{prefix}high": plain["high"]}
 
 
 def _adjust(rows: Sequence[Row]) -> None:
     """Adjust p values for their number, in each pipeline, strategy and classifier."""
-    of_cell: Callable[[Row], tuple[str, ...]] = lambda row: tuple(row[name] for name in _CELL[1:])  # noqa: E731
+    of_cell: Callable[[Row], tuple[str, ...]] = lambda row: tuple(row[name] for name in CELL[1:])  # noqa: E731
     for key in dict.fromkeys(map(of_cell, rows)):
         compared = [row for row in rows if of_cell(row) == key and row["p_value"] is not None]
         for row, value in zip(compared, holm([row["p_value"] for row in compared]), strict=True):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -56,19 +57,28 @@ def make_study_block(
     every condition has others; `made` has these by key. `objects`, `class/name`, are those of the
     run's features that count; all without it.
     """
-    memory = Memory()
-    held: dict[str | None, pa.Table | str] = {}
+    memory, of_key = Memory(), features_by_key(features, made, objects)
     parts: list[pa.Table] = []
     for row in conditions:
-        key = row["key"]
-        if key not in held:
-            held.clear()  # one table at a time: conditions with the same features are neighbours
-            held[key] = (
-                of_objects(read_table(FEATURES, features), objects)
-                if key is None
-                else read_study_features(made[key])
-            )
         condition = Condition(row["name"], row["changes"], votes=row["votes"])
-        planned = Planned(condition, with_changes(run, condition.changes), key)
-        parts += measure_condition(study, planned, held[key], run.seed, memory)
+        planned = Planned(condition, with_changes(run, condition.changes), row["key"])
+        parts += measure_condition(study, planned, of_key(row["key"]), run.seed, memory)
     write_table(STUDY, pa.concat_tables(parts), output)
+
+
+def features_by_key(
+    features: Sequence[str | Path], made: Mapping[str, str | Path], objects: Collection[str] | None
+) -> Callable[[str | None], pa.Table | str]:
+    """Read features as conditions name them: those of the run (None), or made for some conditions.
+
+    One table is held at a time: conditions with the same features are neighbours. `objects` are
+    those of the run's features that count; all without it.
+    """
+
+    @lru_cache(maxsize=1)
+    def read(key: str | None) -> pa.Table | str:
+        if key is None:
+            return of_objects(read_table(FEATURES, features), objects)
+        return read_study_features(made[key])
+
+    return read

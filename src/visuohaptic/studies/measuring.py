@@ -37,14 +37,10 @@ Paths = Sequence[str | Path]
 
 @dataclass(frozen=True)
 class Sources:
-    """Files of the run that features are made from; those of later phases may be empty.
+    """Files of the run that features are made from: meshes, and parts of tables; those of later phases may be empty.
 
-    Attributes
-    ----------
-    meshes, fixations, touches : sequence of path
-        Mesh files, and parts of tables.
-    objects : collection of str or None
-        Objects, `class/name`, of the tables that count; None for all. Meshes are taken as they are.
+    `objects`, ``class/name``, are those of the tables that count; None for all. Meshes are taken as they
+    are.
     """
 
     meshes: Paths = ()
@@ -61,17 +57,7 @@ class Sources:
 
 @dataclass(frozen=True)
 class Named:
-    """What every split's training named.
-
-    Attributes
-    ----------
-    sequences : TouchSequences
-        All sequences.
-    answers : list of (Split, int, Answer)
-        Every split, repeat and classifier.
-    seconds : float
-        Of the processor.
-    """
+    """The answers of every split, repeat and classifier for some sequences, and the processor seconds of all."""
 
     sequences: TouchSequences
     answers: list[tuple[Split, int, Answer]]
@@ -79,13 +65,7 @@ class Named:
 
 
 class Memory:
-    """What was named last, and maps, so that what conditions share is trained once.
-
-    Attributes
-    ----------
-    maps : ReductionMemory
-        Maps of the paper's pipeline.
-    """
+    """What was named last, and maps of the paper's pipeline, so that what conditions share is trained once."""
 
     def __init__(self, kept: int = 4) -> None:
         from visuohaptic.recognition.encoding import ReductionMemory
@@ -188,9 +168,9 @@ def name_objects(
     parameters: ExperimentParameters,
     pipeline: str,
     seed: int,
-    answer_split: AnswerSplit | None = None,
+    answer_split: AnswerSplit,
 ) -> Named:
-    """Train and test every split of one pipeline, on the sequences or as `answer_split` does."""
+    """Train and test every split of one pipeline as `answer_split` does."""
     from visuohaptic.recognition.experiment import answer_splits
 
     started = time.process_time()
@@ -212,16 +192,12 @@ def _name_condition(
     seed: int,
     maps: ReductionMemory,
 ) -> Named:
-    from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split
+    from visuohaptic.recognition.experiment import gather_pipeline, split_runner
 
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
     sequences = gather_pipeline(rows, recognition, pipeline, seed)
-    answer_split: AnswerSplit | None = None
-    if pipeline == "paper":
-        answer_split = lambda split, generator: run_paper_split(  # noqa: E731
-            sequences, split, recognition, generator, maps
-        )
+    answer_split = split_runner(sequences, recognition, seed, pipeline, maps)
     return name_objects(sequences, planned.parameters, pipeline, seed, answer_split)
 
 

@@ -10,21 +10,11 @@ LEAST_OF_CLASS = 2
 
 
 def sample_objects(objects: Sequence[str], maximum: int) -> list[str]:
-    """Choose objects, evenly spread over the classes and within each.
+    """Choose at most so many of sorted objects, ``class/name``, evenly spread over the classes and within each.
 
-    Parameters
-    ----------
-    objects : sequence of str
-        All of them, ``class/name``, sorted.
-    maximum : int
-        How many.
-
-    Returns
-    -------
-    list of str
-        In their order: all, if there are no more. Of more, every class keeps its share, rounded, and
-        `LEAST_OF_CLASS` where it has so many; so there may be more than `maximum`,
-        up to `LEAST_OF_CLASS` a class.
+    Gives all, in their order, if there are no more. Of more, every class keeps its share, rounded, and
+    `LEAST_OF_CLASS` where it has so many; so there may be more than `maximum`, up to
+    `LEAST_OF_CLASS` a class.
     """
     if len(objects) <= maximum:
         return list(objects)

@@ -111,6 +111,15 @@ def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
     return table
 
 
+def build_rows(schema: Schema, rows: Sequence[Mapping[str, object]]) -> pa.Table:
+    """Make a checked table of a schema from rows, which hold all columns at least.
+
+    Raises `TableError` if the rows break the schema.
+    """
+    names = names_of(schema.columns)
+    return build_table(schema, {name: [row[name] for row in rows] for name in names})
+
+
 def check_table(schema: Schema, table: pa.Table) -> None:
     """Refuse a table that breaks its schema.
 

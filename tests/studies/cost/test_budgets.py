@@ -13,17 +13,6 @@ from visuohaptic.tables.studies import COST
 HELD = json.loads(files("visuohaptic.studies.cost").joinpath("budgets.json").read_text("utf-8"))
 
 
-def line(*points):
-    return [
-        {"viewpoints": viewpoints, "seconds": seconds, "error": error, "objects": 50}
-        for viewpoints, seconds, error in points
-    ]
-
-
-def chosen(*points):
-    return {name: one.viewpoints for name, one in choose_budgets(line(*points)).items()}
-
-
 def test_the_file_holds_what_the_rule_makes_of_its_own_line():
     derived = choose_budgets(HELD["line"])
     assert derived == budgets()
@@ -33,25 +22,32 @@ def test_the_file_holds_what_the_rule_makes_of_its_own_line():
     assert errors == sorted(errors, reverse=True)
 
 
-def test_balanced_is_the_quickest_at_the_geometric_mean():
-    points = [(1, 0.1, 0.16), (2, 0.2, 0.09), (4, 0.4, 0.08), (8, 0.8, 0.05), (16, 1.6, 0.04)]
-    assert chosen(*points) == {"fast": 1, "balanced": 4, "accurate": 16}
-
-
-def test_what_is_slower_and_no_better_is_never_chosen():
-    points = [(1, 0.1, 0.2), (2, 0.2, 0.05), (4, 0.4, 0.05), (8, 0.8, 0.06)]
-    assert chosen(*points) == {"fast": 1, "balanced": 2, "accurate": 2}
-
-
-def test_no_error_counts_as_half_the_least_one():
-    # The geometric mean of 16 % and of 2 % (half of 4 %) is 5.7 %.
-    points = [(1, 0.1, 0.16), (2, 0.2, 0.06), (4, 0.4, 0.04), (8, 0.8, 0.0)]
-    assert chosen(*points) == {"fast": 1, "balanced": 4, "accurate": 8}
-    assert set(chosen((1, 0.1, 0.0), (2, 0.2, 0.0)).values()) == {1}
-
-
-def test_a_single_setting_is_every_budget():
-    assert set(chosen((4, 0.1, 0.3)).values()) == {4}
+@pytest.mark.parametrize(
+    ("points", "viewpoints"),
+    [
+        pytest.param(
+            [(1, 0.1, 0.16), (2, 0.2, 0.09), (4, 0.4, 0.08), (8, 0.8, 0.05), (16, 1.6, 0.04)],
+            [1, 4, 16],
+            id="balanced is the quickest at the geometric mean",
+        ),
+        pytest.param(
+            [(8, 0.8, 0.06), (4, 0.4, 0.05), (2, 0.2, 0.05), (1, 0.1, 0.2)],
+            [1, 2, 2],
+            id="what is slower and no better is never chosen",
+        ),
+        pytest.param(
+            # The geometric mean of 16 % and of 2 % (half of 4 %) is 5.7 %.
+            [(1, 0.1, 0.16), (2, 0.2, 0.06), (4, 0.4, 0.04), (8, 0.8, 0.0)],
+            [1, 4, 8],
+            id="no error counts as half the least one",
+        ),
+        pytest.param([(1, 0.1, 0.0), (2, 0.2, 0.0)], [1, 1, 1], id="no error at all"),
+        pytest.param([(4, 0.1, 0.3)], [4, 4, 4], id="a single setting is every budget"),
+    ],
+)
+def test_budgets_follow_the_rule(points, viewpoints):
+    line = [dict(zip(("viewpoints", "seconds", "error"), one, strict=True)) for one in points]
+    assert [one.viewpoints for one in choose_budgets(line).values()] == viewpoints
 
 
 def test_a_table_of_the_workflow_becomes_the_file(tmp_path):

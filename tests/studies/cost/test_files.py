@@ -16,8 +16,10 @@ from visuohaptic.studies.study import Given
 @pytest.fixture
 def made(tmp_path, monkeypatch):
     kept = ("viewpoints", "imprint", "render")
-    families = settings.FAMILIES["cost"]
-    monkeypatch.setitem(settings.FAMILIES, "cost", {name: families[name] for name in kept})
+    families = settings.cost_families(RUN)
+    monkeypatch.setitem(
+        settings.FAMILIES, "cost", lambda _: {name: families[name] for name in kept}
+    )
     sources, features = write_sources(tmp_path, small_surfaces())
     plan: Plan = plan_study(settings.COST_STUDY, RUN)
     files = {key: tmp_path / f"{key}.parquet" for key in plan.remakes}

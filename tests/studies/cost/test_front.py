@@ -1,4 +1,4 @@
-"""The front holds what nothing beats, and the sentence says what the table says."""
+"""The front holds what nothing beats; steps and groups are what paired comparisons tell apart."""
 
 import itertools
 
@@ -10,7 +10,6 @@ from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.intervals import exact_limit
 from visuohaptic.studies.cost import front
 from visuohaptic.studies.cost.front import (
-    SettingPairs,
     break_even,
     error_rate,
     error_rows,
@@ -20,15 +19,17 @@ from visuohaptic.studies.cost.front import (
     join_costs,
     mark_groups,
     mark_steps,
+    more_accurate,
     on_robot,
     pareto_front,
     reference_row,
+    slower_settings,
     time_logarithms,
 )
 from visuohaptic.studies.cost.seconds import PARTS, PHASES
 from visuohaptic.studies.cost.settings import make_settings
 from visuohaptic.studies.figures import Cell
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.schema import build_rows
 from visuohaptic.tables.studies import COST_SECONDS
 
 NOTHING = {"error": None, "error_low": None, "error_high": None, "objects": None}
@@ -50,7 +51,7 @@ def cost_rows(points, failed=()):
     for place, name in enumerate(failed):
         row = {"family": "imprint", "setting": name, "place": place, **NOTHING}
         errors.append({**SAME, **row, "failed": "images are too small."})
-    rows = join_costs(errors, seconds_table(seconds))
+    rows = join_costs(errors, build_rows(COST_SECONDS, seconds))
     for row in rows:
         row["as_quick"] = row["step"] = row is min(
             (row for row in rows if row["seconds"]), key=lambda row: row["seconds"], default=None
@@ -66,11 +67,6 @@ def timed_rows(key, times):
         row = {**key, "object": f"cup/{place}", "turn": turn, "seconds": times[place], **parts}
         rows.append(row)
     return rows
-
-
-def seconds_table(rows):
-    names = [column.name for column in COST_SECONDS.columns]
-    return build_table(COST_SECONDS, {name: [row[name] for row in rows] for name in names})
 
 
 def cost_table(points, failed=()):
@@ -93,18 +89,13 @@ def test_the_front_is_that_of_the_definition():
     assert 0 < front.sum() < 60
 
 
-def test_a_setting_without_figures_is_neither_on_the_front_nor_dominated():
-    rows = cost_table([("1 touch", 0.1, 0.2)], failed=["8 × 8"]).to_pylist()
-    assert [(row["on_front"], row["dominated"]) for row in rows] == [(True, False), (False, False)]
-    assert rows[1]["seconds"] is None
-    assert rows[1]["failed"] == "images are too small."
-
-
-def test_each_setting_with_figures_is_either_on_the_front_or_dominated():
+def test_each_setting_is_on_the_front_or_dominated_and_one_without_figures_is_neither():
     points = [("a", 0.1, 0.2), ("b", 0.2, 0.2), ("c", 0.3, 0.01), ("d", 0.05, 0.5)]
-    rows = cost_table(points).to_pylist()
+    rows = cost_table(points, failed=["8 × 8"]).to_pylist()
     assert [row["setting"] for row in front_rows(rows)] == ["d", "a", "c"]
-    assert [row["dominated"] for row in rows] == [False, True, False, False]
+    assert [row["dominated"] for row in rows] == [False, True, False, False, False]
+    assert rows[4]["seconds"] is None
+    assert rows[4]["failed"] == "images are too small."
 
 
 def cell(accuracy):
@@ -119,151 +110,116 @@ def test_an_error_rate_is_what_the_accuracy_leaves():
     assert rate["objects"] == 6
 
 
-def test_no_error_is_not_taken_for_certainty():
-    rate = error_rate(cell([1.0] * 9), RUN)
-    assert (rate["error"], rate["error_low"]) == (0.0, 0.0)
-    # Of nine objects: 1 - 0.025 ** (1 / 9), as any table of binomial limits has it.
-    assert rate["error_high"] == pytest.approx(0.3363, abs=1e-4)
-    assert exact_limit(100, 0.95) == pytest.approx(0.0362, abs=1e-4)
-
-
 BOTH = ExperimentParameters.from_mapping(
     {**RUN.model_dump(), "probing": {"strategies": ["fixation", "random"]}}
 )
+SETTINGS = make_settings(BOTH, "frontier")
+OWN = [one.name for one in SETTINGS].index("2 touches, 1 viewpoint")
 
 
-def cells_of(accuracies):
-    """Give cells of the frontier's settings: an accuracy an object each, all others all right."""
-    found = {}
-    for setting in make_settings(BOTH, "frontier"):
-        key = (setting.condition.name, setting.pipeline, setting.strategy, setting.classifier)
-        found[key] = cell(accuracies.get((setting.family, setting.name), [1.0] * 12))
-    return found
+def losses(own, other):
+    """Give the rows of the run's own setting and of the one before it, and all rows."""
+    accuracies = {OWN: own, OWN - 1: other}
+    cells = [cell(accuracies.get(place, [1.0] * 12)) for place in range(len(SETTINGS))]
+    rows = error_rows(SETTINGS, cells, BOTH)
+    return rows[OWN], rows[OWN - 1], rows
 
 
 def test_a_setting_loses_what_the_reference_has_more():
-    own = ("fixation", "2 touches, 1 viewpoint")
-    quick = ("random", "1 touch, 1 viewpoint")
-    cells = cells_of({own: [0.9] * 12, quick: [0.4, 0.8] * 6})
-    rows = {(row["family"], row["setting"]): row for row in error_rows(cells, BOTH, "frontier")}
-    assert (rows[own]["lost_low"], rows[own]["lost_high"]) == (0, 0)
-    assert rows[quick]["lost"] == pytest.approx(0.3)
-    assert 0.1 < rows[quick]["lost_low"] < 0.3 < rows[quick]["lost_high"] < 0.5
-    assert reference_row([rows[quick], rows[own]]) is rows[own]
+    own, quick, rows = losses([0.9] * 12, [0.4, 0.8] * 6)
+    assert (own["family"], own["lost_low"], own["lost_high"]) == ("fixation", 0, 0)
+    assert quick["lost"] == pytest.approx(0.3)
+    assert 0.1 < quick["lost_low"] < 0.3 < quick["lost_high"] < 0.5
+    assert reference_row(rows[::-1]) is own
 
 
 def test_equal_figures_of_few_objects_leave_their_difference_open():
-    own = ("fixation", "2 touches, 1 viewpoint")
-    rows = error_rows(cells_of({own: [1.0] * 12}), BOTH, "frontier")
-    other = next(row for row in rows if (row["family"], row["setting"]) != own)
+    _, other, _ = losses([1.0] * 12, [1.0] * 12)
     limit = exact_limit(12, 0.95)
     assert (other["lost"], other["lost_low"], other["lost_high"]) == (0, -limit, limit)
 
 
-NAMES = [one.name for one in make_settings(BOTH, "frontier") if one.family == "random"]
-OF_RANDOM = {"family": "random", "strategy": "random", "classifier": "support_vector_machine"}
-NOISE = np.random.default_rng(1).uniform(-0.04, 0.04, (len(NAMES), 12))
+NOISE = np.random.default_rng(1).uniform(-0.04, 0.04, (9, 12))
 FACTORS = np.array([0.2, 0.9, 1.0, 3.0])
+AROUND = [0.095, 0.11, 0.1, 0.101]
 
 
-def marked(levels, times):
+def marked(levels, times, noise=NOISE):
     """Mark settings by accuracies, a level each, and seconds of four objects that differ a lot."""
-    accuracies = [level + noise for level, noise in zip(levels, NOISE, strict=False)]
-    cells = cells_of({("random", name): one for name, one in zip(NAMES, accuracies, strict=False)})
-    points = [
-        (name, 1.0, 1 - one.mean(), OF_RANDOM) for name, one in zip(NAMES, accuracies, strict=False)
-    ]
-    errors = cost_rows(points)
+    cells = [cell(level + own) for level, own in zip(levels, noise, strict=False)]
+    points = [(str(place), 1.0, 1 - one.accuracy.mean()) for place, one in enumerate(cells)]
+    keys = [{"family": "touches", "setting": name} for name, *_ in points]
     timed = [
         row
-        for name, time in zip(NAMES, times, strict=False)
-        for row in timed_rows({"family": "random", "setting": name}, np.multiply(time, FACTORS))
+        for key, time in zip(keys, times, strict=True)
+        for row in timed_rows(key, np.multiply(time, FACTORS))
     ]
-    joined = {"seconds": None} | {f"seconds_{part}": None for part in (*PHASES, *PARTS)}
-    rows = join_costs(
-        [{key: row[key] for key in row if key not in joined} for row in errors],
-        seconds_table(timed),
-    )
-    logarithms = time_logarithms(seconds_table(timed))
-    pairs = SettingPairs(cells, logarithms, BOTH)
-    mark_steps(rows, pairs)
-    mark_groups(rows, pairs)
+    seconds = build_rows(COST_SECONDS, timed)
+    known = {"seconds", *(f"seconds_{part}" for part in (*PHASES, *PARTS))}
+    errors = [{key: row[key] for key in row.keys() - known} for row in cost_rows(points)]
+    rows = join_costs(errors, seconds)
+    slower = slower_settings(time_logarithms(rows, seconds), 0.95)
+    mark_steps(rows, cells, slower, BOTH)
+    mark_groups(rows, cells, slower, BOTH)
     return rows
 
 
-def steps(rows):
-    return [NAMES.index(row["setting"]) for row in rows if row["step"]]
+@pytest.mark.parametrize(
+    ("levels", "times", "quick", "steps"),
+    [
+        pytest.param(
+            *([0.5, 0.51, 0.9], [0.1, [0.2, 0.21, 0.2, 0.2], [0.3, 0.31, 0.3, 0.29]]),
+            *([0], [0, 2]),
+            id="slower and more accurate than the step before",
+        ),
+        pytest.param(
+            *([0.5, 0.9], [0.1, [0.12, 0.121, 0.119, 0.12]], [0], [0, 1]),
+            id="slower on each object, by less than objects differ",
+        ),
+        pytest.param(
+            *([0.50, 0.60, 0.90, 0.91], [0.1, AROUND, 0.3, [0.31, 0.29, 0.3, 0.301]]),
+            *([0, 1], [1, 3]),
+            id="the most accurate of those as quick",
+        ),
+    ],
+)
+def test_steps_are_worth_their_time(levels, times, quick, steps):
+    rows = marked(levels, times)
+    assert [row["setting"] for row in rows if row["as_quick"]] == list(map(str, quick))
+    assert [row["setting"] for row in rows if row["step"]] == list(map(str, steps))
+    assert first_step(rows) is rows[steps[0]]
 
 
-def test_a_step_is_slower_and_more_accurate_than_the_step_before():
-    rows = marked([0.5, 0.51, 0.9], [0.1, [0.2, 0.21, 0.2, 0.2], [0.3, 0.31, 0.3, 0.29]])
-    assert steps(rows) == [0, 2]
-    assert first_step(rows) is rows[0]
-
-
-def test_objects_that_differ_a_lot_do_not_hide_that_one_setting_is_slower_on_each():
-    rows = marked([0.5, 0.9], [0.1, [0.12, 0.121, 0.119, 0.12]])
-    assert rows[1]["seconds_low"] < rows[0]["seconds_high"]
-    assert [row["as_quick"] for row in rows] == [True, False]
-    assert steps(rows) == [0, 1]
-
-
-def test_of_settings_that_are_as_quick_the_most_accurate_is_the_step():
-    around, again = [0.11, 0.09, 0.1, 0.101], [0.31, 0.29, 0.3, 0.301]
-    rows = marked([0.50, 0.60, 0.90, 0.91], [0.1, around, 0.3, again])
-    assert [row["as_quick"] for row in rows] == [True, True, False, False]
-    assert steps(rows) == [1, 3]
-
-
-def test_a_step_among_many_settings_that_differ_by_chance_is_rare():
-    # By each setting's own 95 % interval one of seven would be a step in about every tenth trial.
-    generator = np.random.default_rng(5)
-    found = 0
-    for _ in range(60):
-        cells = cells_of({("random", name): generator.uniform(0.3, 0.7, 12) for name in NAMES})
-        points = [(name, 0.1 * (1 + place), 0.5, OF_RANDOM) for place, name in enumerate(NAMES)]
-        rows = cost_rows(points)
-        seconds = {
-            ("random", name): {(key, 0): np.log(0.1 * (1 + place)) + factor
-                               for key, factor in zip("abcd", FACTORS, strict=True)}
-            for place, name in enumerate(NAMES)
-        }  # fmt: skip
-        pairs = SettingPairs(cells, seconds, BOTH)
-        slower = pairs.slower(rows, rows[0])
-        assert slower == rows[1:]
-        found += bool(pairs.more_accurate(slower, rows[0]))
-    assert found <= 4
+def test_a_gain_that_is_significant_alone_is_not_among_many():
+    # Six objects that all gain have p = 2 / 2 ** 6 = 0.031; Holm multiplies it by the settings.
+    last, better = cell([0.5] * 6), cell([0.6] * 6)
+    assert more_accurate([better], last, BOTH) == [True]
+    assert more_accurate([better] * 2, last, BOTH) == [False] * 2
+    assert more_accurate([last, cell([0.6] * 5)], last, BOTH) == [False] * 2
 
 
 def test_settings_of_a_group_differ_neither_in_time_nor_in_error():
-    around = [0.11, 0.09, 0.1, 0.101]
-    groups = [row["group"] for row in marked([0.9, 0.9, 0.5, 0.9], [0.1, around, around, 0.2])]
-    assert groups == [0, 0, 1, 2]
+    rows = marked([0.9, 0.9, 0.5, 0.9], [0.1, AROUND, AROUND, 0.2])
+    assert [row["group"] for row in rows] == [0, 0, 1, 2]
 
 
-def test_a_paired_difference_tells_apart_settings_whose_intervals_overlap(monkeypatch):
+def test_a_paired_difference_tells_apart_settings_whose_intervals_overlap():
     # Objects differ by much, and the second setting is worse by the same on each of them.
-    spread = np.linspace(0.5, 0.9, 12)
-    monkeypatch.setattr(f"{__name__}.NOISE", np.stack([spread, spread - 0.03]) - 0.5)
-    rows = marked([0.5, 0.5], [0.1, [0.11, 0.09, 0.1, 0.101]])
+    spread = np.linspace(0.0, 0.4, 12)
+    rows = marked([0.5, 0.47], [0.1, AROUND], [spread, spread])
     assert rows[0]["group"] != rows[1]["group"]
 
 
 def test_a_time_of_one_object_alone_says_nothing_of_which_is_slower():
-    seconds = {("random", name): {("a", 0): float(place)} for place, name in enumerate(NAMES)}
-    rows = cost_rows([(name, 1.0 + place, 0.5, OF_RANDOM) for place, name in enumerate(NAMES)])
-    assert SettingPairs({}, seconds, BOTH).as_quick(rows) == rows
+    assert not slower_settings(np.arange(6.0).reshape(6, 1, 1), 0.95).any()
 
 
 def test_objects_are_compared_in_the_turns_in_which_both_settings_were_timed():
-    # The second setting could not be timed in the first turn, which is a slow one.
-    first, second = cost_rows([("1", 0.1, 0.5), ("2", 0.1, 0.5)])
-    seconds = {
-        ("touches", "1"): {(key, turn): float(5 * turn) for key in "abc" for turn in range(2)},
-        ("touches", "2"): {(key, 0): 0.25 for key in "abc"},
-    }
-    found = SettingPairs({}, seconds, BOTH).time_ratio(first, second)
-    assert (found.mean, found.low, found.high) == (0.25, 0.25, 0.25)
+    # The second setting is slower by a quarter; it could not be timed in the second turn, a slow one.
+    first = np.tile([0.0, 5.0], (3, 1))
+    second = np.tile([0.25, np.nan], (3, 1))
+    slower = slower_settings(np.stack([first, second]), 0.95)
+    assert slower.tolist() == [[False, True], [False, False]]
 
 
 RENDER = '{"rendering.resolution": 64}'

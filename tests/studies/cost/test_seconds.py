@@ -10,6 +10,7 @@ from visuohaptic.studies.cost import seconds
 from visuohaptic.studies.cost.seconds import (
     PARTS,
     PHASES,
+    FittedSetting,
     fit_setting,
     measure_seconds,
     recognise_once,
@@ -31,7 +32,10 @@ def family(name):
 @pytest.fixture(scope="module")
 def fitted(surfaces):
     features = run_tables(surfaces)[2]
-    return [fit_setting(setting, one, features, RUN.seed) for setting, one in family("viewpoints")]
+    return [
+        FittedSetting(setting, one.parameters, fit_setting(setting, one, features, RUN.seed))
+        for setting, one in family("viewpoints")
+    ]
 
 
 @pytest.mark.slow
@@ -71,6 +75,7 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     assert len(timed) == len(fitted) * 2 * 2
     assert all(first[2] != second[2] for first, second in pairwise(timed))
     assert all(len(set(viewpoints)) == len(viewpoints) for _, viewpoints, _ in timed)
+    assert {viewpoints for _, viewpoints, name in timed if name == "1 viewpoint"} == {(0,), (3,)}
     assert [(row["object"], row["setting"]) for row in rows] == [
         (key, name) for key, _, name in timed
     ]
@@ -81,4 +86,4 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
 
 
 def test_what_was_refused_is_not_fitted():
-    assert fit_setting(*family("imprint")[0], "too small.", RUN.seed) == "too small."
+    assert fit_setting(*family("imprint")[0], "too small.", RUN.seed) is None

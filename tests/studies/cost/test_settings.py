@@ -2,14 +2,14 @@
 
 import json
 
+import pytest
 from studies.surfaces import RUN
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.cost.settings import (
     COST_STUDY,
-    FAMILIES,
-    is_reference,
+    ORDER,
     make_settings,
 )
 
@@ -18,26 +18,29 @@ def family_settings(study, family, run):
     return [one for one in make_settings(run, study) if one.family == family]
 
 
-def test_no_setting_has_another_ones_name():
-    settings = make_settings(ExperimentParameters(), "cost")
-    assert len({(setting.family, setting.name) for setting in settings}) == len(settings) == 47
-    assert {setting.family for setting in settings} == set(FAMILIES["cost"])
+@pytest.mark.parametrize(("study", "count"), [("frontier", 11), ("cost", 47)])
+def test_no_setting_has_another_ones_name_and_families_have_an_order(study, count):
+    settings = make_settings(ExperimentParameters(), study)
+    assert len({(setting.family, setting.name) for setting in settings}) == len(settings) == count
+    families = list(dict.fromkeys(setting.family for setting in settings))
+    assert families == [name for name in ORDER if name in families]
 
 
-def test_what_equals_the_run_changes_nothing():
-    for family, own in (
+@pytest.mark.parametrize(
+    ("family", "own"),
+    [
         ("imprint", "16 × 16"),
         ("render", "48 × 48"),
         ("channels", "5 channels"),
         ("features", "skin and pose"),
         ("effects", "ideal"),
-    ):
-        changes = {
-            setting.name: setting.changes for setting in family_settings("cost", family, RUN)
-        }
-        assert changes.pop(own) == {}
-        assert changes
-        assert all(changes.values())
+    ],
+)
+def test_what_equals_the_run_changes_nothing(family, own):
+    changes = {one.name: one.changes for one in family_settings("cost", family, RUN)}
+    assert changes.pop(own) == {}
+    assert changes
+    assert all(changes.values())
 
 
 def test_a_setting_differs_from_the_run_in_what_it_names_and_in_nothing_else():
@@ -71,16 +74,14 @@ def test_what_settings_share_is_made_once():
     assert len(keys["touches"]) == 2
 
 
-def test_the_frontier_goes_from_one_touch_to_those_of_the_run_by_each_strategy_and_looks_at_one_view():
-    settings = make_settings(ExperimentParameters(), "frontier")
-    names = {(setting.family, setting.name) for setting in settings}
-    assert len(names) == len(settings) == 11
-    for strategy, looks in (("fixation", {1}), ("random", {0})):
-        own = [setting for setting in settings if setting.family == strategy]
-        assert {setting.looks for setting in own} == looks
-        assert {(setting.touches, setting.viewpoints) for setting in own} == {
-            (touches, 1) for touches in (1, 2, 5)
-        }
+@pytest.mark.parametrize(("strategy", "looks"), [("fixation", 1), ("random", 0)])
+def test_the_frontier_goes_from_one_touch_to_those_of_the_run_from_one_view(strategy, looks):
+    run = ExperimentParameters()
+    own = family_settings("frontier", strategy, run)
+    assert {setting.looks for setting in own} == {looks}
+    assert [(one.touches, one.viewpoints) for one in own] == [(1, 1), (2, 1), (5, 1)]
+    changed = [with_changes(run, one.condition.changes).recognition.touches for one in own]
+    assert changed == [1, 2, 5]
 
 
 def test_the_frontier_has_what_the_run_has():
@@ -93,9 +94,3 @@ def test_the_frontier_has_what_the_run_has():
     assert {(setting.touches, setting.viewpoints) for setting in settings} == {
         (1, 1), (2, 1), (1, 3), (2, 3),
     }  # fmt: skip
-
-
-def test_one_setting_of_the_frontier_is_the_reference():
-    run = ExperimentParameters()
-    (own,) = [one for one in make_settings(run, "frontier") if is_reference(one, run)]
-    assert (own.family, own.name) == ("fixation", "5 touches, 1 viewpoint")

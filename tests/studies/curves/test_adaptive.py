@@ -6,6 +6,7 @@ from recognition.synthetic import features_table
 from studies.surfaces import RUN, small_surfaces, write_sources
 
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition import experiment
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.curves.adaptive import CANDIDATES, adaptive_rows, make_candidates
 from visuohaptic.studies.curves.settings import CURVES, LONGEST_SEQUENCE, touches_name
@@ -28,7 +29,7 @@ TABLE = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)
 
 def cells(pipeline, counts):
     planned = [PLANNED[count - 1] for count in counts]
-    return cells_of(pa.concat_tables(adaptive_rows(TABLE, planned, pipeline, 1)))
+    return cells_of(pa.concat_tables(adaptive_rows(TABLE, planned, pipeline)))
 
 
 def test_a_curve_has_a_condition_a_number_of_touches_and_all_share_their_touches():
@@ -49,6 +50,18 @@ def test_touches_are_chosen_the_same_each_time_and_tell_the_class(pipeline):
     assert found[key].accuracy.mean() > 0.5
 
 
+def test_each_condition_learns_its_number_of_touches_in_the_pipelines_columns(monkeypatch):
+    seen, runner = set(), experiment.split_runner
+
+    def run(sequences, *given):
+        seen.add((sequences.features.shape[1], sequences.feature_names))
+        return runner(sequences, *given)
+
+    monkeypatch.setattr(experiment, "split_runner", run)
+    cells("paper", [1, 3])
+    assert seen == {(1, experiment.PAPER_FEATURES), (3, experiment.PAPER_FEATURES)}
+
+
 def test_a_longer_curve_begins_as_a_shorter_one():
     longer, shorter = cells("paper", [1, 2, 4]), cells("paper", [1, 2])
     for key, cell in shorter.items():
@@ -56,7 +69,7 @@ def test_a_longer_curve_begins_as_a_shorter_one():
 
 
 def test_no_candidates_give_the_reason():
-    rows = pa.concat_tables(adaptive_rows(TABLE.slice(0, 0), PLANNED[:1], "paper", 1)).to_pylist()
+    rows = pa.concat_tables(adaptive_rows(TABLE.slice(0, 0), PLANNED[:1], "paper")).to_pylist()
     assert [row["accuracy"] for row in rows] == [None]
     assert rows[0]["error"].endswith(".")
 

@@ -1,11 +1,8 @@
 """Adaptive touches: chosen by what is expected of them, from training objects alone."""
 
 import numpy as np
-import pyarrow as pa
-import pytest
 from recognition.synthetic import features_table
 
-from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.parameters import BestParameters, ProtocolParameters
 from visuohaptic.recognition.sequences import TouchSequences
@@ -153,6 +150,19 @@ def test_imprints_of_training_objects_change_choices():
     assert (choose(CANDIDATES) != choose(with_features(features))).any()
 
 
+def test_the_touches_of_a_training_object_are_chosen_without_it(monkeypatch):
+    left_out, likelihood = [], choosing.TouchModel.log_likelihood
+
+    def leave_out(model, poses, place):
+        left_out.append(place)
+        return likelihood(model, poses, place)
+
+    monkeypatch.setattr(choosing.TouchModel, "log_likelihood", leave_out)
+    choose(CANDIDATES)
+    training = np.unique(CANDIDATES.sequences.object_index[SPLIT.train])
+    assert [place for place in left_out if place != -1] == training.tolist()
+
+
 def test_a_training_object_is_not_foretold_by_itself():
     model = fit_touch_model(CANDIDATES, SPLIT, PARAMETERS, np.random.default_rng(3))
     place = int(CANDIDATES.sequences.object_index[SPLIT.train[0]])
@@ -210,8 +220,3 @@ def test_the_order_of_rows_changes_nothing():
     again = gather_candidates(shuffled, NAMES)
     np.testing.assert_array_equal(again.features, CANDIDATES.features)
     np.testing.assert_array_equal(choose(CANDIDATES), choose(again))
-
-
-def test_no_candidates_are_refused():
-    with pytest.raises(RecognitionError, match="no candidates"):
-        gather_candidates(pa.Table.from_batches([], TABLE.schema), NAMES)

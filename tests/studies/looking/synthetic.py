@@ -50,4 +50,4 @@ def made_up(objects=(4, 4, 4), viewpoints=2, separation=1.0):
     seen[:, 0] = clean + generator.normal(scale=0.1, size=clean.shape)
     touched = {strategy: one.features for strategy, one in gathered.items()}
     views = {cue: seen.astype(np.float32) for cue in CUES}
-    return Sensed(sequences, views, touched, names, candidates)
+    return Sensed(sequences, views, touched, candidates)

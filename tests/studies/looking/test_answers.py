@@ -6,16 +6,16 @@ from recognition.synthetic import features_table
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-from visuohaptic.recognition.experiment import answer_splits, gather_pipeline
+from visuohaptic.recognition.experiment import answer_splits, draw_splits, gather_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.tuning import FitMemory
+from visuohaptic.recognition.tuning import fit_projection
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.looking.answers import (
     Answered,
-    answer_trial,
+    answer_trials,
     ask_if_familiar,
-    make_trials,
     multiply,
+    strangeness,
 )
 
 PARAMETERS = RecognitionParameters(best={"classifiers": ("naive_bayes",)})
@@ -32,16 +32,17 @@ def sequences_and_descriptors(objects=(4, 4, 4), parameters=PARAMETERS):
     return sequences, described
 
 
+def trials_of(sequences, count):
+    return list(draw_splits(sequences, PARAMETERS, SEED))[:count]
+
+
 @pytest.fixture(scope="module")
 def answered():
     sequences, described = sequences_and_descriptors()
-    trials = make_trials(sequences, PARAMETERS, SEED)[:3]
+    trials = trials_of(sequences, 3)
     # In a second condition of the test, descriptors are nowhere near those of training.
     strange = described + 50 * described.std(axis=0) * np.sin(np.arange(described.shape[1]))
-    found = [
-        answer_trial(one, [described, strange], sequences, PARAMETERS, SEED, FitMemory())
-        for one in trials
-    ]
+    found = answer_trials(trials, [[described, strange]] * 3, sequences, PARAMETERS, SEED)
     return sequences, trials, found
 
 
@@ -49,34 +50,40 @@ def test_the_answers_are_those_of_pipeline_best(answered):
     sequences, trials, found = answered
     theirs = answer_splits(sequences, PARAMETERS, SEED, "best")
     for (split, _, answer), trial, ours in zip(theirs, trials, found, strict=False):
-        assert np.array_equal(split.test, trial.split.test)
+        assert np.array_equal(split.test, trial[0].test)
         assert np.array_equal(answer.ballots.alone(), ours.tested[0])
 
 
 def test_every_training_sequence_is_held_out_once_and_no_test_sequence(answered):
     _, trials, found = answered
-    for trial, one in zip(trials, found, strict=True):
-        assert np.array_equal(np.sort(one.places), trial.split.train)
+    for (split, _), one in zip(trials, found, strict=True):
+        assert np.array_equal(np.sort(one.places), split.train)
         assert np.allclose(one.held_out.sum(axis=1), 1)
 
 
 def test_a_held_out_answer_is_of_a_model_without_its_object():
     # Objects have one descriptor of their own: only a model that met an object could know its class.
-    sequences, described = sequences_and_descriptors(objects=(6, 6))
-    owners = sequences.object_index
-    own = np.eye(len(sequences.objects))[owners]
-    (trial, *_) = make_trials(sequences, PARAMETERS, SEED)
-    one = answer_trial(trial, [own], sequences, PARAMETERS, SEED, FitMemory())
+    sequences, _ = sequences_and_descriptors(objects=(6, 6))
+    own = np.eye(len(sequences.objects))[sequences.object_index]
+    (one,) = answer_trials(trials_of(sequences, 1), [[own]], sequences, PARAMETERS, SEED)
     right = one.held_out.argmax(axis=1) == sequences.labels[one.places]
     assert right.mean() <= 0.5
-    assert described.shape[0] == len(owners)
 
 
 def test_one_training_object_a_class_is_refused():
     sequences, described = sequences_and_descriptors(objects=(2, 2))
-    (trial, *_) = make_trials(sequences, PARAMETERS, SEED)
     with pytest.raises(RecognitionError, match="one training object"):
-        answer_trial(trial, [described], sequences, PARAMETERS, SEED, FitMemory())
+        answer_trials(trials_of(sequences, 1), [[described]], sequences, PARAMETERS, SEED)
+
+
+def test_what_training_spans_is_not_strange_and_what_leaves_it_is_by_its_squared_distance():
+    generator = np.random.default_rng(0)
+    training = generator.normal(size=(20, 3)) @ generator.normal(size=(3, 8))
+    projection = fit_projection(training, 3)
+    assert strangeness(projection, training) == pytest.approx(0, abs=1e-9)
+    aside = np.linalg.svd(projection.components)[0][:, -1]
+    scale = np.subtract(*(projection.scaling.apply(np.full((1, 8), one)) for one in (1.0, 0.0)))
+    assert strangeness(projection, training + 2 * aside / scale) == pytest.approx(4)
 
 
 def test_what_is_strange_is_not_asked_and_what_is_familiar_is(answered):

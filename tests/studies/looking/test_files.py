@@ -9,9 +9,9 @@ from studies.surfaces import small_surfaces
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.geometry.surface import write_surface
+from visuohaptic.studies.conditions import with_changes
 from visuohaptic.studies.curves.adaptive import make_candidates
-from visuohaptic.studies.looking import sensing
-from visuohaptic.studies.looking.files import make_looking
+from visuohaptic.studies.looking.measuring import make_looking
 from visuohaptic.studies.looking.seeing import SIGHTS
 from visuohaptic.studies.looking.sensing import (
     ADAPTIVE,
@@ -26,19 +26,22 @@ from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import LOOKING
 
-RUN = SMALL.model_copy(
-    update={
-        "cost": SMALL.cost.model_copy(update={"budgets": (6.0, 16.0)}),
-        "recognition": SMALL.recognition.model_copy(
-            update={
-                "protocol": SMALL.recognition.protocol.model_copy(
-                    update={"maximum_splits": 1, "folds": 2, "fold_rounds": 1}
-                )
-            }
-        ),
-    }
+RUN = with_changes(
+    SMALL,
+    {
+        "recognition.protocol.maximum_splits": 1,
+        "recognition.protocol.folds": 2,
+        "recognition.protocol.fold_rounds": 1,
+    },
 )
-WITHOUT = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"adaptive": False})})
+
+
+def with_costs(**values):
+    return RUN.model_copy(update={"cost": RUN.cost.model_copy(update=values)})
+
+
+RUN = with_costs(budgets=(6.0, 16.0))
+WITHOUT = with_costs(adaptive=False)
 
 
 @pytest.fixture(scope="module")
@@ -53,14 +56,16 @@ def meshes(tmp_path_factory):
     return files
 
 
-def touch_candidates(meshes, output):
-    make_candidates(Given("curves", {"meshes": meshes}, [output], RUN))
+@pytest.fixture(scope="module")
+def candidates(meshes, tmp_path_factory):
+    path = tmp_path_factory.mktemp("candidates") / "candidates.parquet"
+    make_candidates(Given("curves", {"meshes": meshes}, [path], RUN))
+    return path
 
 
 def test_the_longest_budget_gives_the_touches_and_the_run_the_fewest():
     assert most_touches(RUN) == 3
-    short = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"budgets": (1.0,)})})
-    assert most_touches(short) == RUN.recognition.touches
+    assert most_touches(with_costs(budgets=(1.0,))) == RUN.recognition.touches
 
 
 def test_an_object_is_touched_by_every_strategy_and_seen_in_every_sight(meshes):
@@ -80,19 +85,19 @@ def test_views_belong_to_the_viewpoint_and_object_that_is_touched(meshes):
         assert np.array_equal(sensed.seen[cue][own], views[cue])
 
 
-def test_a_viewpoint_without_a_place_for_one_strategy_is_left_out_for_all(meshes, tmp_path):
-    touch_candidates(meshes[:2], tmp_path / "some.parquet")
-    candidates = read_table(FEATURES, tmp_path / "some.parquet")
-    few = candidates.filter(np.array(candidates.column("viewpoint").to_pylist()) != 1)
-    both = sensing._both(few, candidates)
-    assert set(both.column("viewpoint").to_pylist()) == {0, 2, 3}
-    assert set(sensing._both(candidates, few).column("viewpoint").to_pylist()) == {0, 2, 3}
+@pytest.mark.slow
+def test_a_viewpoint_without_a_place_for_one_strategy_is_left_out_for_all(meshes, candidates):
+    whole = read_table(FEATURES, candidates)
+    few = whole.filter(np.array(whole.column("viewpoint").to_pylist()) != 1)
+    sensed = sense_all(meshes, few, RUN, 1)
+    assert set(sensed.sequences.viewpoint) == {0, 2, 3}
+    assert set(sensed.candidates.sequences.viewpoint) == {0, 2, 3}
 
 
 @pytest.mark.slow
-def test_table_and_figures_are_written_with_and_without_adaptive_touches(meshes, tmp_path):
-    candidates = tmp_path / "candidates.parquet"
-    touch_candidates(meshes, candidates)
+def test_table_and_figures_are_written_with_and_without_adaptive_touches(
+    meshes, candidates, tmp_path
+):
     files = tmp_path / "looking.parquet", tmp_path / "looking.json"
     for run, tables in ((RUN, {"tables": [candidates]}), (WITHOUT, {})):
         make_looking(Given("looking", {"meshes": meshes, **tables}, files, run))
@@ -104,6 +109,7 @@ def test_table_and_figures_are_written_with_and_without_adaptive_touches(meshes,
 
 
 def test_a_free_touch_is_refused():
-    free = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"touch_seconds": 0.0})})
     with pytest.raises(ParameterError, match="touch_seconds is 0"):
-        make_looking(Given("looking", {"meshes": []}, ["table", "figures"], free))
+        make_looking(
+            Given("looking", {"meshes": []}, ["table", "figures"], with_costs(touch_seconds=0.0))
+        )

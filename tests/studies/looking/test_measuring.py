@@ -88,6 +88,17 @@ def test_a_rule_takes_between_a_look_and_all_touches(measured):
     assert budgets == set(cost.budgets)
 
 
+def test_a_rule_that_takes_all_touches_answers_as_the_product_after_them(measured):
+    keys = ("sight", "strategy", "class", "object", "split")
+    touches = most_touches(RUN)
+    whole = select(measured, answer=CHECKED, touches=touches).to_pylist()
+    products = {tuple(row[key] for key in keys): row["gaps"] for row in whole}
+    seconds = RUN.cost.look_seconds + touches * RUN.cost.touch_seconds
+    rows = select(measured, answer=STOPPING, seconds=seconds).to_pylist()
+    assert rows
+    assert all(row["gaps"] == products[tuple(row[key] for key in keys)] for row in rows)
+
+
 def test_a_larger_budget_stops_no_object_earlier(measured):
     rows = select(measured, answer=STOPPING)
     keys = ["sight", "strategy", "class", "object", "split", "budget"]

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from visuohaptic.studies.looking.stopping import (
-    StoppingRule,
     expected_gain,
     learn_pace,
-    rule_of_budget,
+    touches_made,
+    worth_of_budget,
 )
 
 # After 0, 1 and 2 touches: four rehearsals, of which 1, 2 and 4 are right.
@@ -25,43 +25,40 @@ def test_touches_that_gain_nothing_have_no_pace():
     assert not learn_pace(never, CONFIDENCE, 5.0).any()
 
 
+def touches(pace, confidence, worth):
+    return touches_made(worth, expected_gain(np.array(pace), np.array(confidence)))
+
+
 def test_certainty_leaves_nothing_to_gain():
     sure = np.ones((3, 4))
     pace = learn_pace(np.ones((3, 4), dtype=bool), sure, 5.0)
-    assert np.array_equal(StoppingRule(pace, 0.0).touches(sure), np.zeros(4))
+    assert not touches(pace, sure, 0.0).any()
 
 
 def test_the_rule_stops_at_the_first_touch_that_is_not_worth_it():
-    rule = StoppingRule(np.array([0.1, 0.1, 0.0]), worth=0.03)
-    confidence = np.array([[0.9, 0.5, 0.5], [0.9, 0.9, 0.5], [0.9, 0.9, 0.6]])
-    assert rule.touches(confidence).tolist() == [0, 1, 2]
+    confidence = [[0.9, 0.5, 0.5], [0.9, 0.9, 0.5], [0.9, 0.9, 0.6]]
+    assert touches([0.1, 0.1, 0.0], confidence, 0.03).tolist() == [0, 1, 2]
 
 
-def test_a_doubtful_sequence_is_touched_at_least_as_often_as_a_sure_one():
-    generator = np.random.default_rng(3)
-    confidence = np.sort(generator.uniform(size=(5, 200)), axis=0)
-    less = confidence - 0.1
-    pace = np.array([0.05, 0.04, 0.03, 0.02, 0.0])
-    for worth in (0.0, 0.005, 0.02):
-        rule = StoppingRule(pace, worth)
-        assert (rule.touches(less) >= rule.touches(confidence)).all()
+@pytest.mark.parametrize("worth", [0.0, 0.005, 0.02])
+def test_a_doubtful_sequence_is_touched_at_least_as_often_as_a_sure_one(worth):
+    confidence = np.sort(np.random.default_rng(3).uniform(size=(5, 200)), axis=0)
+    pace = [0.05, 0.04, 0.03, 0.02, 0.0]
+    assert (touches(pace, confidence - 0.1, worth) >= touches(pace, confidence, worth)).all()
 
 
 @pytest.mark.parametrize("most", [0.0, 0.4, 1.0, 1.9, 10.0])
 def test_rehearsals_keep_within_the_budget_and_would_not_with_the_next_lower_worth(most):
-    generator = np.random.default_rng(4)
-    confidence = np.sort(generator.uniform(0.2, 1, size=(4, 50)), axis=0)
-    pace = np.array([0.1, 0.08, 0.05, 0.0])
-    rule = rule_of_budget(pace, confidence, most)
-    assert rule.touches(confidence).mean() <= most
-    lower = expected_gain(pace, confidence)
-    lower = lower[lower < rule.worth]
+    confidence = np.sort(np.random.default_rng(4).uniform(0.2, 1, size=(4, 50)), axis=0)
+    gain = expected_gain(np.array([0.1, 0.08, 0.05, 0.0]), confidence)
+    worth = worth_of_budget(gain, most)
+    assert touches_made(worth, gain).mean() <= most
+    lower = gain[gain < worth]
     if lower.size:
-        assert StoppingRule(pace, lower.max()).touches(confidence).mean() > most
+        assert touches_made(lower.max(), gain).mean() > most
 
 
-def test_without_a_budget_nothing_is_touched_and_with_all_of_it_all_that_gains():
-    pace = np.array([0.1, 0.1, 0.0])
-    confidence = np.full((3, 4), 0.5)
-    assert not rule_of_budget(pace, confidence, 0.0).touches(confidence).any()
-    assert (rule_of_budget(pace, confidence, 2.0).touches(confidence) == 2).all()
+@pytest.mark.parametrize("most", [0, 2])
+def test_without_a_budget_nothing_is_touched_and_with_all_of_it_all_that_gains(most):
+    gain = expected_gain(np.array([0.1, 0.1, 0.0]), np.full((3, 4), 0.5))
+    assert (touches_made(worth_of_budget(gain, most), gain) == most).all()

@@ -137,10 +137,6 @@ def test_the_kept_readings_give_the_scores_that_the_rule_saw():
         assert np.mean(fixation + random) == pytest.approx(kept[name]["score"], abs=1e-3)
 
 
-def test_the_former_default_is_a_reading():
-    assert any(reading.options == FORMER_DEFAULT for reading in READINGS)
-
-
 ON_OTHERS = [reading for reading in all_readings() if reading.part in PARTS_ON_OTHERS]
 ALL_ACQUIRED = {
     (choice.name, option): 1.0 for choice in scored_choices() for option in choice.options
@@ -213,13 +209,6 @@ def test_no_rule_sees_who_leads_or_touches_out_of_reach():
             assert getattr(one.chosen, "reading", one.chosen) == getattr(
                 other.chosen, "reading", other.chosen
             )
-
-
-def test_what_asks_another_question_is_not_chosen_by_scores():
-    assert not {"order", "random_probing", "protocol"} & {one.name for one in scored_choices()}
-    assert {"reach", "unreachable", "channels", "focus_radius"} <= {
-        one.name for one in scored_choices()
-    }
 
 
 def test_every_option_that_is_scored_has_readings_on_other_objects():

@@ -14,7 +14,6 @@ from readings.design import (
     STRATEGIES,
     all_readings,
     is_default,
-    is_literal,
 )
 from readings.study import STUDY as STUDY_OF_READINGS
 from readings.tables import READING_CHOICES
@@ -165,23 +164,6 @@ def test_every_choice_of_the_paper_quotes_it_or_says_that_it_is_silent():
         "touch_scaling"
     }
     assert all("(section " in choice.sentence for choice in quoting)
-
-
-def test_two_level_choices_have_a_column_each_and_further_options_a_part_of_their_own():
-    further = [reading for reading in READINGS if reading.part == "further"]
-    assert {(one.options["reach"], one.options["channels"]) for one in further} == {
-        ("none", "eight_equal"),
-        ("0.1", "five_named"),
-    }
-    for option in ("reach", "unreachable", "channels", "focus_radius", "order"):
-        counts = Counter(one.options[option] for one in READINGS if one.part == "upstream")
-        assert sorted(counts.values()) == [60, 64]
-
-
-def test_the_most_literal_reading_is_run():
-    (literal,) = [one for one in READINGS if one.part == "literal"]
-    assert is_literal({**literal.options, "random_probing": "walk"})
-    assert not is_literal(literal.options)
 
 
 def test_every_reading_touches_by_fixation_and_by_all_kinds_of_random_probing():

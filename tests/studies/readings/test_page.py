@@ -22,7 +22,7 @@ from visuohaptic.errors import ReportError
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.studies.stored import Source, source_of, store_table
-from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.schema import build_rows, write_table
 
 READ = [reading for reading in all_readings() if reading.part in PARTS_ON_PAPER_SET]
 # Known objects from new viewpoints are another question, which the figures leave out.
@@ -64,9 +64,7 @@ FAILED = {"error": "MiniSom has two at most <b>", "fixation": None, "ahead": Non
 def table(tmp_path_factory):
     path = tmp_path_factory.mktemp("readings") / "readings.parquet"
     planted = [row | FAILED if row["part"] == FAILING else row for row in ROWS]
-    names = [column.name for column in READINGS.columns]
-    built = build_table(READINGS, {name: [row[name] for row in planted] for name in names})
-    write_table(READINGS, built, path)
+    write_table(READINGS, build_rows(READINGS, planted), path)
     return path
 
 
@@ -152,10 +150,8 @@ def test_what_explains_most_stands_first():
 
 def test_a_table_of_failures_alone_has_no_page(tmp_path):
     planted = [row | FAILED for row in rows((BEST_OF_PAPER,))]
-    names = [column.name for column in READINGS.columns]
     path = tmp_path / "readings.parquet"
-    built = build_table(READINGS, {name: [row[name] for row in planted] for name in names})
-    write_table(READINGS, built, path)
+    write_table(READINGS, build_rows(READINGS, planted), path)
     with pytest.raises(ReportError, match="no reading that could be run; one at least is needed"):
         render_readings_page(path)
 

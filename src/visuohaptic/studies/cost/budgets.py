@@ -28,6 +28,7 @@ BUDGETS: tuple[BudgetName, ...] = get_args(BudgetName)
 
 FAMILY = "viewpoints"
 KEPT = ("setting", "viewpoints", "objects", "seconds", "error", "error_low", "error_high")
+_VALUES = ("viewpoints", "seconds", "error")
 
 
 @dataclass(frozen=True)
@@ -53,14 +54,14 @@ def choose_budgets(line: Sequence[Mapping[str, Any]]) -> dict[BudgetName, Budget
 
     from visuohaptic.studies.cost.front import pareto_front
 
+    line = sorted(line, key=lambda row: float(row["seconds"]))
     points = np.array([(row["seconds"], row["error"]) for row in line], dtype=np.float64)
     on_front = np.flatnonzero(pareto_front(*points.T))
-    order = on_front[np.argsort(points[on_front, 0], kind="stable")]
-    errors = points[order, 1]
+    errors = points[on_front, 1]
     errors = np.maximum(errors, errors[errors > 0].min(initial=1.0) / 2)
     middle = np.sqrt(errors[0] * errors[-1]) * (1 + 1e-9)
-    places = (order[0], order[np.argmax(errors <= middle)], order[-1])
-    chosen = zip(get_args(BudgetName), (line[place] for place in places), strict=True)
+    places = (on_front[0], on_front[np.argmax(errors <= middle)], on_front[-1])
+    chosen = zip(BUDGETS, (line[place] for place in places), strict=True)
     return {
         name: Budget(name, row["viewpoints"], row["seconds"], row["error"]) for name, row in chosen
     }
@@ -76,14 +77,9 @@ def write_budgets(cost: str | Path, output: str | Path, measured_on: str) -> Non
         for row in read_costs(cost)
         if row["family"] == FAMILY and row["failed"] is None
     ]
-    values = {
-        "measured_on": measured_on,
-        "line": line,
-        "budgets": {
-            name: {"viewpoints": one.viewpoints, "seconds": one.seconds, "error": one.error}
-            for name, one in choose_budgets(line).items()
-        },
-    }
+    named = choose_budgets(line).items()
+    chosen = {name: {key: vars(one)[key] for key in _VALUES} for name, one in named}
+    values = {"measured_on": measured_on, "line": line, "budgets": chosen}
     Path(output).write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
 
 

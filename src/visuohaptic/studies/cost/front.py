@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,28 +18,24 @@ from visuohaptic.recognition.intervals import (
     compare_paired,
     difference_interval,
     holm,
-    rate_interval,
 )
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.cost.settings import FAMILIES, is_reference, make_settings
-from visuohaptic.studies.figures import Cell, CellKey, read_cells
+from visuohaptic.studies.cost.settings import ORDER, Setting, is_reference, make_settings
+from visuohaptic.studies.figures import Cell, condition_interval, read_cells
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.schema import build_rows, names_of, read_table, write_table
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
 
 Row = dict[str, Any]
 """Of `tables.COST`."""
 
-Setting = tuple[str, str]
-"""Family and name."""
-
-Turn = tuple[str, int]
-"""An object, and the turn in which it was timed."""
+Key = tuple[str, str]
+"""A setting's family and name."""
 
 _OF_SETTING = (
     *("family", "place", "touches", "viewpoints", "looks", "strategy", "pipeline", "classifier"),
 )
-_COLUMNS = tuple(column.name for column in COST.columns)
+_COLUMNS = names_of(COST.columns)
 
 POINT = 0.01
 """A loss of accuracy that does not matter to most users."""
@@ -47,12 +43,16 @@ POINT = 0.01
 
 def make_cost(given: Given) -> None:
     """Join error rates and seconds of all settings, and mark the front: `tables.COST`."""
-    cells = read_cells(given.inputs["blocks"])
+    run, settings = given.run, make_settings(given.run, given.study)
+    found = read_cells(given.inputs["blocks"])
+    cells = [
+        found[one.condition.name, one.pipeline, one.strategy, one.classifier] for one in settings
+    ]
     seconds = read_table(COST_SECONDS, given.inputs["tables"])
-    rows = join_costs(error_rows(cells, given.run, given.study), seconds)
-    pairs = SettingPairs(cells, time_logarithms(seconds), given.run)
-    mark_steps(rows, pairs)
-    mark_groups(rows, pairs)
+    rows = join_costs(error_rows(settings, cells, run), seconds)
+    slower = slower_settings(time_logarithms(rows, seconds), run.recognition.intervals.confidence)
+    mark_steps(rows, cells, slower, run)
+    mark_groups(rows, cells, slower, run)
     write_table(COST, cost_table(rows), given.outputs[0])
 
 
@@ -68,13 +68,11 @@ def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> N
     return ~beaten & np.isfinite(seconds) & np.isfinite(errors)
 
 
-def error_rows(cells: Mapping[CellKey, Cell], run: ExperimentParameters, study: str) -> list[Row]:
+def error_rows(
+    settings: Sequence[Setting], cells: Sequence[Cell], run: ExperimentParameters
+) -> list[Row]:
     """Give each setting with its error rate, and what it is more than the reference's."""
-    settings = make_settings(run, study)
-    own = [
-        cells[one.condition.name, one.pipeline, one.strategy, one.classifier] for one in settings
-    ]
-    pairs = list(zip(settings, own, strict=True))
+    pairs = list(zip(settings, cells, strict=True))
     reference = next((cell for one, cell in pairs if is_reference(one, run)), None)
     return [
         {
@@ -82,7 +80,7 @@ def error_rows(cells: Mapping[CellKey, Cell], run: ExperimentParameters, study: 
             "setting": setting.name,
             "changes": setting.written_changes,
             **error_rate(cell, run),
-            **_loss(reference, cell, run),
+            **_ends("lost", _loss(reference, cell, run)),
         }
         for setting, cell in pairs
     ]
@@ -92,10 +90,13 @@ def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
     """Give the share of recognitions that are wrong, its interval over objects, and their number."""
     if cell.error is not None:
         return {"failed": cell.error}
-    intervals = run.recognition.intervals
-    found = rate_interval(1 - cell.accuracy, cell.weights, intervals, _draw_objects(run))
-    error, low, high = (min(max(end, 0.0), 1.0) for end in (found.mean, found.low, found.high))
-    return {"error": error, "error_low": low, "error_high": high, "objects": len(cell.objects)}
+    wrong = replace(cell, accuracy=1 - cell.accuracy)
+    found = condition_interval(wrong, run.recognition.intervals, run.seed)
+    rates = _ends("error", found)
+    return {
+        **{name: min(max(rate, 0.0), 1.0) for name, rate in rates.items()},
+        "objects": len(cell.objects),
+    }
 
 
 def join_costs(errors: Sequence[Row], seconds: pa.Table) -> list[Row]:
@@ -105,139 +106,133 @@ def join_costs(errors: Sequence[Row], seconds: pa.Table) -> list[Row]:
     """
     timed = {setting: _quantiles(rows) for setting, rows in by_setting(seconds).items()}
     empty, unmarked = dict.fromkeys(_COLUMNS), {"as_quick": False, "step": False}
-    rows = [
-        {**empty, **timed.get(setting_of(row), {}), **row, **unmarked, "group": place}
-        for place, row in enumerate(errors)
-    ]
-    return _mark_front(rows)
+    return _mark_front(
+        [
+            {**empty, **timed.get(setting_of(row), {}), **row, **unmarked, "group": place}
+            for place, row in enumerate(errors)
+        ]
+    )
 
 
-def mark_steps(rows: Sequence[Row], pairs: SettingPairs) -> None:
-    """Mark the settings that are worth their time.
+def mark_steps(
+    rows: Sequence[Row],
+    cells: Sequence[Cell],
+    slower: NDArray[np.bool_],
+    run: ExperimentParameters,
+) -> None:
+    """Mark the settings that are worth their time; `slower` is as `slower_settings` gives it.
 
     The first step is the most accurate of the settings that are as quick as the quickest. Each
     further step is significantly slower and significantly more accurate than the step before: of
     those that are as quick as the quickest such setting, it is the most accurate.
     """
-    quick = pairs.as_quick(rows)
-    for row in quick:
-        row["as_quick"] = True
+
+    def as_quick(places: Sequence[int]) -> list[int]:
+        quickest = min(places, key=lambda place: float(rows[place]["seconds"]), default=0)
+        return [place for place in places if not slower[quickest, place]]
+
+    known = [place for place, row in enumerate(rows) if is_known(row)]
+    quick = as_quick(known)
+    for place in quick:
+        rows[place]["as_quick"] = True
     while quick:
-        step = min(quick, key=lambda row: float(row["error"]))
-        step["step"] = True
-        quick = pairs.as_quick(pairs.more_accurate(pairs.slower(rows, step), step))
+        step = min(quick, key=lambda place: float(rows[place]["error"]))
+        rows[step]["step"] = True
+        later = [place for place in known if slower[step, place]]
+        better = more_accurate([cells[place] for place in later], cells[step], run)
+        quick = as_quick([place for place, one in zip(later, better, strict=True) if one])
 
 
-def mark_groups(rows: Sequence[Row], pairs: SettingPairs) -> None:
-    """Give each setting the number of the first group in which it is like every other setting."""
-    groups: list[list[Row]] = []
-    for row in rows:
-        fitting = (group for group in groups if all(pairs.are_alike(row, one) for one in group))
-        group = next(fitting, None)
-        if group is None:
-            group = []
-            groups.append(group)
-        group.append(row)
-        row["group"] = groups.index(group)
+def mark_groups(
+    rows: Sequence[Row],
+    cells: Sequence[Cell],
+    slower: NDArray[np.bool_],
+    run: ExperimentParameters,
+) -> None:
+    """Give each setting the number of the first group where it differs from none in time or in error."""
+
+    def are_alike(first: int, second: int) -> bool:
+        if not (is_known(rows[first]) and is_known(rows[second])):
+            return False
+        if slower[first, second] or slower[second, first]:
+            return False
+        gain = accuracy_gain(cells[second], cells[first], run)
+        return gain is not None and gain.low <= 0 <= gain.high
+
+    groups: dict[int, list[int]] = {}
+    for place, row in enumerate(rows):
+        fitting = (
+            number
+            for number, group in groups.items()
+            if all(are_alike(one, place) for one in group)
+        )
+        row["group"] = next(fitting, len(groups))
+        groups.setdefault(row["group"], []).append(place)
 
 
 def cost_table(rows: Sequence[Row]) -> pa.Table:
     """Make `tables.COST` of rows as `join_costs` gives them."""
-    return build_table(COST, {name: [row[name] for row in rows] for name in _COLUMNS})
+    return build_rows(COST, rows)
 
 
-@dataclass(frozen=True)
-class SettingPairs:
-    """Which settings differ significantly: by comparisons of the same objects, at the run's confidence.
+def time_logarithms(rows: Sequence[Row], seconds: pa.Table) -> NDArray[np.float64]:
+    """Give the logarithms of `tables.COST_SECONDS` by setting, object and turn; NaN where there is none."""
+    places = {setting_of(row): place for place, row in enumerate(rows)}
+    timed = seconds.to_pylist()
+    objects = {key: place for place, key in enumerate(sorted({row["object"] for row in timed}))}
+    turns = max((row["turn"] for row in timed), default=0) + 1
+    found = np.full((len(rows), len(objects), turns), np.nan)
+    for row in timed:
+        found[places[setting_of(row)], objects[row["object"]], row["turn"]] = np.log(row["seconds"])
+    return found
 
-    `cells` are as `studies.figures.read_cells` gives them, `logarithms` as `time_logarithms` does.
+
+def slower_settings(logarithms: NDArray[np.float64], confidence: float) -> NDArray[np.bool_]:
+    """Tell which settings are significantly slower than which: (s, o, t) to (s, s), the slower second.
+
+    An object's ratio of two times is the mean over the turns in which both were taken. Student's
+    interval of the objects' ratios is above 1; with fewer than two objects none is.
     """
+    from scipy.special import stdtrit
 
-    cells: Mapping[CellKey, Cell]
-    logarithms: Mapping[Setting, Mapping[Turn, float]]
-    run: ExperimentParameters
-
-    def time_ratio(self, first: Row, second: Row) -> Interval:
-        """Give the logarithm of the second's seconds by the first's, over objects.
-
-        An object's ratio is the mean over the turns in which both were timed. The interval is
-        Student's, of the objects' ratios; with fewer than two objects it is without ends.
-        """
-        from scipy.special import stdtrit
-
-        one, two = (self.logarithms.get(setting_of(row), {}) for row in (first, second))
-        by_object: dict[str, list[float]] = {}
-        for key in one.keys() & two.keys():
-            by_object.setdefault(key[0], []).append(two[key] - one[key])
-        ratios = np.array([np.mean(found) for _, found in sorted(by_object.items())])
-        if len(ratios) < 2:
-            return Interval(0.0, -np.inf, np.inf)
-        confidence = self.run.recognition.intervals.confidence
-        quantile = stdtrit(len(ratios) - 1, (1 + confidence) / 2)
-        reach = float(quantile * ratios.std(ddof=1) / np.sqrt(len(ratios)))
-        mean = float(ratios.mean())
-        return Interval(mean, mean - reach, mean + reach)
-
-    def as_quick(self, rows: Sequence[Row]) -> list[Row]:
-        """Give the settings that are not significantly slower than the quickest."""
-        known = [row for row in rows if is_known(row)]
-        if not known:
-            return []
-        quickest = min(known, key=lambda row: float(row["seconds"]))
-        return [row for row in known if row is quickest or self.time_ratio(quickest, row).low <= 0]
-
-    def slower(self, rows: Sequence[Row], last: Row) -> list[Row]:
-        """Give the settings that are significantly slower than another."""
-        return [row for row in rows if is_known(row) and self.time_ratio(last, row).low > 0]
-
-    def more_accurate(self, rows: Sequence[Row], last: Row) -> list[Row]:
-        """Give the settings that are significantly more accurate than the last step.
-
-        By the sign-change test over objects; p values are adjusted for the number of settings (Holm).
-        """
-        before, intervals = self._cell(last), self.run.recognition.intervals
-        able = [row for row in rows if _same_objects(self._cell(row), before)]
-        pairs = ((self._cell(row).accuracy, before.accuracy, before.weights) for row in able)
-        found = [compare_paired(*pair, intervals, _draw_objects(self.run)) for pair in pairs]
-        adjusted = holm([one.p_value for one in found])
-        return [
-            row
-            for row, one, p_value in zip(able, found, adjusted, strict=True)
-            if one.difference.mean > 0 and p_value <= 1 - intervals.confidence
-        ]
-
-    def are_alike(self, first: Row, second: Row) -> bool:
-        """Tell whether two settings differ significantly neither in time nor in error."""
-        if not (is_known(first) and is_known(second)):
-            return False
-        ratio = self.time_ratio(first, second)
-        if not ratio.low <= 0 <= ratio.high:
-            return False
-        gain = accuracy_gain(self._cell(first), self._cell(second), self.run)
-        return gain is not None and gain.low <= 0 <= gain.high
-
-    def _cell(self, row: Row) -> Cell:
-        name = f"{row['family']}, {row['setting']}"
-        return self.cells[name, row["pipeline"], row["strategy"], row["classifier"]]
+    ratios = np.ma.masked_invalid(logarithms[None] - logarithms[:, None]).mean(axis=3)
+    objects = ratios.count(axis=2)
+    quantile = stdtrit(np.maximum(objects - 1, 1), (1 + confidence) / 2)
+    reach = quantile * ratios.std(axis=2, ddof=1) / np.sqrt(np.maximum(objects, 1))
+    return (np.ma.filled(ratios.mean(axis=2) - reach, 0) > 0) & (objects > 1)
 
 
-def time_logarithms(seconds: pa.Table) -> dict[Setting, dict[Turn, float]]:
-    """Give the logarithm of each setting's seconds, by object and turn."""
-    return {
-        setting: {(row["object"], row["turn"]): float(np.log(row["seconds"])) for row in rows}
-        for setting, rows in by_setting(seconds).items()
+def more_accurate(cells: Sequence[Cell], last: Cell, run: ExperimentParameters) -> list[bool]:
+    """Tell which settings are significantly more accurate than the last step.
+
+    By the sign-change test over objects; p values are adjusted for the number of settings (Holm).
+    """
+    intervals = run.recognition.intervals
+    found = {
+        place: compare_paired(
+            cell.accuracy, last.accuracy, last.weights, intervals, _draw_objects(run)
+        )
+        for place, cell in enumerate(cells)
+        if _same_objects(cell, last)
     }
+    adjusted = holm([one.p_value for one in found.values()])
+    better = {
+        place
+        for (place, one), p_value in zip(found.items(), adjusted, strict=True)
+        if one.difference.mean > 0 and p_value <= 1 - intervals.confidence
+    }
+    return [place in better for place in range(len(cells))]
 
 
-def by_setting(seconds: pa.Table) -> dict[Setting, list[Row]]:
+def by_setting(seconds: pa.Table) -> dict[Key, list[Row]]:
     """Give the rows of `tables.COST_SECONDS` of each setting."""
-    found: dict[Setting, list[Row]] = {}
+    found: dict[Key, list[Row]] = {}
     for row in seconds.to_pylist():
         found.setdefault(setting_of(row), []).append(row)
     return found
 
 
-def setting_of(row: Row) -> Setting:
+def setting_of(row: Row) -> Key:
     """Give the key of a row."""
     return row["family"], row["setting"]
 
@@ -258,8 +253,7 @@ def accuracy_gain(first: Cell, second: Cell, run: ExperimentParameters) -> Inter
 def read_costs(path: str | Path) -> list[Row]:
     """Read `tables.COST` as rows, family by family, each along its line."""
     rows: list[Row] = read_table(COST, path).to_pylist()
-    order = [family for study in FAMILIES.values() for family in study]
-    return sorted(rows, key=lambda row: (order.index(row["family"]), row["place"]))
+    return sorted(rows, key=lambda row: (ORDER.index(row["family"]), row["place"]))
 
 
 def front_rows(rows: Sequence[Row]) -> list[Row]:
@@ -366,29 +360,29 @@ def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
 
 
 def _mark_front(rows: list[Row]) -> list[Row]:
-    seconds, errors = (
-        np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=np.float64)
-        for name in ("seconds", "error")
-    )
-    for row, on in zip(rows, pareto_front(seconds, errors).tolist(), strict=True):
+    points = [[row[name] for row in rows] for name in ("seconds", "error")]
+    for row, on in zip(rows, pareto_front(*np.array(points, dtype=float)).tolist(), strict=True):
         row |= {"on_front": on, "dominated": is_known(row) and not on}
     return rows
 
 
 def _quantiles(rows: Sequence[Row]) -> Row:
     """Give the median and quartiles of a setting's seconds, and its parts' medians."""
-    quartiles = np.quantile([row["seconds"] for row in rows], [0.25, 0.5, 0.75]).tolist()
+    low, median, high = np.quantile([row["seconds"] for row in rows], [0.25, 0.5, 0.75]).tolist()
     parts = {name: float(np.median([row[name] for row in rows])) for name, _ in COST_PARTS}
-    names = ("seconds_low", "seconds", "seconds_high")
-    return {**dict(zip(names, quartiles, strict=True)), **parts, "recognitions": len(rows)}
+    times = {"seconds_low": low, "seconds": median, "seconds_high": high}
+    return {**times, **parts, "recognitions": len(rows)}
 
 
-def _loss(reference: Cell | None, cell: Cell, run: ExperimentParameters) -> Row:
-    lost = None if reference is None else accuracy_gain(reference, cell, run)
+def _ends(name: str, interval: Interval | None) -> Row:
+    ends = (None, None, None) if interval is None else vars(interval).values()
+    return dict(zip((name, f"{name}_low", f"{name}_high"), ends, strict=True))
+
+
+def _loss(reference: Cell | None, cell: Cell, run: ExperimentParameters) -> Interval | None:
     if cell is reference:
-        lost = Interval(0.0, 0.0, 0.0)
-    ends = (None, None, None) if lost is None else (lost.mean, lost.low, lost.high)
-    return dict(zip(("lost", "lost_low", "lost_high"), ends, strict=True))
+        return Interval(0.0, 0.0, 0.0)
+    return None if reference is None else accuracy_gain(reference, cell, run)
 
 
 def _same_objects(first: Cell, second: Cell) -> bool:

@@ -6,13 +6,12 @@ import time
 from collections import defaultdict
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
 import pyarrow as pa
 
-from visuohaptic.fixations.sight import Sight
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, object_of, read_surface, usable_meshes
@@ -23,12 +22,14 @@ from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.studies.conditions import Planned, plan_study
 from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER, Setting, make_settings
-from visuohaptic.studies.files import read_study_features
+from visuohaptic.studies.files import features_by_key
 from visuohaptic.studies.measuring import REFUSALS, condition_features
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.phases import FEATURES, of_objects
-from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import COST_SECONDS
+
+Row = dict[str, object]
+"""Of `tables.COST_SECONDS`."""
 
 PHASES = (*(str(phase.verb) for phase in OF_OBJECT), "name")
 PARTS = ("render", "attend", "cast")
@@ -71,24 +72,34 @@ def make_cost_seconds(given: Given) -> None:
 
 
 def _fitted(given: Given) -> list[FittedSetting]:
-    """Train a model for each setting, but for those that fail; one where settings name by the same model."""
+    """Train each setting that can be; one model where settings differ in the viewpoints alone."""
     run, study = given.run, {one.name: one for one in (FRONTIER, COST_STUDY)}[given.study]
-    own = read_table(FEATURES, given.inputs["features"])
-    held: dict[str | None, pa.Table | str] = {None: of_objects(own, given.objects)}
+    features = features_by_key(given.inputs["features"], given.made, given.objects)
     found: list[FittedSetting] = []
-    trained: dict[Hashable, FittedSetting | str] = {}
+    trained: dict[Hashable, RecognitionModel | None] = {}
     planned = plan_study(study, run).conditions
     for setting, one in zip(make_settings(run, study.name), planned, strict=True):
-        if one.key is not None and one.key not in held:
-            held[one.key] = read_study_features(given.made[one.key])
         named = (setting.strategy, setting.pipeline, setting.classifier)
         asked = (one.key, one.parameters.model_dump_json(), *named)
         if asked not in trained:
-            trained[asked] = fit_setting(setting, one, held[one.key], run.seed)
-        fitted = trained[asked]
-        if isinstance(fitted, FittedSetting):
-            found.append(replace(fitted, setting=setting))
+            trained[asked] = fit_setting(setting, one, features(one.key), run.seed)
+        if model := trained[asked]:
+            found.append(FittedSetting(setting, one.parameters, model))
     return found
+
+
+def fit_setting(
+    setting: Setting, planned: Planned, features: pa.Table | str, seed: int
+) -> RecognitionModel | None:
+    """Train the model of a setting on every object; None where that is refused."""
+    if isinstance(features, str):
+        return None
+    recognition = planned.parameters.recognition
+    try:
+        rows = condition_features(planned, features, setting.strategy)
+        return fit_model(rows, setting.pipeline, setting.classifier, recognition, seed)
+    except REFUSALS:
+        return None
 
 
 def recognise_once(
@@ -104,15 +115,16 @@ def recognise_once(
     parts: list[pa.Table] = []
     with _timed(seconds, "look"):
         caster = TimedCaster(surface)
-    subject = Subject(key, lambda: caster, viewpoints)
-    for block in subject.blocks(VIEWPOINTS_AT_ONCE):
+    for block in Subject(key, lambda: caster, viewpoints).blocks(VIEWPOINTS_AT_ONCE):
         tables: Tables = {}
         for phase in OF_OBJECT:
             before = caster.seconds
             with _timed(seconds, str(phase.verb)):
                 found = phase.run(block, tables, fitted.parameters)
-                if phase.verb == "look":
-                    _look(found, seconds)
+                if phase.verb == "look" and found.needs_looks:
+                    for part, name in (("render", "seen"), ("attend", "looks")):
+                        with _timed(seconds, part):
+                            getattr(found, name)
                 tables |= passed_on(phase, found)
             if phase.verb == "touch":
                 seconds["cast"] += caster.seconds - before
@@ -122,34 +134,11 @@ def recognise_once(
     return {name: seconds[name] for name in (*PHASES, *PARTS)}
 
 
-def _look(sight: Sight, seconds: dict[str, float]) -> None:
-    """Time the two parts of looking, where a strategy needs it."""
-    if sight.needs_looks:
-        for part, name in (("render", "seen"), ("attend", "looks")):
-            with _timed(seconds, part):
-                getattr(sight, name)
-
-
 @contextmanager
 def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
     start = time.process_time()
     yield
     seconds[name] += time.process_time() - start
-
-
-def fit_setting(
-    setting: Setting, planned: Planned, features: pa.Table | str, seed: int
-) -> FittedSetting | str:
-    """Train the model of a setting on every object, or give the error message."""
-    if isinstance(features, str):
-        return features
-    parameters = planned.parameters
-    try:
-        rows = condition_features(planned, features, setting.strategy)
-        model = fit_model(rows, setting.pipeline, setting.classifier, parameters.recognition, seed)
-    except REFUSALS as refusal:
-        return str(refusal)
-    return FittedSetting(setting, parameters, model)
 
 
 def measure_seconds(
@@ -165,31 +154,29 @@ def measure_seconds(
     from threadpoolctl import threadpool_limits
 
     distinct = {one.setting.written_changes: one for one in settings}.values()
-    rows: list[dict[str, object]] = []
+    rows: list[Row] = []
     with threadpool_limits(limits=1), _one_thread():
         # What is made once for all, and once for a surface, is made here.
         for (key, surface), fitted in product(surfaces.items(), distinct):
             _time(fitted, key, surface, 0)
         for turn, (key, surface), fitted in product(range(rounds), surfaces.items(), settings):
-            names = {"family": fitted.setting.family, "setting": fitted.setting.name}
-            taken = _time(fitted, key, surface, turn)
-            if taken is not None:
-                rows.append({**names, "object": key, "turn": turn, **taken})
-    columns = [column.name for column in COST_SECONDS.columns]
-    return build_table(COST_SECONDS, {name: [row[name] for row in rows] for name in columns})
+            rows += _time(fitted, key, surface, turn)
+    return build_rows(COST_SECONDS, rows)
 
 
-def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> dict[str, float] | None:
-    """Time one recognition; None where there are too few places to touch."""
-    choices = spread_choices(fitted.parameters.viewpoints.total, fitted.setting.viewpoints)
+def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> list[Row]:
+    """Time one recognition; nothing where there are too few places to touch."""
+    setting = fitted.setting
+    choices = spread_choices(fitted.parameters.viewpoints.total, setting.viewpoints)
     # Another side of the object in each round.
     viewpoints = choices[3 * turn % len(choices)].tolist()
     try:
         taken = recognise_once(surface, key, viewpoints, fitted)
     except REFUSALS:
-        return None
+        return []
     parts = {f"seconds_{name}": value for name, value in taken.items()}
-    return {"seconds": sum(taken[phase] for phase in PHASES), **parts}
+    own = {"family": setting.family, "setting": setting.name, "object": key, "turn": turn}
+    return [{**own, "seconds": sum(taken[phase] for phase in PHASES), **parts}]
 
 
 @contextmanager

@@ -8,16 +8,16 @@ of which one thing varies over its whole range, views among them.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from itertools import product
 from typing import Any
 
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.scene.parameters import PRESETS
-from visuohaptic.studies.conditions import with_changes
+from visuohaptic.studies.conditions import touches_of_run, with_changes
 from visuohaptic.studies.study import NOT_OF_RESULTS, OF_CONDITIONS, Changes, Condition, Step, Study
 
 STRATEGY = "fixation"
@@ -80,135 +80,109 @@ class Setting:
 def make_settings(run: ExperimentParameters, study: str) -> list[Setting]:
     """Give every setting of study `frontier` or `cost`, family by family; `run` has all that a family does not vary."""
     return [
-        Setting(family, name, place, **{"touches": run_touches(run), **values})
-        for family, vary in FAMILIES[study].items()
-        for place, (name, values) in enumerate(vary(run))
+        Setting(family, name, place, **{"touches": touches_of_run(run), **values})
+        for family, settings in FAMILIES[study](run).items()
+        for place, (name, values) in enumerate(settings.items())
     ]
 
 
 def is_reference(setting: Setting, run: ExperimentParameters) -> bool:
     """Tell whether a setting is what others are compared with: the run's own, from one viewpoint."""
-    own = Setting(setting.family, setting.name, setting.place, run_touches(run))
+    own = Setting(setting.family, setting.name, setting.place, touches_of_run(run))
     return setting == own
 
 
-def run_touches(run: ExperimentParameters) -> int:
-    """Give the touches of a sequence in the run."""
-    return run.recognition.touches or run.attention.fixations
+Families = Mapping[str, Mapping[str, Mapping[str, Any]]]
+"""By family and name, the fields in which a setting differs from the run's own."""
 
 
-Varied = Iterator[tuple[str, dict[str, Any]]]
+def frontier_families(run: ExperimentParameters) -> Families:
+    """Vary touches and viewpoints of each strategy of the run, and what needs no other looking."""
+    touches = _within(run.cost.frontier_touches, touches_of_run(run))
+    viewpoints = _within(run.cost.frontier_viewpoints, run.viewpoints.total)
+    probed = {
+        strategy: {
+            f"{_touches(count)}, {_viewpoints(views)}": {
+                "touches": count,
+                "viewpoints": views,
+                "strategy": strategy,
+            }
+            for views, count in product(viewpoints, touches)
+        }
+        for strategy in STRATEGIES.names
+        if strategy in run.probing.strategies
+    }
+    if STRATEGY not in probed:
+        return probed
+    small = _unless_own(run, "sensor.resolution", run.cost.lean_imprint_resolution)
+    mapless = _unless_own(run, "recognition.self_organising_map.output", "none")
+    return {
+        **probed,
+        "small_imprint": {_touches(touches_of_run(run)): small} if small["changes"] else {},
+        "cues": _cues(run),
+        "paper": {
+            "with its map": {"pipeline": "paper"},
+            "without the map": {"pipeline": "paper", **mapless},
+        },
+    }
 
 
-def _touches(run: ExperimentParameters) -> Varied:
-    for count in run.cost.touches:
-        yield _counted(count, "touch", "es"), {"touches": count}
+def cost_families(run: ExperimentParameters) -> Families:
+    """Vary one thing in each family, over its whole range."""
+    cost, weights = run.cost, run.attention.weights.model_dump()
+    named = {"paper": run.recognition.classifiers, "best": run.recognition.best.classifiers}
+    classic, own = (
+        {name: (weight or 1.0) if name in kept else 0.0 for name, weight in weights.items()}
+        for kept in (CLASSIC_CHANNELS, [name for name, weight in weights.items() if weight])
+    )
+    lean = {"rendering.resolution": cost.lean_view_resolution, "attention.weights": classic}
+    sizes = {
+        "imprint": ("sensor.resolution", cost.imprint_resolutions),
+        "render": ("rendering.resolution", cost.view_resolutions),
+    }
+    return {
+        "touches": {_touches(count): {"touches": count} for count in cost.touches},
+        "viewpoints": {_viewpoints(count): {"viewpoints": count} for count in cost.viewpoints},
+        "lean_viewpoints": {
+            _viewpoints(count): {"viewpoints": count, "changes": lean} for count in cost.viewpoints
+        },
+        **{
+            family: {f"{size} × {size}": _unless_own(run, path, size) for size in varied}
+            for family, (path, varied) in sizes.items()
+        },
+        "channels": {
+            f"{sum(map(bool, kept.values()))} channels": _unless_own(run, "attention.weights", kept)
+            for kept in (classic, own)
+        },
+        "features": {**_cues(run), "skin and pose": {}},
+        "pipelines": {
+            f"{pipeline}, {name.replace('_', ' ')}": {"pipeline": pipeline, "classifier": name}
+            for pipeline, names in named.items()
+            for name in names
+        },
+        "effects": {
+            preset: {"changes": {} if preset == run.scene.preset else {"scene.preset": preset}}
+            for preset in PRESETS
+        },
+    }
 
 
-def _viewpoints(run: ExperimentParameters, changes: Changes | None = None) -> Varied:
-    for count in run.cost.viewpoints:
-        yield _counted(count, "viewpoint", "s"), {"viewpoints": count, "changes": changes or {}}
-
-
-def _lean_viewpoints(run: ExperimentParameters) -> Varied:
-    small = {"rendering.resolution": run.cost.lean_view_resolution}
-    return _viewpoints(run, {**small, "attention.weights": _weights(run, CLASSIC_CHANNELS)})
-
-
-def _squares(parameter: str, sizes: str, run: ExperimentParameters) -> Varied:
-    for size in getattr(run.cost, sizes):
-        yield f"{size} × {size}", _unless_own(run, parameter, size)
-
-
-def _channels(run: ExperimentParameters) -> Varied:
-    own = tuple(name for name, weight in run.attention.weights.model_dump().items() if weight)
-    for kept in (CLASSIC_CHANNELS, own):
-        yield f"{len(kept)} channels", _unless_own(run, "attention.weights", _weights(run, kept))
-
-
-def _cues(run: ExperimentParameters) -> Varied:
-    for name, cues in CUES.items():
-        yield name, _unless_own(run, "recognition.best.cues", cues)
-
-
-def _features(run: ExperimentParameters) -> Varied:
-    yield from _cues(run)
-    yield "skin and pose", {}
-
-
-def _pipelines(run: ExperimentParameters) -> Varied:
-    recognition = run.recognition
-    for pipeline, names in (
-        ("paper", recognition.classifiers),
-        ("best", recognition.best.classifiers),
-    ):
-        for name in names:
-            words = f"{pipeline}, {name.replace('_', ' ')}"
-            yield words, {"pipeline": pipeline, "classifier": name}
-
-
-def _effects(run: ExperimentParameters) -> Varied:
-    for preset in PRESETS:
-        yield preset, {"changes": {} if preset == run.scene.preset else {"scene.preset": preset}}
-
-
-def _probed(strategy: str, run: ExperimentParameters) -> Varied:
-    if strategy not in run.probing.strategies:
-        return
-    for viewpoints in _within(run.cost.frontier_viewpoints, run.viewpoints.total):
-        for touches in _within(run.cost.frontier_touches, run_touches(run)):
-            name = f"{_counted(touches, 'touch', 'es')}, {_counted(viewpoints, 'viewpoint', 's')}"
-            yield name, {"touches": touches, "viewpoints": viewpoints, "strategy": strategy}
-
-
-def _small_imprint(run: ExperimentParameters) -> Varied:
-    """Make the imprint smaller; nothing where it is as small in the run."""
-    varied = _unless_own(run, "sensor.resolution", run.cost.lean_imprint_resolution)
-    if varied["changes"]:
-        yield _counted(run_touches(run), "touch", "es"), varied
-
-
-def _paper(run: ExperimentParameters) -> Varied:
-    yield "with its map", {"pipeline": "paper"}
-    without = _unless_own(run, "recognition.self_organising_map.output", "none")
-    yield "without the map", {"pipeline": "paper", **without}
-
-
-def _if_fixated(
-    vary: Callable[[ExperimentParameters], Varied], run: ExperimentParameters
-) -> Varied:
-    return vary(run) if STRATEGY in run.probing.strategies else iter(())
-
-
-def _within(values: Iterable[int], most: int) -> list[int]:
-    return sorted({min(value, most) for value in values})
-
-
-FAMILIES: dict[str, dict[str, Callable[[ExperimentParameters], Varied]]] = {
-    "frontier": {
-        **{name: partial(_probed, name) for name in STRATEGIES.names},
-        "small_imprint": partial(_if_fixated, _small_imprint),
-        "cues": partial(_if_fixated, _cues),
-        "paper": partial(_if_fixated, _paper),
-    },
-    "cost": {
-        "touches": _touches,
-        "viewpoints": _viewpoints,
-        "lean_viewpoints": _lean_viewpoints,
-        "imprint": partial(_squares, "sensor.resolution", "imprint_resolutions"),
-        "render": partial(_squares, "rendering.resolution", "view_resolutions"),
-        "channels": _channels,
-        "features": _features,
-        "pipelines": _pipelines,
-        "effects": _effects,
-    },
+FAMILIES: dict[str, Callable[[ExperimentParameters], Families]] = {
+    "frontier": frontier_families,
+    "cost": cost_families,
 }
-"""By study and family, what varies."""
+"""By study, what varies."""
+
+ORDER = (
+    *(*STRATEGIES.names, "small_imprint", "cues", "paper"),
+    *("touches", "viewpoints", "lean_viewpoints", "imprint", "render", "channels", "features"),
+    *("pipelines", "effects"),
+)
+"""The families of both studies, as they are shown."""
 
 
-def _weights(run: ExperimentParameters, kept: Iterable[str]) -> dict[str, float]:
-    weights = run.attention.weights.model_dump()
-    return {name: (weights[name] or 1.0) if name in kept else 0.0 for name in weights}
+def _cues(run: ExperimentParameters) -> Mapping[str, Mapping[str, Any]]:
+    return {name: _unless_own(run, "recognition.best.cues", cues) for name, cues in CUES.items()}
 
 
 def _unless_own(run: ExperimentParameters, path: str, value: object) -> dict[str, Any]:
@@ -216,8 +190,16 @@ def _unless_own(run: ExperimentParameters, path: str, value: object) -> dict[str
     return {"changes": {} if with_changes(run, changes) == run else changes}
 
 
-def _counted(count: int, noun: str, ending: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else ending}"
+def _within(values: Iterable[int], most: int) -> list[int]:
+    return sorted({min(value, most) for value in values})
+
+
+def _touches(count: int) -> str:
+    return f"{count} touch{'es' * (count != 1)}"
+
+
+def _viewpoints(count: int) -> str:
+    return f"{count} viewpoint{'s' * (count != 1)}"
 
 
 def _study(name: str, title: str, *, is_part_of_run: bool) -> Study:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -83,12 +84,12 @@ def make_adaptive_rows(given: Given) -> None:
     """Write `tables.STUDY` of the study's conditions on touches that `adaptive` chooses."""
     planned = plan_study(CURVES, given.run).conditions
     features = read_table(FEATURES, given.inputs["tables"])
-    rows = adaptive_rows(features, planned, given.wildcards["pipeline"], given.run.seed)
+    rows = adaptive_rows(features, planned, given.wildcards["pipeline"])
     write_table(STUDY, pa.concat_tables(rows), given.outputs[0])
 
 
 def adaptive_rows(
-    features: pa.Table, planned: Sequence[Planned], pipeline: str, seed: int
+    features: pa.Table, planned: Sequence[Planned], pipeline: str
 ) -> Iterator[pa.Table]:
     """Choose each split's touches by its training objects, then train and test.
 
@@ -101,7 +102,7 @@ def adaptive_rows(
     for one in planned:
         key = ("curves", one.condition.name, pipeline, "adaptive")
         try:
-            chooser = chooser or _Chooser(classes_of_two(features), planned, pipeline, seed)
+            chooser = chooser or _Chooser(classes_of_two(features), planned, pipeline)
             yield from cell_rows(key, chooser.name_objects(one.parameters))
         except REFUSALS as refusal:
             yield error_rows(key, (CLASSIFIER,), str(refusal))
@@ -110,68 +111,45 @@ def adaptive_rows(
 class _Chooser:
     """Touches that are chosen once a split, as many as the longest sequence needs."""
 
-    def __init__(
-        self, features: pa.Table, planned: Sequence[Planned], pipeline: str, seed: int
-    ) -> None:
-        from visuohaptic.recognition.descriptors import draw_waves
+    def __init__(self, features: pa.Table, planned: Sequence[Planned], pipeline: str) -> None:
         from visuohaptic.recognition.experiment import gather_pipeline
         from visuohaptic.recognition.summary import select
-        from visuohaptic.seeds import spawn_generator
         from visuohaptic.studies.curves.choosing import gather_candidates
 
-        recognition = planned[0].parameters.recognition
         # The columns that a pipeline takes are those that it takes of one touch a sequence.
         first = select(features, touch=0)
-        single = recognition.model_copy(update={"touches": 1})
-        best = gather_pipeline(first, single, "best").feature_names
-        names = gather_pipeline(first, single, pipeline).feature_names
+        single = planned[0].parameters.recognition.model_copy(update={"touches": 1})
+        best, names = (
+            gather_pipeline(first, single, name).feature_names for name in ("best", pipeline)
+        )
         self._candidates: Candidates = gather_candidates(features, best)
         self._used = [best.index(name) for name in names]
-        self._waves = draw_waves(recognition.best, spawn_generator(seed, "recognition", "waves"))
         self._most = max(one.parameters.recognition.touches or 1 for one in planned)
         self._chosen: dict[tuple[int, ...], np.ndarray] = {}
-        self._pipeline, self._seed = pipeline, seed
+        self._pipeline = pipeline
 
     def name_objects(self, parameters: ExperimentParameters) -> Named:
         """Train and test every split on its own touches."""
-        from visuohaptic.recognition.descriptors import describe_sequences
-        from visuohaptic.recognition.experiment import run_best_split, run_paper_split
-
-        recognition = parameters.recognition
+        from visuohaptic.recognition.experiment import split_runner
 
         def answer(split: Split, generator: np.random.Generator) -> Iterator[Answer]:
             sequences = self._sequences(split, parameters)
-            if self._pipeline == "paper":
-                return run_paper_split(sequences, split, recognition, generator)
-            described = describe_sequences(
-                sequences.features, sequences.feature_names, self._waves, recognition.best
+            recognition = parameters.recognition
+            return split_runner(sequences, recognition, parameters.seed, self._pipeline)(
+                split, generator
             )
-            return run_best_split(sequences, described, split, recognition, generator)
 
-        return name_objects(
-            self._candidates.sequences, parameters, self._pipeline, self._seed, answer
-        )
+        whole = self._candidates.sequences
+        return name_objects(whole, parameters, self._pipeline, parameters.seed, answer)
 
     def _sequences(self, split: Split, parameters: ExperimentParameters) -> TouchSequences:
-        from dataclasses import replace
-
-        from visuohaptic.seeds import spawn_generator
-        from visuohaptic.studies.curves.choosing import choose_sequences
+        from visuohaptic.studies.curves.choosing import choose_features
 
         key = tuple(split.test.tolist())
         if key not in self._chosen:
-            self._chosen[key] = choose_sequences(
-                self._candidates,
-                split,
-                self._most,
-                parameters.recognition.best,
-                parameters.attention.focus_radius,
-                spawn_generator(self._seed, "adaptive", *key),
-            )
-        rows = self._chosen[key][:, : parameters.recognition.touches]
-        whole = self._candidates.sequences
+            self._chosen[key] = choose_features(self._candidates, split, self._most, parameters)
         return replace(
-            whole,
-            features=self._candidates.features[rows][:, :, self._used],
-            feature_names=tuple(whole.feature_names[column] for column in self._used),
+            self._candidates.sequences,
+            features=self._chosen[key][:, : parameters.recognition.touches, self._used],
+            feature_names=tuple(self._candidates.names[column] for column in self._used),
         )

@@ -15,12 +15,14 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import LEAST_SIZE, POSE
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.recognition.pooling import best_temperature
 from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
 from visuohaptic.recognition.splits import Split
+from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.schema import matrix
 
 WORDS = 16
@@ -79,18 +81,10 @@ class Candidates:
 
 @dataclass(frozen=True)
 class TactileWords:
-    """Kinds of imprint, as centres among training touches.
+    """Kinds of imprint, as m centres among training touches, (m, q).
 
-    Attributes
-    ----------
-    scaling : Standardiser
-        Of the columns.
-    columns : numpy.ndarray
-        Shape (q,), int64: the columns of a touch's features that the skin gives.
-    logarithmic : numpy.ndarray
-        Shape (q,), bool: columns of which the logarithm is taken.
-    centres : numpy.ndarray
-        Shape (m, q), float64.
+    `columns` are the q columns of a touch's features that the skin gives, scaled by `scaling`; of
+    those that are `logarithmic`, (q,), the logarithm is taken.
     """
 
     scaling: Standardiser
@@ -107,24 +101,18 @@ class TactileWords:
 
 @dataclass(frozen=True)
 class TouchModel:
-    """Likelihood of imprints by pose and class, from training objects only.
+    """Likelihood of imprints by pose and class, from t training touches only.
 
     Attributes
     ----------
-    words : TactileWords
-        Kinds of imprint.
     poses : numpy.ndarray
-        Shape (t, 6), float64: scaled poses of the training touches.
-    kinds : numpy.ndarray
-        Shape (t,), int64: their words.
-    owner : numpy.ndarray
-        Shape (t,), int64: their objects.
+        Shape (t, 6), float64, scaled by `normal_weight` and `wave_length` as the kernel needs them.
+    kinds, owner : numpy.ndarray
+        Shape (t,), int64: words and objects of the touches.
     class_of_owner : numpy.ndarray
         Shape (o,), int64: classes of the training objects, by `owner`; others are not looked at.
     classes : int
         Number c of classes.
-    normal_weight, wave_length : float
-        How the kernel scales poses.
     """
 
     words: TactileWords
@@ -137,20 +125,10 @@ class TouchModel:
     wave_length: float
 
     def log_likelihood(self, poses: NDArray[np.float64], left_out: int) -> NDArray[np.float64]:
-        """Give the log likelihood of each word at each pose, by class.
+        """Give the log likelihood of each word at each pose, by class: (n, 6) to (n, m, c).
 
-        Parameters
-        ----------
-        poses : numpy.ndarray
-            Shape (n, 6), float64.
-        left_out : int
-            A training object to ignore, -1 for none: an object's own touches must not
-            predict its imprints. The only object of a class is kept.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n, m, c), float64.
+        A training object, `left_out`, is ignored, for its own touches must not predict its imprints;
+        -1 for none. The only object of a class is kept.
         """
         scaled = scale_poses(poses, self.normal_weight, self.wave_length)
         squares = np.einsum("nd,nd->n", scaled, scaled)[:, None]
@@ -181,18 +159,6 @@ class TouchModel:
         weight = weight / np.maximum(touches, 1)
         out = (self.owner == left_out) & ~np.isin(self.owner, objects[alone])
         return np.where(out, 0.0, weight[self.owner])
-
-
-@dataclass(frozen=True)
-class _ImprintReader:
-    """Touches one object's candidates, and gives the kind of imprint of each."""
-
-    candidates: Candidates
-    words: TactileWords
-    rows: NDArray[np.int64]
-
-    def read(self, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
-        return self.words.read(self.candidates.features[self.rows[chosen]])
 
 
 def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
@@ -234,33 +200,16 @@ def choose_sequences(
     focus_radius: float,
     generator: np.random.Generator,
 ) -> NDArray[np.int64]:
-    """Choose every sequence's touches, one after the other.
+    """Choose every sequence's touches, one after the other: rows of the candidates, (s, touches), int64.
 
     The model is fitted on the split's training objects; sequences of these are chosen by it
     without the object itself. Of a test object only the poses of the candidates and the
-    features of touches already made are looked at.
-
-    Parameters
-    ----------
-    candidates : Candidates
-        Where each viewpoint may touch.
-    split : Split
-        Which sequences train.
-    touches : int
-        Touches of each sequence.
-    parameters : BestParameters
-        The kernel's width and the weight of normals.
-    focus_radius : float
-        No two touches are closer while there is another place, object radii.
-    generator : numpy.random.Generator
-        For the words, and for the sequences that set the temperature.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, touches), int64: rows of the candidates.
+    imprints of touches already made are looked at. No two touches are closer than `focus_radius`
+    (object radii) while there is another place. The generator starts the words, and draws the
+    sequences that set the temperature.
     """
     model = fit_touch_model(candidates, split, parameters, generator)
+    words = model.words.read(candidates.features)
     training = np.unique(candidates.sequences.object_index[split.train])
     plans = {}
     for place in range(len(candidates.sequences.objects)):
@@ -268,21 +217,30 @@ def choose_sequences(
         left_out = place if place in training else -1
         first, seen = np.unique(candidates.poses[rows], axis=0, return_inverse=True)
         plans[place] = (rows, seen.reshape(-1), model.log_likelihood(first, left_out))
-    temperature = _fit_temperature(candidates, model, training, plans, generator)
+    temperature = _fit_temperature(candidates, words, training, plans, generator)
     chosen = np.zeros((len(candidates.sequences.object_index), touches), dtype=np.int64)
     for place, (rows, seen, likelihood) in plans.items():
         members = np.flatnonzero(candidates.sequences.object_index == place)
-        chosen[members] = choose_touches(
+        own = choose_touches(
             candidates.poses[rows],
             seen,
             np.searchsorted(members, candidates.sequence[rows]),
             likelihood / temperature,
-            _ImprintReader(candidates, model.words, rows).read,
+            words[rows].__getitem__,
             touches,
             focus_radius,
         )
-        chosen[members] = rows[chosen[members]]
+        chosen[members] = rows[own]
     return chosen
+
+
+def choose_features(
+    candidates: Candidates, split: Split, touches: int, run: ExperimentParameters
+) -> NDArray[np.float64]:
+    """Give the features of every sequence's chosen touches, (s, touches, k), by the draws of the split."""
+    generator = spawn_generator(run.seed, "adaptive", *split.test.tolist())
+    best, focus = run.recognition.best, run.attention.focus_radius
+    return candidates.features[choose_sequences(candidates, split, touches, best, focus, generator)]
 
 
 def choose_touches(
@@ -294,7 +252,7 @@ def choose_touches(
     touches: int,
     focus_radius: float,
 ) -> NDArray[np.int64]:
-    """Choose the touches of one object's viewpoints, one after the other.
+    """Choose the touches of one object's viewpoints, one after the other: candidates, (v, touches), int64.
 
     Each next touch is the open candidate with the largest expected information gain: the
     entropy of the class is expected to be least after it, averaged over the kinds of imprint
@@ -302,28 +260,11 @@ def choose_touches(
     1956). The pose is known before the touch, so it adds no gain; after the touch, pose and
     imprint are both evidence.
 
-    Parameters
-    ----------
-    poses : numpy.ndarray
-        Shape (n, 6), float64: of all candidates.
-    pose_number : numpy.ndarray
-        Shape (n,), int64: equal for candidates of equal pose, below u.
-    view : numpy.ndarray
-        Shape (n,), int64: the viewpoint of each, ascending from 0 without a gap.
-    log_likelihood : numpy.ndarray
-        Shape (u, m, c), float64: of each word under each class, tempered.
-    read_imprints : callable
-        Touches: candidates, shape (v,), to words, shape (v,). It gets only the chosen ones.
-    touches : int
-        Touches of each viewpoint.
-    focus_radius : float
-        No two touches are closer while there is another place; once all places are closed, all
-        but those touched are open again, and at last all.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (v, touches), int64: candidates.
+    `poses` are those of all candidates, (n, 6); equal ones have one `pose_number`, (n,), below u.
+    `view` is the viewpoint of each, (n,), ascending from 0 without a gap. `log_likelihood` is that
+    of each word under each class, tempered, (u, m, c). `read_imprints` gets only the chosen
+    candidates. No two touches are closer than `focus_radius` while there is another place; once all
+    places are closed, all but those touched are open again, and at last all.
     """
     views = int(view[-1]) + 1
     predicted = log_likelihood - _log_sum(log_likelihood)
@@ -348,19 +289,10 @@ def choose_touches(
 def expected_entropy(
     belief: NDArray[np.float64], log_likelihood: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Give the uncertainty about the class that is expected to be left after a touch.
+    """Give the uncertainty about the class that is expected to be left after a touch: (v, u), nats.
 
-    Parameters
-    ----------
-    belief : numpy.ndarray
-        Shape (v, c), float64: log probabilities of the classes so far, up to a constant.
-    log_likelihood : numpy.ndarray
-        Shape (u, m, c), float64: of each of m outcomes at u places.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (v, u), float64, nats.
+    `belief` holds the log probabilities of the classes so far, up to a constant, (v, c);
+    `log_likelihood` that of each of m outcomes at u places, (u, m, c).
     """
     places, outcomes, classes = log_likelihood.shape
     # Factors that are common to a place or to a sequence cancel; the largest is made 1.
@@ -463,7 +395,7 @@ def _skin(
 
 def _fit_temperature(
     candidates: Candidates,
-    model: TouchModel,
+    words: NDArray[np.int64],
     training: NDArray[np.int64],
     plans: dict[int, tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]],
     generator: np.random.Generator,
@@ -473,7 +405,7 @@ def _fit_temperature(
     classes = candidates.sequences.class_of_object
     for place in training:
         rows, seen, likelihood = plans[place]
-        kinds = model.words.read(candidates.features[rows])
+        kinds = words[rows]
         views = len(np.unique(candidates.sequence[rows]))
         drawn = generator.integers(len(rows), size=(views, REHEARSED_TOUCHES))
         scores.append(likelihood[seen[drawn], kinds[drawn]].sum(axis=1))

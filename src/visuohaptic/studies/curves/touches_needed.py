@@ -24,7 +24,7 @@ from visuohaptic.studies.figures import (
     write_json,
 )
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import TOUCHES_NEEDED
 
 LEVEL = 0.9
@@ -76,7 +76,7 @@ def touches_needed(
                 "objects": len(curve[0].objects),
             }
         )
-    return build_table(TOUCHES_NEEDED, {name: [row[name] for row in rows] for name in rows[0]})
+    return build_rows(TOUCHES_NEEDED, rows)
 
 
 def make_touches_needed(given: Given) -> None:

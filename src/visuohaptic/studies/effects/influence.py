@@ -25,7 +25,7 @@ from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import Touches
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FIXATIONS, by_object
-from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.schema import build_rows, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
 from visuohaptic.touches.choosing import Wanted, choose_places
 from visuohaptic.touches.touching import touch_locations
@@ -39,23 +39,10 @@ VIEWS = 2
 
 @dataclass(frozen=True)
 class Influence:
-    """What one effect costs on a sample, and how far it moves the images.
+    """What one effect costs on a sample, and how far it moves the images: as `tables.EFFECT_INFLUENCE` says.
 
-    Attributes
-    ----------
-    scene, effect : str
-        The scene's name and the effect's.
-    touches, called_for : int
-        Touches of the sample, and those that needed the effect; views, for effects of the view.
-    seconds, seconds_always : float
-        Time spent on it under the scene's own mode, and under `always`.
-    image_shift : float
-        Mean absolute difference of an image's values, 0 to 1, between the scene and the
-        scene without the effect; for an effect of the view, of the pixels that see the object,
-        between `auto` and `never`.
-    equal_to_always : bool or None
-        Whether the images under `auto` are those under `always`, bit for bit: of the whole scene,
-        or of this effect of the view alone; None where the scene switches an effect off.
+    `touches` are views for effects of the view; `seconds` are those under the scene's own mode, of which
+    `equal_to_always` is None where the scene switches an effect off.
     """
 
     scene: str
@@ -142,25 +129,23 @@ def sum_influences(parts: Sequence[Influence]) -> pa.Table:
     groups: dict[tuple[str, str], list[Influence]] = {}
     for part in parts:
         groups.setdefault((part.scene, part.effect), []).append(part)
-    touches = [sum(part.touches for part in group) for group in groups.values()]
-    return build_table(
-        EFFECT_INFLUENCE,
-        {
-            "scene": [scene for scene, _ in groups],
-            "effect": [effect for _, effect in groups],
-            "touches": touches,
-            "called_for": [sum(part.called_for for part in group) for group in groups.values()],
-            "seconds": [sum(part.seconds for part in group) for group in groups.values()],
-            "seconds_always": [
-                sum(part.seconds_always for part in group) for group in groups.values()
-            ],
-            "image_shift": [
-                sum(part.touches * part.image_shift for part in group) / count
-                for group, count in zip(groups.values(), touches, strict=True)
-            ],
-            "equal_to_always": [_all_equal(group) for group in groups.values()],
-        },
-    )
+    return build_rows(EFFECT_INFLUENCE, [_sum(group) for group in groups.values()])
+
+
+def _sum(group: Sequence[Influence]) -> dict[str, object]:
+    sums = {
+        name: sum(getattr(part, name) for part in group)
+        for name in ("touches", "called_for", "seconds", "seconds_always")
+    }
+    shifts = sum(part.touches * part.image_shift for part in group)
+    equal = [part.equal_to_always for part in group]
+    return {
+        "scene": group[0].scene,
+        "effect": group[0].effect,
+        **sums,
+        "image_shift": shifts / sums["touches"],
+        "equal_to_always": None if None in equal else all(equal),
+    }
 
 
 def make_effect_influence(given: Given) -> None:
@@ -210,11 +195,6 @@ def _scene_influence(
             image_shift=shift,
             equal_to_always=equal,
         )
-
-
-def _all_equal(group: Sequence[Influence]) -> bool | None:
-    found = [part.equal_to_always for part in group]
-    return None if None in found else all(found)
 
 
 def _without(scene: Scene, effect: str) -> Scene:

@@ -20,7 +20,7 @@ import pyarrow as pa
 from visuohaptic.errors import RecognitionError
 from visuohaptic.studies.certainty import VIEWS, sum_up_answers
 from visuohaptic.studies.stored import Source, source_of, store_table
-from visuohaptic.tables.schema import build_table, read_table
+from visuohaptic.tables.schema import build_rows, read_table
 from visuohaptic.tables.studies import EVALUATION
 
 if TYPE_CHECKING:
@@ -39,25 +39,12 @@ class MeasuredEvaluation:
 
 
 def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
-    """Name the objects that a model has not learnt, from 1, 4 and 16 views.
+    """Name the objects that a model of pipeline `best` has not learnt, from 1, 4 and 16 views.
 
-    Parameters
-    ----------
-    model : RecognitionModel
-        Of pipeline `best`.
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`, touched as the objects were that the model learnt. Those of its own
-        objects and of other strategies are left out.
-
-    Returns
-    -------
-    pyarrow.Table
-        `tables.EVALUATION`: each object by every evenly spread choice of so many views.
-
-    Raises
-    ------
-    RecognitionError
-        If no such object is of a class that the model knows, or the model is not calibrated.
+    `features` are rows of `tables.FEATURES`, touched as the objects were that the model learnt; those of
+    its own objects and of other strategies are left out. Gives `tables.EVALUATION`: each object by every
+    evenly spread choice of so many views. Raises `RecognitionError` if no such object is of a class that
+    the model knows, or the model is not calibrated.
     """
     from visuohaptic.recognition.summary import select
 
@@ -81,13 +68,7 @@ def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
         "stated": model.parameters.best.coverage,
         "learnt": len(model.objects),
     }
-    return build_table(
-        EVALUATION,
-        {
-            **{name: [value] * len(rows) for name, value in same.items()},
-            **{name: [row[name] for row in rows] for name in rows[0]},
-        },
-    )
+    return build_rows(EVALUATION, [{**same, **row} for row in rows])
 
 
 def _name_object(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,15 +22,10 @@ if TYPE_CHECKING:
 FAMILIAR = 0.95
 """Share of held-out training views that count as familiar."""
 
+Trial = tuple["Split", int]
+"""A split and its repeat, as `recognition.experiment.draw_splits` gives them."""
+
 Descriptors = NDArray[np.floating]
-
-
-@dataclass(frozen=True)
-class Trial:
-    """One split of one repeat."""
-
-    repeat: int
-    split: Split
 
 
 @dataclass(frozen=True)
@@ -55,24 +51,32 @@ class Answered:
     held_out_strange: NDArray[np.float64]
 
 
-def make_trials(
-    sequences: TouchSequences, parameters: RecognitionParameters, seed: int
-) -> list[Trial]:
-    """Divide sequences as recognition does, by the same draws."""
-    from visuohaptic.recognition.splits import make_splits
+def answer_trials(
+    trials: Sequence[Trial],
+    described: Iterable[Sequence[Descriptors]],
+    sequences: TouchSequences,
+    parameters: RecognitionParameters,
+    seed: int,
+) -> list[Answered]:
+    """Train and test pipeline `best` with its first classifier in every trial, by recognition's own draws.
 
-    return [
-        Trial(repeat, split)
-        for repeat in range(parameters.protocol.repeats)
-        for split in make_splits(
-            sequences,
-            parameters.protocol,
-            spawn_generator(seed, "recognition", "splits", repeat),
-        )
-    ]
+    `described` holds for each trial the descriptors of all s sequences, (s, d), in each condition
+    of the test; the first is learnt. Of the sequences only classes and objects are used. Answers are
+    calibrated as the pipeline does, within the training objects; raises `RecognitionError` if none
+    of these can be held out.
+    """
+    from visuohaptic.recognition.experiment import fitting
+    from visuohaptic.recognition.tuning import FitMemory
+
+    memory = FitMemory()
+    with fitting():
+        return [
+            _answer_trial(trial, own, sequences, parameters, seed, memory)
+            for trial, own in zip(trials, described, strict=True)
+        ]
 
 
-def answer_trial(
+def _answer_trial(
     trial: Trial,
     described: Sequence[Descriptors],
     sequences: TouchSequences,
@@ -80,67 +84,46 @@ def answer_trial(
     seed: int,
     memory: FitMemory,
 ) -> Answered:
-    """Train and test pipeline `best` with its first classifier on descriptors of all sequences.
-
-    Parameters
-    ----------
-    trial : Trial
-        The split.
-    described : sequence of numpy.ndarray
-        Shape (s, d) each: descriptors in each condition of the test. The first is learnt.
-    sequences : TouchSequences
-        Their classes and objects; their features are not used.
-    parameters : RecognitionParameters
-        Everything that is chosen before.
-    seed : int
-        The experiment's seed; draws are those of recognition.
-    memory : FitMemory
-        Fits of other splits on the same descriptors; it changes no number.
-
-    Returns
-    -------
-    Answered
-        Calibrated as the pipeline does, within the training objects.
-
-    Raises
-    ------
-    RecognitionError
-        If no training object can be held out.
-    """
     from visuohaptic.recognition.tuning import fit_best_classifiers, make_inner_folds
 
-    chance = (seed, "recognition", "best", trial.repeat, trial.split.number)
-    train, test = trial.split.train, trial.split.test
-    training = np.asarray(described[0][train], dtype=np.float64)
-    labels, owners = sequences.labels[train], sequences.object_index[train]
+    split, repeat = trial
+    draws = partial(spawn_generator, seed, "recognition", "best", repeat, split.number)
+    training = np.asarray(described[0][split.train], dtype=np.float64)
+    labels, owners = sequences.labels[split.train], sequences.object_index[split.train]
+    learnt = (training, labels, owners)
     projection, fits = fit_best_classifiers(
-        training, labels, owners, len(sequences.classes), parameters,
-        spawn_generator(*chance), memory,
-    )  # fmt: skip
-    classifier = fits[0][1]
-    tests = [one[test].astype(np.float64) for one in described]
-    tested = [classifier.ballots(projection.apply(one)).alone() for one in tests]
-    # The first draws are those of the folds, so these are the same folds.
-    folds = make_inner_folds(
-        training, labels, owners, parameters.best, spawn_generator(*chance), memory
+        *learnt, len(sequences.classes), parameters, draws(), memory
     )
+    classifier = fits[0][1]
+    # The first draws are those of the folds, so these are the same folds.
+    folds = make_inner_folds(*learnt, parameters.best, draws(), memory)
     if not folds:
         raise RecognitionError(
             "Every class has one training object; two are needed to know how sure answers are."
         )
+    tests = [one[split.test].astype(np.float64) for one in described]
     members = [np.isin(owners, fold.held_out_owners) for fold in folds]
+    strange = [
+        strangeness(fold.fits.projection, training[member])
+        for fold, member in zip(folds, members, strict=True)
+    ]
     return Answered(
-        np.stack(tested),
+        np.stack([classifier.ballots(projection.apply(one)).alone() for one in tests]),
         np.concatenate([_without(classifier, fold) for fold in folds]),
-        np.concatenate([train[member] for member in members]),
+        np.concatenate([split.train[member] for member in members]),
         np.stack([strangeness(projection, one) for one in tests]),
-        np.concatenate(
-            [
-                strangeness(fold.fits.projection, training[member])
-                for fold, member in zip(folds, members, strict=True)
-            ]
-        ),
+        np.concatenate(strange),
     )
+
+
+def _without(classifier: TunedClassifier, fold: InnerFold) -> NDArray[np.float64]:
+    """Give the answers for a fold's held-out sequences, (m, c), by what learnt from the others."""
+    from sklearn.base import clone
+
+    fits = fold.fits
+    fitted = clone(classifier.estimator).fit(fits.train, fits.labels)
+    bags = None if classifier.bags is None else fits.bags
+    return replace(classifier, estimator=fitted, bags=bags).ballots(fold.projected).alone()
 
 
 def strangeness(projection: Projection, described: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -156,7 +139,7 @@ def strangeness(projection: Projection, described: NDArray[np.float64]) -> NDArr
 def ask_if_familiar(answered: Answered) -> Answered:
     """Take any class for equally likely where a sequence is stranger than `FAMILIAR` of those held out."""
     limit = np.quantile(answered.held_out_strange, FAMILIAR)
-    none = np.full(answered.tested.shape[2], 1 / answered.tested.shape[2])
+    none = 1 / answered.tested.shape[2]
     return replace(
         answered,
         tested=np.where((answered.strange > limit)[..., None], none, answered.tested),
@@ -174,46 +157,14 @@ def multiply(
     """
     from visuohaptic.recognition.pooling import best_temperature, softmax
 
-    scores = _log(first.held_out) + _log(second.held_out)
+    held_out = _log(first.held_out) + _log(second.held_out)
+    tested = _log(first.tested) + _log(second.tested)
     # That all of n objects were right doesn't make the next one certain: the rule of succession.
     doubt = 1 / (len(np.unique(owners[first.places])) + 2)
-    _, temperature = best_temperature(scores, labels[first.places], doubt)
-    tested = _log(first.tested) + _log(second.tested)
+    _, temperature = best_temperature(held_out, labels[first.places], doubt)
     return replace(
-        first, tested=softmax(tested / temperature), held_out=softmax(scores / temperature)
+        first, tested=softmax(tested / temperature), held_out=softmax(held_out / temperature)
     )
-
-
-def answer_trials(
-    trials: Sequence[Trial],
-    described: Iterator[Sequence[Descriptors]],
-    sequences: TouchSequences,
-    parameters: RecognitionParameters,
-    seed: int,
-) -> list[Answered]:
-    """Train and test each trial on descriptors of its own, as `answer_trial` does."""
-    from sklearn import config_context
-    from threadpoolctl import threadpool_limits
-
-    from visuohaptic.recognition.tuning import FitMemory
-
-    memory = FitMemory()
-    checks = config_context(assume_finite=True, skip_parameter_validation=True)
-    with threadpool_limits(limits=1), checks:
-        return [
-            answer_trial(trial, own, sequences, parameters, seed, memory)
-            for trial, own in zip(trials, described, strict=True)
-        ]
-
-
-def _without(classifier: TunedClassifier, fold: InnerFold) -> NDArray[np.float64]:
-    """Give the answers for a fold's held-out sequences, (m, c), by what learnt from the others."""
-    from sklearn.base import clone
-
-    fits = fold.fits
-    fitted = clone(classifier.estimator).fit(fits.train, fits.labels)
-    bags = None if classifier.bags is None else fits.bags
-    return replace(classifier, estimator=fitted, bags=bags).ballots(fold.projected).alone()
 
 
 def _log(probabilities: NDArray[np.float64]) -> NDArray[np.float64]:

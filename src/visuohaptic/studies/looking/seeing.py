@@ -115,19 +115,9 @@ SIGHTS: Mapping[str, Sight] = {
 def describe_views(
     views: Views, generators: Mapping[str, list[np.random.Generator]]
 ) -> dict[str, NDArray[np.float32]]:
-    """Describe views in every sight.
+    """Describe n views in every sight: by cue (n, sights, d), float32, sights in the order of `SIGHTS`.
 
-    Parameters
-    ----------
-    views : Views
-        n rendered views.
-    generators : mapping of str to list of numpy.random.Generator
-        By sight, one for each view.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray
-        By cue: shape (n, sights, d), float32, sights in the order of `SIGHTS`.
+    `generators` holds, by sight, one for each view.
     """
     found: dict[str, list[list[NDArray[np.float32]]]] = {cue: [] for cue in CUES}
     for place in range(len(views)):

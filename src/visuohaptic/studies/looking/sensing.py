@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.conditions import with_changes
+from visuohaptic.studies.conditions import touches_of_run, with_changes
 from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE
 from visuohaptic.studies.looking.seeing import SIGHTS, describe_views
 from visuohaptic.studies.looking.settings import CUES
@@ -37,13 +37,11 @@ class Sensed:
     Attributes
     ----------
     sequences : TouchSequences
-        Their objects and classes, without features.
+        Their objects and classes, and the names of the k features.
     seen : dict of str to numpy.ndarray
         By cue: shape (s, sights, d), float32.
     touched : dict of str to numpy.ndarray
         By strategy: shape (s, t, k), float64, features of t touches.
-    names : tuple of str
-        Names of the k features.
     candidates : Candidates or None
         Where `ADAPTIVE` may touch; None where it is not compared.
     """
@@ -51,18 +49,12 @@ class Sensed:
     sequences: TouchSequences
     seen: dict[str, NDArray[np.float32]]
     touched: dict[str, NDArray[np.float64]]
-    names: tuple[str, ...]
     candidates: Candidates | None
 
 
 def compared(cost: CostParameters) -> tuple[str, ...]:
     """Name the strategies that are compared."""
     return (*STRATEGIES, ADAPTIVE) if cost.adaptive else STRATEGIES
-
-
-def touches_of_run(run: ExperimentParameters) -> int:
-    """Give the touches of a sequence that the run classifies."""
-    return run.recognition.touches or run.attention.fixations
 
 
 def most_touches(run: ExperimentParameters) -> int:
@@ -149,17 +141,14 @@ def gather_sensed(
         for strategy in STRATEGIES
     }
     sequences = gathered[STRATEGIES[0]]
-    names = sequences.feature_names
     keys = ["/".join(sequences.objects[place]) for place in sequences.object_index]
-    seen = {
-        cue: np.stack(
-            [views[key][cue][view] for key, view in zip(keys, sequences.viewpoint, strict=True)]
-        )
-        for cue in CUES
-    }
+    places = list(zip(keys, sequences.viewpoint, strict=True))
+    seen = {cue: np.stack([views[key][cue][view] for key, view in places]) for cue in CUES}
     touched = {strategy: one.features for strategy, one in gathered.items()}
-    chosen = None if candidates is None else gather_candidates(candidates, names)
-    return Sensed(sequences, seen, touched, names, chosen)
+    chosen = None
+    if candidates is not None:
+        chosen = gather_candidates(candidates, sequences.feature_names)
+    return Sensed(sequences, seen, touched, chosen)
 
 
 def _both(table: pa.Table, other: pa.Table) -> pa.Table:

@@ -28,7 +28,7 @@ LOOKING_STUDY = Study(
     steps=(
         Step(
             "looking",
-            "visuohaptic.studies.looking.files:make_looking",
+            "visuohaptic.studies.looking.measuring:make_looking",
             ("results/looking.parquet", "reports/looking.json"),
             takes=("meshes",),
             takes_where={"cost.adaptive": "results/study_candidates.parquet"},
