@@ -163,7 +163,9 @@ class Keys:
         """
         if record not in self._behind:
             current = [maker for maker in self._makers_of(record) if not self._runs(maker)]
-            nearest = {one for maker in current for one in self._makers_of(maker) if self._runs(one)}
+            nearest = {
+                one for maker in current for one in self._makers_of(maker) if self._runs(one)
+            }
             self._behind[record] = nearest.union(*map(self.stale_behind, current))
         return self._behind[record]
 
