@@ -44,8 +44,8 @@ def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence)
     assert (ideal["milliseconds"], ideal["milliseconds_always"]) == pytest.approx((200.0, 1000.0))
     assert (worn["name"], worn["needed"], worn["unneeded"]) == ("worn_fsr", ["noise"], [])
     assert effects_answer(figures).replace("\xa0", " ") == (
-        "Of 2 effects of touch so many are needed: ideal 1 (80 %), worn_fsr 1, in brackets the time that leaving out the others saves. No bit "
-        "of an image changes."
+        "Of 2 effects of touch a scene gets those that it needs: 1 in ideal (saves 80 % of the time), 1 in worn_fsr. "
+        "Images are the same, bit for bit, as with all effects."
     )
     size, noise = figures.touch
     assert (size["milliseconds"], size["milliseconds_always"]) == pytest.approx((200.0, 400.0))

@@ -67,12 +67,12 @@ def effects_answer(figures: InfluenceFigures) -> str:
         return ""
     count = max(len(scene["needed"]) + len(scene["unneeded"]) for scene in scenes)
     needed = ", ".join(map(_scene_words, scenes))
-    saved = ", in brackets the time that leaving out the others saves" if "(" in needed else ""
     changed = listed([scene["name"] for scene in scenes if scene["equal"] is False])
-    said = f"Of {counted(count, 'effect')} of touch so many are needed: {needed}{saved}."
+    said = f"Of {counted(count, 'effect')} of touch a scene gets those that it needs: {needed}."
     if changed:
         return f"{said} In {changed} images change without the others."
-    return f"{said} No bit of an image changes." if all(one["equal"] for one in scenes) else said
+    same = " Images are the same, bit for bit, as with all effects."
+    return said + same if all(one["equal"] for one in scenes) else said
 
 
 def rows_of_scenes(study: StudyFigures) -> list[tuple[StudyTable, list[Row]]]:
@@ -156,6 +156,6 @@ def _scene(rows: Sequence[Row]) -> Row:
 
 
 def _scene_words(scene: Row) -> str:
-    said = f"{scene['name']} {len(scene['needed'])}"
+    said = f"{len(scene['needed'])} in {scene['name']}"
     saved = 1 - scene["milliseconds"] / scene["milliseconds_always"] if scene["unneeded"] else 0.0
-    return f"{said} ({percent(saved, 0)})" if saved > 0 else said
+    return f"{said} (saves {percent(saved, 0)} of the time)" if saved > 0 else said
