@@ -101,7 +101,9 @@ def test_the_first_step_does_not_depend_on_an_order_that_timing_leaves_open():
         steps.add(tuple(row["setting"] for row in step_rows(rows)))
         answers.add(plain(cost_verdict(rows).sentence).split(";")[0])
     assert steps == {("2 touches",)}
-    assert answers == {"of computing for an error rate of 30.0 % (touches, 2 touches)"}
+    assert answers == {
+        "of computing for an error rate of 30.0 % (touches, 2 touches, pipeline “best”)"
+    }
 
 
 def test_where_the_quickest_setting_is_the_most_accurate_the_answer_names_it_once():

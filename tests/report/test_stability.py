@@ -151,7 +151,9 @@ def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to
 ):
     figures = read_stability([written(tmp_path, [GRAZING, EXACT])])
     sentence = stability_answer([figures])
-    assert sentence == ("1,240 hard cases tried; every error is within its tolerance.")
+    assert sentence == (
+        "1,240 numerically hard cases computed; every error is within its tolerance."
+    )
     assert describe_checks(figures.checks) == (
         "1,240 hard cases of 2 kinds were tried, and every error is within its tolerance; 1 kind has no "
         "error at all. The largest error, as a share of what is allowed, is 11.26\N{NO-BREAK SPACE}% "

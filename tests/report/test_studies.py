@@ -39,8 +39,8 @@ def page_of(tmp_path, folder):
 
 def test_the_largest_loss_and_gain_are_told(tmp_path):
     assert sentence(tmp_path, adjusted_p=SETTLED) == (
-        "Most is lost by cutaneous cues only (−30.0 percentage points); most is gained by kinesthetic cues "
-        "only (+5.0 percentage points); with 12 objects beyond chance (Holm-adjusted p below 0.05): "
+        "Most is lost with “cutaneous cues only” (−30.0 percentage points); most is gained with “kinesthetic cues "
+        "only” (+5.0 percentage points); with 12 objects beyond chance (Holm-adjusted p below 0.05): "
         "cutaneous cues only."
     )
 

@@ -17,7 +17,7 @@ _SECTION_OF_STUDY = {"curves": "touches_needed", "effects": "influence"} | {
     name: name for name in ("ablations", "certainty", "cost", "looking", "readings")
 }
 
-_TOO_FEW = "which recognition leaves out where it needs more touches"
+_TOO_FEW = "left out of recognition where that needs more touches"
 _MOST_REASONS = 20
 """Objects that were left out, each with its reason in a line of its own."""
 

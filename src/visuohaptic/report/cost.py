@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.report.estimates import Figure, figure_of, with_interval
-from visuohaptic.report.questions import Answer
+from visuohaptic.report.questions import Answer, pipeline_name
 from visuohaptic.report.tables import NONE
 from visuohaptic.report.wording import counted, duration, listed, percent, strategy_name, titled
 from visuohaptic.studies.cost.front import (
@@ -112,11 +112,12 @@ def cost_verdict(rows: Sequence[Row]) -> Answer | None:
         return None
     last = min(front_rows(rows), key=lambda row: float(row["error"]))
     error, best = percent(first["error"]), first["error"] <= last["error"]
+    named = f"{_named(first)}, {pipeline_name(first['pipeline'])}"
     sentence = (
-        f"of computing, error rate {error} ({_named(first)}): the quickest setting has the lowest error "
+        f"of computing, error rate {error} ({named}): the quickest setting has the lowest error "
         "rate, too."
         if best
-        else f"of computing for an error rate of {error} ({_named(first)}); the lowest, "
+        else f"of computing for an error rate of {error} ({named}); the lowest, "
         f"{percent(last['error'])}, takes {duration(last['seconds'])}."
     )
     seconds = Figure(first["seconds"], first["seconds_low"], first["seconds_high"])

@@ -392,7 +392,8 @@ def _draw_intervals(
     axes.set_xlim(start, 1.01)
     axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
-    _name_axes(axes, across, rows_are, across_as=_whole)
+    begins = f" (axis from {_whole(start)})" if start else ""
+    _name_axes(axes, f"{across}{begins}", rows_are, across_as=_whole)
     axes.grid(visible=False, axis="y")
     _legend(chart, axes)
     return chart

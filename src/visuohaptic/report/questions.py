@@ -25,7 +25,7 @@ MAIN_OPPONENT = "random"
 REASONS: Mapping[Verdict, str] = {
     "yes": "ahead in the default and the most literal reading",
     "no": "no gain in the default or the literal reading",
-    "depends": "which leads depends on how the paper is read",
+    "depends": "it depends on how the paper is read",
     "not shown": "no reading of the paper settles it",
 }
 """Why fixation leads or not, by the rule in docs/readings.md."""
@@ -70,14 +70,14 @@ def recognition_answer(
     elif all(figure.high is not None and figure.high < chance + GAIN for figure in found):
         word = "no"
     others = [
-        f"{_pipeline(table)} {percent(figure.mean)}"
+        f"{_of(table)} {percent(figure.mean)}"
         for table, figure in zip(tables[1:], found[1:], strict=True)
     ]
     return Answer(
         "Can an object be recognised by touch?",
         word,
         with_interval(found[0], percent),
-        f"of {touches}-touch sequences of {unseen} correctly classified by {_pipeline(tables[0])} "
+        f"of {touches}-touch sequences of {unseen} correctly classified by {_of(tables[0])} "
         f"({row_of(tables[0]).name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
         "comparison",
     )
@@ -95,13 +95,13 @@ def fixation_answer(tables: Sequence[PipelineTable], readings: ReadingsSummary) 
         return None
     (first, main), *others = compared
     further = [
-        f"; {_pipeline(table)} {with_interval(found.difference, points)}" for table, found in others
+        f"; {_of(table)} {with_interval(found.difference, points)}" for table, found in others
     ]
     return Answer(
         "Does it help to touch where the eye would fixate?",
         readings.verdict,
         with_interval(main.difference, points, " points"),
-        f"correctly classified above random touches, {_pipeline(first)}, "
+        f"correctly classified above random touches, {_of(first)}, "
         f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[readings.verdict]}.",
         "readings",
     )
@@ -132,8 +132,8 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         "Is the paper reproduced?",
         word,
         number,
-        f"{against}{inside} of {len(pairs)} published accuracies lie within the intervals found here, "
-        "on other objects.",
+        f"{against}{inside} of {len(pairs)} published accuracies lie within the intervals found here "
+        "(for other objects).",
         "comparison",
     )
 
@@ -162,7 +162,10 @@ def row_of(table: PipelineTable) -> ClassifierRow:
     return next((row for row in table.rows if row.key == BEST_OF_PAPER), table.best)
 
 
-def _pipeline(table: PipelineTable) -> str:
-    return (
-        "the paper's pipeline" if table.name == PAPER_PIPELINE else f"pipeline {spaced(table.name)}"
-    )
+def pipeline_name(name: str) -> str:
+    """Name a pipeline in a sentence."""
+    return "the paper's pipeline" if name == PAPER_PIPELINE else f"pipeline “{spaced(name)}”"
+
+
+def _of(table: PipelineTable) -> str:
+    return pipeline_name(table.name)

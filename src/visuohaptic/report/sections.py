@@ -89,6 +89,7 @@ def answer_values(context: ReportContext) -> Values:
     return {
         "answers": [one for one in answers if one is not None],
         "untested": not context.run.pipelines,
+        "confidence": percent(context.run.parameters.recognition.intervals.confidence, 0),
         "effects": effects_answer(context.influence) if context.influence else None,
         "stability": stability_answer([found, *_hard_cases().values()]) if found else None,
     }

@@ -139,8 +139,8 @@ def stability_answer(figures: Sequence[StabilityFigures]) -> str:
     checks = [check for part in figures for check in part.checks]
     if any(not check.held for check in checks):
         return describe_checks(checks)
-    cases = counted(sum(check.cases for check in checks), "hard case")
-    return f"{cases} tried; every error is within its tolerance."
+    cases = counted(sum(check.cases for check in checks), "numerically hard case")
+    return f"{cases} computed; every error is within its tolerance."
 
 
 def read_precision(path: str | Path | None) -> dict[str, list[Row]]:

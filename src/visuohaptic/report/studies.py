@@ -152,10 +152,10 @@ def _sentence(cells: Sequence[Row]) -> str:
         return ""
     worst, best = (pick(others, key=lambda row: row["difference"]) for pick in (min, max))
     said = [
-        f"{words} {row['words']} ({points(row['difference'])} percentage points)"
+        f"{words} “{row['words']}” ({points(row['difference'])} percentage points)"
         for words, row, there in (
-            ("most is lost by", worst, worst["difference"] < 0),
-            ("most is gained by", best, best["difference"] > 0),
+            ("most is lost with", worst, worst["difference"] < 0),
+            ("most is gained with", best, best["difference"] > 0),
         )
         if there
     ] or ["nothing changes the accuracy"]
