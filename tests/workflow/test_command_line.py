@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from workflow.conftest import Experiment
 
+from visuohaptic_workflow import one_run
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.one_run import FolderInUseError, check_writable, claim_folder
 from visuohaptic_workflow.planning import values_of_option
@@ -52,6 +53,8 @@ def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh_
 
 def test_a_folder_that_this_user_may_not_write_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    # Another test of this process may have run a job.
+    monkeypatch.setattr(one_run, "_held", [])
     (tmp_path / ".cache/run.lock").mkdir(parents=True)
     with pytest.raises(FolderInUseError, match=f"{tmp_path} can't be written .* `make why` says"):
         claim_folder()
