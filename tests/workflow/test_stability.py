@@ -32,5 +32,5 @@ def test_an_exceeded_tolerance_is_named_at_the_end_and_on_the_page_and_fails_not
     assert re.search(r"warning: \S+: objects, frames of touches: the worst", output)
     page = (experiment.folder / "reports/report.html").read_text()
     assert 'class="verdict broken"' in page
-    assert "</a>: objects, frames of touches" in page
+    assert "objects, frames of touches</a>: the worst error is" in page
     assert experiment.planned() == {}
