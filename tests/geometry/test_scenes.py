@@ -1,4 +1,4 @@
-"""Open3D and embreex give the same bits, and one of them is enough."""
+"""Open3D and embreex give the same bits on hard surfaces, and one of them is enough."""
 
 import numpy as np
 import pytest

@@ -94,8 +94,7 @@ class RayCaster:
         The surface; keep it near the origin and near unit size, for faces are
         found in float32.
     package : str, optional
-        Which of `scenes.SCENES` casts the rays; the answers are the same. The first one that is
-        installed if it is not given.
+        Which of `scenes.SCENES` casts the rays. The first one that is installed if it is not given.
 
     Attributes
     ----------

@@ -1,6 +1,7 @@
 """What casts rays in float32: Embree through Open3D or embreex; `raycasting.RayCaster` settles what that leaves open.
 
-The same bits come out of both, for all that float32 may take wrongly is found again in float64.
+What float32 may take wrongly is found again in float64, so nearly always the same bits come out of both;
+docs/decisions.md says how often not.
 """
 
 from __future__ import annotations
