@@ -81,8 +81,7 @@ def code_of(start: Start, sources: tuple[Path, ...]) -> Code:
     -------
     Code
         Imports anywhere count, those inside functions too, and functions by their names; what only a type checker sees
-        does not. Data beside a module
-        that imports `importlib.resources` counts, too.
+        does not. Data beside a module that imports `importlib.resources` counts, too.
     """
     packages = {
         package.name: package
