@@ -1,21 +1,24 @@
 """Every setting is timed on the same objects, in turn, and names what it would name."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 from studies.surfaces import RUN, run_tables, small_surfaces
 
+from visuohaptic.recognition.model import fit_model
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.cost import seconds
 from visuohaptic.studies.cost.seconds import (
     PARTS,
     PHASES,
     FittedSetting,
+    ObjectRound,
     fit_setting,
     measure_seconds,
-    recognise_once,
 )
 from visuohaptic.studies.cost.settings import COST_STUDY, make_settings
+from visuohaptic.tables.phases import of_objects
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +43,7 @@ def fitted(surfaces):
 
 @pytest.mark.slow
 def test_a_recognition_goes_through_every_phase(surfaces, fitted):
-    taken = recognise_once(surfaces["ring/ring0"], "ring/ring0", [0, 2], fitted[1])
+    taken = ObjectRound("ring/ring0", surfaces["ring/ring0"]).recognise([0, 2], fitted[1])
     assert tuple(taken) == (*PHASES, *PARTS)
     assert all(value > 0 for value in taken.values())
     assert taken["render"] + taken["attend"] <= taken["look"]
@@ -48,26 +51,68 @@ def test_a_recognition_goes_through_every_phase(surfaces, fitted):
 
 
 @pytest.mark.slow
-def test_the_timed_way_feels_what_the_run_felt(surfaces, fitted, monkeypatch):
+@pytest.mark.parametrize("at_once", [8, 3])
+def test_the_timed_way_feels_what_the_run_felt(surfaces, fitted, monkeypatch, at_once):
     seen = []
     model = fitted[2].model
+    monkeypatch.setattr(seconds, "VIEWPOINTS_AT_ONCE", at_once)
     monkeypatch.setattr(
         type(model), "recognise", lambda self, features: seen.append(features), raising=True
     )
-    recognise_once(surfaces["box/box1"], "box/box1", range(4), fitted[2])
+    ObjectRound("box/box1", surfaces["box/box1"]).recognise(range(4), fitted[2])
     expected = run_tables({"box/box1": surfaces["box/box1"]})[2]
     assert seen[0].equals(expected)
+
+
+@pytest.mark.slow
+def test_what_settings_have_in_common_is_timed_once_and_counts_for_each(surfaces, fitted):
+    lesser = {"sensor": RUN.sensor.model_copy(update={"resolution": 8})}
+    small = replace(fitted[0], parameters=RUN.model_copy(update=lesser))
+    alone = {"recognition": RUN.recognition.model_copy(update={"cues": ("kinesthetic",)})}
+    asked = {
+        "own": fitted[0],
+        "another answer": replace(fitted[0], parameters=RUN.model_copy(update=alone)),
+        "another imprint": small,
+    }
+    once = ObjectRound("ring/ring0", surfaces["ring/ring0"])
+    taken = {name: once.recognise([0], one) for name, one in asked.items()}
+    own, answer, imprint = taken.values()
+    upstream = [name for name in own if name != "name"]
+    assert [own[name] for name in upstream] == [answer[name] for name in upstream]
+    for name in ("look", "render", "attend"):
+        assert own[name] == imprint[name] != once.recognise([1], small)[name]
+    assert all(own[name] != imprint[name] for name in ("touch", "describe", "name"))
+
+
+@pytest.mark.slow
+def test_no_setting_has_what_another_found_out_about_the_surface(surfaces, fitted, monkeypatch):
+    done = []
+
+    def do(*given):
+        done.append((given[2], seconds_do(*given)))
+        return done[-1][1]
+
+    seconds_do = seconds._do
+    monkeypatch.setattr(seconds, "_do", do)
+    once = ObjectRound("ring/ring0", surfaces["ring/ring0"])
+    for viewpoint in (0, 1):
+        once.recognise([viewpoint], fitted[0])
+    looks = [found for found in done if not found[0].tables]
+    assert len(looks) == 2
+    for before, after in looks:
+        assert "slopes" in vars(after.caster)
+        assert "slopes" not in vars(before.caster)
 
 
 def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     calls = []
 
-    def once(surface, key, viewpoints, setting):
-        calls.append((key, tuple(viewpoints), setting.setting.name))
+    def once(self, viewpoints, setting):
+        calls.append((self.key, tuple(viewpoints), setting.setting.name))
         parts = dict.fromkeys(PARTS, 0.125 * len(viewpoints))
         return {**dict.fromkeys(PHASES, 0.25 * len(viewpoints)), **parts}
 
-    monkeypatch.setattr(seconds, "recognise_once", once)
+    monkeypatch.setattr(ObjectRound, "recognise", once)
     few = dict(list(surfaces.items())[:2])
     rows = measure_seconds(few, fitted, rounds=2).to_pylist()
     timed = calls[2:]  # the first of each surface is a warm start
@@ -83,6 +128,22 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     assert [row["seconds"] for row in rows[:3]] == [1.0, 2.0, 4.0]
     assert [row["seconds_look"] for row in rows[:3]] == [0.25, 0.5, 1.0]
     assert [row["seconds_attend"] for row in rows[:3]] == [0.125, 0.25, 0.5]
+
+
+@pytest.mark.slow
+def test_a_quick_fit_answers_as_the_whole_one_and_compares_with_as_much(surfaces):
+    features = run_tables(surfaces)[2]
+    setting, planned = family("viewpoints")[0]
+    recognition = planned.parameters.recognition
+    whole = fit_model(features, setting.pipeline, setting.classifier, recognition, RUN.seed)
+    quick = fit_setting(setting, planned, features, RUN.seed)
+    one = of_objects(features, ["ring/ring1"])
+    assert quick.recognise(one) == whole.recognise(one)
+    assert whole.short
+    assert not quick.short
+    for model in (quick, whole):
+        marks = model.calibration.landmarks
+        assert len(marks.objects) == len(model.calibration.labels) == len(surfaces)
 
 
 def test_what_was_refused_is_not_fitted():
