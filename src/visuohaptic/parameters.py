@@ -47,7 +47,7 @@ class WorkflowParameters(BaseModel):
     conditions_per_job: int | None = Field(
         None,
         ge=1,
-        description="Conditions of a study that one job covers; null for an eighth, at most 25",
+        description="Conditions of a study that one job covers; null for an eighth, at most 25, and never a job for what takes no longer than its start",
     )
     keep_studies_current: bool = Field(
         True,  # noqa: FBT003 - a field's default
