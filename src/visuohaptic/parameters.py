@@ -81,8 +81,7 @@ class CostParameters(BaseModel):
     )
     frontier_touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
         (1, 2, 5),
-        min_length=1,
-        description="Touches from one viewpoint in the frontier of every run; those that the run does not make are left out",
+        description="Touches from one viewpoint in the frontier of every run; those that the run does not make are left out, and an empty list measures no frontier",
     )
     frontier_viewpoints: tuple[Annotated[int, Field(ge=1, le=1024)], ...] = Field(
         (1,),
