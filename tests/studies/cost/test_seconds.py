@@ -16,10 +16,14 @@ from visuohaptic.studies.cost.seconds import (
     FittedSetting,
     ObjectRound,
     fit_setting,
+    make_cost_seconds,
     measure_seconds,
 )
 from visuohaptic.studies.cost.settings import COST_STUDY, make_settings
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import of_objects
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import COST_SECONDS
 
 
 @pytest.fixture(scope="module")
@@ -152,3 +156,10 @@ def test_a_quick_fit_answers_as_the_whole_one_and_compares_with_as_much(surfaces
 
 def test_what_was_refused_is_not_fitted():
     assert fit_setting(*family("imprint")[0], "too small.", RUN.seed) is None
+
+
+def test_a_frontier_without_settings_reads_no_mesh(tmp_path):
+    run = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"frontier_touches": ()})})
+    output = tmp_path / "seconds.parquet"
+    make_cost_seconds(Given("frontier", {"meshes": ["none.ply"], "features": []}, [output], run))
+    assert read_table(COST_SECONDS, output).num_rows == 0

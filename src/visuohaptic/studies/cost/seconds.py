@@ -74,12 +74,11 @@ class TimedCaster(RayCaster):
 
 def make_cost_seconds(given: Given) -> None:
     """Time every setting of a study side by side: `tables.COST_SECONDS`."""
-    surfaces = {
-        object_of(mesh): read_surface(mesh) for mesh in usable_meshes(given.inputs["meshes"])
-    }
+    fitted = _fitted(given)
+    meshes = usable_meshes(given.inputs["meshes"]) if fitted else ()
+    surfaces = {object_of(mesh): read_surface(mesh) for mesh in meshes}
     rounds = ROUNDS.get(given.study, given.run.cost.rounds)
-    table = measure_seconds(surfaces, _fitted(given), rounds)
-    write_table(COST_SECONDS, table, given.outputs[0])
+    write_table(COST_SECONDS, measure_seconds(surfaces, fitted, rounds), given.outputs[0])
 
 
 def _fitted(given: Given) -> list[FittedSetting]:
