@@ -97,5 +97,6 @@ def test_the_frontier_has_what_the_run_has():
 
 
 def test_without_touches_there_is_no_frontier():
-    assert make_settings(with_changes(RUN, {"cost.frontier_touches": []}), "frontier") == []
-    assert make_settings(with_changes(RUN, {"cost.frontier_touches": []}), "cost")
+    run = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"frontier_touches": ()})})
+    assert make_settings(run, "frontier") == []
+    assert make_settings(run, "cost")
