@@ -118,8 +118,8 @@ def render_views(
 class Met:
     """Where the rays of one camera meet the surface: p pixels see it.
 
-    `pixels` and `faces` have the shape (p,), int64; `directions` of the rays, `points` and `normals` (p, 3), and
-    the barycentric `weights` of the points, (p, 3), are float64.
+    `pixels` and `faces` have the shape (p,), int64, `curvature` (p,), and `directions` of the rays, `points`,
+    their barycentric `weights` and `normals` (p, 3), float64.
     """
 
     pixels: NDArray[np.int64]
@@ -128,13 +128,14 @@ class Met:
     points: NDArray[np.float64]
     weights: NDArray[np.float64]
     normals: NDArray[np.float64]
+    curvature: NDArray[np.float64]
 
 
 def meet_surface(
     caster: RayCaster, cameras: Sequence[Camera], parameters: RenderingParameters
 ) -> Iterator[Met]:
     """Cast the rays of each camera; no effect counts, so views under other effects need no other cast."""
-    shape = _shape(caster, parameters)
+    shape = shape_of(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
     for camera in cameras:
         pixels = camera.window(caster.surface.vertices, parameters.resolution)
         origins, directions = camera.rays(parameters.resolution, pixels)
@@ -144,7 +145,8 @@ def meet_surface(
         points = origins[seen] + hits.distance.take(seen)[:, None] * towards
         weights = caster.weights(points, faces)
         normals = _normals_towards(shape, caster, faces, weights, towards)
-        yield Met(pixels[seen], towards, faces, points, weights, normals)
+        curvature = shape.curvature(faces, weights)
+        yield Met(pixels[seen], towards, faces, points, weights, normals, curvature)
 
 
 def colour_views(
@@ -274,13 +276,9 @@ def _seen_surface(
         "point": points,
         "normal": normals,
         "face": faces,
-        "curvature": _shape(caster, parameters).curvature(faces, weights),
+        "curvature": met.curvature,
         "lit": lit | (not log.needs("cast_shadows")),
     }
-
-
-def _shape(caster: RayCaster, parameters: RenderingParameters) -> SurfaceShape:
-    return shape_of(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
 
 
 def _normals_towards(
