@@ -34,11 +34,11 @@ def keep_pandas_out() -> None:
     """Keep pyarrow from importing pandas with its first array, which takes 0.2 s of a process; it can still do so later."""
     if "pandas" in sys.modules:
         return
-    import pyarrow
+    import pyarrow as pa
 
     sys.meta_path.insert(0, _NoPandas)
     try:
-        pyarrow.array([0])
+        pa.array([0])
     finally:
         sys.meta_path.remove(_NoPandas)
 
