@@ -12,5 +12,7 @@ if __name__ == "__main__":
     from visuohaptic.recognition import TouchClassifier
 
     rows = np.random.default_rng(0).normal(size=(40, 6)) + np.repeat([[0.0], [3.0]], 20, axis=0)
-    named = TouchClassifier("extra_trees", random_state=0).fit(rows, np.repeat(["cup", "lamp"], 20))
-    print(*named.predict([[0.0] * 6, [3.0] * 6]))
+    fitted = TouchClassifier("extra_trees", random_state=0).fit(
+        rows, np.repeat(["cup", "lamp"], 20)
+    )
+    print(*fitted.predict([[0.0] * 6, [3.0] * 6]))

@@ -4,13 +4,13 @@ import numpy as np
 from pydantic import Field
 
 import visuohaptic as vh
-from visuohaptic.sensor.planner import Call
+from visuohaptic.sensor.planner import Need
 
 
-def call(situation, signal):
+def need(situation, signal):
     """Say which touches need it, and why or why not: quick, and before anything is simulated."""
     offset = situation.scene.zero_offset
-    return Call(np.full(len(situation), offset > 0), f"an offset of {offset:g} of full scale")
+    return Need(np.full(len(situation), offset > 0), f"an offset of {offset:g} of full scale")
 
 
 def run(situation, signal):
@@ -21,7 +21,7 @@ def run(situation, signal):
 vh.register(
     vh.Effect(
         "zero_offset",
-        call,
+        need,
         run,
         example={"zero_offset": 0.1},
         description="Output of cells that nothing loads",

@@ -196,9 +196,9 @@ def test_features_hold_place_and_normal_as_touched(folder):
 
 def test_the_books_of_the_effects_count_every_touch(folder):
     rows = read_table(EFFECTS, folder / "effects/touches.parquet").to_pylist()
-    assert all(row["touches"] == 24 >= row["called_for"] for row in rows)
+    assert all(row["touches"] == 24 >= row["needed"] for row in rows)
     ran = {row["effect"] for row in rows if row["runs"]}
-    # The plain scene calls for geometry alone.
+    # The plain scene needs geometry alone.
     assert ran == {"adaptive_size"}
     assert all(row["reason"] for row in rows)
 
@@ -209,7 +209,7 @@ def test_the_books_of_the_view_count_every_view(folder):
     assert set(books) == set(VISUAL_EFFECTS)
     assert {row["touches"] for row in rows} == {3}
     # A grey torus has neither hues nor parts; the light has a direction, but casts no shadows.
-    assert {name for name, row in books.items() if row["called_for"]} == {"shading", "cast_shadows"}
+    assert {name for name, row in books.items() if row["needed"]} == {"shading", "cast_shadows"}
     assert {name for name, row in books.items() if row["runs"]} == {"shading"}
 
 

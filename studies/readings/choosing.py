@@ -360,7 +360,7 @@ def write_choice(
     """Write what the rules say of a study's blocks as JSON.
 
     The second rule is left out where its readings are not among the blocks. `features` is the folder
-    of the features that the study made again.
+    of the features that the study recomputed.
     """
     run = ExperimentParameters()
     cells, intervals = read_cells(parts), run.recognition.intervals

@@ -1,4 +1,4 @@
-"""A model to name objects with: quick to fit, and without sense."""
+"""A model to classify objects with: quick to fit, and without sense."""
 
 from recognition.synthetic import features_table
 

@@ -20,14 +20,14 @@ def test_the_page_of_a_run_is_one_file_that_leaves_nothing_outside_its_folder(
     visuohaptic, tmp_path, run
 ):
     before = {path for path in run.rglob("*") if path.is_file()}
-    ended = visuohaptic("report", run, "--out", "told")
+    ended = visuohaptic("report", run, "--out", "page")
     assert (ended.code, ended.err) == (0, "")
-    assert ended.out.startswith("told/report.html: 4 objects, ")
+    assert ended.out.startswith("page/report.html: 4 objects, ")
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == [
-        tmp_path / "told" / "report.html"
+        tmp_path / "page" / "report.html"
     ]
     assert {path for path in run.rglob("*") if path.is_file()} == before
-    page = read_page((tmp_path / "told" / "report.html").read_text())
+    page = read_page((tmp_path / "page" / "report.html").read_text())
     assert {element.attributes["data-name"] for element in page.named("article")} == set(KEYS)
 
 

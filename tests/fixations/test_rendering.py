@@ -252,7 +252,7 @@ def test_effects_of_the_view_move_no_geometry():
 def test_the_books_tell_views_and_reasons():
     found = books(see(GREY))
     assert list(found) == list(VISUAL_EFFECTS)
-    assert (found["colour"].called_for, found["colour"].runs) == (0, 0)
+    assert (found["colour"].needed, found["colour"].runs) == (0, 0)
     assert found["colour"].reason == "all faces are grey"
     assert (found["shading"].touches, found["shading"].runs) == (2, 2)
     assert found["shading"].seconds > 0 == found["cast_shadows"].seconds

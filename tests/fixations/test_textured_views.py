@@ -170,13 +170,13 @@ def test_auto_sees_bit_for_bit_what_always_sees(image):
 
 
 def test_images_call_for_texture_and_for_colour():
-    def called(image):
-        return {one.effect: one.called_for for one in see(square(image)).effects}
+    def needed_by(image):
+        return {one.effect: one.needed for one in see(square(image)).effects}
 
-    assert called(BOARD)["texture"] == called(BOARD)["colour"] == 1
+    assert needed_by(BOARD)["texture"] == needed_by(BOARD)["colour"] == 1
     grey = np.repeat(BOARD[..., :1], 3, axis=-1)
-    assert (called(grey)["texture"], called(grey)["colour"]) == (1, 0)
-    assert (called(PLAIN)["texture"], called(PLAIN)["colour"]) == (0, 1)
+    assert (needed_by(grey)["texture"], needed_by(grey)["colour"]) == (1, 0)
+    assert (needed_by(PLAIN)["texture"], needed_by(PLAIN)["colour"]) == (0, 1)
 
 
 def test_without_texture_an_image_is_its_mean():

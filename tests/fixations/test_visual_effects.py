@@ -42,7 +42,7 @@ def test_without_shading_there_are_no_shadows():
     assert plans["cast_shadows"].reason == "without shading no light is blocked"
 
 
-def test_modes_overrule_what_is_called_for():
+def test_modes_overrule_what_is_needed():
     plans = visual(GREY, colour="always", shading="never")
     assert plans["colour"].simulated
     assert not plans["shading"].simulated
@@ -60,6 +60,6 @@ def test_colours_are_seen_as_they_are_unless_switched_off():
 
 
 @pytest.mark.parametrize("effect", ["colour", "texture"])
-def test_switching_off_what_is_not_called_for_changes_nothing(effect):
+def test_switching_off_what_is_not_needed_changes_nothing(effect):
     modes = EffectModes(**{effect: "never"})
     np.testing.assert_array_equal(seen_colours(GREY, np.arange(1.0, 5.0), modes), GREY)

@@ -59,7 +59,7 @@ def columns_of(table):
 
 
 def recognition_arrays(pipeline):
-    """Name synthetic objects, some of whose columns are constant but for rounding."""
+    """Classify synthetic objects, some of whose columns are constant but for rounding."""
     generator = np.random.default_rng(3)
     table = features_table(separation=0.6)
     for name in IMPRINT_FEATURES:

@@ -224,7 +224,7 @@ TOLERANCES = {
     "learning/features changed by 1e-15": Tolerance(
         0,
         "labels",
-        "five units in the last place of a feature are rounding, and rounding must not name an object",
+        "five units in the last place of a feature are rounding, and rounding must not classify an object",
     ),
     "learning/standardised columns against exact rationals": Tolerance(
         1e-6,

@@ -41,7 +41,7 @@ def one_view(table, touches, viewpoint=2):
 
 
 def answers(model, touches):
-    """Name each new object from each of its views: answers with the true class, by view."""
+    """Classify each new object from each of its views: answers with the true class, by view."""
     return [
         [(category, model.answer(rows)) for category, rows in one_view(NEW, touches, viewpoint)]
         for viewpoint in range(4)

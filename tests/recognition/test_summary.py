@@ -34,7 +34,7 @@ def run(strategies=("fixation", "random"), objects=(3, 3, 3), pipeline="paper"):
 
 
 def answers(named, split=0, strategy="fixation"):
-    """Tables of one classifier from {(class, object): the classes named}."""
+    """Tables of one classifier from {(class, object): the classes predicted}."""
     rows = [
         (category, name, viewpoint, predicted)
         for (category, name), predictions in named.items()

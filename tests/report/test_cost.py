@@ -137,7 +137,7 @@ def test_settings_of_a_group_are_one_row():
     ("lost", "verdict"),
     [
         ((0.001, -0.002, 0.009), "costs less than 1 point"),
-        ((0.001, -0.002, 0.02), "can't be told apart"),
+        ((0.001, -0.002, 0.02), "no clear difference"),
         ((0.03, 0.005, 0.06), "costs accuracy"),
     ],
 )

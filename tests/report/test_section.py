@@ -33,7 +33,7 @@ SHOWN = SimpleNamespace(
 )
 WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance", "glossary", "readings"}
 EFFECT = {
-    "scene": ["ideal"], "effect": ["noise"], "touches": [500], "called_for": [0], "seconds": [0.0],
+    "scene": ["ideal"], "effect": ["noise"], "touches": [500], "needed": [0], "seconds": [0.0],
     "seconds_always": [0.3], "image_shift": [0.0], "equal_to_always": [True],
 }  # fmt: skip
 

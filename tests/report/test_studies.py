@@ -8,7 +8,7 @@ from visuohaptic.report.page import render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.studies import (
     NAMES,
-    REMADE,
+    RECOMPUTED,
     condition_name,
     read_own_studies,
     read_study,
@@ -65,7 +65,7 @@ def test_the_lead_of_fixation_over_each_strategy_has_a_table(tmp_path):
 def test_every_ablation_has_a_name_of_its_own_and_every_phase_has_words():
     assert set(NAMES) <= set(PARTS)
     assert len({condition_name(name) for name in PARTS}) == len(PARTS)
-    assert {*_ORDER, "recognition"} <= set(REMADE)
+    assert {*_ORDER, "recognition"} <= set(RECOMPUTED)
 
 
 @pytest.mark.slow

@@ -66,13 +66,13 @@ def write_tables(folder, rows=BEHIND):
     return folder / "studies", folder / "needed.parquet"
 
 
-def told(rows):
+def answer(rows):
     ranked = sorted(rows, key=lambda one: -one["area"])
     return verdict([{**one, "adjusted_p": one["p_value"]} for one in ranked])
 
 
 def test_where_attention_does_not_win_the_words_say_so():
-    text = told(BEHIND).replace("\N{NO-BREAK SPACE}", " ")
+    text = answer(BEHIND).replace("\N{NO-BREAK SPACE}", " ")
     assert "2 touches is that of farthest points, 80.0 % of the area" in text
     assert "attention does not win" in text
     assert "ahead of others: farthest points −10.0 and random probing +10.0;" in text
@@ -80,14 +80,14 @@ def test_where_attention_does_not_win_the_words_say_so():
 
 
 def test_where_attention_wins_the_words_say_whether_beyond_chance():
-    text = told(AHEAD)
+    text = answer(AHEAD)
     assert "attention wins" in text
     assert "does not" not in text
     assert "no difference is beyond chance (smallest Holm-adjusted p 0.2)" in text
 
 
 def test_without_fixations_nothing_is_claimed():
-    assert "ttention" not in told([row("random", 0.6, None)])
+    assert "ttention" not in answer([row("random", 0.6, None)])
 
 
 def test_touches_needed_are_written_with_what_is_open():

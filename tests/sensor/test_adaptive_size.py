@@ -98,9 +98,9 @@ def test_never_keeps_the_largest_square():
 def test_a_convex_footprint_calls_for_no_second_cast():
     dome = sheet(lambda x, z: -(x**2) - z**2, half=0.4, cells=60)
     placement = placed(dome, (0, 0, 0), (0, 1, 0))
-    assert (placement.record.called_for, placement.record.runs) == (0, 0)
+    assert (placement.record.needed, placement.record.runs) == (0, 0)
     always = placed(dome, (0, 0, 0), (0, 1, 0), mode="always")
-    assert (always.record.called_for, always.record.runs) == (0, 1)
+    assert (always.record.needed, always.record.runs) == (0, 1)
     np.testing.assert_array_equal(always.heights, placement.heights)
 
 

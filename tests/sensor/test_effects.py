@@ -29,20 +29,20 @@ def test_an_effect_changes_what_calls_for_it_unless_it_is_switched_off(effect):
     scene = Scene(**effect.example)
     on, records = feel(scene)
     off, records_off = feel(with_modes(scene, **{effect.name: "never"}))
-    assert records[effect.name].runs == records[effect.name].called_for > 0
+    assert records[effect.name].runs == records[effect.name].needed > 0
     assert records_off[effect.name].runs == 0
     assert not np.array_equal(on, off)
     assert ((on >= 0) & (on <= 1)).all()
 
 
 @pytest.mark.parametrize("effect", list(EFFECTS), ids=lambda effect: effect.name)
-def test_an_effect_that_is_not_called_for_moves_no_bit_where_it_is_simulated_all_the_same(effect):
+def test_an_effect_that_is_not_needed_moves_no_bit_where_it_is_simulated_all_the_same(effect):
     for scene in (Scene(), Scene(**effect.example)):
         auto, records = feel(scene)
         always, _ = feel(with_modes(scene, **{effect.name: "always"}))
         np.testing.assert_array_equal(auto, always)
         if scene == Scene():
-            assert records[effect.name].called_for == 0
+            assert records[effect.name].needed == 0
 
 
 @pytest.mark.parametrize("effect", list(EFFECTS), ids=lambda effect: effect.name)

@@ -9,7 +9,7 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.scene.records import merge_records
 from visuohaptic.sensor import EFFECTS, SensorParameters, Situation, simulate, touch
 from visuohaptic.sensor.effects import peak_depth_m
-from visuohaptic.sensor.planner import Call, Effect, Signal, apply_effect
+from visuohaptic.sensor.planner import Effect, Need, Signal, apply_effect
 
 
 def situation(count=4, **scene):
@@ -17,12 +17,12 @@ def situation(count=4, **scene):
     return Situation(Scene(**scene), gaps, np.full(count, 1e-3), None)
 
 
-def doubling(calling, seen):
+def doubling(needing, seen):
     def run(touches, signal):
         seen.append(len(touches))
         return signal.map(lambda values: 2 * values)
 
-    return Effect("doubling", lambda *_: Call(np.array(calling), "because"), run, {})
+    return Effect("doubling", lambda *_: Need(np.array(needing), "because"), run, {})
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,7 @@ def test_an_effect_runs_for_the_touches_of_its_mode_alone(mode, factors, runs):
     np.testing.assert_array_equal(signal.now[:, 0, 0], factors)
     assert signal.peak is signal.now
     assert seen == ([runs] if runs else [])
-    assert (record.called_for, record.runs, record.touches) == (2, runs, 4)
+    assert (record.needed, record.runs, record.touches) == (2, runs, 4)
     assert record.reason == "because"
     np.testing.assert_array_equal(ones, 1)
 
@@ -66,7 +66,7 @@ def test_an_elastic_cover_is_pressed_only_where_it_reaches_the_object():
         situation(cover="winkler", press_depths_m=(1.5e-3,)), np.ones((4, 3, 3))
     )
     cover = next(record for record in records if record.effect == "elastic_cover")
-    assert (cover.called_for, cover.runs) == (2, 2)
+    assert (cover.needed, cover.runs) == (2, 2)
     assert (outputs[:2] > 0).all()
     assert (outputs[2:] == 0).all()
 

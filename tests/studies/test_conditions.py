@@ -1,4 +1,4 @@
-"""What a condition makes again follows from the sections that it changes; what is alike is shared."""
+"""What a condition recomputes follows from the sections that it changes; what is alike is shared."""
 
 import pytest
 
@@ -41,13 +41,15 @@ def plan(*changes, run=RUN):
 )
 def test_what_is_made_again_follows_from_what_changes(changes, phase):
     found = plan(changes)
-    assert [remake.phase for remake in found.remakes.values()] == ([phase] if phase else [])
+    assert [recomputation.phase for recomputation in found.recomputations.values()] == (
+        [phase] if phase else []
+    )
 
 
 def test_what_equals_the_run_makes_nothing_again():
     assert not plan(
         {"sensor.largest_size": RUN.sensor.largest_size, "scene.preset": "ideal"}
-    ).remakes
+    ).recomputations
 
 
 def test_conditions_that_touch_alike_share_their_touches():
@@ -60,16 +62,16 @@ def test_conditions_that_touch_alike_share_their_touches():
     first, second, third, fourth = (one.key for one in found.conditions)
     assert first == second != third
     assert fourth is None
-    assert set(found.remakes) == {first, third}
+    assert set(found.recomputations) == {first, third}
 
 
 def test_shared_touches_are_enough_for_the_longest_and_for_every_strategy():
-    (remake,) = plan(
+    (recomputation,) = plan(
         {"recognition.touches": 8, "probing.strategies": ["fixation"]},
         {"recognition.touches": 12, "probing.strategies": ["curvature"]},
-    ).remakes.values()
-    assert remake.parameters.attention.fixations == 12
-    assert set(remake.parameters.probing.strategies) == {"fixation", "curvature"}
+    ).recomputations.values()
+    assert recomputation.parameters.attention.fixations == 12
+    assert set(recomputation.parameters.probing.strategies) == {"fixation", "curvature"}
 
 
 def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():

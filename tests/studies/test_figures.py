@@ -23,7 +23,7 @@ STUDY_OF = {
     "name": "mine",
     "title": "Mine",
     "conditions": [
-        {"name": name, "compared_with": None, "remade": "recognition"} for name in NAMES
+        {"name": name, "compared_with": None, "recomputed": "recognition"} for name in NAMES
     ],
 }
 WHOLE = np.array([0.5, 0.6, 0.7, 0.8, 0.9, 0.3])

@@ -28,7 +28,7 @@ from visuohaptic.studies.measuring import (
     Memory,
     Sources,
     measure_condition,
-    remake_features,
+    recompute_features,
 )
 from visuohaptic.studies.study import Condition, Study
 from visuohaptic.tables.phases import FEATURES
@@ -76,7 +76,10 @@ def ablations(tmp_path_factory):
     )
     plan = plan_study(ABLATIONS, EARLIER_RUN)
     made = {None: read_table(FEATURES, features)}
-    made |= {key: remake_features(remake, sources) for key, remake in plan.remakes.items()}
+    made |= {
+        key: recompute_features(recomputation, sources)
+        for key, recomputation in plan.recomputations.items()
+    }
     return plan, made
 
 
@@ -112,25 +115,25 @@ CHANGES = (
 
 @pytest.mark.parametrize("changes", CHANGES)
 def test_what_comes_before_the_change_is_read_and_not_made(run, monkeypatch, changes):
-    (remake,) = mine(Condition("c", changes)).remakes.values()
+    (recomputation,) = mine(Condition("c", changes)).recomputations.values()
     sources, _ = run
     needed = {
         "features": Sources(touches=sources.touches),
         "touches": Sources(meshes=sources.meshes, fixations=sources.fixations),
         "views": Sources(meshes=sources.meshes),
-    }[remake.phase]
-    if remake.phase == "features":
+    }[recomputation.phase]
+    if recomputation.phase == "features":
         monkeypatch.setattr(surfaces_of_files, "read_surface", None)
-    found = remake_features(remake, needed)
+    found = recompute_features(recomputation, needed)
     own = read_table(FEATURES, run[1])
     assert found.column("touch").equals(own.column("touch"))
     assert not found.column("contourlet_03").equals(own.column("contourlet_03"))
-    assert found.column("x").equals(own.column("x")) == (remake.phase != "views")
+    assert found.column("x").equals(own.column("x")) == (recomputation.phase != "views")
 
 
 def test_more_touches_begin_with_those_of_the_run(run):
-    (remake,) = mine(Condition("c", {"recognition.touches": 3})).remakes.values()
-    found = remake_features(remake, Sources(meshes=run[0].meshes))
+    (recomputation,) = mine(Condition("c", {"recognition.touches": 3})).recomputations.values()
+    found = recompute_features(recomputation, Sources(meshes=run[0].meshes))
     assert found.num_rows == len(small_surfaces()) * 4 * 3
     own = read_table(FEATURES, run[1])
     first = found.filter(pa.compute.less(found.column("touch"), 2))
@@ -166,9 +169,9 @@ def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
 
 def test_conditions_that_differ_in_the_vote_alone_train_once(monkeypatch):
     calls = []
-    name_objects = measuring.name_objects
+    predict_objects = measuring.predict_objects
     monkeypatch.setattr(
-        measuring, "name_objects", lambda *given: calls.append(given) or name_objects(*given)
+        measuring, "predict_objects", lambda *given: calls.append(given) or predict_objects(*given)
     )
     changes = {**ALONE, "recognition.pipelines": ["paper"]}
     planned = mine(*(Condition(f"{votes}", changes, votes=votes) for votes in (1, 2, 4))).conditions
@@ -193,9 +196,9 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
     study = Study("mine", "Mine", lambda _: conditions)
     plan = plan_study(study, RUN)
     made = {}
-    for key, remake in plan.remakes.items():
+    for key, recomputation in plan.recomputations.items():
         made[key] = tmp_path / f"{key}.parquet"
-        make_study_features(remake, sources, made[key])
+        make_study_features(recomputation, sources, made[key])
         assert isinstance(read_study_features(made[key]), str)
     block = tmp_path / "block.parquet"
     make_study_block("mine", describe_conditions(plan.conditions), [features], made, block, RUN)
@@ -223,7 +226,7 @@ def test_a_fault_of_the_program_is_not_taken_for_a_refusal(monkeypatch):
     def fault(*_):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(measuring, "name_objects", fault)
+    monkeypatch.setattr(measuring, "predict_objects", fault)
     with pytest.raises(ZeroDivisionError):
         cells(mine(Condition("c", ALONE)).conditions[0], SYNTHETIC)
 
@@ -305,6 +308,6 @@ def test_an_object_that_no_view_shows_a_place_of_stops_no_study(tmp_path, change
     hair = surface_of(trimesh.creation.cylinder(1e-5, 2))
     sources, _ = write_sources(tmp_path, small_surfaces() | {"ring/hair": hair})
     plan = mine(Condition("c", changes | ALONE | {"recognition.pipelines": ["paper"]}))
-    (remake,) = plan.remakes.values()
-    (found,) = cells(plan.conditions[0], remake_features(remake, sources)).values()
+    (recomputation,) = plan.recomputations.values()
+    (found,) = cells(plan.conditions[0], recompute_features(recomputation, sources)).values()
     assert len(found.objects) == len(small_surfaces())

@@ -71,4 +71,4 @@ def test_declared_plots_are_drawn(finished, tmp_path):
     experiment.run("dvc", "plots", "show", "--out", "plots")
     page = (experiment.folder / "plots/index.html").read_text()
     assert "Accuracy of each classifier" in page
-    assert "What the sequences of each class were named" in page
+    assert "Predicted class by true class" in page

@@ -197,7 +197,7 @@ def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_pat
     assert not bytecode.exists()
 
 
-def remake(run):
+def recompute(run):
     """Run what does not fit, in order."""
     for rule in ("mesh", "touch"):
         if run.keys().reason(f"{rule}.json"):
@@ -220,7 +220,7 @@ def forget_times(run, draw):
 ACTIONS = (
     lambda run, draw: run.parameters["sensor"].update(size=draw((0.2, 0.3))),
     lambda run, draw: run.versions.update(numpy=draw(("2.0", "2.1"))),
-    lambda run, draw: remake(run),
+    lambda run, draw: recompute(run),
     forget_times,
     *(write(name) for name in ("model.obj", "look.py", "touch.py", "mesh.ply", "touch.parquet")),
     *(lose(name) for name in ("mesh.ply", "mesh.json", "touch.parquet", "touch.json")),
@@ -239,7 +239,7 @@ def test_after_anything_in_any_order_the_next_run_gives_the_tables_of_a_clean_on
     walked = Run()
     for _ in range(draw(range(2, 12))):
         draw(ACTIONS)(walked, draw)
-    remake(walked)
+    recompute(walked)
     assert walked.reasons() == [None, None]
     left = {name: Path(name).read_text() for name in (*sources, *tables)}
     (tmp_path / "clean").mkdir()

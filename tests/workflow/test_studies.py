@@ -64,8 +64,8 @@ def test_every_condition_has_a_row_a_strategy_and_the_broken_one_its_reason(stud
     rows = rows_of(studied)
     assert {name for name, _ in rows} == {"as run", *MINE["conditions"]}
     assert {name for (name, _), row in rows.items() if row["error"]} == {"too small"}
-    assert rows["palm 0.2", "random"]["remade"] == "touches"
-    assert rows["penalty 2", "fixation"]["remade"] == "recognition"
+    assert rows["palm 0.2", "random"]["recomputed"] == "touches"
+    assert rows["penalty 2", "fixation"]["recomputed"] == "recognition"
     assert rows["penalty 2", "fixation"]["compared_with"] == "as run"
     made = list((studied.folder / "results/study_features/mine").glob("*.parquet"))
     assert len(made) == 2
@@ -128,7 +128,7 @@ def test_a_lost_block_alone_is_measured_again(studied, tmp_path):
     assert planned(experiment) == {"block_of_study": 1, "figures_of_study": 1}
 
 
-def test_an_added_condition_remakes_only_its_own_features(studied, tmp_path):
+def test_an_added_condition_recomputes_only_its_own_features(studied, tmp_path):
     experiment = studied.copy(tmp_path / "experiment")
     more = {**MINE["conditions"], "palm 0.4": {"sensor.largest_size": 0.4}}
     write(experiment, {**MINE, "conditions": more})

@@ -45,9 +45,9 @@ rule features_of_study:
         takes(
             "features_of_study",
             "study_features.py",
-            meshes=remade_from("meshes", {"views", "touches"}),
-            fixations=remade_from("fixations", {"touches"}),
-            touches=remade_from("touches", {"features"}),
+            meshes=recomputed_from("meshes", {"views", "touches"}),
+            fixations=recomputed_from("fixations", {"touches"}),
+            touches=recomputed_from("touches", {"features"}),
         ),
     output:
         "results/study_features/{study}/{key}.parquet",
@@ -58,11 +58,11 @@ rule features_of_study:
         "../envs/visuohaptic.yaml"
     params:
         key=key_of_rule("features_of_study"),
-        phase=remade_phase,
+        phase=recomputed_phase,
         sample=sample_of_study,
-        parameters=remake_parameters,
+        parameters=recomputation_parameters,
     message:
-        "making features again for study {wildcards.study}, from its {params.phase} on"
+        "recomputing features for study {wildcards.study}, from its {params.phase} on"
     script:
         "../scripts/study_features.py"
 
@@ -86,7 +86,7 @@ rule block_of_study:
         key=key_of_rule("block_of_study"),
         conditions=block_conditions,
         sample=sample_of_study,
-        remade=block_keys,
+        recomputed=block_keys,
         parameters=PARAMETERS.model_dump(**OF_CONDITIONS),
     message:
         "measuring conditions {wildcards.block} of study {wildcards.study}"
@@ -154,7 +154,7 @@ for study, step in STEPS:
                 else None
             ),
             sample=sample_of(study.name),
-            remade=remade_for(study, step),
+            recomputed=recomputed_for(study, step),
             condition=described_condition(study, step),
         message:
             f"study {study.name}: {step.name.replace('_', ' ')}"

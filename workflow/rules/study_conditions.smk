@@ -52,7 +52,9 @@ KEPT_STUDIES = [
 ]
 
 VALUES_OF_RULES["features_of_study"] = [
-    {"study": name, "key": key} for name, plan in PLANS.items() for key in plan.remakes
+    {"study": name, "key": key}
+    for name, plan in PLANS.items()
+    for key in plan.recomputations
 ]
 VALUES_OF_RULES["block_of_study"] = [
     {"study": name, "block": block}
@@ -87,11 +89,11 @@ def of_pipelines(patterns):
     return expand(patterns, pipeline=PARAMETERS.recognition.pipelines)
 
 
-def remade_from(table, phases):
-    """Give what lists the parts of a table for features that are made again from these phases on."""
+def recomputed_from(table, phases):
+    """Give what lists the parts of a table for features that are recomputed from these phases on."""
 
     def files(wildcards):
-        if remade_phase(wildcards) not in phases:
+        if recomputed_phase(wildcards) not in phases:
             return []
         objects = objects_of_study(wildcards.study)
         if table == "meshes":
@@ -117,19 +119,19 @@ def sample_of(study):
     return None if objects == OBJECTS else objects
 
 
-def remake_of(wildcards):
-    """Give the features that a job makes again."""
-    return PLANS[wildcards.study].remakes[wildcards.key]
+def recomputation_of(wildcards):
+    """Give the features that a job recomputes."""
+    return PLANS[wildcards.study].recomputations[wildcards.key]
 
 
-def remade_phase(wildcards):
-    """Name the first phase that a job makes again."""
-    return remake_of(wildcards).phase
+def recomputed_phase(wildcards):
+    """Give the first phase that a job recomputes."""
+    return recomputation_of(wildcards).phase
 
 
-def remake_parameters(wildcards):
-    """Give the parameters that a job makes features again with."""
-    return remake_of(wildcards).parameters.model_dump(
+def recomputation_parameters(wildcards):
+    """Give the parameters with which a job recomputes features."""
+    return recomputation_of(wildcards).parameters.model_dump(
         exclude={"workflow", "meshes", "cost", "gaze", "recognition"}
     )
 
@@ -212,7 +214,7 @@ def inputs_of_step(study, step):
         ),
         "features": lambda: parts_of("features", objects=objects_of_study(study.name)),
         "blocks": lambda: study_blocks(study.name),
-        "made": lambda: made_features(study.name, PLANS[study.name].remakes),
+        "made": lambda: made_features(study.name, PLANS[study.name].recomputations),
     }
     found = {name: tables[name]() for name in step.takes if name in tables}
     others = [
@@ -238,11 +240,11 @@ def keys_of_condition(study, wildcards):
     return [] if key is None else [key]
 
 
-def remade_for(study, step):
+def recomputed_for(study, step):
     """Give the keys of the features that a step's job takes, or a function of its wildcards that does."""
     if "condition" in step.wildcards:
         return lambda wildcards: keys_of_condition(study, wildcards)
-    return list(PLANS[study.name].remakes) if "made" in step.takes else []
+    return list(PLANS[study.name].recomputations) if "made" in step.takes else []
 
 
 def described_condition(study, step):

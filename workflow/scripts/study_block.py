@@ -9,7 +9,7 @@ with job(snakemake):
         study=snakemake.wildcards.study,
         conditions=snakemake.params.conditions,
         features=snakemake.input.features,
-        made=dict(zip(snakemake.params.remade, snakemake.input.made, strict=True)),
+        made=dict(zip(snakemake.params.recomputed, snakemake.input.made, strict=True)),
         output=snakemake.output[0],
         run=ExperimentParameters.from_mapping(snakemake.params.parameters),
         objects=snakemake.params.sample,

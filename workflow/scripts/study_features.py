@@ -1,15 +1,15 @@
-"""Make features again that conditions of a study share."""
+"""Recompute features that conditions of a study share."""
 
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import Remake
+from visuohaptic.studies.conditions import Recomputation
 from visuohaptic.studies.files import make_study_features
 from visuohaptic.studies.measuring import Sources
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
     make_study_features(
-        remake=Remake(
+        recomputation=Recomputation(
             snakemake.params.phase,
             ExperimentParameters.from_mapping(snakemake.params.parameters),
         ),

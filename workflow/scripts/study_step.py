@@ -27,7 +27,7 @@ with job(snakemake):
             outputs=list(snakemake.output[: asked.files]),
             run=ExperimentParameters.from_mapping(asked.parameters),
             wildcards=dict(snakemake.wildcards.items()),
-            made=dict(zip(asked.remade, inputs.get("made", ()), strict=True)),
+            made=dict(zip(asked.recomputed, inputs.get("made", ()), strict=True)),
             objects=asked.sample,
             condition=asked.condition,
             processes=snakemake.threads,

@@ -1,4 +1,4 @@
-"""Name objects from sequences of touches: pipelines, protocols, scores and their intervals."""
+"""Classify objects from sequences of touches: pipelines, protocols, scores and their intervals."""
 
 import lazy_loader
 

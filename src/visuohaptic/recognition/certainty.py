@@ -1,7 +1,7 @@
 """How sure an answer is: prediction sets at a stated coverage, and objects of no known class.
 
 Both are cross-conformal in kind (V. Vovk, "Cross-conformal predictors", Annals of Mathematics and
-Artificial Intelligence 74, 2015): an object is compared with training objects that were each named
+Artificial Intelligence 74, 2015): an object is compared with training objects that were each classified
 without themselves, by models of folds of whole objects. The object itself is classified by the final model,
 which learnt from more; so the coverage is not guaranteed, and `studies.certainty` measures it.
 """
@@ -213,7 +213,7 @@ def fit_calibration(
     projection: Projection,
     generator: np.random.Generator,
 ) -> Calibration | None:
-    """Name every training object without itself, from bags of each size.
+    """Classify every training object without itself, from bags of each size.
 
     Parameters
     ----------
@@ -254,11 +254,11 @@ def fit_calibration(
             label = int(labels[one][0])
             projected = own.apply(described[one])
             bags = turn_bags(len(projected), place, best)
-            named = classify_bags(tuned.ballots(projected), bags)
+            probabilities = classify_bags(tuned.ballots(projected), bags)
             scores = tuned.scores(projected)
             distances, places = object_distances(known_touches, sequences.features[one])
             found = bag_evidence(marks, projected, scores, bags, distances, places)
-            rows[place] = (label, 1 - named[:, label], found)
+            rows[place] = (label, 1 - probabilities[:, label], found)
     if not rows:
         return None
     means = object_means(projection.apply(described), sequences.object_index, best)

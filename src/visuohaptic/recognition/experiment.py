@@ -53,14 +53,14 @@ PAPER_FEATURES = (*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
 
 @dataclass(frozen=True)
 class Answer:
-    """What one classifier named in one split.
+    """What one classifier predicted in one split.
 
     Attributes
     ----------
     classifier : str
         The classifier.
     predicted : numpy.ndarray
-        Shape (n,), int64: the class named for each test sequence.
+        Shape (n,), int64: the class predicted for each test sequence.
     note : str or None
         What the classifier needed to be fitted.
     ballots : Ballots or None
@@ -251,9 +251,9 @@ def run_paper_split(
     generator: np.random.Generator,
     memory: ReductionMemory | None = None,
 ) -> Iterator[Answer]:
-    """Fit the paper's pipeline on a split's training sequences and name its test sequences.
+    """Fit the paper's pipeline on a split's training sequences and classify its test sequences.
 
-    The test sequences are only encoded and named. `memory` holds maps of other runs; it changes no
+    The test sequences are only encoded and classified. `memory` holds maps of other runs; it changes no
     number. Yields an answer for each classifier that can be fitted.
     """
     from visuohaptic.recognition.classifiers import fit_classifier

@@ -149,7 +149,7 @@ class RecognitionModel:
     touching: str | None = None
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
-        """Name one object from all its touches together, however many there are.
+        """Classify one object from all its touches together, however many there are.
 
         A viewpoint with more touches than the model's sequences have counts as several sequences; one
         with fewer as a short one.
@@ -173,7 +173,7 @@ class RecognitionModel:
         return self.answer(features).probabilities
 
     def answer(self, features: pa.Table) -> ModelAnswer:
-        """Name one object from all its touches together, and say how sure that is.
+        """Classify one object from all its touches together, and say how sure that is.
 
         Takes and raises what `recognise` does.
         """

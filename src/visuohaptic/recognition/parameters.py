@@ -198,7 +198,7 @@ class BestParameters(_Section):
     short_touches: tuple[Annotated[int, Field(ge=1)], ...] = Field(
         (1, 2, 3, 4),
         description="Touches of shortened sequences from which a model that is saved also learns, with "
-        "`bags`, for views that are touched less often; with none it names these as if they were whole",
+        "`bags`, for views that are touched less often; with none it classifies these as if they were whole",
     )
     coverage: float = Field(
         0.9,

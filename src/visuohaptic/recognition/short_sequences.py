@@ -240,8 +240,8 @@ def _calibration_rows(
         one = sequences.object_index == place
         label = int(classes[place])
         bags = turn_bags(int(one.sum()), place, best)
-        named = classify_bags(_ballots(held_out.scores[length][one], combination), bags)
-        rows.append((label, 1 - named[:, label], held_out.evidence[length][place]))
+        probabilities = classify_bags(_ballots(held_out.scores[length][one], combination), bags)
+        rows.append((label, 1 - probabilities[:, label], held_out.evidence[length][place]))
     return rows
 
 

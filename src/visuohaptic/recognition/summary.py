@@ -134,8 +134,8 @@ def confusion(predictions: pa.Table) -> Confusion:
     (see `select`).
     """
     true = _texts(predictions, "class")
-    named = _texts(predictions, "predicted")
-    classes, places = np.unique(np.concatenate([true, named]), return_inverse=True)
+    predicted = _texts(predictions, "predicted")
+    classes, places = np.unique(np.concatenate([true, predicted]), return_inverse=True)
     counts = np.zeros((len(classes), len(classes)), dtype=np.int64)
     np.add.at(counts, (places[: len(true)], places[len(true) :]), 1)
     return Confusion(tuple(str(name) for name in classes), counts)

@@ -20,7 +20,7 @@ from visuohaptic.recognition.tuning import fit_best_classifiers
 
 
 class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
-    """Name objects from descriptors of sequences of touches, such as `touch_descriptors` gives.
+    """Classify objects from descriptors of sequences of touches, such as `touch_descriptors` gives.
 
     A row is a sequence; `groups` says which rows are of one object. Everything is chosen and calibrated
     by folds of whole objects.
@@ -45,8 +45,8 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     --------
     >>> import numpy as np
     >>> rows = np.random.default_rng(0).normal(size=(40, 6)) + np.repeat([[0.0], [3.0]], 20, axis=0)
-    >>> named = TouchClassifier(random_state=0).fit(rows, np.repeat(["cup", "lamp"], 20))
-    >>> named.predict([[3.0] * 6]).tolist()
+    >>> fitted = TouchClassifier(random_state=0).fit(rows, np.repeat(["cup", "lamp"], 20))
+    >>> fitted.predict([[3.0] * 6]).tolist()
     ['lamp']
     """
 
@@ -111,7 +111,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         return self._ballots(X).alone()
 
     def predict(self, X: ArrayLike) -> NDArray[Any]:
-        """Name each row by itself: (n, d) to (n,)."""
+        """Classify each row by itself: (n, d) to (n,)."""
         found = self.predict_proba(X)
         return self.classes_[found.argmax(axis=1)]
 

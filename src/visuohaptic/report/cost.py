@@ -29,7 +29,7 @@ from visuohaptic.studies.cost.front import (
 
 _VERDICTS = {
     "free": "costs less than 1 point",
-    "open": "can't be told apart",
+    "open": "no clear difference",
     "costs": "costs accuracy",
 }
 _CUES = {
@@ -160,7 +160,7 @@ def time_parts(row: Row | None) -> list[TimePart]:
         ("casting rays", row["seconds_cast"], touches),
         ("rest of touching", row["seconds_touch"] - row["seconds_cast"], touches),
         ("describing", row["seconds_describe"], touches),
-        ("classification", row["seconds_name"], whole),
+        ("classification", row["seconds_classify"], whole),
     )
     # Medians of parts need not add up.
     return [TimePart(name, max(seconds, 0.0), *units) for name, seconds, units in parts if units[0]]
@@ -209,7 +209,7 @@ def group_row(rows: Sequence[Row]) -> Row:
         "error": _range_above(rows, "error", "{:.2f}", 100, "{:.1f}", limit),
         **{
             part: _range(rows, f"seconds_{part}", f"seconds_{part}", "{:.1f}", 1000)
-            for part in ("look", "touch", "describe", "name")
+            for part in ("look", "touch", "describe", "classify")
         },
         "verdict": _verdict(rows),
         "mark": "best" if any(row["on_front"] for row in rows) else None,

@@ -146,8 +146,8 @@ def _scene(rows: Sequence[Row]) -> Row:
     scale = 1e6 / max(row["touches"] for row in rows)
     return {
         "name": rows[0]["scene"],
-        "needed": [row["effect"] for row in rows if row["called_for"]],
-        "unneeded": [row["effect"] for row in rows if not row["called_for"]],
+        "needed": [row["effect"] for row in rows if row["needed"]],
+        "unneeded": [row["effect"] for row in rows if not row["needed"]],
         "milliseconds": scale * sum(row["seconds"] for row in rows),
         "milliseconds_always": scale * sum(row["seconds_always"] for row in rows),
         "equal": rows[0]["equal_to_always"],

@@ -25,7 +25,7 @@ from visuohaptic.report.objects import Track, describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, find_sources
-from visuohaptic.report.studies import REMADE, accuracy_or_error
+from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error
 from visuohaptic.report.tables import NONE, NUMBER, table
 from visuohaptic.report.touches_needed import touches_needed
 from visuohaptic.whole_files import write_whole
@@ -141,7 +141,7 @@ def make_environment() -> Environment:
         "exact_probability": _exact_probability,
         "accuracy_or_error": accuracy_or_error,
         "touches_needed": touches_needed,
-        "remade": REMADE.__getitem__,
+        "recomputed": RECOMPUTED.__getitem__,
         "names": lambda names: ", ".join(map(wording.spaced, names)) or NONE,
         "code": Markup("<code>{}</code>").format,
         "grouped": lambda value: f"{value:,}" if isinstance(value, int) else value,

@@ -40,7 +40,7 @@ NAMES = {
     "fixed_sensor_size": "sensor of fixed size",
     "without_map": "no self-organising map",
 }
-REMADE = {
+RECOMPUTED = {
     "recognition": "nothing but the recognition",
     "features": "descriptors",
     "touches": "touches",
@@ -68,7 +68,7 @@ class StudyTable:
 
     @property
     def rows(self) -> list[Row]:
-        """A condition each: its ``words``, what is ``remade``, ``seconds``, and ``cells`` by strategy."""
+        """A condition each: its ``words``, what is ``recomputed``, ``seconds``, and ``cells`` by strategy."""
         found: dict[str, dict[str, Any]] = {}
         for cell in self.cells:
             row = found.setdefault(cell["condition"], {**cell, "seconds": 0.0, "cells": {}})

@@ -10,7 +10,7 @@ from visuohaptic.scene.records import EffectRecord
 from visuohaptic.tables.phases import EFFECTS, owner_columns
 from visuohaptic.tables.schema import build_table
 
-_COPIED = ("effect", "mode", "reason", "touches", "called_for", "runs", "seconds")
+_COPIED = ("effect", "mode", "reason", "touches", "needed", "runs", "seconds")
 
 
 def effect_table(

@@ -18,7 +18,7 @@ class EffectRecord:
         The effect and when it may be simulated.
     reason : str
         Why it was needed, or why not; the same for every batch of the scene.
-    touches, called_for, runs : int
+    touches, needed, runs : int
         Touches of the batch, those that needed it, those it was simulated for.
     seconds : float
         Processor time of the effect, including the decision; it differs from run to run.
@@ -28,7 +28,7 @@ class EffectRecord:
     mode: Mode
     reason: str
     touches: int
-    called_for: int
+    needed: int
     runs: int
     seconds: float
 
@@ -39,7 +39,7 @@ def merge_records(batches: Sequence[Sequence[EffectRecord]]) -> tuple[EffectReco
         replace(
             records[0],
             touches=sum(record.touches for record in records),
-            called_for=sum(record.called_for for record in records),
+            needed=sum(record.needed for record in records),
             runs=sum(record.runs for record in records),
             seconds=sum(record.seconds for record in records),
         )

@@ -1,4 +1,4 @@
-"""The virtual tactile sensor: exact geometry, and the effects that a scene calls for."""
+"""The virtual tactile sensor: exact geometry, and the effects that a scene needs."""
 
 import lazy_loader
 

@@ -14,7 +14,7 @@ from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene, check_free, gro
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
-from visuohaptic.sensor.planner import Call, Effect, Signal, Situation, apply_effect
+from visuohaptic.sensor.planner import Effect, Need, Signal, Situation, apply_effect
 from visuohaptic.sensor.readout import (
     add_noise,
     break_cells,
@@ -87,28 +87,28 @@ def peak_depth_m(scene: Scene) -> float:
     return float(depths[since:].max())
 
 
-def _everywhere(situation: Situation, reason: str) -> Call:
-    return Call(np.ones(len(situation), dtype=bool), reason)
+def _everywhere(situation: Situation, reason: str) -> Need:
+    return Need(np.ones(len(situation), dtype=bool), reason)
 
 
-def _nowhere(situation: Situation, reason: str) -> Call:
-    return Call(np.zeros(len(situation), dtype=bool), reason)
+def _nowhere(situation: Situation, reason: str) -> Need:
+    return Need(np.zeros(len(situation), dtype=bool), reason)
 
 
 def _any_cell(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.logical_or.reduce(cells.reshape(len(cells), -1), axis=1)
 
 
-def _loaded(outputs: NDArray[np.float64], reason: str) -> Call:
-    return Call(_any_cell(outputs > 0), f"{reason}, where any cell is loaded")
+def _loaded(outputs: NDArray[np.float64], reason: str) -> Need:
+    return Need(_any_cell(outputs > 0), f"{reason}, where any cell is loaded")
 
 
-def _call_elastic_cover(situation: Situation, _: Signal) -> Call:
+def _need_elastic_cover(situation: Situation, _: Signal) -> Need:
     scene = situation.scene
     if scene.cover == "none":
         return _nowhere(situation, "the sensor has no cover")
     reached = _any_cell(situation.gaps_m < peak_depth_m(scene))
-    return Call(reached, f"a {scene.cover} cover, where the press reaches the object")
+    return Need(reached, f"a {scene.cover} cover, where the press reaches the object")
 
 
 def _run_elastic_cover(situation: Situation, signal: Signal) -> Signal:
@@ -132,7 +132,7 @@ def _pressures(situation: Situation, depth_m: float) -> NDArray[np.float64]:
     return pressures / scene.full_scale_pressure_pa
 
 
-def _call_force_response(situation: Situation, signal: Signal) -> Call:
+def _need_force_response(situation: Situation, signal: Signal) -> Need:
     scene = situation.scene
     if scene.saturation_pressure_pa is None and scene.break_pressure_pa == 0:
         return _nowhere(situation, "conductance is linear in pressure")
@@ -147,7 +147,7 @@ def _run_force_response(situation: Situation, signal: Signal) -> Signal:
     return signal.map(lambda values: respond_to_force(values, break_pressure, saturation))
 
 
-def _call_gain_scatter(situation: Situation, signal: Signal) -> Call:
+def _need_gain_scatter(situation: Situation, signal: Signal) -> Need:
     if situation.scene.gain_scatter == 0:
         return _nowhere(situation, "all cells have one gain")
     return _loaded(signal.peak, f"gains scatter by {situation.scene.gain_scatter:g}")
@@ -159,13 +159,13 @@ def _run_gain_scatter(situation: Situation, signal: Signal) -> Signal:
     return signal.map(lambda values: scatter_gains(values, scatter, deviates))
 
 
-def _call_hysteresis(situation: Situation, signal: Signal) -> Call:
+def _need_hysteresis(situation: Situation, signal: Signal) -> Need:
     if situation.scene.hysteresis == 0:
         return _nowhere(situation, "the cells have no hysteresis")
     if signal.peak is signal.now:
         return _nowhere(situation, "nothing was released before the reading")
     released = _any_cell(signal.peak > signal.now)
-    return Call(released, "the reading follows a release, where a cell was loaded more before")
+    return Need(released, "the reading follows a release, where a cell was loaded more before")
 
 
 def _run_hysteresis(situation: Situation, signal: Signal) -> Signal:
@@ -173,7 +173,7 @@ def _run_hysteresis(situation: Situation, signal: Signal) -> Signal:
     return Signal(now, now)
 
 
-def _call_drift(situation: Situation, signal: Signal) -> Call:
+def _need_drift(situation: Situation, signal: Signal) -> Need:
     scene = situation.scene
     if scene.drift_per_decade == 0:
         return _nowhere(situation, "the cells don't drift")
@@ -191,7 +191,7 @@ def _run_drift(situation: Situation, signal: Signal) -> Signal:
     )
 
 
-def _call_dead_cells(situation: Situation, signal: Signal) -> Call:
+def _need_dead_cells(situation: Situation, signal: Signal) -> Need:
     if situation.scene.dead_fraction == 0:
         return _nowhere(situation, "no cell is dead")
     return _loaded(signal.now, f"cells are dead with probability {situation.scene.dead_fraction:g}")
@@ -203,7 +203,7 @@ def _run_dead_cells(situation: Situation, signal: Signal) -> Signal:
     return signal.map(lambda values: break_cells(values, dead))
 
 
-def _call_crosstalk(situation: Situation, signal: Signal) -> Call:
+def _need_crosstalk(situation: Situation, signal: Signal) -> Need:
     scene = situation.scene
     if scene.readout == "ideal":
         return _nowhere(situation, "each cell is read alone")
@@ -226,7 +226,7 @@ def _run_crosstalk(situation: Situation, signal: Signal) -> Signal:
     return signal.map(lambda values: read_grounded(values, resistance * scale))
 
 
-def _call_noise(situation: Situation, _: Signal) -> Call:
+def _need_noise(situation: Situation, _: Signal) -> Need:
     if situation.scene.noise == 0:
         return _nowhere(situation, "the amplifier has no noise")
     return _everywhere(situation, f"noise of {situation.scene.noise:g} of full scale")
@@ -238,7 +238,7 @@ def _run_noise(situation: Situation, signal: Signal) -> Signal:
     return Signal(now, now)
 
 
-def _call_quantisation(situation: Situation, _: Signal) -> Call:
+def _need_quantisation(situation: Situation, _: Signal) -> Need:
     if situation.scene.bits is None:
         return _nowhere(situation, "outputs are not rounded")
     return _everywhere(situation, f"a converter of {situation.scene.bits} bits")
@@ -255,23 +255,23 @@ _PRESSED = {"cover": "winkler"}
 
 EFFECTS = Registry(
     "tactile effect",
-    Effect("elastic_cover", _call_elastic_cover, _run_elastic_cover, _PRESSED),
+    Effect("elastic_cover", _need_elastic_cover, _run_elastic_cover, _PRESSED),
     Effect(
-        "force_response", _call_force_response, _run_force_response,
+        "force_response", _need_force_response, _run_force_response,
         {**_PRESSED, "saturation_pressure_pa": 1e6},
     ),
-    Effect("gain_scatter", _call_gain_scatter, _run_gain_scatter, {"gain_scatter": 0.1}),
+    Effect("gain_scatter", _need_gain_scatter, _run_gain_scatter, {"gain_scatter": 0.1}),
     Effect(
-        "hysteresis", _call_hysteresis, _run_hysteresis,
+        "hysteresis", _need_hysteresis, _run_hysteresis,
         {**_PRESSED, "hysteresis": 0.2, "press_depths_m": (0.002, 0.001)},
     ),
     Effect(
-        "drift", _call_drift, _run_drift, {"drift_per_decade": 0.1, "hold_time_s": 100.0}
+        "drift", _need_drift, _run_drift, {"drift_per_decade": 0.1, "hold_time_s": 100.0}
     ),
-    Effect("dead_cells", _call_dead_cells, _run_dead_cells, {"dead_fraction": 0.5}),
-    Effect("crosstalk", _call_crosstalk, _run_crosstalk, {"readout": "floating"}),
-    Effect("noise", _call_noise, _run_noise, {"noise": 0.05}),
-    Effect("quantisation", _call_quantisation, _run_quantisation, {"bits": 3}),
+    Effect("dead_cells", _need_dead_cells, _run_dead_cells, {"dead_fraction": 0.5}),
+    Effect("crosstalk", _need_crosstalk, _run_crosstalk, {"readout": "floating"}),
+    Effect("noise", _need_noise, _run_noise, {"noise": 0.05}),
+    Effect("quantisation", _need_quantisation, _run_quantisation, {"bits": 3}),
 )  # fmt: skip
 """Every effect of the sensor but `adaptive_size`, which is how it is placed."""
 

@@ -91,7 +91,7 @@ class Signal:
 
 
 @dataclass(frozen=True)
-class Call:
+class Need:
     """Whether touches need an effect, shape (n,), bool, and why or why not."""
 
     rows: NDArray[np.bool_]
@@ -106,7 +106,7 @@ class Effect:
     ----------
     name : str
         Its name among the scene's effect modes.
-    call : callable
+    need : callable
         Fast: which touches need it.
     run : callable
         Simulates it for all given touches. The outputs of touches that don't need it
@@ -122,7 +122,7 @@ class Effect:
     """
 
     name: str
-    call: Callable[[Situation, Signal], Call]
+    need: Callable[[Situation, Signal], Need]
     run: Callable[[Situation, Signal], Signal]
     example: Mapping[str, object]
     description: str = ""
@@ -154,8 +154,8 @@ def apply_effect(
         What was done.
     """
     started = time.process_time()
-    call = effect.call(situation, signal)
-    running = np.full(len(situation), mode == "always") if mode != "auto" else call.rows
+    need = effect.need(situation, signal)
+    running = np.full(len(situation), mode == "always") if mode != "auto" else need.rows
     rows = np.flatnonzero(running)
     if len(rows) == len(situation) > 0:
         signal = effect.run(situation, signal)
@@ -165,9 +165,9 @@ def apply_effect(
     record = EffectRecord(
         effect.name,
         mode,
-        call.reason,
+        need.reason,
         len(situation),
-        int(call.rows.sum()),
+        int(need.rows.sum()),
         len(rows),
         time.process_time() - started,
     )

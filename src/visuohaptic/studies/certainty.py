@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from visuohaptic.recognition.sequences import TouchSequences
 
 VIEWS = (1, 4, 16)
-"""Numbers of views from which objects are named, as far as they have them."""
+"""Numbers of views from which objects are classified, as far as they have them."""
 
 CERTAINTY_STUDY = Study(
     "certainty",
@@ -52,7 +52,7 @@ def measure_certainty(
     parameters: RecognitionParameters,
     seed: int,
 ) -> pa.Table:
-    """Name known and unknown objects by models that lack one whole class each: `tables.CERTAINTY`.
+    """Classify known and unknown objects by models that lack one whole class each: `tables.CERTAINTY`.
 
     Of every class in turn, all objects are unknown; of the others, one grouped fold is tested and the
     rest trains and calibrates a classifier of pipeline `best` on the touches of a strategy, rows of
@@ -154,7 +154,7 @@ def _without_class(
     parameters: RecognitionParameters,
     generator: np.random.Generator,
 ) -> Iterator[dict[str, object]]:
-    """Train without a class and without a fold of the others, and name both."""
+    """Train without a class and without a fold of the others, and classify both."""
     from visuohaptic.recognition.certainty import fit_calibration
     from visuohaptic.recognition.pooling import spread_choices
     from visuohaptic.recognition.splits import grouped_folds, objects_of_classes

@@ -1,6 +1,6 @@
-"""The plan of a study: what its conditions make again, what they share, and the blocks that measure them.
+"""The plan of a study: what its conditions recompute, what they share, and the blocks that measure them.
 
-What a condition makes again follows from the sections that it changes. What several conditions
+What a condition recomputes follows from the sections that it changes. What several conditions
 need alike has one key and is made once.
 """
 
@@ -30,7 +30,7 @@ LEAST_TRAININGS_A_BLOCK = 6
 """Fewer pairs of a pipeline and a strategy take no longer than a job needs to start."""
 
 _ORDER = tuple(next(iter(phase.writes)) for phase in OF_OBJECT)
-"""The first table of each phase: from which on something is made again."""
+"""The first table of each phase: from which on something is recomputed."""
 
 _FIXED = {
     "plugins": "they are code of the whole run",
@@ -42,13 +42,13 @@ _FIXED = {
 
 
 @dataclass(frozen=True)
-class Remake:
+class Recomputation:
     """Features that a run does not have.
 
     Attributes
     ----------
     phase : str
-        The first phase that is made again.
+        The first phase that is recomputed.
     parameters : ExperimentParameters
         With which; they ask for the strategies and the touches of all conditions that share them.
     """
@@ -71,7 +71,7 @@ class Plan:
     """The conditions of a study in their order, and the features that they need, by key."""
 
     conditions: tuple[Planned, ...]
-    remakes: Mapping[str, Remake]
+    recomputations: Mapping[str, Recomputation]
 
 
 def with_changes(
@@ -103,7 +103,7 @@ def with_changes(
 
 
 def plan_study(study: Study, run: ExperimentParameters, source: str = "params.yaml") -> Plan:
-    """Find out what a study's conditions make again, and what they share.
+    """Find out what a study's conditions recompute, and what they share.
 
     Conditions that need the same features have the same key. Raises `ParameterError`, which names
     the condition, if one can't be made.
@@ -167,7 +167,7 @@ def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
         {
             "name": one.condition.name,
             "compared_with": one.condition.compared_with,
-            "remade": plan.remakes[one.key].phase if one.key else "recognition",
+            "recomputed": plan.recomputations[one.key].phase if one.key else "recognition",
         }
         for one in plan.conditions
     ]
@@ -229,7 +229,7 @@ def _asks_for_more(parameters: ExperimentParameters, run: ExperimentParameters) 
     return bool(strategies) or touches_needed(parameters) > run.attention.fixations
 
 
-def _merge(found: Sequence[tuple[str, ExperimentParameters]]) -> Remake:
+def _merge(found: Sequence[tuple[str, ExperimentParameters]]) -> Recomputation:
     phase = min((phase for phase, _ in found), key=_ORDER.index)
     wanted = [parameters for _, parameters in found]
     strategies = dict.fromkeys(name for one in wanted for name in one.probing.strategies)
@@ -241,4 +241,4 @@ def _merge(found: Sequence[tuple[str, ExperimentParameters]]) -> Remake:
         section: getattr(wanted[0], section).model_copy(update=values)
         for section, values in merged.items()
     }
-    return Remake(phase, wanted[0].model_copy(update=update))
+    return Recomputation(phase, wanted[0].model_copy(update=update))

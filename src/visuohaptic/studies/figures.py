@@ -101,7 +101,7 @@ def study_figures(
     """Sum up a study: `tables.STUDY_FIGURES`.
 
     The study has a ``name``, a ``title`` and ``conditions`` in order, each with ``name``,
-    ``compared_with`` (a name; None for the first one's) and ``remade``. A condition that was tested
+    ``compared_with`` (a name; None for the first one's) and ``recomputed``. A condition that was tested
     on other objects than the one that it is compared with has no difference. A row of another
     strategy than `LEADER` says how far that one is ahead in the same condition.
     """
@@ -117,7 +117,7 @@ def study_figures(
             "title": study["title"],
             **dict(zip(CELL, key, strict=True)),
             "place": order[key[0]],
-            "remade": condition["remade"],
+            "recomputed": condition["recomputed"],
             "compared_with": None if other == key[0] else other,
             **_figures(cells[key], cells.get((other, *key[1:])), intervals, seed),
             **_paired("lead", "lead_p", compare(leader, cells[key], intervals, seed)),

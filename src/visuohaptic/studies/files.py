@@ -11,13 +11,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import Planned, Remake, with_changes
+from visuohaptic.studies.conditions import Planned, Recomputation, with_changes
 from visuohaptic.studies.measuring import (
     REFUSALS,
     Memory,
     Sources,
     measure_condition,
-    remake_features,
+    recompute_features,
 )
 from visuohaptic.studies.study import Condition
 from visuohaptic.tables.phases import FEATURES, of_objects
@@ -27,10 +27,10 @@ from visuohaptic.tables.studies import STUDY
 _ERROR = b"error"
 
 
-def make_study_features(remake: Remake, sources: Sources, output: str | Path) -> None:
+def make_study_features(recomputation: Recomputation, sources: Sources, output: str | Path) -> None:
     """Write features that conditions share; where they are refused, an empty table with the reason."""
     try:
-        table = remake_features(remake, sources)
+        table = recompute_features(recomputation, sources)
     except REFUSALS as refusal:
         table = FEATURES.arrow.empty_table().replace_schema_metadata({_ERROR: str(refusal)})
     write_table(FEATURES, table, output)

@@ -1,4 +1,4 @@
-"""The one engine of all studies: features of a condition, and how well it names objects."""
+"""The one engine of all studies: features of a condition, and how well it classifies objects."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from contourlets.errors import ContourletError
 from visuohaptic.attention.errors import AttentionError
 from visuohaptic.errors import RecognitionError, VisuohapticError
-from visuohaptic.studies.conditions import Planned, Remake, touches_needed
+from visuohaptic.studies.conditions import Planned, Recomputation, touches_needed
 from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import build_table, read_table
 from visuohaptic.tables.studies import STUDY
@@ -56,7 +56,7 @@ class Sources:
 
 
 @dataclass(frozen=True)
-class Named:
+class Predictions:
     """The answers of every split, repeat and classifier for some sequences, and the processor seconds of all."""
 
     sequences: TouchSequences
@@ -65,43 +65,43 @@ class Named:
 
 
 class Memory:
-    """What was named last, and maps of the paper's pipeline, so that what conditions share is trained once."""
+    """The latest predictions, and maps of the paper's pipeline, so that what conditions share is trained once."""
 
     def __init__(self, kept: int = 4) -> None:
         from visuohaptic.recognition.encoding import ReductionMemory
 
         self.maps = ReductionMemory()
         self._kept = kept
-        self._named: OrderedDict[Hashable, Named] = OrderedDict()
+        self._predictions: OrderedDict[Hashable, Predictions] = OrderedDict()
 
-    def recall(self, key: Hashable, name: Callable[[], Named]) -> Named:
-        """Give what is known of a key; call `name` where it is new."""
-        if key not in self._named:
-            self._named[key] = name()
-        self._named.move_to_end(key)
-        while len(self._named) > self._kept:
-            self._named.popitem(last=False)
-        return self._named[key]
+    def recall(self, key: Hashable, predict: Callable[[], Predictions]) -> Predictions:
+        """Give what is known of a key; call `predict` where it is new."""
+        if key not in self._predictions:
+            self._predictions[key] = predict()
+        self._predictions.move_to_end(key)
+        while len(self._predictions) > self._kept:
+            self._predictions.popitem(last=False)
+        return self._predictions[key]
 
 
-def remake_features(remake: Remake, sources: Sources) -> pa.Table:
-    """Make features again, from as late a table of the run as the changes allow: `tables.FEATURES`.
+def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:
+    """Recompute features, from as late a table of the run as the changes allow: `tables.FEATURES`.
 
     They are of the strategies that the parameters name.
     """
-    parts = [FEATURES.arrow.empty_table(), *_remade_parts(remake, sources)]
+    parts = [FEATURES.arrow.empty_table(), *_recomputed_parts(recomputation, sources)]
     return pa.concat_tables(parts).sort_by([(key, "ascending") for key in FEATURES.keys])
 
 
-def _remade_parts(remake: Remake, sources: Sources) -> Iterator[pa.Table]:
+def _recomputed_parts(recomputation: Recomputation, sources: Sources) -> Iterator[pa.Table]:
     from visuohaptic.geometry.subject import Subject
     from visuohaptic.geometry.surface import object_of
     from visuohaptic.one_phase import SCHEMAS, objects_of
     from visuohaptic.pipeline import run
 
-    parameters = remake.parameters
+    parameters = recomputation.parameters
     meshes = {object_of(mesh): mesh for mesh in sources.meshes}
-    for taken in sources.tables(remake.phase):
+    for taken in sources.tables(recomputation.phase):
         tables = {
             name: _of_strategies(
                 of_objects(read_table(SCHEMAS[name], files), sources.objects),
@@ -141,7 +141,7 @@ def measure_condition(
     """Train and test a condition; what can't be run has one row with the reason.
 
     `features` may be the sentence by which they were refused. `memory` holds what conditions before
-    it named on the same tables; it changes no number. Yields `tables.STUDY` of each pipeline and
+    it predicted from the same tables; it changes no number. Yields `tables.STUDY` of each pipeline and
     strategy.
     """
     memory = memory or Memory()
@@ -153,68 +153,68 @@ def measure_condition(
                 if isinstance(features, str):
                     raise RecognitionError(features)
                 known = (planned.key, planned.parameters.model_dump_json(), pipeline, strategy)
-                name = partial(
-                    _name_condition, planned, features, strategy, pipeline, seed, memory.maps
+                predict = partial(
+                    _predict_condition, planned, features, strategy, pipeline, seed, memory.maps
                 )
-                named = memory.recall(known, name)
-                yield from cell_rows(key, named, planned.condition.votes)
+                predictions = memory.recall(known, predict)
+                yield from cell_rows(key, predictions, planned.condition.votes)
             except REFUSALS as refusal:
                 names = classifiers_of(planned.parameters, pipeline)
                 yield error_rows(key, names, str(refusal))
 
 
-def name_objects(
+def predict_objects(
     sequences: TouchSequences,
     parameters: ExperimentParameters,
     pipeline: str,
     seed: int,
     answer_split: AnswerSplit,
-) -> Named:
+) -> Predictions:
     """Train and test every split of one pipeline as `answer_split` does."""
     from visuohaptic.recognition.experiment import answer_splits
 
     started = time.process_time()
     answers = list(answer_splits(sequences, parameters.recognition, seed, pipeline, answer_split))
-    return Named(sequences, answers, time.process_time() - started)
+    return Predictions(sequences, answers, time.process_time() - started)
 
 
 def classifiers_of(parameters: ExperimentParameters, pipeline: str) -> tuple[str, ...]:
-    """Name the classifiers that a pipeline compares."""
+    """Give the classifiers that a pipeline compares."""
     recognition = parameters.recognition
     return recognition.classifiers if pipeline == "paper" else recognition.best.classifiers
 
 
-def _name_condition(
+def _predict_condition(
     planned: Planned,
     features: pa.Table,
     strategy: str,
     pipeline: str,
     seed: int,
     maps: ReductionMemory,
-) -> Named:
+) -> Predictions:
     from visuohaptic.recognition.experiment import gather_pipeline, split_runner
 
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
     sequences = gather_pipeline(rows, recognition, pipeline, seed)
     answer_split = split_runner(sequences, recognition, seed, pipeline, maps)
-    return name_objects(sequences, planned.parameters, pipeline, seed, answer_split)
+    return predict_objects(sequences, planned.parameters, pipeline, seed, answer_split)
 
 
 Key = tuple[str, str, str, str]
 """Study, condition, pipeline and strategy."""
 
 
-def cell_rows(key: Key, named: Named, votes: int | None = None) -> Iterator[pa.Table]:
-    """Give `tables.STUDY` of what was named by each classifier, a row an object, split and repeat.
+def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> Iterator[pa.Table]:
+    """Give `tables.STUDY` of what each classifier predicted, a row an object, split and repeat.
 
     With `votes`, every evenly spread choice of so many of an object's viewpoints is one
     recognition; without, each sequence counts by itself. Raises `RecognitionError` if there are not
     so many viewpoints.
     """
-    sequences = named.sequences
+    sequences = predictions.sequences
     found: dict[str, list[tuple[NDArray[Any], ...]]] = {}
-    for split, repeat, answer in named.answers:
+    for split, repeat, answer in predictions.answers:
         owners, right, counts = (
             _correct(sequences, split, answer)
             if votes is None
@@ -236,7 +236,7 @@ def cell_rows(key: Key, named: Named, votes: int | None = None) -> Iterator[pa.T
                 "repeat": repeats,
                 "sequences": counts,
                 "accuracy": right / counts,
-                "seconds": named.seconds,
+                "seconds": predictions.seconds,
                 "error": [None] * len(owners),
             },
         )
@@ -276,7 +276,7 @@ def _correct(
 def _voted(
     sequences: TouchSequences, split: Split, answer: Answer, votes: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Give the tested objects, and how often viewpoints together name each correctly.
+    """Give the tested objects, and how often viewpoints together classify each correctly.
 
     A viewpoint without a whole sequence casts no vote.
     """

@@ -204,7 +204,7 @@ EFFECTS = Schema(
         Column("mode", TEXT, "auto, always or never"),
         Column("reason", TEXT, "why it was needed, or why not"),
         Column("touches", COUNT, "touches of the job; views, for effects of the view", minimum=0),
-        Column("called_for", COUNT, "touches or views that needed it", minimum=0),
+        Column("needed", COUNT, "touches or views that needed it", minimum=0),
         Column("runs", COUNT, "touches or views that it was simulated for", minimum=0),
         Column("seconds", REAL, "time spent on it; differs from run to run", "s of processor", 0),
     ),

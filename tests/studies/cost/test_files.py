@@ -22,9 +22,9 @@ def made(tmp_path, monkeypatch):
     )
     sources, features = write_sources(tmp_path, small_surfaces())
     plan: Plan = plan_study(settings.COST_STUDY, RUN)
-    files = {key: tmp_path / f"{key}.parquet" for key in plan.remakes}
-    for key, remake in plan.remakes.items():
-        make_study_features(remake, sources, files[key])
+    files = {key: tmp_path / f"{key}.parquet" for key in plan.recomputations}
+    for key, recomputation in plan.recomputations.items():
+        make_study_features(recomputation, sources, files[key])
     conditions = describe_conditions(plan.conditions)
     make_study_block("cost", conditions, [features], files, tmp_path / "block", RUN)
     with patch.object(seconds, "fit_model", wraps=seconds.fit_model) as fitting:

@@ -35,9 +35,9 @@ def cells(pipeline, counts):
 def test_a_curve_has_a_condition_a_number_of_touches_and_all_share_their_touches():
     plan = plan_study(CURVES, SMALL)
     assert len(plan.conditions) == LONGEST_SEQUENCE
-    (remake,) = plan.remakes.values()
-    assert remake.parameters.attention.fixations == LONGEST_SEQUENCE
-    assert remake.parameters.probing.when_exhausted == "begin_again"
+    (recomputation,) = plan.recomputations.values()
+    assert recomputation.parameters.attention.fixations == LONGEST_SEQUENCE
+    assert recomputation.parameters.probing.when_exhausted == "begin_again"
 
 
 @pytest.mark.parametrize("pipeline", ["paper", "best"])

@@ -27,4 +27,4 @@ def test_each_scene_without_an_effect_is_compared_with_the_whole_scene():
     assert (
         whole == found["worn_fsr"].parameters.scene == Scene.model_validate({"preset": "worn_fsr"})
     )
-    assert {remake.phase for remake in plan.remakes.values()} == {"touches"}
+    assert {recomputation.phase for recomputation in plan.recomputations.values()} == {"touches"}

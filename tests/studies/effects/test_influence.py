@@ -1,4 +1,4 @@
-"""What effects cost and move is told for every scene, and is 0 where nothing calls for them."""
+"""What effects cost and move is measured for every scene, and is 0 where nothing needs them."""
 
 from collections import Counter
 from unittest.mock import patch
@@ -65,7 +65,7 @@ def test_every_preset_is_measured_and_the_run_stands_for_its_own():
     assert scenes["ideal"] == Scene()
 
 
-def test_an_effect_moves_images_where_it_is_called_for_and_only_there(surface, fixations):
+def test_an_effect_moves_images_where_it_is_needed_and_only_there(surface, fixations):
     found = touch_influence(RayCaster(surface), fixations, SENSOR, measured_scenes(Scene()), 7)
     shifts = {(part.scene, part.effect): part.image_shift for part in found}
     assert len(shifts) == len(PRESETS) * (len(EffectModes.model_fields) - len(VISUAL_EFFECTS))
@@ -87,7 +87,7 @@ def test_leaving_out_what_no_touch_needs_changes_no_bit(surface, fixations):
     off = Scene.model_validate({"preset": "fsr400", "effects": {"noise": "never"}})
     scenes = {**measured_scenes(Scene()), "without noise": off}
     found = touch_influence(RayCaster(surface), fixations, SENSOR, scenes, 7)
-    needed = {(part.scene, part.effect): part.called_for for part in found}
+    needed = {(part.scene, part.effect): part.needed for part in found}
     assert needed["ideal", "noise"] == needed["fsr400", "dead_cells"] == 0
     assert needed["worn_fsr", "dead_cells"] == COUNT
     equal = {part.scene: part.equal_to_always for part in found}
@@ -117,7 +117,7 @@ def test_objects_add_up_by_their_touches():
     (row,) = table.to_pylist()
     assert (row["touches"], row["seconds"], row["seconds_always"]) == (40, 4.0, 6.0)
     assert row["image_shift"] == pytest.approx(0.4)
-    assert (row["called_for"], row["equal_to_always"]) == (9, False)
+    assert (row["needed"], row["equal_to_always"]) == (9, False)
 
 
 def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):

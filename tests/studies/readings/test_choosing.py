@@ -245,7 +245,7 @@ def test_the_command_reads_shares_and_writes_what_both_rules_say(tmp_path, monke
         )
     ]
     states = ["blocked", "full"] * (whole.num_rows // 2)
-    for key in plan.remakes:
+    for key in plan.recomputations:
         table = with_column(whole, "contact_state", states) if key == kept.key else whole
         write_table(FEATURES, table, tmp_path / f"{key}.parquet")
     for held, rules in ((ON_OTHERS, 2), (READINGS, 1)):

@@ -56,7 +56,7 @@ def test_a_run_on_other_objects_has_each_other_choice_by_itself_and_folds_of_who
     plan = plan_study(STUDY_OF_READINGS, run)
     names = {one.condition.name for one in plan.conditions}
     assert names == {one.name for one in READINGS if one.part in PARTS_ON_OTHERS}
-    assert len(plan.remakes) == 18
+    assert len(plan.recomputations) == 18
     protocols = {one.parameters.recognition.protocol.protocol for one in plan.conditions}
     assert protocols == {"grouped_folds"}
 
@@ -132,7 +132,7 @@ def test_main_effects_of_the_fraction_are_clear_of_each_other_and_of_interaction
 
 def test_touches_are_shared_by_all_readings_of_the_recognition():
     plan = plan_study(STUDY_OF_READINGS, RUN)
-    assert len(plan.remakes) == 35
+    assert len(plan.recomputations) == 35
     keys = {one.condition.name: one.key for one in plan.conditions}
     shared = {
         keys[reading.name]
@@ -143,7 +143,7 @@ def test_touches_are_shared_by_all_readings_of_the_recognition():
     assert len(shared) == 1
     everything = with_changes(RUN, {"probing.strategies": STRATEGIES})
     own = plan_study(STUDY_OF_READINGS, everything)
-    assert len(own.remakes) == 34
+    assert len(own.recomputations) == 34
     assert AS_RUN not in keys
 
 

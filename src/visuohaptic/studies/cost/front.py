@@ -289,7 +289,7 @@ class Saving:
 
     @property
     def verdict(self) -> Literal["free", "open", "costs"]:
-        """Whether it surely costs less than `POINT`, can't be told apart from the run's own, or surely costs."""
+        """Whether it surely costs less than `POINT`, has no clear difference from the run's own, or surely costs."""
         if self.row["lost_high"] < POINT:
             return "free"
         return "open" if self.row["lost_low"] <= 0 else "costs"

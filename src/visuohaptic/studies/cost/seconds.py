@@ -36,7 +36,7 @@ from visuohaptic.tables.studies import COST_SECONDS
 Row = dict[str, object]
 """Of `tables.COST_SECONDS`."""
 
-PHASES = (*(str(phase.verb) for phase in OF_OBJECT), "name")
+PHASES = (*(str(phase.verb) for phase in OF_OBJECT), "classify")
 PARTS = ("render", "attend", "cast")
 """Parts of looking, the first two, and of touching."""
 
@@ -155,7 +155,7 @@ class ObjectRound:
                 done = self._known[asked]
             parts.append(done.tables["features"])
         seconds = defaultdict(float, done.seconds)
-        with _timed(seconds, "name"):
+        with _timed(seconds, "classify"):
             fitted.model.recognise(pa.concat_tables(parts))
         return {name: seconds[name] for name in (*PHASES, *PARTS)}
 

@@ -15,10 +15,10 @@ from visuohaptic.studies.conditions import Planned, plan_study
 from visuohaptic.studies.curves.settings import CURVES
 from visuohaptic.studies.measuring import (
     REFUSALS,
-    Named,
+    Predictions,
     cell_rows,
     error_rows,
-    name_objects,
+    predict_objects,
 )
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
@@ -103,7 +103,7 @@ def adaptive_rows(
         key = ("curves", one.condition.name, pipeline, "adaptive")
         try:
             chooser = chooser or _Chooser(classes_of_two(features), planned, pipeline)
-            yield from cell_rows(key, chooser.name_objects(one.parameters))
+            yield from cell_rows(key, chooser.predict_objects(one.parameters))
         except REFUSALS as refusal:
             yield error_rows(key, (CLASSIFIER,), str(refusal))
 
@@ -128,7 +128,7 @@ class _Chooser:
         self._chosen: dict[tuple[int, ...], np.ndarray] = {}
         self._pipeline = pipeline
 
-    def name_objects(self, parameters: ExperimentParameters) -> Named:
+    def predict_objects(self, parameters: ExperimentParameters) -> Predictions:
         """Train and test every split on its own touches."""
         from visuohaptic.recognition.experiment import split_runner
 
@@ -140,7 +140,7 @@ class _Chooser:
             )
 
         whole = self._candidates.sequences
-        return name_objects(whole, parameters, self._pipeline, parameters.seed, answer)
+        return predict_objects(whole, parameters, self._pipeline, parameters.seed, answer)
 
     def _sequences(self, split: Split, parameters: ExperimentParameters) -> TouchSequences:
         from visuohaptic.studies.curves.choosing import choose_features

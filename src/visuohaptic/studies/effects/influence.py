@@ -49,7 +49,7 @@ class Influence:
     scene: str
     effect: str
     touches: int
-    called_for: int
+    needed: int
     seconds: float
     seconds_always: float
     image_shift: float
@@ -119,7 +119,7 @@ def view_influence(
                 scene="any",
                 effect=effect,
                 touches=len(cameras),
-                called_for=record.called_for,
+                needed=record.needed,
                 seconds=seconds[effect],
                 seconds_always=seconds_always[effect],
                 image_shift=float(change.mean()) if change.size else 0.0,
@@ -143,7 +143,7 @@ def sum_influences(parts: Sequence[Influence]) -> pa.Table:
 def _sum(group: Sequence[Influence]) -> dict[str, object]:
     sums = {
         name: sum(getattr(part, name) for part in group)
-        for name in ("touches", "called_for", "seconds", "seconds_always")
+        for name in ("touches", "needed", "seconds", "seconds_always")
     }
     shifts = sum(part.touches * part.image_shift for part in group)
     equal = [part.equal_to_always for part in group]
@@ -192,14 +192,14 @@ def _scene_influence(
     for record in whole.effects:
         shift = 0.0
         # An effect that nothing needs changes no bit, so there is no need to touch again.
-        if record.runs and record.called_for:
+        if record.runs and record.needed:
             part = felt(_without(scene, record.effect), 0)
             shift = float(np.abs(part.images - whole.images).mean())
         yield Influence(
             scene=name,
             effect=record.effect,
             touches=record.touches,
-            called_for=record.called_for,
+            needed=record.needed,
             seconds=seconds[record.effect],
             seconds_always=seconds_always[record.effect],
             image_shift=shift,

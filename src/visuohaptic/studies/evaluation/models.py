@@ -1,6 +1,6 @@
 """A fitted model on objects that it has not learnt, such as the set `odd`: what its answers and sets hold.
 
-`odd.parquet` beside this file is `tables.EVALUATION` of the 22 objects of that set, named by models of
+`odd.parquet` beside this file is `tables.EVALUATION` of the 22 objects of that set, classified by models of
 the 142 of set `benchmark`, with where it comes from in its metadata;
 `python -m visuohaptic.studies.evaluation.models reports/evaluation.parquet COMMAND PROCESSOR` writes it again.
 """
@@ -39,7 +39,7 @@ class MeasuredEvaluation:
 
 
 def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
-    """Name the objects that a model of pipeline `best` has not learnt, from 1, 4 and 16 views.
+    """Classify the objects that a model of pipeline `best` has not learnt, from 1, 4 and 16 views.
 
     `features` are rows of `tables.FEATURES`, touched as the objects were that the model learnt; those of
     its own objects and of other strategies are left out. Gives `tables.EVALUATION`: each object by every
@@ -60,7 +60,9 @@ def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
     rows = [
         {"class": category, "object": name, **row}
         for category, name in new
-        for row in _name_object(model, select(own, **{"class": category}, object=name), category)
+        for row in _classify_object(
+            model, select(own, **{"class": category}, object=name), category
+        )
     ]
     same = {
         "strategy": model.strategy,
@@ -71,10 +73,10 @@ def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
     return build_rows(EVALUATION, [{**same, **row} for row in rows])
 
 
-def _name_object(
+def _classify_object(
     model: RecognitionModel, touches: pa.Table, category: str
 ) -> Iterator[dict[str, object]]:
-    """Name an object of a class by every choice of its views; with fewer views, by all of them."""
+    """Classify an object of a class by every choice of its views; with fewer views, by all of them."""
     from visuohaptic.recognition.pooling import spread_choices
 
     viewpoint = touches.column("viewpoint").to_numpy()
