@@ -1,5 +1,6 @@
 """A record fits where code, packages, parameters, sources and tables are what they were, whatever any time says."""
 
+import json
 import os
 from pathlib import Path
 from types import SimpleNamespace
@@ -170,7 +171,13 @@ def test_only_what_records_name_is_put_aside(run):
     records.mkdir(parents=True)
     for name in ("gone", "mine"):
         Path(f"results/{name}.parquet").write_text(name)
-    (records / "gone.json").write_text('{"tables": {"results/gone.parquet": ""}}')
+    record = {
+        "key": "",
+        "parts": {},
+        "tables": {"results/gone.parquet": ""},
+        "log": "logs/gone.log",
+    }
+    (records / "gone.json").write_text(json.dumps(record))
     sentence = put_aside([])
     assert sentence.startswith(
         "2 files that today's run no longer names were put into .cache/aside/"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
+
+from visuohaptic_workflow.keys import read_record
 
 RECORDS = Path("results/records")
 ASIDE = Path(".cache/aside")
@@ -46,13 +47,8 @@ def put_aside(named: Collection[str]) -> str | None:
 
 
 def _files_of(record: Path) -> list[Path]:
-    try:
-        kept = json.loads(record.read_text(encoding="utf-8"))
-        # Records of version 0.1 have the second name.
-        files = [*kept.get("tables", kept.get("outputs", {})), *filter(None, [kept.get("log")])]
-        return [Path(file) for file in files]
-    except (OSError, ValueError, AttributeError):
-        return []
+    kept = read_record(record)
+    return [Path(file) for file in (*kept["tables"], kept["log"])] if kept else []
 
 
 def _remove_empty(folder: Path) -> None:
