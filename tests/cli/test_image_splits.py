@@ -16,7 +16,7 @@ def blobs(separation, classes=4, images=20):
     return {"few": rows, "noise": noise}, [f"class{label}" for label in labels]
 
 
-def test_classes_that_lie_apart_are_told_apart_also_beside_a_wide_group_of_noise():
+def test_classes_that_lie_apart_are_separated_also_beside_a_wide_group_of_noise():
     groups, classes = blobs(5.0)
     assert split_accuracies(groups, classes, 5, 0.8, np.random.default_rng(0)).mean() > 0.95
 

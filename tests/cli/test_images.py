@@ -6,7 +6,7 @@ import numpy as np
 from features.pressed_images import pressed, written
 
 
-def test_a_folder_becomes_a_table_and_is_told_apart(visuohaptic, tmp_path):
+def test_a_folder_becomes_a_table_and_is_classified(visuohaptic, tmp_path):
     generator = np.random.default_rng(0)
     for number in range(10):
         for kind, radius in (("small", 2), ("large", 6)):

@@ -54,7 +54,8 @@ def everything_fitted(pipeline, sequences, split, monkeypatch):
         return wrapper
 
     with monkeypatch.context() as patch, config_context(assume_finite=True):
-        patch.setattr(classifiers, "fit_classifier", catching(classifiers.fit_classifier))
+        for module in (experiment, tuning):
+            patch.setattr(module, "fit_classifier", catching(classifiers.fit_classifier))
         patch.setattr(tuning, "fit_projection", catching(tuning.fit_projection))
         patch.setattr(tuning, "fit_tuned_classifier", catching(tuning.fit_tuned_classifier))
         patch.setattr(experiment, "fit_sequence_encoder", catching(fit_sequence_encoder))

@@ -58,7 +58,7 @@ def test_the_steps_are_rows_the_quickest_first():
     assert step_rows([]) == []
 
 
-def test_what_positions_imprints_and_the_map_give_is_told_where_it_was_measured():
+def test_what_positions_imprints_and_the_map_give_is_stated_where_it_was_measured():
     cells = [
         ("pose alone", 0.01),
         ("skin alone", 0.25),

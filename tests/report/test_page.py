@@ -71,7 +71,7 @@ def test_nothing_is_loaded_from_anywhere(page, source):
     assert not any("url(" in style or "@import" in style for style in styles)
 
 
-def test_browsers_are_told_to_load_nothing(page):
+def test_browsers_may_load_nothing(page):
     policies = [
         element.attributes["content"]
         for element in page.named("meta")
@@ -274,7 +274,7 @@ def test_names_are_shown_as_they_are_and_do_nothing(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
+def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     files = write_run(tmp_path)
     bare = RunFiles(
         metrics=files.metrics,
@@ -361,7 +361,7 @@ def test_the_title_of_the_comparison_names_the_runs_strategies(strategies, title
 
 
 @pytest.mark.slow
-def test_several_pipelines_are_told_apart(tmp_path):
+def test_several_pipelines_have_sections_of_their_own(tmp_path):
     page = read_page(render(write_run(tmp_path, pipelines=("best", "paper"))))
     assert page.mismatches == []
     levels = [int(element.name[1]) for element in page.named("h2", "h3", "h4", "h5")]

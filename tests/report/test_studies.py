@@ -37,7 +37,7 @@ def page_of(tmp_path, folder):
     return read_page(render_page(read_run(measured, PARAMETERS, OBJECTS)))
 
 
-def test_the_largest_loss_and_gain_are_told(tmp_path):
+def test_the_largest_loss_and_gain_are_stated(tmp_path):
     assert sentence(tmp_path, adjusted_p=SETTLED) == (
         "Most is lost with “cutaneous cues only” (−30.0 percentage points); most is gained with “kinesthetic cues "
         "only” (+5.0 percentage points); with 12 objects beyond chance (Holm-adjusted p below 0.05): "

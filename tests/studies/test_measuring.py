@@ -9,7 +9,7 @@ import trimesh
 from recognition.synthetic import features_table
 from studies.surfaces import RUN, small_surfaces, surface_of, write_sources
 
-from visuohaptic import pipeline, recognition
+from visuohaptic import recognition
 from visuohaptic.errors import ParameterError
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.recognition.sequences import whole_sequences
@@ -185,7 +185,7 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
     def refuse(*_):
         raise ParameterError("sensor.resolution is 8: this sensor can't be described.")
 
-    monkeypatch.setattr(pipeline, "run", refuse)
+    monkeypatch.setattr(measuring, "run", refuse)
     sources, features = run
     conditions = (
         Condition("as run", {**ALONE}),

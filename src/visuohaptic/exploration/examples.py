@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from visuohaptic.errors import MeshError
+from visuohaptic.exploration.exploring import load
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import TouchableObject
@@ -46,8 +47,6 @@ def example(name: str) -> TouchableObject:
     >>> vh.example("chair")
     <TouchableObject chair/kl_dining-chair: 1,380 triangles>
     """
-    from visuohaptic.exploration.exploring import load
-
     found = examples()
     if name not in found:
         raise MeshError(f"{name!r} is no example; {', '.join(found)} are allowed.")

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError, ParameterError
 from visuohaptic.exploration.file_frame import FileFrame
+from visuohaptic.exploration.given_points import STRATEGY, touch_points
 from visuohaptic.exploration.pose_files import write_poses
 from visuohaptic.exploration.recognising import (
     UNKNOWN,
@@ -24,6 +25,13 @@ from visuohaptic.exploration.recognising import (
     read_recogniser,
 )
 from visuohaptic.exploration.seen_points import SCHEMAS, Track, touch_seen_points
+from visuohaptic.exploration.showing import (
+    VIEWS_SHOWN,
+    png_of,
+    probability_line,
+    probability_table,
+    view_of,
+)
 from visuohaptic.exploration.sources import is_one_source, mesh_parameters, read_source
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.parameters import MeshParameters
@@ -68,8 +76,6 @@ class TouchableObject:
         return f"<TouchableObject {self.key}: {len(self.surface.faces):,} triangles>"
 
     def _repr_png_(self) -> bytes:
-        from visuohaptic.exploration.showing import view_of
-
         return view_of(self.surface)
 
     def touch(
@@ -144,8 +150,6 @@ class TouchableObject:
         viewpoints: int | None,
         parameters: ExperimentParameters,
     ) -> Exploration:
-        from visuohaptic.exploration.given_points import STRATEGY, touch_points
-
         if at is None:
             raise ParameterError("normals need at: the points that they stand on.")
         if viewpoints is not None:
@@ -200,7 +204,6 @@ class Exploration:
 
     def _repr_png_(self) -> bytes:
         from visuohaptic.exploration.picture import draw_exploration
-        from visuohaptic.exploration.showing import VIEWS_SHOWN, png_of
 
         views = self.views.slice(0, VIEWS_SHOWN)
         return png_of(draw_exploration(self.surface, self.parameters, views, self.touches))
@@ -361,16 +364,12 @@ class Recognition:
     coverage: float | None = None
 
     def __repr__(self) -> str:
-        from visuohaptic.exploration.showing import probability_line
-
         line = probability_line(self.probabilities)
         if self.unknown:
             line = f"{UNKNOWN} ({line})"
         return f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches>"
 
     def _repr_html_(self) -> str:
-        from visuohaptic.exploration.showing import probability_table
-
         key = self.exploration.key
         named = f"{key}: {UNKNOWN}" if self.unknown else key
         return probability_table(named, self.probabilities, self.touches)

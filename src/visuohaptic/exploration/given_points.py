@@ -13,6 +13,7 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.one_phase import Tables
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pipeline import everywhere
 
 STRATEGY = "given"
 
@@ -35,7 +36,6 @@ def touch_points(
     """
     from visuohaptic.fixations.locations import location_table
     from visuohaptic.fixations.places import ProbingLocations
-    from visuohaptic.pipeline import everywhere
 
     subject = Subject(key, lambda: RayCaster(surface))
     points, faces = _nearest(subject.caster, _rows(at, "at"))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import ParameterError
+from visuohaptic.sensor.frames import column_axes
 
 PLACE = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
@@ -69,8 +70,6 @@ def read_poses(path: str | Path) -> NDArray[np.float64]:
 
 def _axes(normals: NDArray[np.float64], roll: NDArray[np.float64]) -> NDArray[np.float64]:
     """Give columns, upwards and outwards, shape (n, 3, 3), one axis a column."""
-    from visuohaptic.sensor.frames import column_axes
-
     outward = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     along = column_axes(outward)
     up = np.cross(outward, along)

@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.exploration.showing import png_of
 from visuohaptic.exploration.units import UNITS
+from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
+from visuohaptic.parameters import as_parameters
+from visuohaptic.scene.parameters import Scene
+from visuohaptic.sensor.effects import simulate
+from visuohaptic.sensor.imprints import Poses, cast_heights, sensing_offsets, stand_on
 from visuohaptic.sensor.parameters import Orientation
+from visuohaptic.sensor.planner import Situation
+from visuohaptic.sensor.random_fields import RandomFields
 
 if TYPE_CHECKING:
     from PIL.Image import Image
     from trimesh import Trimesh
-
-    from visuohaptic.scene.parameters import Scene
-    from visuohaptic.sensor.imprints import Poses
 
     Mesh: TypeAlias = Trimesh | tuple[ArrayLike, ArrayLike]
 
@@ -60,15 +66,11 @@ class Pressed:
         )
 
     def _repr_png_(self) -> bytes:
-        from visuohaptic.exploration.showing import png_of
-
         return png_of(self.picture())
 
     @property
     def points(self) -> NDArray[np.float64]:
         """Points of the surface that are felt, shape (n, r, c, 3), mesh frame; NaN where there is none."""
-        from visuohaptic.sensor.imprints import sensing_offsets
-
         _, rows, columns = self.heights.shape
         aside = 0.5 * self.sizes[:, :1] * sensing_offsets(columns)
         down = 0.5 * self.sizes[:, 1:] * sensing_offsets(rows)
@@ -173,9 +175,6 @@ def press(
     ParameterError
         If a pose or a measure is not allowed.
     """
-    from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.sensor.imprints import cast_heights
-
     stands = _turned(_stand(points, normals, poses, orientation), roll)
     grid = _grid(resolution)
     sizes = _sizes(size, len(stands))
@@ -205,12 +204,6 @@ def _readings(
     seed: int,
 ) -> NDArray[np.float64]:
     """Give the readings of sensors in a scene, of full scale."""
-    from visuohaptic.parameters import as_parameters
-    from visuohaptic.scene.parameters import Scene
-    from visuohaptic.sensor.effects import simulate
-    from visuohaptic.sensor.planner import Situation
-    from visuohaptic.sensor.random_fields import RandomFields
-
     if unit not in UNITS:
         raise ParameterError(
             f"A scene has real lengths and unit is {unit!r}; {', '.join(UNITS)} are allowed."
@@ -237,8 +230,6 @@ def _stand(
     poses: ArrayLike | None,
     orientation: Orientation,
 ) -> Poses:
-    from visuohaptic.sensor.imprints import Poses, stand_on
-
     if orientation not in ORIENTATIONS:
         raise ParameterError(
             f"orientation is {orientation!r}; {', '.join(ORIENTATIONS)} are allowed."
@@ -329,10 +320,6 @@ def _sizes(size: ArrayLike | None, count: int) -> NDArray[np.float64]:
 
 def _unit_surface(mesh: Mesh) -> tuple[Surface, NDArray[np.float64], float]:
     """Give the mesh within the unit ball, where rays are exact enough, its centre and radius."""
-    from dataclasses import replace
-
-    from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
-
     if isinstance(mesh, tuple):
         surface = surface_of_arrays(mesh[0], mesh[1], "mesh")
     elif hasattr(mesh, "faces"):

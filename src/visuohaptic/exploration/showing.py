@@ -9,7 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.scene.parameters import EffectModes
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -51,11 +55,7 @@ def view_of(surface: Surface) -> bytes:
     """Render an object from the first viewpoint of the defaults, as PNG."""
     from PIL import Image
 
-    from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
     from visuohaptic.fixations.rendering import render_views
-    from visuohaptic.fixations.viewpoints import place_cameras
-    from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.scene.parameters import EffectModes
 
     cameras = place_cameras(ViewpointParameters())[:1]
     seen = render_views(RayCaster(surface), cameras, RenderingParameters(), EffectModes())

@@ -13,6 +13,7 @@ from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, Model, read_catalogue
 from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
+from visuohaptic.meshes.model_files import read_open_file
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import place_object, place_surface
 from visuohaptic.parameters import ExperimentParameters, as_parameters
@@ -84,8 +85,6 @@ def _is_whole(value: Any) -> bool:
 def _read_open(
     stream: Any, file_type: str | None, parameters: MeshParameters
 ) -> tuple[str, Surface]:
-    from visuohaptic.meshes.model_files import read_open_file
-
     path = Path(stream.name) if isinstance(getattr(stream, "name", None), str) else Path()
     kind = file_type if file_type is not None else path.suffix.lower().removeprefix(".")
     allowed = ", ".join(suffix.removeprefix(".") for suffix in MODEL_SUFFIXES)

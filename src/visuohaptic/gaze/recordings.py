@@ -12,6 +12,7 @@ import io
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -180,8 +181,6 @@ def _read_text(data: bytes, path: Path, _: float) -> _Arrays:
 
 
 def _read_archive(data: bytes, path: Path, largest_megabytes: float) -> _Arrays:
-    from zipfile import BadZipFile, ZipFile
-
     try:
         with ZipFile(io.BytesIO(data)) as packed:
             unpacked = sum(info.file_size for info in packed.infolist())

@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import io
+import logging
 import re
 import shutil
 import subprocess
@@ -23,6 +24,7 @@ from typing import TYPE_CHECKING
 from visuohaptic.errors import DownloadError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.meshes.catalogue import Model
+from visuohaptic.meshes.model_files import surface_from_stream
 from visuohaptic.whole_files import whole_file
 
 if TYPE_CHECKING:
@@ -93,8 +95,6 @@ def download(address: str, path: Path, sha256: str | None = None) -> Path:
     Raises `DownloadError` if the server can't be reached or refuses, the file is too large, or the
     hash is another; nothing of it is kept then.
     """
-    import logging
-
     import pooch
     import requests
 
@@ -163,8 +163,6 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
     Raises `DownloadError` if the member is not there or not the pinned one, `MeshError` if it is no
     mesh.
     """
-    from visuohaptic.meshes.model_files import surface_from_stream
-
     data = read_member(library, model.member, _LARGEST_MEMBER_BYTES)
     found = hashlib.sha256(data).hexdigest()
     if found != model.sha256:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.polygons import check_corners
+from visuohaptic.meshes.textures import add_textures
 
 GREY = (160, 160, 160)
 """Colour, sRGB, of a face that has none."""
@@ -37,8 +38,6 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
     Materials and vertex colours become a colour a face; images stay images. Raises `MeshError`
     if there are no faces, or an image can't be read.
     """
-    from visuohaptic.meshes.textures import add_textures
-
     parts = [part for part in _checked_parts(mesh, name) if len(part.faces)]
     if not parts:
         raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")

@@ -15,6 +15,7 @@ from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
 from visuohaptic.meshes.claims import check_claims, gltf_json
+from visuohaptic.meshes.collada import checked_collada
 from visuohaptic.meshes.gltf_files import check_gltf
 from visuohaptic.meshes.gltf_wraps import add_wraps
 from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
@@ -22,6 +23,7 @@ from visuohaptic.meshes.obj_files import checked_obj
 from visuohaptic.meshes.off_files import checked_off
 from visuohaptic.meshes.ply_files import checked_ply
 from visuohaptic.meshes.stl_files import checked_stl
+from visuohaptic.meshes.three_mf import read_3mf
 
 _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae")
 _LARGEST_TEXTURE_BYTES = 50 * 10**6
@@ -144,16 +146,12 @@ def _checked(data: bytes, kind: str, resolver: Any) -> bytes:
         case "stl":
             return checked_stl(data)
         case "dae":
-            from visuohaptic.meshes.collada import checked_collada
-
             return checked_collada(data)
     check_gltf(data, kind, resolver)
     return data
 
 
 def _surface_of_3mf(data: bytes, name: str) -> Surface:
-    from visuohaptic.meshes.three_mf import read_3mf
-
     with _reading(name, "3mf"):
         vertices, faces = read_3mf(data)
     if not len(faces):

@@ -12,6 +12,7 @@ from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
+from visuohaptic.meshes.model_files import read_model
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.standing import steadiest_axis
 
@@ -34,8 +35,6 @@ def place_object(
         surface = read_surface(path, parameters.largest_megabytes)
         rotation = np.eye(3) if model.rotation is None else np.reshape(model.rotation, (3, 3))
     else:
-        from visuohaptic.meshes.model_files import read_model
-
         surface = read_model(path, parameters.largest_megabytes)
         rotation = up_rotation(surface, str(path), parameters)
     return place(surface, str(path), rotation, model.dimensions, parameters.merge_tolerance)

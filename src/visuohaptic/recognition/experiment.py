@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.classifiers import ClassifierName
+from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.encoding import ReductionMemory, fit_sequence_encoder
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -28,6 +29,7 @@ from visuohaptic.recognition.sequences import (
     turn_objects,
 )
 from visuohaptic.recognition.splits import Split, make_splits
+from visuohaptic.recognition.tuning import FitMemory, fit_best_classifiers
 from visuohaptic.recognition.voting import vote_credit
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import (
@@ -40,7 +42,6 @@ from visuohaptic.tables.schema import build_rows, build_table
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.pooling import Ballots
-    from visuohaptic.recognition.tuning import FitMemory
 
 logger = logging.getLogger(__name__)
 
@@ -207,8 +208,6 @@ def gather_pipeline(
 
 def _described(features: pa.Table) -> tuple[str, ...]:
     """Name the columns ``contourlet_…`` that the descriptor of the imprint fills; the others are 0."""
-    import pyarrow.compute as pc
-
     present = [name for name in CONTOURLET_FEATURES if name in features.column_names]
     ends = [pc.min_max(features.column(name)).as_py() for name in present]
     filled = [bool(end["min"] or end["max"]) for end in ends]
@@ -232,7 +231,6 @@ def split_runner(
         return lambda split, generator: run_paper_split(
             sequences, split, parameters, generator, maps
         )
-    from visuohaptic.recognition.tuning import FitMemory
 
     waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
     described = describe_sequences(
@@ -256,8 +254,6 @@ def run_paper_split(
     The test sequences are only encoded and classified. `memory` holds maps of other runs; it changes no
     number. Yields an answer for each classifier that can be fitted.
     """
-    from visuohaptic.recognition.classifiers import fit_classifier
-
     labels = sequences.labels[split.train]
     encoder = fit_sequence_encoder(sequences.features[split.train], parameters, generator, memory)
     training = encoder.encode(sequences.features[split.train])
@@ -290,8 +286,6 @@ def run_best_split(
     `memory` holds fits of other splits of the same run; it changes no number. Yields an answer with
     probabilities for each classifier that can be fitted.
     """
-    from visuohaptic.recognition.tuning import fit_best_classifiers
-
     training = described[split.train]
     labels, owners = sequences.labels[split.train], sequences.object_index[split.train]
     projection, fits = fit_best_classifiers(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import platform
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from importlib.metadata import version
 
 import numpy as np
 import pyarrow as pa
@@ -17,7 +19,7 @@ from visuohaptic.recognition.certainty import (
     fit_calibration,
     one_classifier,
 )
-from visuohaptic.recognition.classifiers import ClassifierName
+from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier
 from visuohaptic.recognition.descriptors import (
     WaveBasis,
     describe_sequences,
@@ -213,11 +215,11 @@ class RecognitionModel:
     def _parts(self, features: pa.Table) -> list[_Part]:
         by_length: dict[int, list[NDArray[np.float64]]] = {}
         for sequences in self._sequences(features):
-            length = self._named_as(sequences.shape[1])
+            length = self._length_for(sequences.shape[1])
             by_length.setdefault(length, []).append(sequences)
         return [self._part(length, found) for length, found in by_length.items()]
 
-    def _named_as(self, touches: int) -> int:
+    def _length_for(self, touches: int) -> int:
         """Give the length, of those that the model learnt, that is most like so many touches."""
         ratios = {length: max(length, touches) / min(length, touches) for length in self.short}
         ratios[self.touches] = max(self.touches, touches) / min(self.touches, touches)
@@ -325,8 +327,6 @@ def _fit_paper(
     parameters: RecognitionParameters,
     seed: int,
 ) -> _Fit:
-    from visuohaptic.recognition.classifiers import fit_classifier
-
     generator = spawn_generator(seed, "recognition", "model", "paper")
     encoder = fit_sequence_encoder(sequences.features, parameters, generator)
     fitted, _ = fit_classifier(
@@ -370,9 +370,6 @@ def _fit_best(
 
 
 def _versions() -> dict[str, str]:
-    import platform
-    from importlib.metadata import version
-
     packages = ("numpy", "scikit-learn", "pywavelets", "skops")
     return {
         "visuohaptic": __version__,

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.recognition.classifiers import ClassifierParameters, check_spread
+from visuohaptic.recognition.covariance import shrink, variance_floor
 from visuohaptic.recognition.encoding import ROUNDING
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
@@ -300,8 +301,6 @@ def _common_covariance(
     rows: NDArray[np.float64], deviations: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Give the classes' mean covariance, as classifier `linear_discriminant` shrinks it: (n, q) each to (q, q)."""
-    from visuohaptic.recognition.covariance import shrink, variance_floor
-
     pooled = deviations.T @ deviations / len(rows)
     shrunk = shrink(pooled, ClassifierParameters().linear_shrinkage)
     return shrunk + variance_floor(rows) * np.eye(len(shrunk))

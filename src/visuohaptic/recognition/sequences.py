@@ -12,6 +12,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import CONTACT_STATES, key_of, owners_of
 from visuohaptic.tables.schema import matrix
 
@@ -117,8 +118,6 @@ def gather_sequences(
 
 def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
     """Draw a new order of each sequence's touches by the seed, its object and its viewpoint alone."""
-    from visuohaptic.seeds import spawn_generator
-
     orders = [
         spawn_generator(seed, "order", *sequences.objects[owner], viewpoint)
         for owner, viewpoint in zip(sequences.object_index, sequences.viewpoint, strict=True)
@@ -190,8 +189,6 @@ def turn_objects(features: pa.Table, turns: str) -> pa.Table:
     pipeline, so that these are compared on the same turned objects. Every other column stays.
     """
     from scipy.spatial.transform import Rotation
-
-    from visuohaptic.seeds import spawn_generator
 
     if turns == "none":
         return features

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -151,8 +152,6 @@ def load_model(path: str | Path) -> RecognitionModel:
 
 
 def _check_size(path: Path) -> None:
-    import zipfile
-
     with zipfile.ZipFile(path) as archive:
         unpacked = sum(part.file_size for part in archive.infolist())
     if unpacked > LARGEST_BYTES:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
@@ -143,8 +144,6 @@ def confusion(predictions: pa.Table) -> Confusion:
 
 def select(table: pa.Table, **values: object) -> pa.Table:
     """Take the rows whose columns have the given values, such as ``strategy="random"``."""
-    import pyarrow.compute as pc
-
     for name, value in values.items():
         table = table.filter(pc.equal(table.column(name), pa.scalar(value)))
     return table

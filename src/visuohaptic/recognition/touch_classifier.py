@@ -14,9 +14,12 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.certainty import one_classifier
+from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.pooling import Ballots
 from visuohaptic.recognition.tuning import fit_best_classifiers
+from visuohaptic.seeds import spawn_generator
 
 
 class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
@@ -174,10 +177,6 @@ def touch_descriptors(
     RecognitionError
         If the features don't allow it.
     """
-    from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-    from visuohaptic.recognition.experiment import gather_pipeline
-    from visuohaptic.seeds import spawn_generator
-
     chosen = parameters or RecognitionParameters()
     if not features.num_rows:
         raise RecognitionError("The features hold no touches.")

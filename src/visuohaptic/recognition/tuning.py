@@ -18,6 +18,8 @@ from visuohaptic.recognition.classifiers import (
     CLASSIFIERS,
     ClassifierName,
     ClassifierParameters,
+    draw_seed,
+    fit_classifier,
 )
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
@@ -368,8 +370,6 @@ def fit_tuned_classifier(
     str or None
         What it needed to be fitted.
     """
-    from visuohaptic.recognition.classifiers import fit_classifier
-
     parameters = parameters.model_copy(
         update={"discriminant_target": "mean_variance", "discriminant_regularisation": "always"}
     )
@@ -533,8 +533,6 @@ def _fit_in_fold(
     fits: FoldFits,
     generator: np.random.Generator,
 ) -> Any:
-    from visuohaptic.recognition.classifiers import draw_seed, fit_classifier
-
     if (name, parameters) in fits.classifiers:
         # Keep the random generator in the same state as after a fit.
         draw_seed(generator)

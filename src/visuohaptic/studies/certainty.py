@@ -10,6 +10,15 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.certainty import fit_calibration, one_classifier
+from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.experiment import fitting, gather_pipeline
+from visuohaptic.recognition.intervals import plain_interval, rate_interval
+from visuohaptic.recognition.pooling import spread_choices
+from visuohaptic.recognition.sequences import take_strategy
+from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
+from visuohaptic.recognition.summary import select
+from visuohaptic.recognition.tuning import fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.ablations import CLASSIFIER
 from visuohaptic.studies.figures import write_json
@@ -58,11 +67,6 @@ def measure_certainty(
     rest trains and calibrates a classifier of pipeline `best` on the touches of a strategy, rows of
     `tables.FEATURES`. Raises `RecognitionError` if there are fewer than three classes.
     """
-    from visuohaptic.recognition.certainty import one_classifier
-    from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-    from visuohaptic.recognition.experiment import fitting, gather_pipeline
-    from visuohaptic.recognition.sequences import take_strategy
-
     table, _ = take_strategy(features, strategy, parameters.touches)
     sequences = gather_pipeline(table, parameters, "best", seed)
     if len(sequences.classes) < 3:
@@ -107,9 +111,6 @@ def sum_up_answers(
     Any table will do that says of each answer whether the object's class is `known`, and whether the
     answer is `correct`, `covered` and `unknown`. What there are no objects for is left out.
     """
-    from visuohaptic.recognition.intervals import plain_interval, rate_interval
-    from visuohaptic.recognition.summary import select
-
     for strategy in table.column("strategy").unique().to_pylist():
         for views in table.column("views").unique().to_pylist():
             rows = select(table, strategy=strategy, views=views).to_pylist()
@@ -155,11 +156,6 @@ def _without_class(
     generator: np.random.Generator,
 ) -> Iterator[dict[str, object]]:
     """Train without a class and without a fold of the others, and classify both."""
-    from visuohaptic.recognition.certainty import fit_calibration
-    from visuohaptic.recognition.pooling import spread_choices
-    from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
-    from visuohaptic.recognition.tuning import fit_best_classifiers
-
     members = objects_of_classes(sequences)
     others = [objects for place, objects in enumerate(members) if place != left_out]
     folds = grouped_folds(others, parameters.protocol.folds, generator)

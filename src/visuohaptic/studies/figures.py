@@ -32,7 +32,7 @@ Row = dict[str, Any]
 CellKey = tuple[str, str, str, str]
 """Condition, pipeline, strategy and classifier."""
 
-_UNTOLD = ("study", "title", "condition", "pipeline", "strategy", "classifier", "place", "seconds")
+_OMITTED = ("study", "title", "condition", "pipeline", "strategy", "classifier", "place", "seconds")
 CELL = ("condition", "pipeline", "strategy", "classifier")
 LEADER = "fixation"
 """The strategy whose lead over each other one is given."""
@@ -150,7 +150,7 @@ def nested(rows: Sequence[Row], keys: Sequence[str]) -> dict[str, Any]:
         inner = figures
         for key in keys:
             inner = inner.setdefault(row[key], {})
-        inner |= {name: value for name, value in row.items() if name not in _UNTOLD}
+        inner |= {name: value for name, value in row.items() if name not in _OMITTED}
     return figures
 
 

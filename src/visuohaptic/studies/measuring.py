@@ -12,11 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from contourlets.errors import ContourletError
 from visuohaptic.attention.errors import AttentionError
 from visuohaptic.errors import RecognitionError, VisuohapticError
+from visuohaptic.geometry.subject import Subject
+from visuohaptic.geometry.surface import object_of
+from visuohaptic.one_phase import SCHEMAS, objects_of
+from visuohaptic.pipeline import run
+from visuohaptic.recognition.encoding import ReductionMemory
+from visuohaptic.recognition.experiment import answer_splits, gather_pipeline, split_runner
+from visuohaptic.recognition.pooling import Ballots, spread_choices
+from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.studies.conditions import Planned, Recomputation, touches_needed
 from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import build_table, read_table
@@ -24,7 +33,6 @@ from visuohaptic.tables.studies import STUDY
 
 if TYPE_CHECKING:
     from visuohaptic.parameters import ExperimentParameters
-    from visuohaptic.recognition.encoding import ReductionMemory
     from visuohaptic.recognition.experiment import Answer, AnswerSplit
     from visuohaptic.recognition.sequences import TouchSequences
     from visuohaptic.recognition.splits import Split
@@ -68,8 +76,6 @@ class Memory:
     """The latest predictions, and maps of the paper's pipeline, so that what conditions share is trained once."""
 
     def __init__(self, kept: int = 4) -> None:
-        from visuohaptic.recognition.encoding import ReductionMemory
-
         self.maps = ReductionMemory()
         self._kept = kept
         self._predictions: OrderedDict[Hashable, Predictions] = OrderedDict()
@@ -94,11 +100,6 @@ def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Tab
 
 
 def _recomputed_parts(recomputation: Recomputation, sources: Sources) -> Iterator[pa.Table]:
-    from visuohaptic.geometry.subject import Subject
-    from visuohaptic.geometry.surface import object_of
-    from visuohaptic.one_phase import SCHEMAS, objects_of
-    from visuohaptic.pipeline import run
-
     parameters = recomputation.parameters
     meshes = {object_of(mesh): mesh for mesh in sources.meshes}
     for taken in sources.tables(recomputation.phase):
@@ -121,10 +122,6 @@ def condition_features(planned: Planned, features: pa.Table, strategy: str) -> p
     Viewpoints without a whole sequence by every strategy of the condition, and classes with a
     single object, are left out. Raises `RecognitionError` if no row is left.
     """
-    import pyarrow.compute as pc
-
-    from visuohaptic.recognition.sequences import take_strategy
-
     parameters = planned.parameters
     compared = _of_strategies(features, {strategy, *parameters.probing.strategies})
     made = pc.less(compared.column("touch"), touches_needed(parameters))
@@ -171,8 +168,6 @@ def predict_objects(
     answer_split: AnswerSplit,
 ) -> Predictions:
     """Train and test every split of one pipeline as `answer_split` does."""
-    from visuohaptic.recognition.experiment import answer_splits
-
     started = time.process_time()
     answers = list(answer_splits(sequences, parameters.recognition, seed, pipeline, answer_split))
     return Predictions(sequences, answers, time.process_time() - started)
@@ -192,8 +187,6 @@ def _predict_condition(
     seed: int,
     maps: ReductionMemory,
 ) -> Predictions:
-    from visuohaptic.recognition.experiment import gather_pipeline, split_runner
-
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
     sequences = gather_pipeline(rows, recognition, pipeline, seed)
@@ -257,8 +250,6 @@ def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
 
 
 def _of_strategies(table: pa.Table, strategies: Iterable[str]) -> pa.Table:
-    import pyarrow.compute as pc
-
     chosen = pa.array(list(strategies))
     return table.filter(pc.is_in(table.column("strategy"), chosen)).combine_chunks()
 
@@ -276,12 +267,7 @@ def _correct(
 def _voted(
     sequences: TouchSequences, split: Split, answer: Answer, votes: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Give the tested objects, and how often viewpoints together classify each correctly.
-
-    A viewpoint without a whole sequence casts no vote.
-    """
-    from visuohaptic.recognition.pooling import Ballots, spread_choices
-
+    """Give the tested objects, and how often viewpoints that have a whole sequence together classify each correctly."""
     numbers = np.unique(sequences.viewpoint)
     if votes > len(numbers):
         raise RecognitionError(f"{votes} viewpoints can't vote, for the run has {len(numbers)}.")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
+from visuohaptic import __version__
 from visuohaptic.tables.schema import Schema, read_table
 
 _SOURCE = b"source"
@@ -34,10 +35,8 @@ def store_table(
     schema: Schema, table: str | Path, output: str | Path, command: str, machine: str
 ) -> None:
     """Write a measured table with the command and the processor that gave it."""
-    import visuohaptic
-
     date = datetime.now(UTC).strftime("%Y-%m-%d")
-    source = Source(machine, date, command, visuohaptic.__version__)
+    source = Source(machine, date, command, __version__)
     rows = read_table(schema, table)
     metadata = {**(rows.schema.metadata or {}), _SOURCE: json.dumps(asdict(source))}
     pq.write_table(rows.replace_schema_metadata(metadata), output, compression="zstd")

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
 
@@ -23,8 +24,6 @@ def key_of(row: Mapping[str, str]) -> str:
 
 def keys_of(table: pa.Table) -> pa.ChunkedArray:
     """Give the `class/name` of each row's object."""
-    import pyarrow.compute as pc
-
     return pc.binary_join_element_wise(table.column("class"), table.column("object"), "/")
 
 
@@ -38,8 +37,6 @@ def by_object(table: pa.Table) -> Iterator[tuple[str, pa.Table]]:
 
 def of_objects(table: pa.Table, objects: Collection[str] | None) -> pa.Table:
     """Take the rows of some objects, `class/name`; of all where they are None."""
-    import pyarrow.compute as pc
-
     if objects is None:
         return table
     chosen = pc.is_in(keys_of(table), pa.array(list(objects), pa.string()))

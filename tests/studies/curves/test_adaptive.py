@@ -8,6 +8,7 @@ from studies.surfaces import RUN, small_surfaces, write_sources
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition import experiment
 from visuohaptic.studies.conditions import plan_study
+from visuohaptic.studies.curves import adaptive
 from visuohaptic.studies.curves.adaptive import CANDIDATES, adaptive_rows, make_candidates
 from visuohaptic.studies.curves.settings import CURVES, LONGEST_SEQUENCE, touches_name
 from visuohaptic.studies.figures import cells_of
@@ -57,7 +58,7 @@ def test_each_condition_learns_its_number_of_touches_in_the_pipelines_columns(mo
         seen.add((sequences.features.shape[1], sequences.feature_names))
         return runner(sequences, *given)
 
-    monkeypatch.setattr(experiment, "split_runner", run)
+    monkeypatch.setattr(adaptive, "split_runner", run)
     cells("paper", [1, 3])
     assert seen == {(1, experiment.PAPER_FEATURES), (3, experiment.PAPER_FEATURES)}
 

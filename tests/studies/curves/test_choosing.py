@@ -163,7 +163,7 @@ def test_the_touches_of_a_training_object_are_chosen_without_it(monkeypatch):
     assert [place for place in left_out if place != -1] == training.tolist()
 
 
-def test_a_training_object_is_not_foretold_by_itself():
+def test_a_training_object_is_not_predicted_from_itself():
     model = fit_touch_model(CANDIDATES, SPLIT, PARAMETERS, np.random.default_rng(3))
     place = int(CANDIDATES.sequences.object_index[SPLIT.train[0]])
     poses = CANDIDATES.poses[CANDIDATES.owner == place]

@@ -9,9 +9,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pyarrow as pa
 
+from visuohaptic.fixations.locations import candidate_table
+from visuohaptic.fixations.looking import Standpoint
+from visuohaptic.fixations.places import ProbingLocations
+from visuohaptic.fixations.strategies.farthest_point import spread_far
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.orientation import orient_outwards
+from visuohaptic.geometry.subject import Subject
+from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pipeline import run
+from visuohaptic.recognition.experiment import gather_pipeline, split_runner
+from visuohaptic.recognition.sequences import classes_of_two
+from visuohaptic.recognition.summary import select
+from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.ablations import CLASSIFIER
 from visuohaptic.studies.conditions import Planned, plan_study
+from visuohaptic.studies.curves.choosing import choose_features, gather_candidates
 from visuohaptic.studies.curves.settings import CURVES
 from visuohaptic.studies.measuring import (
     REFUSALS,
@@ -24,9 +38,10 @@ from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
+from visuohaptic.touches.choosing import in_reach
+from visuohaptic.touches.touching import touch_tables
 
 if TYPE_CHECKING:
-    from visuohaptic.geometry.subject import Subject
     from visuohaptic.recognition.experiment import Answer
     from visuohaptic.recognition.sequences import TouchSequences
     from visuohaptic.recognition.splits import Split
@@ -38,16 +53,6 @@ CANDIDATES = 256
 
 def make_candidates(given: Given) -> None:
     """Touch objects wherever `adaptive` may choose to: rows of `tables.FEATURES`, no sequences."""
-    from visuohaptic.fixations.locations import candidate_table
-    from visuohaptic.fixations.looking import Standpoint
-    from visuohaptic.fixations.places import ProbingLocations
-    from visuohaptic.fixations.strategies.farthest_point import spread_far
-    from visuohaptic.fixations.viewpoints import place_cameras
-    from visuohaptic.geometry.orientation import orient_outwards
-    from visuohaptic.geometry.subject import Subject
-    from visuohaptic.geometry.surface import object_of, usable_meshes
-    from visuohaptic.seeds import spawn_generator
-
     parts, parameters = [], given.run
     for mesh in usable_meshes(given.inputs["meshes"]):
         subject = Subject.of_mesh(object_of(mesh), mesh)
@@ -69,10 +74,6 @@ def _describe_candidates(
     subject: Subject, located: pa.Table, parameters: ExperimentParameters
 ) -> pa.Table:
     """Touch candidates; where places out of reach are replaced, only those in reach."""
-    from visuohaptic.pipeline import run
-    from visuohaptic.touches.choosing import in_reach
-    from visuohaptic.touches.touching import touch_tables
-
     caster, sensor = subject.caster, parameters.sensor
     if parameters.probing.unreachable == "replace":
         located = located.filter(pa.array(in_reach(caster, located, sensor)))
@@ -96,8 +97,6 @@ def adaptive_rows(
     `features` are those that `make_candidates` writes; the conditions differ in the number of
     touches. Yields `tables.STUDY` of each condition, by strategy ``adaptive``.
     """
-    from visuohaptic.recognition.sequences import classes_of_two
-
     chooser = None
     for one in planned:
         key = ("curves", one.condition.name, pipeline, "adaptive")
@@ -112,10 +111,6 @@ class _Chooser:
     """Touches that are chosen once a split, as many as the longest sequence needs."""
 
     def __init__(self, features: pa.Table, planned: Sequence[Planned], pipeline: str) -> None:
-        from visuohaptic.recognition.experiment import gather_pipeline
-        from visuohaptic.recognition.summary import select
-        from visuohaptic.studies.curves.choosing import gather_candidates
-
         # The columns that a pipeline takes are those that it takes of one touch a sequence.
         first = select(features, touch=0)
         single = planned[0].parameters.recognition.model_copy(update={"touches": 1})
@@ -130,7 +125,6 @@ class _Chooser:
 
     def predict_objects(self, parameters: ExperimentParameters) -> Predictions:
         """Train and test every split on its own touches."""
-        from visuohaptic.recognition.experiment import split_runner
 
         def answer(split: Split, generator: np.random.Generator) -> Iterator[Answer]:
             sequences = self._sequences(split, parameters)
@@ -143,8 +137,6 @@ class _Chooser:
         return predict_objects(whole, parameters, self._pipeline, parameters.seed, answer)
 
     def _sequences(self, split: Split, parameters: ExperimentParameters) -> TouchSequences:
-        from visuohaptic.studies.curves.choosing import choose_features
-
         key = tuple(split.test.tolist())
         if key not in self._chosen:
             self._chosen[key] = choose_features(self._candidates, split, self._most, parameters)

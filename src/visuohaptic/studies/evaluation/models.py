@@ -18,6 +18,8 @@ import numpy as np
 import pyarrow as pa
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.pooling import spread_choices
+from visuohaptic.recognition.summary import select
 from visuohaptic.studies.certainty import VIEWS, sum_up_answers
 from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.schema import build_rows, read_table
@@ -46,8 +48,6 @@ def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
     evenly spread choice of so many views. Raises `RecognitionError` if no such object is of a class that
     the model knows, or the model is not calibrated.
     """
-    from visuohaptic.recognition.summary import select
-
     own = select(features, strategy=model.strategy)
     touched = own.select(["class", "object"]).group_by(["class", "object"]).aggregate([])
     found = {(row["class"], row["object"]) for row in touched.to_pylist()}
@@ -77,8 +77,6 @@ def _classify_object(
     model: RecognitionModel, touches: pa.Table, category: str
 ) -> Iterator[dict[str, object]]:
     """Classify an object of a class by every choice of its views; with fewer views, by all of them."""
-    from visuohaptic.recognition.pooling import spread_choices
-
     viewpoint = touches.column("viewpoint").to_numpy()
     seen = np.unique(viewpoint)
     for views in sorted({min(views, len(seen)) for views in VIEWS}):
@@ -104,8 +102,6 @@ def summarise_evaluation(
     table: pa.Table, intervals: IntervalParameters, seed: int
 ) -> list[dict[str, Any]]:
     """Sum up `tables.EVALUATION` by strategy and number of views, as `sum_up_answers` does."""
-    from visuohaptic.recognition.summary import select
-
     parts = [select(table, strategy=name) for name in table.column("strategy").unique().to_pylist()]
     return [
         figures

@@ -11,13 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.classifiers import fit_classifier
+from visuohaptic.recognition.experiment import fitting
+from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature, softmax
+from visuohaptic.recognition.tuning import FitMemory, fit_best_classifiers, make_inner_folds
 from visuohaptic.seeds import spawn_generator
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.parameters import RecognitionParameters
     from visuohaptic.recognition.sequences import TouchSequences
     from visuohaptic.recognition.splits import Split
-    from visuohaptic.recognition.tuning import FitMemory, InnerFold, Projection, TunedClassifier
+    from visuohaptic.recognition.tuning import InnerFold, Projection, TunedClassifier
 
 FAMILIAR = 0.95
 """Share of held-out training views that count as familiar."""
@@ -65,9 +69,6 @@ def answer_trials(
     calibrated as the pipeline does, within the training objects; raises `RecognitionError` if none
     of these can be held out.
     """
-    from visuohaptic.recognition.experiment import fitting
-    from visuohaptic.recognition.tuning import FitMemory
-
     memory = FitMemory()
     with fitting():
         return [
@@ -84,8 +85,6 @@ def _answer_trial(
     seed: int,
     memory: FitMemory,
 ) -> Answered:
-    from visuohaptic.recognition.tuning import fit_best_classifiers, make_inner_folds
-
     split, repeat = trial
     draws = partial(spawn_generator, seed, "recognition", "best", repeat, split.number)
     training = np.asarray(described[0][split.train], dtype=np.float64)
@@ -120,8 +119,6 @@ def _without(
     name: str, classifier: TunedClassifier, fold: InnerFold, generator: np.random.Generator
 ) -> NDArray[np.float64]:
     """Give the answers for a fold's held-out sequences, (m, c), by what learnt from the others."""
-    from visuohaptic.recognition.classifiers import fit_classifier
-
     fits = fold.fits
     fitted, _ = fit_classifier(name, classifier.parameters, fits.train, fits.labels, generator)
     bags = None if classifier.bags is None else fits.bags
@@ -157,8 +154,6 @@ def multiply(
     Two senses that err alike make the product too sure, so it has a temperature, which is fitted on
     held-out training sequences. `labels` and `owners` are of all sequences, shape (s,).
     """
-    from visuohaptic.recognition.pooling import best_temperature, softmax
-
     held_out = _log(first.held_out) + _log(second.held_out)
     tested = _log(first.tested) + _log(second.tested)
     # That all of n objects were right doesn't make the next one certain: the rule of succession.
@@ -170,6 +165,4 @@ def multiply(
 
 
 def _log(probabilities: NDArray[np.float64]) -> NDArray[np.float64]:
-    from visuohaptic.recognition.pooling import LEAST_SCORE
-
     return np.log(np.maximum(probabilities, np.exp(LEAST_SCORE)))

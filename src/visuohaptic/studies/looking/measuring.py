@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import CostParameters, ExperimentParameters
+from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.experiment import draw_splits
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.ablations import CLASSIFIER
 from visuohaptic.studies.conditions import touches_of_run, with_changes
+from visuohaptic.studies.curves.choosing import choose_features
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.looking.answers import (
     Answered,
@@ -87,8 +90,6 @@ def measure_looking(sensed: Sensed, run: ExperimentParameters, processes: int) -
     Looking is learnt in clean sight and tested in every sight. Touches are those that a clean look
     leads to, in every sight.
     """
-    from visuohaptic.recognition.experiment import draw_splits
-
     run = with_changes(run, {"recognition.best.classifiers": (CLASSIFIER,)})
     trials = list(draw_splits(sensed.sequences, run.recognition, run.seed))
     answers = _answer_all(sensed, trials, run, processes)
@@ -106,8 +107,6 @@ def _answer_all(
 
     touched = {name: [features] * len(trials) for name, features in sensed.touched.items()}
     if sensed.candidates is not None:
-        from visuohaptic.studies.curves.choosing import choose_features
-
         touched[ADAPTIVE] = Parallel(processes)(
             delayed(choose_features)(sensed.candidates, split, most_touches(run), run)
             for split, _ in trials
@@ -143,8 +142,6 @@ def _describe(
     task: _Task, trials: int, names: Sequence[str], run: ExperimentParameters
 ) -> Iterator[Sequence[Descriptors]]:
     """Give the descriptors of each trial in each condition of its test."""
-    from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-
     views = [] if task.seen is None else list(np.moveaxis(task.seen, 1, 0))
     if not task.touched:
         yield from [views] * trials

@@ -11,10 +11,17 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.subject import Subject
+from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import CostParameters, ExperimentParameters
-from visuohaptic.recognition.sequences import TouchSequences
+from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, passed_on, phase
+from visuohaptic.pipeline import run as run_phases
+from visuohaptic.recognition.experiment import gather_pipeline
+from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, whole_sequences
+from visuohaptic.recognition.summary import select
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import touches_of_run, with_changes
+from visuohaptic.studies.curves.choosing import gather_candidates
 from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE
 from visuohaptic.studies.looking.seeing import SIGHTS, describe_views
 from visuohaptic.studies.looking.settings import CUES
@@ -70,11 +77,6 @@ def sense_object(
 
     Gives rows of `tables.FEATURES`, and by cue descriptors of all viewpoints, shape (v, sights, d).
     """
-    from visuohaptic.geometry.subject import Subject
-    from visuohaptic.geometry.surface import object_of
-    from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, passed_on, phase
-    from visuohaptic.pipeline import run as run_phases
-
     changes = {
         "probing.strategies": STRATEGIES,
         "probing.when_exhausted": "begin_again",
@@ -111,8 +113,6 @@ def sense_all(
     """
     from joblib import Parallel, delayed
 
-    from visuohaptic.geometry.surface import object_of, usable_meshes
-
     usable = usable_meshes(meshes)
     sensed = Parallel(processes)(delayed(sense_object)(mesh, run) for mesh in usable)
     views = {object_of(mesh): one[1] for mesh, one in zip(usable, sensed, strict=True)}
@@ -126,11 +126,6 @@ def gather_sensed(
     run: ExperimentParameters,
 ) -> Sensed:
     """Gather what `sense_object` gave of all objects, their views by `class/name`."""
-    from visuohaptic.recognition.experiment import gather_pipeline
-    from visuohaptic.recognition.sequences import classes_of_two, whole_sequences
-    from visuohaptic.recognition.summary import select
-    from visuohaptic.studies.curves.choosing import gather_candidates
-
     touches = most_touches(run)
     whole = classes_of_two(whole_sequences(rows, touches)[0])
     if candidates is not None:
