@@ -369,10 +369,7 @@ def _draw_intervals(
     chance: float | None = None,
     across: str = "correctly classified",
 ) -> Figure:
-    """Draw a row a name, in it the marks of all series below each other with their intervals.
-
-    The axis begins at half where all that it shows lies above, since small distances count there.
-    """
+    """Draw a row a name, in it the marks of all series below each other with their intervals."""
     shown = [one for part in series for one in part.estimates if one is not None]
     if not shown:
         raise ReportError("Nothing was measured, so there is nothing to draw.")
@@ -383,6 +380,7 @@ def _draw_intervals(
     step = _ROW / (_GAP + _ROW * len(places))
     for one in series:
         _draw_series(axes, one, step * (places.index(one.place) - (len(places) - 1) / 2))
+    # Small distances count where all lies above half.
     start = _HALF if min(map(_lowest, shown)) >= _HALF else 0.0
     if chance is not None and chance >= start:
         axes.axvline(chance, color=COLOURS["ink"], linestyle="--", linewidth=1, label="chance")

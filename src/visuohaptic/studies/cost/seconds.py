@@ -187,12 +187,10 @@ def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
 
 
 def _quickly_fitted(parameters: RecognitionParameters) -> RecognitionParameters:
-    """Make fitting quicker, and leave the run time of an answer.
-
-    That follows from sizes: of the descriptors, the projection and the classifier, and of the touches
-    and objects of the training that the new ones are compared with. Into how many folds these are
-    dealt, to calibrate the answer, changes no size; nor do further classifiers, of shorter sequences.
-    """
+    """Make fitting quicker, and leave the run time of an answer."""
+    # That follows from sizes: of the descriptors, the projection and the classifier, and of the
+    # touches and objects of the training that new ones are compared with. Neither the number of
+    # folds that calibrate the answer nor classifiers of shorter sequences change one.
     best = parameters.best.model_copy(update={"calibration_folds": 2, "short_touches": ()})
     return parameters.model_copy(update={"best": best})
 

@@ -1,0 +1,59 @@
+"""The docstring of a private function or class is one line; public ones say more."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+FILES = [
+    file
+    for folder in ("src", "packages/contourlets/src", "workflow/lib", "studies")
+    for file in sorted((ROOT / folder).rglob("*.py"))
+]
+
+
+def definitions(node, is_within_function=False):
+    """Yield functions and classes, and whether each is private; what a function holds is."""
+    for child in ast.iter_child_nodes(node):
+        is_function = isinstance(child, ast.FunctionDef)
+        if is_function or isinstance(child, ast.ClassDef):
+            is_private = child.name.startswith("_") and not child.name.endswith("__")
+            yield child, is_private or is_within_function
+        yield from definitions(child, is_within_function or is_function)
+
+
+def lines_of(definition):
+    return len((ast.get_docstring(definition) or "").splitlines())
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(ROOT)))
+def test_docstrings_of_private_functions_and_classes_are_one_line(file):
+    found = definitions(ast.parse(file.read_text(encoding="utf-8")))
+    assert [one.name for one, is_private in found if is_private and lines_of(one) > 1] == []
+
+
+LONG = """
+class Public:
+    def inherited(self):
+        '''Public.
+
+        May be long.
+        '''
+        def within():
+            '''Long.
+
+            Private.
+            '''
+def _private():
+    '''Long.
+
+    Private.
+    '''
+"""
+
+
+def test_a_longer_docstring_is_found_in_functions_and_below_them():
+    found = definitions(ast.parse(LONG))
+    names = [one.name for one, is_private in found if is_private and lines_of(one) > 1]
+    assert names == ["within", "_private"]
