@@ -6,7 +6,7 @@ from report.synthetic import write_run
 
 from visuohaptic.errors import GuardError
 from visuohaptic.geometry.surface import meshes_in
-from visuohaptic.guards.files import make_guards
+from visuohaptic.guards.files import make_guards, make_training_guards
 from visuohaptic.guards.table import failed_guards, require_guards
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.tables.guards import GUARDS
@@ -36,17 +36,17 @@ def test_a_guard_that_failed_ends_in_one_sentence_that_names_it(tmp_path):
 def made(folder, features):
     files = write_run(folder)
     write_table(FEATURES, features, folder / "guarded.parquet")
-    make_guards(
+    training = folder / "guards_of_training.parquet"
+    make_training_guards(
         features=[folder / "guarded.parquet"],
         fixations=files.fixations,
         meshes=meshes_in(files.meshes),
-        predictions=files.predictions,
-        metrics=files.metrics,
-        output=folder / "guards.parquet",
+        output=training,
         pipelines=["paper"],
         recognition=RecognitionParameters(),
         seed=1,
     )
+    make_guards(training, files.predictions, files.metrics, folder / "guards.parquet", seed=1)
     rows = read_table(GUARDS, [folder / "guards.parquet"]).to_pylist()
     return {row["guard"]: row for row in rows}
 

@@ -26,7 +26,7 @@ MINE = {
 }
 # What a change of recognition makes again for the report's frontier.
 FRONTIER = {"block_of_study": 3, "frontier_seconds": 1, "frontier": 1}
-AFTER = {"metrics": 1, "report": 1, "guards": 1, "guards_hold": 1}
+AFTER = {"metrics": 1, "report": 1, "guards_of_training": 1, "guards_hold": 1}
 EARLIER = "was measured with an earlier state"
 FIGURES = "results/studies/mine.parquet"
 

@@ -36,29 +36,41 @@ MESHES = 12
 Paths = Sequence[str | Path]
 
 
-def make_guards(
+def make_training_guards(
     features: Paths,
     fixations: Paths,
     meshes: Mapping[str, Path],
-    predictions: Paths,
-    metrics: str | Path,
     output: str | Path,
     pipelines: Sequence[str],
     recognition: RecognitionParameters,
     seed: int,
 ) -> None:
-    """Try every guard on a run, and write the table; a guard that fails raises nothing here."""
+    """Try the guards of training and of random places, which need no predictions, and write their rows."""
     generator = spawn_generator(seed, "guards")
-    predicted = read_table(PREDICTIONS, predictions)
-    published = json.loads(Path(metrics).read_text(encoding="utf-8"))
     verdicts = [
         *_guard_training(read_table(FEATURES, features), pipelines, recognition, seed, generator),
-        guard_sums(published, predicted),
         guard_areas(list(_random_places(fixations, meshes, generator))),
+    ]
+    write_table(GUARDS, _table(verdicts), output)
+
+
+def make_guards(
+    training: str | Path, predictions: Paths, metrics: str | Path, output: str | Path, seed: int
+) -> None:
+    """Try the guards of the figures, and write them after those of `make_training_guards`; one that fails raises nothing here."""
+    predicted = read_table(PREDICTIONS, predictions)
+    published = json.loads(Path(metrics).read_text(encoding="utf-8"))
+    generator = spawn_generator(seed, "guards", "figures")
+    verdicts = [
+        guard_sums(published, predicted),
         guard_signs(_object_weights(predicted), generator),
     ]
-    rows = [asdict(verdict) for verdict in verdicts]
-    write_table(GUARDS, build_rows(GUARDS, rows), output)
+    table = pa.concat_tables([read_table(GUARDS, training), _table(verdicts)])
+    write_table(GUARDS, table, output)
+
+
+def _table(verdicts: Sequence[Verdict]) -> pa.Table:
+    return build_rows(GUARDS, [asdict(verdict) for verdict in verdicts])
 
 
 def _guard_training(
