@@ -54,13 +54,16 @@ def write_run(
     metrics = folder / "metrics.json"
     metrics.write_text(json.dumps(summarise(scores, predictions)))
     meshes = [_write_mesh(folder, key) for key in objects]
-    pictures = folder / "pictures.parquet"
-    tables = ([folder / f"{name}.parquet"] for name in ("views", "touches"))
-    make_pictures({object_of(mesh): mesh for mesh in meshes}, *tables, pictures, faces=4000)
+    write_table(
+        SCHEMAS["stability"], SCHEMAS["stability"].arrow.empty_table(), folder / "held.parquet"
+    )
+    tables = ([folder / f"{name}.parquet"] for name in ("views", "touches", "held"))
+    by_object = {object_of(mesh): mesh for mesh in meshes}
+    make_pictures(by_object, *tables, folder / "pictures.parquet", shown=objects, faces=4000)
     return RunFiles(
         metrics=metrics,
         **{name: [folder / f"{name}.parquet"] for name in written},
-        pictures=[pictures],
+        pictures=[folder / "pictures.parquet"],
         meshes=meshes,
         credits=[_write_credits(folder, objects)],
         logs=_write_logs(folder),

@@ -278,7 +278,8 @@ def test_names_are_shown_as_they_are_and_do_nothing(tmp_path):
 def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
     files = write_run(tmp_path)
     pictures = tmp_path / "without_meshes.parquet"
-    make_pictures({}, files.views, files.touches, pictures, faces=4000)
+    tables = files.views, files.touches, tmp_path / "held.parquet"
+    make_pictures({}, *tables, pictures, shown=OBJECTS, faces=4000)
     bare = RunFiles(
         metrics=files.metrics,
         predictions=files.predictions,

@@ -9,6 +9,8 @@ with job(snakemake):
         meshes=meshes_in([snakemake.input.meshes]),
         views=snakemake.input.views,
         touches=snakemake.input.touches,
+        stability=snakemake.input.stability,
         output=snakemake.output[0],
+        shown=snakemake.params.shown,
         faces=snakemake.params.faces,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +20,11 @@ from visuohaptic.tables.phases import (
     TOUCHES,
     VIEWS,
     by_object,
+    keys_of,
 )
 from visuohaptic.tables.pictures import PICTURES
 from visuohaptic.tables.schema import build_rows, images, matrix, read_table, write_table
+from visuohaptic.tables.stability import STABILITY
 
 _PACKED = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
 _NO_MODEL = dict.fromkeys(("model", "vertices", "faces", "touches", "original_faces"))
@@ -32,10 +34,16 @@ def make_pictures(
     meshes: Mapping[str, str | Path],
     views: Sequence[str | Path],
     touches: Sequence[str | Path],
+    stability: str | Path,
     output: str | Path,
+    shown: Collection[str],
     faces: int,
 ) -> None:
-    """Make the pictures of some objects, meshes by `class/name`, models of at most so many faces, and write the table."""
+    """Make the pictures of objects, `class/name`, and write the table; models have at most so many faces.
+
+    The objects are those of `shown`, and all others at which a tolerance was exceeded.
+    """
+    wanted = {*shown, *_broken(read_table(STABILITY, stability))}
     felt = dict(by_object(read_table(TOUCHES, touches)))
     untouched = TOUCHES.arrow.empty_table()
     rows = [
@@ -45,8 +53,15 @@ def make_pictures(
             **_model(meshes.get(key), felt.get(key, untouched), faces),
         }
         for key, seen in by_object(read_table(VIEWS, views))
+        if key in wanted
     ]
     write_table(PICTURES, build_rows(PICTURES, rows), output)
+
+
+def _broken(checks: pa.Table) -> list[str]:
+    """Name the objects at which a tolerance was exceeded."""
+    error = pc.field("worst_error")
+    return keys_of(checks.filter(error.is_null() | (error > pc.field("tolerance")))).to_pylist()
 
 
 def _pictures_of_views(seen: pa.Table, fixated: pa.Table) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from visuohaptic.report.pictures import (
     webp_address,
 )
 from visuohaptic.report.run import Run
+from visuohaptic.report.shown import OBJECTS_AT_MOST
 from visuohaptic.report.wording import anchor_of, place_in_view
 from visuohaptic.sensor.frames import row_axes
 from visuohaptic.tables.phases import (
@@ -37,9 +38,6 @@ from visuohaptic.tables.schema import images, matrix
 
 PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 """How often each class was named, by strategy and viewpoint."""
-
-OBJECTS_AT_MOST = 100
-"""So many objects take 20 MB of the page with 16 views each."""
 
 
 @dataclass(frozen=True)
@@ -153,14 +151,15 @@ class ObjectPage:
 def choose_objects(run: Run) -> list[str]:
     """Choose the objects that the page shows, `class/name`, sorted.
 
-    All, up to `OBJECTS_AT_MOST`; of more than that those at which a tolerance was exceeded, and others
-    evenly spread over all, so that classes keep their shares.
+    All that have pictures, up to `OBJECTS_AT_MOST`; of more than that those at which a tolerance was
+    exceeded, and others evenly spread over all, so that classes keep their shares.
     """
-    if len(run.objects) <= OBJECTS_AT_MOST:
-        return run.objects
+    pictured = sorted(map(key_of, run.pictures.select(["class", "object"]).to_pylist()))
+    if len(pictured) <= OBJECTS_AT_MOST:
+        return pictured
     broken = {check.key for check in run.stability.broken} if run.stability is not None else set()
-    chosen = [key for key in run.objects if key in broken][:OBJECTS_AT_MOST]
-    others = [key for key in run.objects if key not in broken]
+    chosen = [key for key in pictured if key in broken][:OBJECTS_AT_MOST]
+    others = [key for key in pictured if key not in broken]
     places = np.linspace(0, len(others) - 1, OBJECTS_AT_MOST - len(chosen)).round().astype(np.int64)
     return sorted([*chosen, *(others[place] for place in places)])
 
