@@ -94,3 +94,8 @@ def test_the_frontier_has_what_the_run_has():
     assert {(setting.touches, setting.viewpoints) for setting in settings} == {
         (1, 1), (2, 1), (1, 3), (2, 3),
     }  # fmt: skip
+
+
+def test_without_touches_there_is_no_frontier():
+    assert make_settings(with_changes(RUN, {"cost.frontier_touches": []}), "frontier") == []
+    assert make_settings(with_changes(RUN, {"cost.frontier_touches": []}), "cost")
