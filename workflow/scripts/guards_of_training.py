@@ -1,7 +1,7 @@
 """Try the guards of training and of random places on a run."""
 
 from visuohaptic.geometry.surface import meshes_in
-from visuohaptic.guards.files import make_training_guards
+from visuohaptic.guards.training import make_training_guards
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job
 

@@ -1,6 +1,6 @@
 """Sum up the scores of all pipelines and strategies, and guard the sums."""
 
-from visuohaptic.guards.files import make_guards
+from visuohaptic.guards.figures import make_guards
 from visuohaptic.recognition.metrics import make_metrics
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic_workflow.jobs import job
