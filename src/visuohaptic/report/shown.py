@@ -10,4 +10,4 @@ _FACES_AT_LEAST = 1_200
 
 def faces_of_model(objects: int) -> int:
     """Give the faces that each model may have where so many objects share the page."""
-    return min(max(_FACES_OF_ALL // objects, _FACES_AT_LEAST), _FACES_AT_MOST)
+    return min(max(_FACES_OF_ALL // max(objects, 1), _FACES_AT_LEAST), _FACES_AT_MOST)
