@@ -97,5 +97,7 @@ def test_the_frontier_has_what_the_run_has():
 
 
 def test_without_touches_there_is_no_frontier():
-    assert make_settings(with_changes(RUN, {"cost.frontier_touches": []}), "frontier") == []
-    assert make_settings(with_changes(RUN, {"cost.frontier_touches": []}), "cost")
+    cost = RUN.cost.model_copy(update={"frontier_touches": ()})
+    without = RUN.model_copy(update={"cost": cost})
+    assert make_settings(without, "frontier") == []
+    assert make_settings(without, "cost")
