@@ -26,7 +26,8 @@ MINE = {
 }
 # What a change of recognition makes again for the report's frontier.
 FRONTIER = {"block_of_study": 3, "frontier_seconds": 1, "frontier": 1}
-AFTER = {"metrics": 1, "report": 1, "guards": 1, "guards_hold": 1}
+RECOGNISED = {"recognition": 2, "guards_of_training": 1}
+AFTER = {"metrics": 1, "report": 1, "guards_hold": 1}
 EARLIER = "was measured with an earlier state"
 FIGURES = "results/studies/mine.parquet"
 
@@ -94,7 +95,7 @@ def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, 
     experiment.snakemake()
     assert EARLIER not in page.read_text()
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    assert experiment.planned() == {**FRONTIER, **AFTER, "recognition": 2}
+    assert experiment.planned() == {**FRONTIER, **AFTER, **RECOGNISED}
     experiment.snakemake()
     assert figures.read_bytes() == measured
     assert page.read_text().count(EARLIER) == 2  # among the warnings, and in its section
@@ -140,7 +141,7 @@ def test_a_changed_parameter_of_the_run_reruns_what_depends_on_it(studied, tmp_p
     experiment.set(recognition={"intervals": {"confidence": 0.9}})
     assert planned(experiment) == {**AFTER, "figures_of_study": 1, "frontier": 1}
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    follows = {"recognition": 2, "figures_of_study": 1, "block_of_study": 3 + 3}
+    follows = {**RECOGNISED, "figures_of_study": 1, "block_of_study": 3 + 3}
     assert planned(experiment) == {**FRONTIER, **AFTER, **follows}
 
 
