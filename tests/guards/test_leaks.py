@@ -74,7 +74,7 @@ def test_a_scaling_that_is_fitted_on_test_objects_is_found(monkeypatch):
     monkeypatch.setattr("visuohaptic.guards.leaks.run_paper_split", remember)
     verdict = unseen("paper")
     assert verdict.outcome == "failed"
-    assert "named otherwise by" in verdict.found
+    assert "classified otherwise by" in verdict.found
 
 
 @pytest.mark.slow

@@ -78,11 +78,11 @@ def test_a_kernel_that_depends_on_its_batch_is_found(monkeypatch):
 
 @pytest.mark.parametrize("stable", [True, False])
 def test_answers_that_rounding_changes_are_found(monkeypatch, stable):
-    def name_sequences(training, labels, tested, classifier):
+    def predict_sequences(training, labels, tested, classifier):
         decided_by = tested.sum(axis=(1, 2))
         return tested, np.rint(decided_by if stable else decided_by * 2**50).astype(int) % 2
 
-    monkeypatch.setattr(learning, "name_sequences", name_sequences)
+    monkeypatch.setattr(learning, "predict_sequences", predict_sequences)
     (result,) = run_check(BY_NAME["rounding"], 1, 2).values()
     assert result.held == stable
 

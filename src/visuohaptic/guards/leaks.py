@@ -26,7 +26,7 @@ MEMORISING = "decision_tree"
 """A classifier that gives back what it was trained with, so that a leak shows in full."""
 
 NOISE = 1e3
-"""Deviation of the noise: what is fitted on it names nothing else correctly."""
+"""Deviation of the noise: what is fitted on it classifies nothing else correctly."""
 
 CLASSES, OBJECTS_OF_A_CLASS, VIEWS = 4, 3, 8
 """Of larger runs a sample is taken, so that guards take the same time in all."""
@@ -134,7 +134,7 @@ def guard_unseen(
     seed: int,
     generator: np.random.Generator,
 ) -> Verdict:
-    """Replace test objects by noise, and want the other test sequences named as before.
+    """Replace test objects by noise, and want the other test sequences classified as before.
 
     Parameters
     ----------
@@ -171,7 +171,9 @@ def guard_unseen(
         guard,
         held=not changed,
         found=f"With {len(noisy)} test sequences replaced by noise, the other {same.sum()} are "
-        + (f"named otherwise by {', '.join(changed)}." if changed else "named as before."),
+        + (
+            f"classified otherwise by {', '.join(changed)}." if changed else "classified as before."
+        ),
     )
 
 
@@ -187,7 +189,7 @@ def _noisy_sequences(split: Split, sequences: TouchSequences) -> NDArray[np.int6
 def _predict(
     sequences: TouchSequences, split: Split, pipeline: str, parameters: RecognitionParameters
 ) -> dict[str, NDArray[np.int64] | NDArray[np.float64]]:
-    """Give by classifier what it names a split's n test sequences: classes, or probabilities, shape (n, c)."""
+    """Give by classifier what it predicts for a split's n test sequences: classes, or probabilities, shape (n, c)."""
     from sklearn import config_context
     from threadpoolctl import threadpool_limits
 

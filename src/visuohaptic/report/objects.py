@@ -37,7 +37,7 @@ from visuohaptic.tables.phases import (
 from visuohaptic.tables.schema import images, matrix
 
 PredictionCounts = Mapping[tuple[str, int], Counter[str]]
-"""How often each class was named, by strategy and viewpoint."""
+"""How often each class was predicted, by strategy and viewpoint."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +85,8 @@ class ObjectPage:
     ----------
     conspicuity, skipped : tuple of (str, str)
         Channel and picture of each map of the view shown; channels that did not run, and why.
-    named : mapping of str to mapping of str to float
-        By strategy: the share of its test sequences that were named each class.
+    predicted : mapping of str to mapping of str to float
+        By strategy: the share of its test sequences for which each class was predicted.
     median_size : mapping of str to float
         By strategy: median edge of the square, object radii.
     model : PackedModel or None
@@ -101,7 +101,7 @@ class ObjectPage:
     views: tuple[ViewPage, ...]
     conspicuity: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
-    named: Mapping[str, Mapping[str, float]]
+    predicted: Mapping[str, Mapping[str, float]]
     median_size: Mapping[str, float]
     model: PackedModel | None
     touch_keys: list[tuple[str, int, int, str]]
@@ -145,7 +145,7 @@ class ObjectPage:
     @property
     def right(self) -> dict[str, float]:
         """The share of its test sequences that were correctly classified, by strategy."""
-        return {one: shares.get(self.category, 0.0) for one, shares in self.named.items()}
+        return {one: shares.get(self.category, 0.0) for one, shares in self.predicted.items()}
 
 
 def choose_objects(run: Run) -> list[str]:
@@ -225,7 +225,7 @@ def _describe(
             for channel, png in shown["conspicuity"][0].as_py()
         ),
         skipped=_skipped(rows),
-        named=_named(answers),
+        predicted=_predicted(answers),
         median_size={name: float(np.median(own["sensor_size"])) for name, own in felt.items()},
         model=_model(pictures),
         touch_keys=[
@@ -322,7 +322,7 @@ def _corners(touches: pa.Table) -> NDArray[np.float64]:
 
 
 def _answers(run: Run) -> dict[str, dict[tuple[str, int], Counter[str]]]:
-    """Count what the best classifier named each object."""
+    """Count what the best classifier predicted for each object."""
     found: dict[str, dict[tuple[str, int], Counter[str]]] = {}
     if not run.pipelines:
         return found
@@ -336,7 +336,7 @@ def _answers(run: Run) -> dict[str, dict[tuple[str, int], Counter[str]]]:
     return found
 
 
-def _named(answers: PredictionCounts) -> dict[str, dict[str, float]]:
+def _predicted(answers: PredictionCounts) -> dict[str, dict[str, float]]:
     sums: dict[str, Counter[str]] = {}
     for (strategy, _), counts in sorted(answers.items()):
         sums.setdefault(strategy, Counter()).update(counts)

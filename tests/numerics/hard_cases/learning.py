@@ -109,7 +109,7 @@ def draw_sequences(
     return values.reshape(-1, touches, 22), np.repeat(np.arange(classes), each)
 
 
-def name_sequences(
+def predict_sequences(
     training: Floats,
     labels: Labels,
     tested: Floats,
@@ -141,12 +141,12 @@ def units(generator: np.random.Generator) -> Iterator[Finding]:
     )
     for scaling, what, factor, power in ways:
         parameters = RecognitionParameters(touch_scaling=scaling)
-        plain, named = name_sequences(training, labels, tested, classifier, parameters)
-        _, renamed = name_sequences(
+        plain, predicted = predict_sequences(training, labels, tested, classifier, parameters)
+        _, renamed = predict_sequences(
             training * factor, labels, tested * factor, classifier, parameters
         )
-        yield _label_changes(f"{what} rescaled by 1e±8", named != renamed, classifier, tested)
-        scaled, _ = name_sequences(
+        yield _label_changes(f"{what} rescaled by 1e±8", predicted != renamed, classifier, tested)
+        scaled, _ = predict_sequences(
             np.ldexp(training, power), labels, np.ldexp(tested, power), classifier, parameters
         )
         yield Finding(
@@ -180,10 +180,12 @@ def rounding(generator: np.random.Generator) -> Iterator[Finding]:
     classifier = str(generator.choice(CLASSIFIERS.names))
     for samples, (training, labels) in degenerate_sequences(generator).items():
         changed = training * (1 + 1e-15 * generator.uniform(-1, 1, training.shape))
-        _, named = name_sequences(training[::2], labels[::2], training[1::2], classifier)
-        _, renamed = name_sequences(changed[::2], labels[::2], changed[1::2], classifier)
+        _, predicted = predict_sequences(training[::2], labels[::2], training[1::2], classifier)
+        _, renamed = predict_sequences(changed[::2], labels[::2], changed[1::2], classifier)
         label = f"{classifier}, {samples}"
-        yield _label_changes("features changed by 1e-15", named != renamed, label, training[1::2])
+        yield _label_changes(
+            "features changed by 1e-15", predicted != renamed, label, training[1::2]
+        )
 
 
 def _label_changes(
