@@ -19,11 +19,10 @@ def figure(mean, low, high):
     return {"mean": mean, "low": low, "high": high}
 
 
-def write_run(folder, accuracy, parameters=None, classifier="naive_bayes", by_object=None):
+def write_run(folder, accuracy, parameters=None, classifier="naive_bayes", by_object=()):
     (folder / "reports").mkdir(parents=True)
     cell = {"accuracy": accuracy, "object_accuracy": figure(0.5, None, None)}
-    if by_object is not None:
-        cell["by_object"] = {f"cup/{place}": [one, 1.0] for place, one in enumerate(by_object)}
+    cell["by_object"] = {f"cup/{place}": [one, 1.0] for place, one in enumerate(by_object)}
     metrics = {"results": {"paper": {"fixation": {classifier: cell}}}}
     (folder / "reports" / "metrics.json").write_text(json.dumps(metrics))
     if parameters is not None:

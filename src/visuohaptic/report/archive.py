@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from visuohaptic.errors import ReportError
@@ -25,17 +25,14 @@ _SUMMARY = re.compile(r'<script type="application/json" id="run-summary">(.*?)</
 
 @dataclass(frozen=True)
 class Archive:
-    """A run as its report carries it: whole `metrics.json` and `params.yaml`, and what `provenance` found.
-
-    Older reports carry no versions.
-    """
+    """A run as its report carries it: whole `metrics.json` and `params.yaml`, and what `provenance` found."""
 
     metrics: Mapping[str, Any]
     parameters: Mapping[str, Any]
     seconds: tuple[PhaseSeconds, ...]
     commit: str
     machine: Mapping[str, str]
-    versions: Mapping[str, str] = field(default_factory=dict)
+    versions: Mapping[str, str]
 
 
 def summarise_run(run: Run, seconds: Sequence[PhaseSeconds]) -> dict[str, Any]:

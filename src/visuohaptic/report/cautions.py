@@ -119,7 +119,7 @@ def _short_sequences(run: Run) -> list[str]:
 def _unfitted_classifiers(run: Run) -> Iterator[str]:
     recognition = run.parameters.recognition
     asked = {"paper": recognition.classifiers, "best": recognition.best.classifiers}
-    for pipeline, strategies in run.metrics.get("results", {}).items():
+    for pipeline, strategies in run.metrics["results"].items():
         fitted = {name for classifiers in strategies.values() for name in classifiers}
         yield from _warned(
             [name.replace("_", " ") for name in asked.get(pipeline, ()) if name not in fitted],

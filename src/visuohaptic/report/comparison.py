@@ -108,7 +108,7 @@ class PipelineTable:
 def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
     """Arrange what `summarise` gives for the page, the paper's pipeline first."""
     names = sorted(metrics["results"], key=pipeline_order)
-    compared = metrics.get("comparisons", {})
+    compared = metrics["comparisons"]
     return [
         _pipeline_table(metrics["results"][name], compared.get(name, {}), name) for name in names
     ]

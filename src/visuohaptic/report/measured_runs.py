@@ -134,12 +134,12 @@ def _beside(
 
 
 class _Cell(BaseModel):
-    """What the metrics say of a pipeline, strategy and classifier; older versions kept no objects."""
+    """What the metrics say of a pipeline, strategy and classifier."""
 
     accuracy: Figure | None = None
     object_accuracy: Figure | None = None
     balanced_accuracy: Figure | None = None
-    by_object: dict[str, tuple[float, float]] = {}
+    by_object: dict[str, tuple[float, float]]
 
 
 class _Metrics(BaseModel):

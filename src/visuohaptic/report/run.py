@@ -144,7 +144,7 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
 def _read_metrics(path: Path) -> Mapping[str, Any]:
     try:
         metrics = json.loads(path.read_text(encoding="utf-8"))
-        return {"method": metrics["method"], "comparisons": {}, "results": {}} | metrics
+        return {part: metrics[part] for part in ("comparisons", "method", "results")}
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ReportError(
             f"{path} holds no metrics of this workflow ({error}); run rule metrics again."
