@@ -69,10 +69,10 @@ def test_squares_shrink_at_fixations_and_at_random_places(ran, tour):
         assert 0.4 <= shrunk / touches <= 0.6
 
 
-def test_no_object_is_named_that_the_model_learnt(tour):
-    naming = [cell.source for cell in tour.cells if "recognise(" in cell.source]
-    assert len(naming) == 2
-    assert not any("chair" in source for source in naming)
+def test_no_object_is_classified_that_the_model_learnt(tour):
+    classifying = [cell.source for cell in tour.cells if "recognise(" in cell.source]
+    assert len(classifying) == 2
+    assert not any("chair" in source for source in classifying)
 
 
 def test_nothing_is_said_on_the_side(ran):

@@ -84,7 +84,7 @@ def test_sets_from_few_touches_hold_the_class_and_few_objects_are_unknown(model,
     assert np.mean([one.unknown for _, one in alike]) > 0.9
 
 
-def test_whole_sequences_are_named_as_without_short_ones(model):
+def test_whole_sequences_are_classified_as_without_short_ones(model):
     without = PARAMETERS.model_copy(
         update={"best": PARAMETERS.best.model_copy(update={"short_touches": ()})}
     )
@@ -95,7 +95,7 @@ def test_whole_sequences_are_named_as_without_short_ones(model):
         assert model.answer(rows) == plain.answer(rows)
 
 
-def test_few_touches_are_named_as_well_among_six_classes_as_among_three():
+def test_few_touches_are_classified_as_well_among_six_classes_as_among_three():
     table = features_table(objects=(8,) * 6, viewpoints=16, separation=0.8)
     learnt = table.filter(pc.less(table["object"], "object5"))
     model = recognition.fit_model(learnt, "best", "linear_discriminant", PARAMETERS, 1)
@@ -136,8 +136,10 @@ def test_views_of_several_lengths_have_one_answer_no_surer_than_those_of_each(mo
     np.testing.assert_allclose(list(found.values()), np.exp(logs) / np.exp(logs).sum(), rtol=1e-9)
 
 
-@pytest.mark.parametrize(("touches", "named_as"), [(1, 1), (4, 4), (5, 5), (9, 10), (7, 5)])
-def test_a_length_that_was_not_learnt_is_named_as_the_one_that_is_most_like_it(touches, named_as):
+@pytest.mark.parametrize(("touches", "classified_as"), [(1, 1), (4, 4), (5, 5), (9, 10), (7, 5)])
+def test_a_length_that_was_not_learnt_is_classified_as_the_one_that_is_most_like_it(
+    touches, classified_as
+):
     parameters = PARAMETERS.model_copy(
         update={
             "touches": 10,
@@ -148,7 +150,7 @@ def test_a_length_that_was_not_learnt_is_named_as_the_one_that_is_most_like_it(t
     model = recognition.fit_model(table, "best", "naive_bayes", parameters, 1)
     assert set(model.short) == {1, 4, 5}
     rows = one_view(table, touches)[0][1]
-    alone = {length: only for length, only in model.short.items() if length == named_as}
+    alone = {length: only for length, only in model.short.items() if length == classified_as}
     expected = dataclasses.replace(model, short=alone).answer(rows)
     assert model.answer(rows) == expected
 

@@ -335,7 +335,7 @@ class _Record:
             "object": names[:, 1],
             "viewpoint": sequences.viewpoint[split.test],
             "predicted": classes[answer.predicted],
-            "probability": _named_probability(answer),
+            "probability": _predicted_probability(answer),
             "voted": classes[voted],
         }
         repeated = {name: np.full(len(owners), value) for name, value in key.items()}
@@ -375,7 +375,7 @@ def _vote(
     return voted[row], (voted == true_class[present]).astype(np.float64)
 
 
-def _named_probability(answer: Answer) -> NDArray[np.object_]:
+def _predicted_probability(answer: Answer) -> NDArray[np.object_]:
     if answer.ballots is None:
         return np.full(len(answer.predicted), None, dtype=object)
     return answer.ballots.alone().max(axis=1).astype(object)
