@@ -14,7 +14,7 @@ from phases_by_files import run_phases
 from source_folders import PYTHONPATH
 
 import visuohaptic as vh
-from visuohaptic.errors import MeshError, ParameterError, RecognitionError
+from visuohaptic.errors import ParameterError, RecognitionError
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
@@ -65,18 +65,6 @@ def test_one_line_from_a_file_to_a_table(ring_file):
     assert set(found.seconds) == {"prepare", "look", "touch", "describe"}
 
 
-def test_progress_follows_every_step(ring_file):
-    seen = []
-
-    def track(steps):
-        for step in steps:
-            yield step
-            seen.append(step)
-
-    vh.load(ring_file).touch(parameters=SMALL, track=track)
-    assert len(seen) == 6
-
-
 @pytest.mark.parametrize(
     "parameters",
     [
@@ -107,16 +95,6 @@ def test_parameters_are_named_as_in_the_file_or_with_dots(ring_file, parameters)
 def test_parameters_that_are_none_are_named(ring_file, parameters, sentence):
     with pytest.raises(ParameterError, match=sentence):
         vh.load(ring_file).touch(viewpoints=1, parameters=parameters)
-
-
-def test_wrong_choices_are_named(ring_file):
-    ready = vh.load(ring_file)
-    with pytest.raises(ParameterError, match=r"viewpoints.count is 0"):
-        ready.touch(viewpoints=0)
-    with pytest.raises(ParameterError, match="strategies"):
-        ready.touch(strategy="guess")
-    with pytest.raises(MeshError, match="'class/name' is allowed"):
-        vh.load(ring_file, key="ring")
 
 
 def test_up_axis_is_a_parameter(tmp_path):

@@ -328,38 +328,3 @@ def test_what_can_not_be_exported_is_said_before_anything_is_written(run, experi
             [run / "results/touches/all.parquet"], [], tmp_path / "one.parquet", 1, experiment
         )
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("name", ["default", "lite"])
-def test_datasets_reads_what_is_written(exported, tmp_path, name):
-    datasets = pytest.importorskip("datasets")
-    loaded = datasets.load_dataset(str(exported.folder), name, cache_dir=str(tmp_path))
-    stored = rows_of(exported.folder, {"default": "data"}.get(name, name))
-    for split, rows in stored.items():
-        found = loaded[split].with_format("numpy")
-        keys = zip(loaded[split]["class"], loaded[split]["object"], strict=True)
-        assert set(keys) == owners(rows)
-        names = loaded[split].features["label"].int2str(loaded[split]["label"])
-        assert names == rows.column("class").to_pylist()
-        first = found[:9]
-        assert np.stack(first["image"]).shape[1:] == (32, 32)
-        if name == "default":
-            # A picture has 8 bits.
-            assert np.abs(255 * first["imprint"] - np.stack(first["image"])).max() <= 0.5001
-
-
-def test_the_features_that_datasets_reads_are_those_of_the_run(exported, experiment, tmp_path):
-    datasets = pytest.importorskip("datasets")
-    loaded = datasets.load_dataset(str(exported.folder), "features", cache_dir=str(tmp_path))
-    read = loaded["run"].to_pandas()
-    pandas = pytest.importorskip("pandas")
-    pandas.testing.assert_frame_equal(read, experiment.features.to_pandas(), check_dtype=False)
-
-
-def test_croissant_gives_the_pictures_and_the_imprints(exported):
-    mlcroissant = pytest.importorskip("mlcroissant")
-    described = mlcroissant.Dataset(jsonld=str(exported.folder / "croissant.json"))
-    row = next(iter(described.records("default_test")))
-    assert row["default_test/image"].size == (32, 32)
-    felt = 255 * np.array(row["default_test/imprint"])
-    assert np.abs(felt - row["default_test/image"]).max() <= 0.5001

@@ -9,7 +9,6 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from visuohaptic.errors import MeshError
 from visuohaptic.meshes.catalogue import Model
@@ -140,13 +139,3 @@ def test_what_claims_no_more_than_it_holds_is_read(tmp_path):
     (tmp_path / "binary.ply").write_bytes(ply("binary_little_endian", 3, binary))
     for file in tmp_path.iterdir():
         assert len(prepare_object(Model("a", "b"), file, MeshParameters()).faces) == 1
-
-
-def test_a_texture_of_too_many_pixels_is_refused_before_it_is_unpacked(tmp_path):
-    Image.new("1", (9000, 9000)).save(tmp_path / "t.png")
-    (tmp_path / "a.mtl").write_text("newmtl paint\nmap_Kd t.png\n")
-    (tmp_path / "a.obj").write_text(
-        f"mtllib a.mtl\n{TRIANGLE}vt 0 0\nvt 1 0\nvt 0 1\nusemtl paint\nf 1/1 2/2 3/3\n"
-    )
-    with pytest.raises(MeshError, match="texture has 9000 × 9000 pixels"):
-        prepare_object(Model("a", "b"), tmp_path / "a.obj", MeshParameters())

@@ -11,9 +11,7 @@ import trimesh
 from meshes import generated
 
 from visuohaptic.errors import MeshError
-from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.model_files import read_model, read_open_file
-from visuohaptic.meshes.preparing import normalise
 
 SPHERE = trimesh.creation.icosphere(2)
 POINTS, FACES = np.asarray(SPHERE.vertices), np.asarray(SPHERE.faces).tolist()
@@ -319,23 +317,6 @@ def test_a_file_cut_anywhere_is_refused_or_whole(name, seeds):
         # Only the end of the last line or tag, or digits of the last number, may be missing.
         assert len(data) - where < 25, (seed, where, len(data))
         assert len(found) == len(faces)
-
-
-def flat_faces():
-    """A box, and faces of no area: of two corners, on a line, and on a line when rounded."""
-    box = trimesh.creation.box()
-    third = 1 / 3
-    extra = [[third, third, 0.7], [0.1, 0.2, 0.3], [third + 1e-9, third, -0.7], [third, third, 0.1]]
-    points = np.concatenate([box.vertices, extra])
-    faces = np.concatenate([box.faces, [[0, 0, 1], [0, 7, 7], [8, 10, 11]]])
-    return Surface(points, faces, np.zeros((len(faces), 3), np.uint8))
-
-
-def test_faces_without_area_go_when_a_model_is_prepared_also_those_that_rounding_makes():
-    surface = normalise(flat_faces(), "box")
-    assert (surface.face_areas > 0).all()
-    assert len(np.unique(surface.faces)) == len(surface.vertices)
-    assert len(surface.faces) == 12
 
 
 def test_an_own_obj_by_blender_is_read_whole(tmp_path):
