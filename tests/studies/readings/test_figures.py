@@ -228,13 +228,6 @@ def test_a_reading_is_what_scikit_learn_and_pywavelets_give(
     assert row[f"{strategy}_splits_reaching"] == pytest.approx(reached, abs=1e-9)
 
 
-def test_the_lead_of_fixation_is_that_of_its_accuracy(made):
-    for row in made[0]:
-        if row["error"] is None:
-            assert row["ahead"] == pytest.approx(row["fixation"] - row["random"], abs=1e-12)
-            assert row["ahead_low"] <= row["ahead"] <= row["ahead_high"]
-
-
 def test_each_reading_is_compared_with_each_kind_of_random_touches(made):
     rows = [
         row for row in made[0] if (row["reading"], row["classifier"]) == (DEFAULT, "naive_bayes")

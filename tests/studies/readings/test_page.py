@@ -84,18 +84,6 @@ def test_sentences_count_what_the_table_holds():
     assert f"and {ahead} readings have such a split" in texts[2]
 
 
-def test_the_curve_is_sorted_and_every_reading_has_one_option_of_each_choice():
-    chart = curve_chart(ROWS, BEST_OF_PAPER)
-    assert len(chart.dots) == len(ASKED)
-    assert [dot.x for dot in chart.dots] == sorted(dot.x for dot in chart.dots)
-    assert [dot.y for dot in chart.dots] == sorted((dot.y for dot in chart.dots), reverse=True)
-    assert sum(dot.is_default for dot in chart.dots) == 1
-    ticks = [path.count("M") for _, _, path in chart.options]
-    assert sum(ticks) == len(ASKED) * len(chart.labels)
-    assert chart.random.count("M") == chart.whiskers.count("M") == len(ASKED)
-    assert all(y <= chart.height for y, _, _ in chart.options)
-
-
 def test_a_dot_says_its_figures_its_options_and_its_command():
     chart = curve_chart(ROWS, BEST_OF_PAPER)
     default = next(dot for dot in chart.dots if dot.is_default)
@@ -138,14 +126,6 @@ def test_an_option_that_decides_who_leads_outside_is_named():
     turning = {one.choice for one in found.options if one.turns}
     assert "What the map's five numbers are" in turning
     assert all(one.here.cases == one.outside.cases for one in found.options)
-
-
-def test_what_explains_most_stands_first():
-    found = readings_figures(MeasuredReadings(ROWS))
-    first = found.shares[BEST_OF_PAPER][0]
-    assert first["words"] == "What the map's five numbers are"
-    assert first["share"] == pytest.approx(1)
-    assert "feature groups +20.0" in first["gains"]
 
 
 def test_a_table_of_failures_alone_has_no_page(tmp_path):
