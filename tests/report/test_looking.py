@@ -6,7 +6,6 @@ from report.synthetic import lay_out
 from studies.looking.test_figures import COST, INTERVALS, TOUCHES, poor_sight, table_of
 
 from visuohaptic.errors import ReportError
-from visuohaptic.report import figures
 from visuohaptic.report.looking import looking_figures
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import read_run
@@ -38,16 +37,6 @@ def test_the_sentence_says_what_each_sense_reaches_in_clean_and_in_the_poorest_s
     assert "A look of 0.5 s classifies 50.0 % of the views correctly" in sentence
     assert "2 touches in 10.5 s 75.0 %" in sentence
     assert "poorest sight (dark) the eye alone reaches 25.0 %" in sentence
-
-
-def test_the_chart_has_a_look_and_every_touch_of_every_strategy_on_a_line(tmp_path):
-    (tmp_path / "results").mkdir()
-    (tmp_path / "reports").mkdir()
-    (axes,) = figures.looking(looking_figures(write_looking(tmp_path)).curves).axes
-    assert len(axes.lines) == 4
-    for line in axes.lines:
-        assert list(line.get_xdata()) == [0.5, 5.5, 10.5]
-        assert list(line.get_ydata()) == [0.5, 0.5, 0.75]
 
 
 def test_without_the_study_there_is_no_section(tmp_path):
