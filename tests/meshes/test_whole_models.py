@@ -192,8 +192,7 @@ def test_an_obj_is_the_same_however_its_lines_are_written(text):
 
 # Each format by a generator of its own and a second reader, over models made by a seed.
 
-QUICK, ALL = 8, 200
-CASES = [pytest.param(range(QUICK)), pytest.param(range(QUICK, ALL), marks=pytest.mark.long)]
+SEEDS = range(12)
 WITH_POLYGONS = {
     "obj": generated.as_obj,
     "backwards obj": generated.as_obj_backwards,
@@ -209,11 +208,10 @@ def volume(surface):
     return np.linalg.det(surface.triangles).sum() / 6
 
 
-@pytest.mark.parametrize("seeds", CASES)
 @pytest.mark.parametrize("name", WITH_POLYGONS)
-def test_a_prism_of_any_outline_has_its_area_and_volume(name, seeds):
+def test_a_prism_of_any_outline_has_its_area_and_volume(name):
     kind = name.rpartition(" ")[2]
-    for seed in seeds:
+    for seed in SEEDS:
         shape = generated.random_prism(seed)
         surface = read(WITH_POLYGONS[name](shape.points, shape.faces), kind)
         assert surface.face_areas.sum() == pytest.approx(shape.area, rel=1e-5), seed
@@ -286,11 +284,10 @@ def second_reading(data, kind, folder):
     return np.asarray(mesh.vertices)[np.asarray(mesh.triangles)]
 
 
-@pytest.mark.parametrize("seeds", CASES)
 @pytest.mark.parametrize("name", OF_TRIANGLES)
-def test_triangles_are_those_that_a_second_reader_sees(tmp_path, name, seeds):
+def test_triangles_are_those_that_a_second_reader_sees(tmp_path, name):
     kind = name.rpartition(" ")[2]
-    for seed in seeds:
+    for seed in SEEDS:
         points, faces = random_triangles(seed)
         data = OF_TRIANGLES[name](points, faces)
         found = read(data, kind).triangles
@@ -301,12 +298,11 @@ def test_triangles_are_those_that_a_second_reader_sees(tmp_path, name, seeds):
         )
 
 
-@pytest.mark.parametrize("seeds", CASES)
 @pytest.mark.parametrize("name", [name for name in OF_TRIANGLES if name not in {"obj", "3mf"}])
-def test_a_file_cut_anywhere_is_refused_or_whole(name, seeds):
+def test_a_file_cut_anywhere_is_refused_or_whole(name):
     """OBJ has no counts, and zip archives are checked by their own sums."""
     kind = name.rpartition(" ")[2]
-    for seed in seeds:
+    for seed in SEEDS:
         points, faces = random_triangles(seed)
         data = OF_TRIANGLES[name](points, faces)
         where = int(np.random.default_rng(seed).integers(1, len(data)))
