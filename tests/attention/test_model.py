@@ -262,7 +262,7 @@ def test_each_channel_alone_finds_something(name):
 
 def test_empty_view_has_no_fixation_and_says_why():
     empty = Camera(0.0, 0.0, 3.0, 40.0)
-    far = scenes.surface_of(trimesh.creation.box(extents=(0.1, 0.1, 0.1)))
+    far = scenes.of_trimesh(trimesh.creation.box(extents=(0.1, 0.1, 0.1)))
     shifted = type(far)(far.vertices + np.array([0.0, 50.0, 0.0]), far.faces, far.face_colours)
     equal = AttentionParameters(weights="equal")
     _, (result,) = scenes.look(shifted, [empty], equal)

@@ -3,6 +3,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 import trimesh
+from numerics.surfaces import of_trimesh
 
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import Views, render_views
@@ -14,10 +15,8 @@ from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 CAMERAS = place_cameras(ViewpointParameters(count=5, elevations_degrees=(-10.0, 40.0)))
 
 
-def surface_of(mesh, colour=(200, 120, 60)):
-    faces = np.asarray(mesh.faces, dtype=np.int64)
-    colours = np.tile(np.array(colour, dtype=np.uint8), (len(faces), 1))
-    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours)
+def surface_of(mesh):
+    return of_trimesh(mesh, (200, 120, 60))
 
 
 IMAGES = [field.name for field in fields(Views) if field.name != "effects"]

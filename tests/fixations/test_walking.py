@@ -3,17 +3,14 @@
 import numpy as np
 import pytest
 import trimesh
+from numerics.surfaces import of_trimesh
 
 from visuohaptic.fixations.strategies.random_walk import STEP, walk
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
 
 
 def caster_of(mesh):
-    faces = np.asarray(mesh.faces, dtype=np.int64)
-    return RayCaster(
-        Surface(np.asarray(mesh.vertices, float), faces, np.zeros((len(faces), 3), np.uint8))
-    )
+    return RayCaster(of_trimesh(mesh))
 
 
 def joined(*meshes):
