@@ -62,8 +62,3 @@ def test_a_missing_catalogue_is_one_sentence_and_1(visuohaptic, tmp_path):
         result.err
         == "error: the catalogue meshes/catalogue.csv can't be read: No such file or directory.\n"
     )
-
-
-@pytest.mark.parametrize("command", ["fetch", "check", "credits"])
-def test_help_gives_an_example(visuohaptic, command):
-    assert f"Example: visuohaptic meshes {command}" in visuohaptic("meshes", command, "--help").out

@@ -14,7 +14,7 @@ from phases_by_files import run_phases
 from source_folders import PYTHONPATH
 
 import visuohaptic as vh
-from visuohaptic.errors import ParameterError, RecognitionError
+from visuohaptic.errors import MeshError, ParameterError, RecognitionError
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
@@ -95,6 +95,11 @@ def test_parameters_are_named_as_in_the_file_or_with_dots(ring_file, parameters)
 def test_parameters_that_are_none_are_named(ring_file, parameters, sentence):
     with pytest.raises(ParameterError, match=sentence):
         vh.load(ring_file).touch(viewpoints=1, parameters=parameters)
+
+
+def test_a_key_is_a_class_and_a_name(ring_file):
+    with pytest.raises(MeshError, match="'class/name' is allowed"):
+        vh.load(ring_file, key="ring")
 
 
 def test_up_axis_is_a_parameter(tmp_path):

@@ -230,13 +230,6 @@ def test_features_are_those_of_the_run_and_classify_as_there(run, exported, expe
     assert held["tested_objects"][0] == sorted({"/".join(owner) for owner in owners(first)})
 
 
-def test_the_sample_shows_imprints_of_every_class(exported):
-    sample = Image.open(exported.folder / "sample.png")
-    classes = {key.split("/")[0] for key in KEYS}
-    assert sample.height == 2 * len(classes) * (32 + 2)
-    assert np.ptp(np.asarray(sample)) > 0
-
-
 def test_a_run_without_metrics_is_refused(run, tmp_path):
     with pytest.raises(ExportError, match="is no metrics of a run"):
         read_experiment([], [], tmp_path / "metrics.json", {}, COMMIT)

@@ -188,14 +188,6 @@ def test_auto_sees_bit_for_bit_what_always_sees(surface, ambient):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
-@pytest.mark.parametrize("shading", ["auto", "never"])
-def test_shadows_without_shading_change_no_bit(shading):
-    one = see(COLOURED, shading=shading, cast_shadows="auto")
-    other = see(COLOURED, shading=shading, cast_shadows="always")
-    np.testing.assert_array_equal(one.colour, other.colour)
-    np.testing.assert_array_equal(one.lit, other.lit)
-
-
 def test_no_shadow_is_cast_unless_asked_for():
     assert see(COLOURED).lit.all()
     assert not books(see(COLOURED))["cast_shadows"].runs

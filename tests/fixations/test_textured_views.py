@@ -195,11 +195,6 @@ def test_without_colour_an_image_has_the_greys_of_its_luma():
     assert (min(found), max(found)) == (34, 218)
 
 
-def test_the_time_of_images_is_in_the_books():
-    (record,) = (one for one in see(square()).effects if one.effect == "texture")
-    assert (record.runs, record.seconds > 0) == (1, True)
-
-
 def test_an_image_upon_a_round_body_is_seen_from_everywhere():
     ball = trimesh.creation.icosphere(3, radius=0.8)
     angles = np.arctan2(ball.vertices[:, 0], ball.vertices[:, 2]) / (2 * np.pi)

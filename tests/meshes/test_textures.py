@@ -164,12 +164,6 @@ def test_images_of_every_kind_are_read(mode):
     np.testing.assert_array_equal(surface.texture.images[0], np.broadcast_to(expected, BOARD.shape))
 
 
-def test_what_is_transparent_is_shown_in_its_colour():
-    image = np.dstack([BOARD, np.zeros((8, 8), np.uint8)])
-    surface = surface_of_trimesh(square_of(Image.fromarray(image)), "square")
-    np.testing.assert_array_equal(surface.texture.images[0], BOARD)
-
-
 @pytest.mark.parametrize(
     ("code", "wrap"),
     [(None, REPEAT), (10497, REPEAT), (33071, CLAMP), (33648, MIRROR), (7, REPEAT)],

@@ -85,10 +85,10 @@ def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, 
     experiment = studied.copy(tmp_path / "experiment")
     figures, page = (experiment.folder / file for file in (FIGURES, "reports/report.html"))
     measured = figures.read_bytes()
-    experiment.set(workflow={"keep_studies_current": False})
-    experiment.snakemake()
     assert EARLIER not in page.read_text()
-    experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
+    experiment.set(
+        workflow={"keep_studies_current": False}, recognition={"classifier": {"svm_penalty": 3.0}}
+    )
     assert experiment.planned() == {**FRONTIER, **AFTER, "recognition": 2}
     experiment.snakemake()
     assert figures.read_bytes() == measured

@@ -15,13 +15,11 @@ from readings.page import (
 )
 from readings.stored import (
     MeasuredReadings,
-    read_readings,
 )
 from readings.tables import READINGS
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.questions import BEST_OF_PAPER
-from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.schema import build_rows, write_table
 
 READ = [reading for reading in all_readings() if reading.part in PARTS_ON_PAPER_SET]
@@ -134,17 +132,6 @@ def test_a_table_of_failures_alone_has_no_page(tmp_path):
     write_table(READINGS, build_rows(READINGS, planted), path)
     with pytest.raises(ReportError, match="no reading that could be run; one at least is needed"):
         render_readings_page(path)
-
-
-def test_kept_readings_say_where_they_come_from(table, tmp_path):
-    kept = tmp_path / "kept.parquet"
-    store_table(READINGS, table, kept, "snakemake -j2 readings_all", "a processor")
-    measured = read_readings(table)
-    assert measured.source is None
-    source = source_of(kept)
-    assert isinstance(source, Source)
-    assert (source.command, source.machine) == ("snakemake -j2 readings_all", "a processor")
-    assert stored._rows(kept) == measured.rows
 
 
 def test_the_kept_readings_have_a_page_that_says_where_they_come_from():
