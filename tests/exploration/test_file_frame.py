@@ -148,6 +148,15 @@ def test_turned_and_rectangular_sensors_feel_the_turned_surface():
     np.testing.assert_array_equal(by_roll.images[0], wide.images[1])
 
 
+def test_points_that_are_felt_lie_on_the_mesh():
+    ball = trimesh.creation.icosphere(5, radius=10.0)
+    felt = vh.press(ball, [[0, 10, 0]], [[0, 1, 0]], (6.0, 3.0), resolution=(6, 12))
+    points = felt.points.reshape(-1, 3)
+    assert np.isfinite(points).all()
+    np.testing.assert_allclose(np.linalg.norm(points, axis=1), 10.0, atol=0.02)
+    assert (felt.points[0, :, 0, :] != felt.points[0, :, -1, :]).any()
+
+
 def test_a_scene_needs_a_unit_and_square_cells_and_changes_the_images():
     ball = trimesh.creation.icosphere(4, radius=50.0)
     place = {"points": [[0, 50, 0]], "normals": [[0, 1, 0]], "depth": 5.0}

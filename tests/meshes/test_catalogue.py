@@ -110,6 +110,11 @@ def test_a_class_may_be_a_link_to_a_folder_elsewhere(tmp_path):
     assert [model.key for model in find_own_models(tmp_path / "own").models] == ["cup/a"]
 
 
+def test_without_a_folder_there_are_no_own_models(tmp_path):
+    found = find_own_models(tmp_path / "none")
+    assert (found.models, found.set_aside) == ({}, {})
+
+
 def test_of_two_files_of_one_name_the_second_is_set_aside(tmp_path):
     touch(tmp_path, "cup/a.obj", "cup/a.ply")
     found = find_own_models(tmp_path)
