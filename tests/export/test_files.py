@@ -189,20 +189,6 @@ def test_another_seed_may_draw_other_test_objects_and_other_classes_change_none(
     assert alone == export_contents.choose_tested(keys, 0)[:2]
 
 
-def test_the_lite_version_takes_whole_sequences_until_it_fits(run, tmp_path, monkeypatch):
-    full = export_run(run, tmp_path / "full", COMMIT)
-    most = full.size_of("lite") // 2
-    monkeypatch.setattr(export_contents, "LITE_BYTES", most)
-    lite = export_run(run, tmp_path / "lite", COMMIT)
-    assert lite.size_of("lite") <= most
-    rows = pa.concat_tables(rows_of(lite.folder, "lite").values())
-    counts = rows.group_by(["class", "object", "viewpoint", "strategy"]).aggregate(
-        [([], "count_all")]
-    )
-    assert set(counts.column("count_all").to_pylist()) == {5}
-    assert rows_of(lite.folder)["train"].num_rows == rows_of(full.folder)["train"].num_rows
-
-
 def test_the_lite_version_has_all_strategies_of_a_view_or_none(run, tmp_path, monkeypatch):
     touches = read_table(TOUCHES, run / "results/touches").num_rows
     monkeypatch.setattr(export_contents, "LITE_BYTES", touches * (32**2 + 768) / 2)

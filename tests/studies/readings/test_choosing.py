@@ -62,12 +62,6 @@ def test_a_clear_winner_is_chosen():
     assert chosen.candidates == len(READINGS) // 4
 
 
-def test_equal_readings_keep_the_former_default():
-    chosen = choose_default(cells(lambda options: 0.5), INTERVALS, 1, BASE)
-    assert chosen.chosen == chosen.former
-    assert chosen.candidates == chosen.readings == len(READINGS)
-
-
 def test_a_lead_that_only_scatters_keeps_the_former_default():
     scatter = np.tile([0.1, -0.0999], len(OBJECTS) // 2)
     chosen = choose_default(
@@ -78,12 +72,6 @@ def test_a_lead_that_only_scatters_keeps_the_former_default():
     )
     assert chosen.best.changed["map_output"] == "one_hot"
     assert chosen.chosen.changed == {}
-
-
-def test_a_reading_with_a_cell_that_could_not_be_run_has_no_score():
-    best = next(one.name for one in READINGS if one.options["map_output"] == "lattice")
-    chosen = choose_default(cells(lambda options: 0.5, failed={best}), INTERVALS, 1)
-    assert chosen.readings == len(READINGS) - 1
 
 
 def test_a_missing_reading_is_refused():

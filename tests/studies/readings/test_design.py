@@ -11,7 +11,6 @@ from readings.design import (
     CROSSED_SINGLY,
     FACTORIAL,
     PARTS_ON_OTHERS,
-    STRATEGIES,
     all_readings,
     is_default,
 )
@@ -117,12 +116,3 @@ def test_every_choice_of_the_paper_quotes_it_or_says_that_it_is_silent():
         "touch_scaling"
     }
     assert all("(section " in choice.sentence for choice in quoting)
-
-
-def test_every_reading_touches_by_fixation_and_by_all_kinds_of_random_probing():
-    plan = plan_study(STUDY_OF_READINGS, RUN)
-    assert {one.parameters.probing.strategies for one in plan.conditions} == {STRATEGIES}
-    options = BY_NAME["random_probing"].options.values()
-    assert {strategy for one in options for strategy in one["probing.strategies"]} == set(
-        STRATEGIES
-    )
