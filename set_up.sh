@@ -3,7 +3,8 @@
 # `set_up.sh package` adds this project and its own packages, `set_up.sh develop` what tests need, `set_up.sh pytest` pytest alone.
 #
 # uv installs where it is on PATH, otherwise pip. All packages are pinned with their hashes, dependencies among them,
-# so nothing has to be resolved. Bytecode is left to each module's first import.
+# so nothing has to be resolved. What a run imports gets its bytecode here, for later it may not be writable, as in a
+# container; the other half of the modules get theirs when they are first imported.
 set -euo pipefail
 cd "$(dirname "$0")"
 PYTHON=${PYTHON:-python3}
@@ -57,6 +58,10 @@ install() {
     stop "The packages can't be installed: is the package registry reachable from here?"
 }
 
+compile() {
+  env -u PYTHONDONTWRITEBYTECODE "$IN_VENV" -P -c "import $1"
+}
+
 case $1 in
   packages)
     check_python
@@ -66,7 +71,10 @@ case $1 in
     ;;
   package)
     run_pip --quiet --no-build-isolation --editable ./packages/contourlets --editable .
-    "$IN_VENV" -c 'import visuohaptic.geometry.compiled_open3d' ||
+    compile "snakemake.cli, snakemake.report, snakemake.script, snakemake.workflow, nbformat, yaml" &
+    compile "cv2, grimp, jinja2, matplotlib.pyplot, pandas, pyarrow.parquet, pywt, scipy.stats, sklearn.tree, skops.io, trimesh"
+    wait
+    compile visuohaptic.geometry.compiled_open3d ||
       stop "Open3D can't be loaded: install the libraries that the line above names (Debian, Ubuntu: apt install libegl1 libgl1 libgomp1)."
     ;;
   develop)

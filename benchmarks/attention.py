@@ -6,14 +6,18 @@ interleaved, and medians are compared within one run.
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 
-from visuohaptic.attention import AttentionParameters, ChannelWeights, attend
+from benchmarks.turns import in_turn, medians, ratios
+from visuohaptic.attention import Attention, AttentionParameters, ChannelWeights, attend
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.fixations.viewpoints import place_cameras
@@ -24,6 +28,7 @@ from visuohaptic.meshes.preparing import normalise
 MESHES = Path(__file__).parent.parent / "meshes"
 RESOLUTIONS = (128, 256, 512, 1024)
 FIXATIONS = 5
+OURS = "eight channels, with 5 fixations"
 
 
 def run(rounds: int = 15) -> dict[str, object]:
@@ -37,7 +42,7 @@ def run(rounds: int = 15) -> dict[str, object]:
     Returns
     -------
     dict of str to object
-        Median milliseconds a 256 x 256 view, ratios, and rows by resolution.
+        ``speed``: processor milliseconds a 256 x 256 view, and ratios; ``resolution``: rows.
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
@@ -54,30 +59,49 @@ def _surfaces() -> list[Surface]:
     return [normalise(read_surface(path), path.name) for path in files]
 
 
-def _speed(surfaces: list[Surface], rounds: int) -> dict[str, float]:
+def _speed(surfaces: list[Surface], rounds: int) -> dict[str, object]:
+    """Give processor milliseconds a view, and each peer's ratio to ours; maps alone where nothing else is said."""
     camera = place_cameras(ViewpointParameters())[2]
     scenes = [render_views(RayCaster(surface), [camera], _at(256)) for surface in surfaces]
-    peer = cv2.saliency.StaticSaliencyFineGrained_create()
+    saliency: Any = cv2.saliency
+    peers = {
+        "OpenCV FineGrained": saliency.StaticSaliencyFineGrained_create(),
+        "OpenCV SpectralResidual": saliency.StaticSaliencySpectralResidual_create(),
+    }
     full = AttentionParameters(fixations=FIXATIONS)
     three = AttentionParameters(
         fixations=FIXATIONS, weights=ChannelWeights.only("colour", "intensity", "orientation")
     )
-    contestants: dict[str, Callable[[Views], object]] = {
-        "eight channels, 5 fixations": lambda views: _attend(views, full),
-        "three channels, 5 fixations": lambda views: _attend(views, three),
-        "OpenCV FineGrained, map only": lambda views: peer.computeSaliency(_bytes(views)),
-        "plain Itti, map only": lambda views: plain_itti(views.colour[0]),
+    contestants = {
+        OURS: partial(_each, scenes, partial(attend_to, parameters=full)),
+        "three channels, with 5 fixations": partial(
+            _each, scenes, partial(attend_to, parameters=three)
+        ),
+        "plain Itti": partial(_each, scenes, lambda views: plain_itti(views.colour[0])),
+        "scikit-image, entropy alone": partial(_each, scenes, _entropy),
+        **{name: partial(_each, scenes, partial(_saliency, peer)) for name, peer in peers.items()},
     }
-    times: dict[str, list[float]] = {name: [] for name in contestants}
-    for _ in range(rounds):
-        for views in scenes:
-            for name, contestant in contestants.items():
-                start = time.perf_counter()
-                contestant(views)
-                times[name].append(time.perf_counter() - start)
-    medians = {f"{name}, ms": 1e3 * float(np.median(taken)) for name, taken in times.items()}
-    ours, theirs = (np.array(times[name]) for name in list(times)[0:3:2])
-    return medians | {"ratio to FineGrained": float(np.median(ours) / np.median(theirs))}
+    seconds = in_turn(contestants, rounds)
+    return {
+        "milliseconds": medians(seconds, 1e3 / len(scenes)),
+        "ratio_to_ours": ratios(seconds, OURS),
+    }
+
+
+def _each(scenes: list[Views], work: Callable[[Views], object]) -> None:
+    for views in scenes:
+        work(views)
+
+
+def _saliency(peer: Any, views: Views) -> object:
+    return peer.computeSaliency(_bytes(views))
+
+
+def _entropy(views: Views) -> object:
+    from skimage.filters.rank import entropy
+    from skimage.morphology import disk
+
+    return entropy(_bytes(views).mean(axis=2).astype(np.uint8), disk(5))
 
 
 def _resolution(surfaces: list[Surface]) -> list[dict[str, float]]:
@@ -90,12 +114,12 @@ def _resolution(surfaces: list[Surface]) -> list[dict[str, float]]:
         points[resolution], rendering, attending = [], 0.0, 0.0
         for surface in surfaces:
             caster = RayCaster(surface)
-            start = time.perf_counter()
+            start = time.process_time()
             views = render_views(caster, cameras, _at(resolution))
-            middle = time.perf_counter()
-            results = _attend(views, parameters)
+            middle = time.process_time()
+            results = attend_to(views, parameters)
             rendering += middle - start
-            attending += time.perf_counter() - middle
+            attending += time.process_time() - middle
             points[resolution] += [result.scanpath.points for result in results]
         count = len(surfaces) * len(cameras)
         seconds[resolution] = (rendering / count, attending / count)
@@ -182,7 +206,8 @@ def _bytes(views: Views) -> np.ndarray:
     return np.rint(views.colour[0] * 255).astype(np.uint8)
 
 
-def _attend(views: Views, parameters: AttentionParameters) -> list:
+def attend_to(views: Views, parameters: AttentionParameters) -> list[Attention]:
+    """Find the fixations of views."""
     return attend(
         views.colour,
         views.mask,
@@ -195,9 +220,4 @@ def _attend(views: Views, parameters: AttentionParameters) -> list:
 
 
 if __name__ == "__main__":
-    figures = run()
-    for name, value in figures["speed"].items():
-        print(f"{name:34s}{value:8.2f}")
-    print()
-    for row in figures["resolution"]:
-        print(", ".join(f"{name} {value:.4g}" for name, value in row.items()))
+    print(json.dumps(run(), indent=1))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 import tracemalloc
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
@@ -16,6 +17,7 @@ from types import ModuleType
 import numpy as np
 import pywt
 
+from benchmarks.turns import Peers, in_turn, medians
 from contourlets import (
     EXTENSIONS,
     Contourlet,
@@ -27,31 +29,10 @@ from contourlets import (
 ROUNDS = 9
 _DEFINITION = Path(__file__).parent.parent / "packages/contourlets/tests/contourlet_definition.py"
 
-Contest = dict[str, Callable[[], object]]
 
-
-def medians(contest: Contest, rounds: int = ROUNDS) -> dict[str, float]:
-    """Time peers in turns.
-
-    Parameters
-    ----------
-    contest : dict of str to callable
-    rounds : int
-
-    Returns
-    -------
-    dict of str to float
-        Median seconds of each.
-    """
-    for peer in contest.values():
-        peer()
-    seconds: dict[str, list[float]] = {name: [] for name in contest}
-    for _ in range(rounds):
-        for name, peer in contest.items():
-            start = time.perf_counter()
-            peer()
-            seconds[name].append(time.perf_counter() - start)
-    return {name: float(np.median(times)) for name, times in seconds.items()}
+def contest_of(peers: Peers) -> dict[str, float]:
+    """Give the median processor seconds of each of some peers."""
+    return medians(in_turn(peers, ROUNDS))
 
 
 def plain_form() -> ModuleType:
@@ -72,19 +53,20 @@ def deviations_of_small_images(count: int = 1000) -> dict[str, float]:
     def recursive() -> list[float]:
         return [float(np.std(b, ddof=1)) for b in plain.toolbox_bands(images[0], (4,))[1:]]
 
-    contest: Contest = {
-        f"deviations_{extension}": lambda extension=extension: directional_deviations(
-            images, extension=extension
-        )
+    contest: dict[str, Callable[[], object]] = {
+        f"deviations_{extension}": partial(directional_deviations, images, extension=extension)
         for extension in EXTENSIONS
     }
     contest |= {
         "wavelet_db2_3_levels": lambda: wavelet_deviations(images, "db2", 3),
         "wavelet_bior44_1_level": lambda: wavelet_deviations(images, "bior4.4", 1),
+        "wavelet_db2_3_levels_PyWavelets_batch": lambda: pywt.wavedec2(
+            images, "db2", level=3, axes=(1, 2)
+        ),
         "ladder_transform": lambda: Contourlet((4,)).forward(images),
     }
-    figures = {name: 1e6 * value / count for name, value in medians(contest).items()}
-    figures["plain_recursive_form"] = 1e6 * medians({"plain": recursive})["plain"]
+    figures = {name: 1e6 * value / count for name, value in contest_of(contest).items()}
+    figures["plain_recursive_form"] = 1e6 * contest_of({"plain": recursive})["plain"]
     figures["plain_over_periodic"] = (
         figures["plain_recursive_form"] / figures["deviations_periodic"]
     )
@@ -94,24 +76,24 @@ def deviations_of_small_images(count: int = 1000) -> dict[str, float]:
 def small_batches(sizes: Sequence[int] = (1, 8, 80)) -> dict[str, float]:
     """Time deviations of batches that a single job has; microseconds an image."""
     images = np.random.default_rng(0).standard_normal((max(sizes), 32, 32))
-    contest: Contest = {
-        str(size): lambda size=size: directional_deviations(images[:size]) for size in sizes
+    contest: dict[str, Callable[[], object]] = {
+        str(size): partial(directional_deviations, images[:size]) for size in sizes
     }
-    return {name: 1e6 * value / int(name) for name, value in medians(contest).items()}
+    return {name: 1e6 * value / int(name) for name, value in contest_of(contest).items()}
 
 
 def large_image(side: int = 512) -> dict[str, float]:
     """Time two levels (l = 3, 4) of a large image; milliseconds, and ratios to PyWavelets."""
     image = np.random.default_rng(0).standard_normal((side, side))
     transforms = {extension: Contourlet((3, 4), extension=extension) for extension in EXTENSIONS}
-    contest: Contest = {
+    contest: dict[str, Callable[[], object]] = {
         "wavedec2_bior44": lambda: pywt.wavedec2(image, "bior4.4", "periodization", level=2)
     }
     for extension, transform in transforms.items():
         coefficients = transform.forward(image)
-        contest[f"forward_{extension}"] = lambda t=transform: t.forward(image)
-        contest[f"inverse_{extension}"] = lambda t=transform, c=coefficients: t.inverse(c)
-    figures = {name: 1e3 * value for name, value in medians(contest).items()}
+        contest[f"forward_{extension}"] = partial(transform.forward, image)
+        contest[f"inverse_{extension}"] = partial(transform.inverse, coefficients)
+    figures = {name: 1e3 * value for name, value in contest_of(contest).items()}
     for extension in EXTENSIONS:
         ratio = figures[f"forward_{extension}"] / figures["wavedec2_bior44"]
         figures[f"forward_{extension}_over_wavedec2"] = ratio
@@ -121,11 +103,11 @@ def large_image(side: int = 512) -> dict[str, float]:
 def published_sizes() -> dict[str, float]:
     """Time 64 × 64 images, two levels, for which other packages publish times; milliseconds."""
     image = np.random.default_rng(0).standard_normal((64, 64))
-    contest: Contest = {
+    contest: dict[str, Callable[[], object]] = {
         "contourlet": lambda: Contourlet((3, 4)).forward(image),
         "nonsubsampled": lambda: NonsubsampledContourlet((3, 4)).forward(image),
     }
-    return {name: 1e3 * value for name, value in medians(contest).items()}
+    return {name: 1e3 * value for name, value in contest_of(contest).items()}
 
 
 def first_calls() -> dict[str, float]:

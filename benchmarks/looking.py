@@ -7,7 +7,7 @@ averaged over the objects.
 
 from __future__ import annotations
 
-import time
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,9 +15,12 @@ import cv2
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from visuohaptic.attention import AttentionParameters, attend
+from benchmarks.attention import attend_to
+from benchmarks.casts import open3d_cast, rays_of
+from benchmarks.turns import in_turn, medians
+from visuohaptic.attention import AttentionParameters
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.rendering import Views, render_views
+from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface
@@ -44,7 +47,8 @@ def run(rounds: int = 7) -> dict[str, object]:
     Returns
     -------
     dict of str to object
-        ``view_ms``: rendering and attention, their sum, and the bare cast of a view's rays;
+        ``view_ms``: rendering and attention, their sum, the bare cast of a view's rays, and the first
+        view of an object, for which its surface is prepared;
         ``imprint_ms``: an imprint and the bare cast of its rays; and the ratio of each two.
     """
     threads = cv2.getNumThreads()
@@ -66,47 +70,25 @@ def run(rounds: int = 7) -> dict[str, object]:
 
 
 def _measure(path: Path, rounds: int) -> dict[str, float]:
-    """Give the median milliseconds a view or imprint of one object."""
-    caster = RayCaster(normalise(read_surface(path), path.name))
+    """Give the median processor milliseconds a view or imprint of one object."""
+    surface = normalise(read_surface(path), path.name)
+    caster, bare = RayCaster(surface), open3d_cast(surface)
     views = render_views(caster, CAMERAS, RENDERING)
-    paths = [one.scanpath for one in _attend(views)]
+    paths = [one.scanpath for one in attend_to(views, ATTENTION)]
     points = np.concatenate([path.points for path in paths])
     normals = np.concatenate([path.normals for path in paths])
-    of_views = [_bare_cast(caster, *camera.rays(RENDERING.resolution)) for camera in CAMERAS]
-    of_imprints = _bare_cast(caster, *_sensing_rays(caster, points, normals))
+    of_views = [rays_of(*camera.rays(RENDERING.resolution)) for camera in CAMERAS]
+    of_imprints = rays_of(*_sensing_rays(caster, points, normals))
     contestants: dict[str, tuple[Callable[[], object], int]] = {
+        "first view": (lambda: render_views(RayCaster(surface), CAMERAS[:1], RENDERING), 1),
         "rendering": (lambda: render_views(caster, CAMERAS, RENDERING), len(CAMERAS)),
-        "attention": (lambda: _attend(views), len(CAMERAS)),
-        "bare cast": (lambda: [cast() for cast in of_views], len(CAMERAS)),
+        "attention": (lambda: attend_to(views, ATTENTION), len(CAMERAS)),
+        "bare cast": (lambda: [bare(rays) for rays in of_views], len(CAMERAS)),
         "imprint": (lambda: touch(caster, points, normals, SENSOR, Scene()), len(points)),
-        "bare imprint": (of_imprints, len(points)),
+        "bare imprint": (lambda: bare(of_imprints), len(points)),
     }
-    seconds: dict[str, list[float]] = {name: [] for name in contestants}
-    for _ in range(rounds):
-        for name, (contestant, count) in contestants.items():
-            started = time.perf_counter()
-            contestant()
-            seconds[name].append((time.perf_counter() - started) / count)
-    return {name: 1e3 * float(np.median(taken)) for name, taken in seconds.items()}
-
-
-def _attend(views: Views) -> list:
-    return attend(
-        views.colour,
-        views.mask,
-        views.point,
-        views.normal,
-        views.face,
-        views.curvature,
-        ATTENTION,
-    )
-
-
-def _bare_cast(
-    caster: RayCaster, origins: np.ndarray, directions: np.ndarray
-) -> Callable[[], object]:
-    rays = caster._tensor(np.concatenate([origins, directions], axis=1).astype(np.float32))
-    return lambda: caster._scene.cast_rays(rays)
+    seconds = in_turn({name: call for name, (call, _) in contestants.items()}, rounds)
+    return {name: 1e3 * taken / contestants[name][1] for name, taken in medians(seconds).items()}
 
 
 def _sensing_rays(
@@ -122,6 +104,4 @@ def _sensing_rays(
 
 
 if __name__ == "__main__":
-    for name, figure in run().items():
-        for part, value in figure.items() if isinstance(figure, dict) else [("", figure)]:
-            print(f"{f'{name} {part}':34}{value:8.3f}")
+    print(json.dumps(run(), indent=1))

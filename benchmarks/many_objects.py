@@ -1,4 +1,4 @@
-"""How the workflow grows with objects: seconds and memory of each step, for 12, 142, 1,000 and 3,000 objects.
+"""How the workflow grows with objects: seconds and memory of each step, for 12 to 568 objects, or as many as asked.
 
 `python -m benchmarks.many_objects FOLDER [COUNT …]` makes the objects, the paper's twelve, each deformed by a seed, and
 plans a run; with `--run` it makes the whole run from nothing, too, and what follows it. Figures are printed as a table,
@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).parents[1]
-COUNTS = (12, 142, 1000, 3000)
-BLOCKS = {12: 6, 142: 24}
+COUNTS = (12, 24, 48, 142, 568)
+BLOCKS = {12: 4, 24: 6, 48: 12, 142: 24}
 """Objects a job; 50 where there are more objects."""
 LARGEST_BEND = 0.15
 SECONDS_BETWEEN_SAMPLES = 1.0
@@ -95,7 +95,7 @@ def measure(folder: Path, *options: str) -> dict[str, float]:
     with (folder / "snakemake.out").open("ab") as out:
         process = subprocess.Popen(
             [sys.executable, "-m", "snakemake", "-s", str(ROOT / "Snakefile"), "-d", str(folder), *options],
-            env={**os.environ, "PYTHONPATH": f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"},
+            env=_environment(),
             stdout=out, stderr=out,
         )  # fmt: skip
         most = [0.0]
@@ -115,6 +115,13 @@ def measure(folder: Path, *options: str) -> dict[str, float]:
         "processor_s": round(used.ru_utime + used.ru_stime, 1),
         "memory_mb": round(max(most[0], used.ru_maxrss / 1024)),
     }
+
+
+def _environment() -> dict[str, str]:
+    """Give the environment of users: with bytecode, and this clone's modules."""
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    folders = ("src", "packages/contourlets/src", "workflow/lib")
+    return {**kept, "PYTHONPATH": os.pathsep.join(str(ROOT / folder) for folder in folders)}
 
 
 def _watch_memory(process: int, most: list[float], ended: threading.Event) -> None:
@@ -193,10 +200,23 @@ def run_all(folder: Path, count: int, cores: int) -> Steps:
         "nothing to do": measure(folder, *options),
         "report": measure(folder, *options, "--forcerun", "report", "--", "reports/report.html"),
     }
+    steps["whole run"] |= of_phases(folder)
     steps["report"]["file_mb"] = round((folder / "reports/report.html").stat().st_size / 1e6, 1)
     tables = [file.stat().st_size for file in (folder / "results").rglob("*") if file.is_file()]
     steps["whole run"]["results_mb"] = round(sum(tables) / 1e6)
     return steps
+
+
+def of_phases(folder: Path) -> dict[str, float]:
+    """Give the seconds of each phase's jobs together, as their logs have them, imports included."""
+    from visuohaptic.job_logs import read_seconds
+
+    found: dict[str, float] = {}
+    for log in (folder / "logs").rglob("*.log"):
+        if seconds := read_seconds(log):
+            name = f"{log.relative_to(folder / 'logs').with_suffix('').parts[0]}_s"
+            found[name] = round(found.get(name, 0.0) + seconds.imports + seconds.work, 1)
+    return found
 
 
 def as_table(found: dict[str, Steps]) -> str:
@@ -210,13 +230,10 @@ def as_table(found: dict[str, Steps]) -> str:
 def _write(step: dict[str, float] | None) -> str:
     if step is None:
         return "–"
-    files = [f"{value:g} MB of files" for name, value in step.items() if name not in _TAKEN]
+    files = [f"{step[name]:g} MB of files" for name in ("file_mb", "results_mb") if name in step]
     seconds = [f"{step[name]:.1f} s" for name in ("seconds", "processor_s") if name in step]
     taken = f"{', '.join(seconds)}, {step['memory_mb']:,.0f} MB"
     return "; ".join([taken, *files])
-
-
-_TAKEN = {"seconds", "processor_s", "memory_mb"}
 
 
 def main() -> None:

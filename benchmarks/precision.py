@@ -9,18 +9,21 @@ from __future__ import annotations
 
 import json
 import sys
-import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 
+from benchmarks.attention import attend_to
+from benchmarks.casts import open3d_cast, rays_of
+from benchmarks.turns import in_turn, medians
 from contourlets import Contourlet, contourlet_operator, directional_deviations
-from visuohaptic.attention import AttentionParameters, attend
+from visuohaptic.attention import AttentionParameters
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface, read_surface
@@ -30,6 +33,7 @@ from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
 
 ROOT = Path(__file__).parent.parent
+TESTS = [str(ROOT / "tests"), str(ROOT / "packages/contourlets/tests")]
 RAYS = 20_000
 IMAGES = 256
 TOUCHES = 64
@@ -38,7 +42,7 @@ Setting = tuple[str, float, float, float, Callable[[], object]]
 """What it is, largest and root mean square error, how much is done in one call, and the call."""
 
 
-def run(rounds: int = 3) -> dict[str, object]:
+def run(rounds: int = 3) -> dict[str, list[dict[str, Any]]]:
     """Measure every kernel.
 
     Parameters
@@ -53,11 +57,11 @@ def run(rounds: int = 3) -> dict[str, object]:
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
-    sys.path.insert(0, str(ROOT / "tests"))
+    sys.path[:0] = TESTS
     try:
         rows = [*_rays(rounds), *_imprints(rounds), *_contourlets(rounds), *_attention(rounds)]
     finally:
-        sys.path.remove(str(ROOT / "tests"))
+        del sys.path[: len(TESTS)]
         cv2.setNumThreads(threads)
     return {"work_precision": rows}
 
@@ -65,12 +69,7 @@ def run(rounds: int = 3) -> dict[str, object]:
 def _timed(
     kernel: str, unit: str, per: str, settings: list[Setting], rounds: int
 ) -> list[dict[str, Any]]:
-    taken: dict[str, list[float]] = {setting[0]: [] for setting in settings}
-    for _ in range(rounds):
-        for name, _, _, amount, call in settings:
-            start = time.perf_counter()
-            call()
-            taken[name].append((time.perf_counter() - start) / amount)
+    seconds = medians(in_turn({name: call for name, _, _, _, call in settings}, rounds))
     return [
         {
             "kernel": kernel,
@@ -78,10 +77,10 @@ def _timed(
             "worst_error": float(worst),
             "rms_error": float(rms),
             "unit": unit,
-            "seconds": float(np.median(taken[name])),
+            "seconds": seconds[name] / amount,
             "per": per,
         }
-        for name, worst, rms, _, _ in settings
+        for name, worst, rms, amount, _ in settings
     ]
 
 
@@ -108,14 +107,16 @@ def _rays(rounds: int) -> list[dict[str, Any]]:
     exact, _, unsure = oracles.first_hits(torus.triangles, origins, directions)
     sure = np.isfinite(exact) & ~unsure
     caster = RayCaster(torus)
-    everything = lambda distances: np.ones(len(distances), dtype=bool)  # noqa: E731
-    calls = {
-        "float32 as Embree gives it": lambda: _embree(caster, origins, directions),
+    bare, joined = open3d_cast(torus), rays_of(origins, directions)
+    calls: dict[str, Callable[[], np.ndarray]] = {
+        "float32 as Embree gives it": lambda: bare(joined).astype(np.float64),
         "doubtful rays cast again": lambda: caster.first_hits(origins, directions).distance,
         "doubtful rays and misses cast again": lambda: (
             caster.first_hits(origins, directions, lambda d: ~np.isfinite(d)).distance
         ),
-        "every ray cast again": lambda: caster.first_hits(origins, directions, everything).distance,
+        "every ray cast again": lambda: (
+            caster.first_hits(origins, directions, lambda d: np.ones(len(d), dtype=bool)).distance
+        ),
     }
     settings: list[Setting] = []
     for name, call in calls.items():
@@ -126,28 +127,15 @@ def _rays(rounds: int) -> list[dict[str, Any]]:
     away = generator.normal(size=(RAYS, 3))
     away /= np.linalg.norm(away, axis=1, keepdims=True)
     for level in (2, 3, 4, 5, 6):
-        caster = RayCaster(ball(level))
-        error = caster.first_hits(2 * away, -away).distance - 1
-        call = lambda caster=caster: caster.first_hits(2 * away, -away)  # noqa: E731
-        balls.append(
-            (
-                f"true sphere by {len(caster.surface.faces):,} faces",
-                *_spread(error),
-                RAYS / 1e6,
-                call,
-            )
-        )
+        surface = ball(level)
+        cast = partial(RayCaster(surface).first_hits, 2 * away, -away)
+        name = f"true sphere by {len(surface.faces):,} faces"
+        balls.append((name, *_spread(cast().distance - 1), RAYS / 1e6, cast))
     unit = "distance, object radii"
     return [
         *_timed("ray cast", unit, "million rays", settings, rounds),
         *_timed("ray cast", unit, "million rays", balls, rounds),
     ]
-
-
-def _embree(caster: RayCaster, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    rays = np.concatenate([origins, directions], axis=1).astype(np.float32)
-    answer: np.ndarray = caster._scene.cast_rays(caster._tensor(rays))["t_hit"].numpy()
-    return answer.astype(np.float64)
 
 
 def _imprints(rounds: int) -> list[dict[str, Any]]:
@@ -163,7 +151,7 @@ def _imprints(rounds: int) -> list[dict[str, Any]]:
         parameters = SensorParameters(
             resolution=resolution, normal="given", normalisation="absolute", largest_size=0.2
         )
-        call = lambda c=caster, p=points, n=normals, s=parameters: touch(c, p, n, s, Scene())  # noqa: E731
+        call = partial(touch, caster, points, normals, parameters, Scene())
         felt = call()
         whole = felt.size == parameters.largest_size
         # Mean relief of the true cap under the square, by a fine midpoint rule.
@@ -177,18 +165,13 @@ def _imprints(rounds: int) -> list[dict[str, Any]]:
 
 def _contourlets(rounds: int) -> list[dict[str, Any]]:
     """Deviations of 16 bands: which type, and matrix or ladder."""
-    from numerics.test_images import exact_products
+    from numerics.hard_cases.images import exact_bands, exact_deviation
 
-    generator = np.random.default_rng(2)
-    images = generator.random((IMAGES, 16, 16))
-    exact = []
-    for image in images[:8]:
-        products, unit, sizes = exact_products(image)
-        values = np.array([float(_quotient(value, unit)) for value in products])
-        bands = np.split(values, np.cumsum(sizes)[:-1])[1:]
-        exact.append([band.std(ddof=1) for band in bands])
-    wanted = np.array(exact)
-    calls = {
+    images = np.random.default_rng(2).random((IMAGES, 16, 16))
+    wanted = np.array(
+        [[exact_deviation(band) for band in exact_bands(image)[1:]] for image in images[:8]]
+    )
+    calls: dict[str, Callable[[], np.ndarray]] = {
         "float64, ladder": lambda: directional_deviations(images),
         "float32, ladder": lambda: _ladder(images.astype(np.float32)),
         "float64, one matrix": lambda: _matrix(images, np.float64),
@@ -203,12 +186,6 @@ def _contourlets(rounds: int) -> list[dict[str, Any]]:
     )
 
 
-def _quotient(value: int, unit: int) -> float:
-    from fractions import Fraction
-
-    return float(Fraction(value, unit))
-
-
 def _ladder(images: np.ndarray) -> np.ndarray:
     bands = Contourlet(levels=(4,)).forward(images).levels[0]
     return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
@@ -220,6 +197,10 @@ def _matrix(images: np.ndarray, dtype: type) -> np.ndarray:
     return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
 
 
+def _attend_to_all(views: list[Views], parameters: AttentionParameters) -> list[object]:
+    return [attend_to(seen, parameters) for seen in views]
+
+
 def _attention(rounds: int) -> list[dict[str, Any]]:
     """Fixations at each resolution of the view against those at the largest."""
     files = sorted((ROOT / "meshes/paper").rglob("*.ply.gz"))[::4]
@@ -228,11 +209,11 @@ def _attention(rounds: int) -> list[dict[str, Any]]:
     casters = [RayCaster(surface) for surface in surfaces]
     parameters = AttentionParameters()
     points: dict[int, list[np.ndarray]] = {}
-    views: dict[int, list[Any]] = {}
+    views: dict[int, list[Views]] = {}
     for resolution in (64, 128, 256, 512, 1024):
         at = RenderingParameters(resolution=resolution)
         views[resolution] = [render_views(caster, cameras, at) for caster in casters]
-        found = [_attend(seen, parameters) for seen in views[resolution]]
+        found = [attend_to(seen, parameters) for seen in views[resolution]]
         points[resolution] = [one.scanpath.points for each in found for one in each]
     settings: list[Setting] = []
     for resolution in (64, 128, 256, 512):
@@ -241,7 +222,7 @@ def _attention(rounds: int) -> list[dict[str, Any]]:
             for one, other in zip(points[resolution], points[1024], strict=True)
         ]
         joined = np.concatenate(apart)
-        call = lambda r=resolution: [_attend(seen, parameters) for seen in views[r]]  # noqa: E731
+        call = partial(_attend_to_all, views[resolution], parameters)
         amount = len(surfaces) * len(cameras)
         name = f"{resolution} × {resolution} pixels"
         settings.append((name, float(joined.max()), float(np.median(joined)), amount, call))
@@ -254,21 +235,9 @@ def _attention(rounds: int) -> list[dict[str, Any]]:
     )
 
 
-def _attend(views: Any, parameters: AttentionParameters) -> list[Any]:
-    return attend(
-        colour=views.colour,
-        mask=views.mask,
-        point=views.point,
-        normal=views.normal,
-        face=views.face,
-        curvature=views.curvature,
-        parameters=parameters,
-    )
-
-
 if __name__ == "__main__":
     found = run()["work_precision"]
-    for row in found:  # type: ignore[attr-defined]
+    for row in found:
         print(
             f"{row['kernel']:11} {row['settings']:58} {row['worst_error']:9.2e} {row['rms_error']:9.2e} "
             f"{row['seconds']:9.2e} s a {row['per']}"

@@ -7,19 +7,23 @@ round; figures are medians over the rounds, ratios are medians of ratios within 
 from __future__ import annotations
 
 import itertools
-import time
+import json
 from collections.abc import Callable
-from statistics import median
+from pathlib import Path
 
 import numpy as np
 
+from benchmarks.casts import embreex_cast, open3d_cast, rays_of
+from benchmarks.turns import in_turn, medians, ratios
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.surface import Surface, read_surface
+from visuohaptic.meshes.preparing import normalise
 from visuohaptic.scene.parameters import TACTILE_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor import RandomFields, SensorParameters, touch
 from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, stand_on
 
+CAR = Path(__file__).parent.parent / "meshes/paper/car/kl_VW-new-beetle.ply.gz"
 PROBES = 256
 ROUNDS = 7
 ABSOLUTE = SensorParameters(normalisation="absolute")
@@ -33,7 +37,12 @@ def run() -> dict[str, object]:
     dict
         ``milliseconds`` an imprint by peer and object, ``ratio_to_…`` each peer, ``states`` of the touches, and ``exactness``: worst errors over the sensor's size.
     """
-    objects = {"convex": _ellipsoid(), "bumpy": _bumpy_ball(), "rooms": _shelves()}
+    objects = {
+        "convex": _ellipsoid(),
+        "bumpy": _bumpy_ball(),
+        "rooms": _shelves(),
+        "car": normalise(read_surface(CAR), CAR.name),
+    }
     return {
         "probes": PROBES,
         "rounds": ROUNDS,
@@ -52,7 +61,7 @@ def _measure(surface: Surface) -> dict[str, object]:
         return lambda: touch(caster, points, normals, SensorParameters(), scene, fields)
 
     peers: dict[str, Callable[[], object]] = {
-        **_peers(surface, caster, points, normals),
+        **_peers(surface, points, normals),
         "plain cast": _plain_cast(caster, points, normals),
         "ideal, fixed size": imprint(Scene(effects=fixed)),
         "ideal, auto": imprint(Scene()),
@@ -61,30 +70,16 @@ def _measure(surface: Surface) -> dict[str, object]:
         "fsr400, always": imprint(Scene(preset="fsr400", effects=always)),
         "worn_fsr, auto": imprint(Scene(preset="worn_fsr")),
     }
-    seconds: dict[str, list[float]] = {name: [] for name in peers}
-    for peer in peers.values():
-        peer()
-    for _ in range(ROUNDS):
-        for name, peer in peers.items():
-            started = time.perf_counter()
-            peer()
-            seconds[name].append(time.perf_counter() - started)
+    seconds = in_turn(peers, ROUNDS)
     touches = touch(caster, points, normals, SensorParameters(), Scene())
     states, counts = np.unique(touches.contact_state, return_counts=True)
     return {
         "faces": len(surface.faces),
         "states": dict(zip(states.tolist(), counts.tolist(), strict=True)),
-        "milliseconds": {name: 1e3 * median(times) / PROBES for name, times in seconds.items()},
-        "ratio_to_trimesh": _ratios(seconds, "trimesh + embreex, plain cast"),
-        "ratio_to_bare_embreex": _ratios(seconds, "embreex, bare plain cast"),
-        "ratio_to_bare_open3d": _ratios(seconds, "Open3D, bare plain cast"),
-    }
-
-
-def _ratios(seconds: dict[str, list[float]], base: str) -> dict[str, float]:
-    return {
-        name: median(a / b for a, b in zip(times, seconds[base], strict=True))
-        for name, times in seconds.items()
+        "milliseconds": medians(seconds, 1e3 / PROBES),
+        "ratio_to_trimesh": ratios(seconds, "trimesh + embreex, plain cast"),
+        "ratio_to_bare_embreex": ratios(seconds, "embreex, bare plain cast"),
+        "ratio_to_bare_open3d": ratios(seconds, "Open3D, bare plain cast"),
     }
 
 
@@ -95,7 +90,7 @@ def _plain_cast(caster: RayCaster, points: np.ndarray, normals: np.ndarray) -> C
 
 
 def _peers(
-    surface: Surface, caster: RayCaster, points: np.ndarray, normals: np.ndarray
+    surface: Surface, points: np.ndarray, normals: np.ndarray
 ) -> dict[str, Callable[[], object]]:
     """One plain cast of each probe's largest square by others; bare ones give distances only."""
     import trimesh
@@ -103,6 +98,7 @@ def _peers(
 
     mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
     intersector = RayMeshIntersector(mesh)
+    embreex, open3d = embreex_cast(surface), open3d_cast(surface)
     poses = stand_on(points, normals)
     offsets = 0.15 * sensing_offsets(32)
 
@@ -123,21 +119,10 @@ def _peers(
         depths[hits] = np.einsum("ij,ij->i", locations - origins[hits], directions[hits])
         return depths
 
-    def bare_embreex() -> np.ndarray:
-        origins, directions = rays()
-        scene = intersector._scene
-        return scene.run(
-            origins.astype(np.float32), directions.astype(np.float32), query="DISTANCE"
-        )
-
-    def bare_open3d() -> np.ndarray:
-        joined = np.concatenate(rays(), axis=1, dtype=np.float32, casting="same_kind")
-        return caster._scene.cast_rays(caster._tensor(joined))["t_hit"].numpy()
-
     return {
         "trimesh + embreex, plain cast": located,
-        "embreex, bare plain cast": bare_embreex,
-        "Open3D, bare plain cast": bare_open3d,
+        "embreex, bare plain cast": lambda: embreex(rays_of(*rays())),
+        "Open3D, bare plain cast": lambda: open3d(rays_of(*rays())),
     }
 
 
@@ -179,7 +164,7 @@ def _errors(
     x, z = np.meshgrid(*(2 * [0.5 * size * sensing_offsets(32)]))
     truth = height(x, z)
     mesh = truth if exact else _sheet_height(height, x, z, half, cells)
-    single = _single_precision(caster, x, z)
+    single = _single_precision(surface, x, z)
     return {
         "mesh": float(np.abs(mesh - truth).max() / size),
         "caster, float32": float(np.abs(single - mesh).max() / size),
@@ -187,11 +172,10 @@ def _errors(
     }
 
 
-def _single_precision(caster: RayCaster, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+def _single_precision(surface: Surface, x: np.ndarray, z: np.ndarray) -> np.ndarray:
     origins = np.stack([x, np.full_like(x, 1.5), z], axis=-1).reshape(-1, 3)
-    rays = np.concatenate([origins, np.tile([0, -1.0, 0], (len(origins), 1))], axis=1)
-    answer = caster._scene.cast_rays(caster._tensor(rays.astype(np.float32)))
-    return 1.5 - answer["t_hit"].numpy().astype(np.float64).reshape(x.shape)
+    distances = open3d_cast(surface)(rays_of(origins, np.tile([0, -1.0, 0], (len(origins), 1))))
+    return 1.5 - distances.astype(np.float64).reshape(x.shape)
 
 
 def _sheet_height(
@@ -273,21 +257,5 @@ def _surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     )
 
 
-def _print(figures: dict[str, object]) -> None:
-    for name, measured in figures["objects"].items():  # type: ignore[attr-defined]
-        print(f"\n{name}: {measured['faces']} faces, {measured['states']}")
-        print(f"{'':32}{'ms':>8}{'per s':>8}{'× trimesh':>11}{'× embreex':>11}{'× Open3D':>10}")
-        for peer, milliseconds in measured["milliseconds"].items():
-            ratios = [
-                measured[f"ratio_to_{base}"][peer]
-                for base in ("trimesh", "bare_embreex", "bare_open3d")
-            ]
-            figures_of_peer = f"{milliseconds:8.3f}{1e3 / milliseconds:8.0f}"
-            print(f"{peer:32}{figures_of_peer}{ratios[0]:11.2f}{ratios[1]:11.2f}{ratios[2]:10.2f}")
-    print(f"\n{'worst error / sensor size':32}{'mesh':>10}{'float32':>10}{'caster':>10}")
-    for shape, errors in figures["exactness"].items():  # type: ignore[attr-defined]
-        print(f"{shape:32}" + "".join(f"{error:10.1e}" for error in errors.values()))
-
-
 if __name__ == "__main__":
-    _print(run())
+    print(json.dumps(run(), indent=1))

@@ -71,25 +71,29 @@ def draw(sets: Mapping[str, Mapping[str, Any]]) -> go.Figure:
     return figure
 
 
-def main() -> None:
-    """Write the picture."""
+def photograph(figure: go.Figure, picture: Path) -> None:
+    """Write a figure, as large as its layout says, with Chromium."""
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     if browser is None:
         sys.exit("Chromium is needed to write a picture.")
+    with tempfile.TemporaryDirectory() as folder:
+        page = Path(folder, "figure.html")
+        figure.write_html(page, include_plotlyjs=True, config={"staticPlot": True})
+        subprocess.run(
+            [browser, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
+             f"--window-size={figure.layout.width},{figure.layout.height}",
+             "--virtual-time-budget=4000", f"--screenshot={picture}", page.as_uri()],
+            check=True, capture_output=True, timeout=120,
+        )  # fmt: skip
+
+
+def main() -> None:
+    """Write the picture."""
     files = {name: DOCS / "figures" / f"claims_{name}.json" for name in SETS}
     sets = {
         name: json.loads(file.read_text("utf-8")) for name, file in files.items() if file.is_file()
     }
-    with tempfile.TemporaryDirectory() as folder:
-        page = Path(folder, "lead.html")
-        figure = draw(sets)
-        figure.write_html(page, include_plotlyjs=True, config={"staticPlot": True})
-        subprocess.run(
-            [browser, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-             f"--window-size={WIDTH},{HEIGHT}", "--virtual-time-budget=4000",
-             f"--screenshot={PICTURE}", page.as_uri()],
-            check=True, capture_output=True, timeout=120,
-        )  # fmt: skip
+    photograph(draw(sets), PICTURE)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from importlib.util import find_spec
 
 from visuohaptic.errors import MissingPackageError
@@ -27,3 +28,25 @@ def what_is_missing(extra: str, *packages: str) -> str | None:
         f"{named} {verb} not installed; "
         f"`pip install 'visuohaptic[{extra}]'` brings {'it' if verb == 'is' else 'them'}."
     )
+
+
+def keep_pandas_out() -> None:
+    """Keep pyarrow from importing pandas with its first array, which takes 0.2 s of a process; it can still do so later."""
+    if "pandas" in sys.modules:
+        return
+    import pyarrow as pa
+
+    sys.meta_path.insert(0, _NoPandas)
+    try:
+        pa.array([0])
+    finally:
+        sys.meta_path.remove(_NoPandas)
+
+
+class _NoPandas:
+    """A finder for `sys.meta_path` that denies pandas."""
+
+    @staticmethod
+    def find_spec(name: str, *_: object) -> None:
+        if name == "pandas":
+            raise ModuleNotFoundError(name=name)

@@ -47,7 +47,7 @@ class WorkflowParameters(BaseModel):
     conditions_per_job: int | None = Field(
         None,
         ge=1,
-        description="Conditions of a study that one job covers; null for an eighth, at most 25",
+        description="Conditions of a study that one job covers; null for an eighth, at most 25, and never a job for what takes no longer than its start",
     )
     keep_studies_current: bool = Field(
         True,  # noqa: FBT003 - a field's default
@@ -81,8 +81,7 @@ class CostParameters(BaseModel):
     )
     frontier_touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
         (1, 2, 5),
-        min_length=1,
-        description="Touches from one viewpoint in the frontier of every run; those that the run does not make are left out",
+        description="Touches from one viewpoint in the frontier of every run; those that the run does not make are left out, and an empty list measures no frontier",
     )
     frontier_viewpoints: tuple[Annotated[int, Field(ge=1, le=1024)], ...] = Field(
         (1,),

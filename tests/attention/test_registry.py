@@ -55,3 +55,8 @@ def test_a_channel_has_either_planes_or_stacks():
         Channel("glare", "Light that blinds.")
     with pytest.raises(AttentionError, match="planes and stacks"):
         replace(ENTRIES["edge"], stacks=lambda *_: [])
+
+
+def test_two_channels_of_one_name_are_refused():
+    with pytest.raises(AttentionError, match="each name is allowed once"):
+        registry.by_name(ENTRIES["edge"], ENTRIES["edge"])

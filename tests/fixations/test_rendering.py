@@ -6,7 +6,7 @@ import trimesh
 from numerics.surfaces import of_trimesh
 
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.rendering import Views, render_views
+from visuohaptic.fixations.rendering import Views, colour_views, meet_surface, render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
@@ -51,6 +51,17 @@ def test_points_lie_on_the_rays_of_their_pixels():
         offset = views.point[index].reshape(-1, 3)[seen] - origins[seen]
         miss = np.linalg.norm(np.cross(offset, directions[seen]), axis=1)
         assert miss.max() < 1e-5
+
+
+def test_one_cast_can_be_coloured_under_any_effects():
+    caster, parameters = RayCaster(SPHERE), RenderingParameters(resolution=64)
+    met = list(meet_surface(caster, CAMERAS, parameters))
+    for mode in ("always", "never"):
+        modes = EffectModes(**dict.fromkeys(VISUAL_EFFECTS, mode))
+        coloured = colour_views(caster, CAMERAS, met, parameters, modes)
+        whole = render_views(caster, CAMERAS, parameters, modes)
+        for name in IMAGES:
+            np.testing.assert_array_equal(getattr(coloured, name), getattr(whole, name))
 
 
 @pytest.mark.parametrize("projection", ["perspective", "orthographic"])

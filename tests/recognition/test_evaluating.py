@@ -6,6 +6,7 @@ from sklearn.svm import SVC
 
 import visuohaptic as vh
 from visuohaptic.errors import RecognitionError
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.summary import summarise
@@ -25,7 +26,11 @@ def features():
 
 def test_a_registered_classifier_has_the_figures_of_the_experiment(features):
     found = vh.evaluate(SVM, features, FEW)
-    summary = summarise(*run_pipeline(features, FEW, 0), FEW.intervals)
+    summary = summarise(
+        *run_pipeline(features, FEW, ExperimentParameters().seed),
+        FEW.intervals,
+        ExperimentParameters().seed,
+    )
     figure = summary["results"]["paper"]["fixation"][SVM]
     assert (found.accuracy, found.low, found.high) == tuple(
         figure["accuracy"][name] for name in ("mean", "low", "high")

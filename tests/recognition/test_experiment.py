@@ -9,7 +9,6 @@ from recognition.synthetic import features_table, with_column
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.classifiers import ClassifierParameters, fit_classifier
 from visuohaptic.recognition.experiment import PAPER_FEATURES, draw_splits, gather_pipeline
 from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.parameters import (
@@ -111,20 +110,6 @@ def test_singular_covariance_is_regularised_and_said():
     assert set(notes.to_pylist()) == {"singular covariance: Ledoit-Wolf shrinkage of every class"}
     others = scores.filter(pa.compute.not_equal(scores["classifier"], "quadratic_discriminant"))
     assert set(others.column("note").to_pylist()) == {None}
-
-
-def test_covariances_of_full_rank_are_left_alone():
-    from sklearn.discriminant_analysis import QuadraticDiscriminantAnalysis
-
-    generator = np.random.default_rng(0)
-    labels = np.repeat([0, 1], 100)
-    features = generator.normal(size=(200, 5)) + labels[:, None]
-    fitted, note = fit_classifier(
-        "quadratic_discriminant", ClassifierParameters(), features, labels, generator
-    )
-    plain = QuadraticDiscriminantAnalysis().fit(features, labels)
-    assert note is None
-    np.testing.assert_array_equal(fitted.predict_proba(features), plain.predict_proba(features))
 
 
 @pytest.mark.parametrize("objects", [(2, 2), (2, 5, 3)])

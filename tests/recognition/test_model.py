@@ -165,7 +165,7 @@ def test_no_touch_is_refused_in_a_sentence():
 @pytest.mark.parametrize(
     ("part", "change", "reason"),
     [
-        (("encoder", "projection", "components"), lambda rows: rows[:, :-1], "22 features"),
+        (("encoder", "projection", "components"), lambda rows: rows[:, :-1], "different from 22"),
         (("encoder", "waves", "phases"), lambda rows: rows[:-1], "broadcast"),
         (("tuned", "combination", "temperatures"), lambda rows: rows * np.nan, "no number"),
         (("classes",), lambda names: [*names, "one more"], "no probabilities of 3 classes"),

@@ -5,7 +5,6 @@ import itertools
 import numpy as np
 import pytest
 from recognition.synthetic import clusters
-from sklearn.covariance import empirical_covariance, shrunk_covariance
 from sklearn.linear_model import LogisticRegression
 from sklearn.svm import SVC
 
@@ -16,7 +15,6 @@ from visuohaptic.recognition.classifiers import (
     Classifier,
     ClassifierParameters,
 )
-from visuohaptic.recognition.covariance import ShrunkCovariance
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import (
     LEAST_SCORE,
@@ -244,13 +242,6 @@ def test_memory_lets_the_oldest_go():
     kept = [memory.fits(table, *rest) for table in tables]
     assert memory.fits(tables[2], *rest) is kept[2]
     assert memory.fits(tables[0], *rest) is not kept[0]
-
-
-def test_a_covariance_is_shrunk_as_scikit_learn_does_it():
-    rows = np.random.default_rng(0).normal(size=(40, 6)) * np.arange(1, 7)
-    ours = ShrunkCovariance(0.3, "mean_variance", 0.0).fit(rows).covariance_
-    theirs = shrunk_covariance(empirical_covariance(rows), 0.3)
-    np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-14)
 
 
 @pytest.mark.parametrize("smallest", [1.0, 1e-3, 1e-5, 1e-6])

@@ -10,9 +10,10 @@ import yaml
 from PIL import Image
 
 from visuohaptic.fixations.viewpoints import place_cameras
-from visuohaptic.geometry.surface import Surface, write_surface
+from visuohaptic.geometry.surface import Surface, object_of, write_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.summary import summarise
+from visuohaptic.report.object_pictures import make_pictures
 from visuohaptic.report.run import RunFiles
 from visuohaptic.sensor.frames import column_axes
 from visuohaptic.tables import phases
@@ -52,10 +53,18 @@ def write_run(
         write_table(SCHEMAS[name], table, folder / f"{name}.parquet")
     metrics = folder / "metrics.json"
     metrics.write_text(json.dumps(summarise(scores, predictions)))
+    meshes = [_write_mesh(folder, key) for key in objects]
+    write_table(
+        SCHEMAS["stability"], SCHEMAS["stability"].arrow.empty_table(), folder / "held.parquet"
+    )
+    tables = ([folder / f"{name}.parquet"] for name in ("views", "touches", "held"))
+    by_object = {object_of(mesh): mesh for mesh in meshes}
+    make_pictures(by_object, *tables, folder / "pictures.parquet", shown=objects, faces=4000)
     return RunFiles(
         metrics=metrics,
         **{name: [folder / f"{name}.parquet"] for name in written},
-        meshes=[_write_mesh(folder, key) for key in objects],
+        pictures=[folder / "pictures.parquet"],
+        meshes=meshes,
         credits=[_write_credits(folder, objects)],
         logs=_write_logs(folder),
         folder=folder,
@@ -65,7 +74,7 @@ def write_run(
 def lay_out(folder, objects=OBJECTS):
     """Lay a synthetic run out as the workflow does, and give its folder."""
     files = write_run(folder / "made", objects)
-    for table in ("predictions", "views", "fixations", "touches", "features"):
+    for table in ("predictions", "views", "fixations", "touches", "features", "pictures"):
         part = folder / "results" / table / "all.parquet"
         part.parent.mkdir(parents=True)
         shutil.move(getattr(files, table)[0], part)

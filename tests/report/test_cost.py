@@ -15,6 +15,8 @@ from visuohaptic.report.cost import (
     time_parts,
 )
 from visuohaptic.report.estimates import Figure
+from visuohaptic.tables.schema import write_table
+from visuohaptic.tables.studies import COST
 
 POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
 
@@ -22,6 +24,8 @@ POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0
 def test_what_was_not_measured_has_no_figures(tmp_path):
     assert read_cost(None, PARAMETERS) is None
     assert read_cost(tmp_path / "none.parquet", PARAMETERS) is None
+    write_table(COST, COST.arrow.empty_table(), tmp_path / "empty.parquet")
+    assert read_cost(tmp_path / "empty.parquet", PARAMETERS) is None
 
 
 def test_the_parts_of_a_recognition_are_those_of_its_row():

@@ -33,7 +33,7 @@ def test_a_packed_model_reads_back():
     surface = ball(6)
     touches = np.random.default_rng(0).uniform(-1, 1, (7, 10))
     packed = pack_model(surface, touches, 1000)
-    data = gzip.decompress(base64.b64decode(packed.data))
+    data = gzip.decompress(base64.b64decode(packed.text))
     sizes = [6 * packed.vertices, 20 * packed.touches, 12 * packed.faces, 3 * packed.faces]
     assert len(data) == sum(sizes)
     bounds = np.cumsum([0, *sizes])
@@ -55,6 +55,6 @@ def test_the_pages_parts_fit_their_budgets():
     """12 objects of 16 views within 10 MB: the library once, a model each, 12 kB a view."""
     model = pack_model(ball(60), np.random.default_rng(0).uniform(-1, 1, (160, 10)), 4000)
     library = len(plotly_library().packed)
-    assert library + 12 * (len(model.data) + 16 * 12_000) < 10_000_000
+    assert library + 12 * (len(model.text) + 16 * 12_000) < 10_000_000
     assert library + 142 * 60_000 < 25_000_000
-    assert len(model.data) < 120_000
+    assert len(model.text) < 120_000

@@ -12,6 +12,7 @@ from report.synthetic import OBJECTS, PARAMETERS, write_run
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import PlugIn
+from visuohaptic.report.object_pictures import make_pictures
 from visuohaptic.report.page import PAPER_ADDRESS, make_environment, render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.section import ReportContext
@@ -240,6 +241,9 @@ def test_names_are_shown_as_they_are_and_do_nothing(tmp_path):
 @pytest.mark.slow
 def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
     files = write_run(tmp_path)
+    pictures = tmp_path / "without_meshes.parquet"
+    tables = files.views, files.touches, tmp_path / "held.parquet"
+    make_pictures({}, *tables, pictures, shown=OBJECTS, faces=4000)
     bare = RunFiles(
         metrics=files.metrics,
         predictions=files.predictions,
@@ -247,6 +251,7 @@ def test_a_run_without_anything_optional_is_told_all_the_same(tmp_path):
         fixations=files.fixations,
         touches=files.touches,
         features=files.features,
+        pictures=[pictures],
         meshes=["nowhere/cup/mug/mug.ply"],
         credits=["nowhere.csv"],
         logs=tmp_path / "nowhere",

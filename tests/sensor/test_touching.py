@@ -23,6 +23,7 @@ from visuohaptic.sensor import (
     SensorParameters,
     touch,
 )
+from visuohaptic.sensor.touching import feel, place_sensors
 from visuohaptic.tables.phases import CONTACT_STATES
 
 ARRAYS = ("images", "size", "contact_state", "penetration", "normals", "tangents", "gaps")
@@ -58,6 +59,17 @@ def test_auto_gives_bit_for_bit_what_always_gives(surface, scene, parameters, se
         assert skipped.runs == skipped.called_for == ran.called_for
         assert ran.runs == ran.touches == 6
         assert skipped.reason == ran.reason
+
+
+@settings(max_examples=10, deadline=None)
+@given(surfaces(), scenes(), scenes(), parameter_sets(), st.integers(0, 1000))
+def test_sensors_that_are_placed_once_feel_every_scene(surface, scene, other, parameters, seed):
+    caster = RayCaster(surface)
+    points, normals, fields = probes_on(surface, 6, seed)
+    placed = list(place_sensors(caster, points, normals, parameters, "auto"))
+    for one in (scene, other, scene):
+        felt = feel(placed, parameters, one, fields)
+        assert_same_touches(felt, touch(caster, points, normals, parameters, one, fields))
 
 
 @settings(max_examples=25, deadline=None)

@@ -115,5 +115,14 @@ def test_thousands_of_conditions_become_blocks_of_25():
     assert len(make_blocks(found, None)) == 40
 
 
+def test_few_conditions_of_few_trainings_share_a_job():
+    one = {"recognition.pipelines": ["best"], "probing.strategies": ["fixation"]}
+    alone = plan(*({**one, "recognition.touches": touches} for touches in (1, 2, 3, 4)))
+    assert list(make_blocks(alone, None)) == ["0000-0003"]
+    assert len(make_blocks(alone, 1)) == 4
+    whole = plan(*({"recognition.touches": touches} for touches in (1, 2, 3, 4)))
+    assert list(make_blocks(whole, None)) == ["0000-0001", "0002-0003"]
+
+
 def test_a_study_without_conditions_has_no_block():
     assert make_blocks(plan(), None) == {}

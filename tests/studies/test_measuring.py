@@ -278,6 +278,13 @@ def test_a_view_is_left_out_for_all_strategies_where_one_lacks_touches():
     assert kept[0].num_rows == kept[1].num_rows == SYNTHETIC.num_rows - 9
 
 
+def test_a_condition_that_makes_fewer_touches_takes_no_more():
+    changes = {**ALONE, "attention.fixations": 2, "recognition.touches": None}
+    (planned,) = mine(Condition("c", changes)).conditions
+    taken = measuring.condition_features(planned, SYNTHETIC, "fixation")
+    assert set(taken["touch"].to_pylist()) == {0, 1}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("changes", CHANGES)
 def test_an_object_that_no_view_shows_a_place_of_stops_no_study(tmp_path, changes):

@@ -1,5 +1,6 @@
 """A job leaves a log that a person and the report can read, and ends in one sentence."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -54,6 +55,12 @@ def test_an_unforeseen_error_keeps_its_traceback_in_the_log(tmp_path, capsys):
         raise ZeroDivisionError("oh")
     assert capsys.readouterr().err.startswith("error: ZeroDivisionError: oh (see ")
     assert "Traceback" in log.read_text()
+
+
+def test_a_step_of_a_study_knows_pyarrow_before_its_job_begins_which_keeps_pandas_out():
+    script = (ROOT / "workflow/scripts/study_step.py").read_text()
+    above = [line for line in script.splitlines() if re.match(r"(from|import) ", line)]
+    run("\n".join([*above, "import sys", "assert 'pyarrow' in sys.modules"]))
 
 
 def test_a_job_that_writes_a_table_does_not_pay_for_pandas(tmp_path):

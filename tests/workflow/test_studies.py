@@ -26,7 +26,8 @@ MINE = {
 }
 # What a change of recognition makes again for the report's frontier.
 FRONTIER = {"block_of_study": 3, "frontier_seconds": 1, "frontier": 1}
-AFTER = {"metrics": 1, "report": 1, "guards": 1, "guards_hold": 1}
+RECOGNISED = {"recognition": 2, "guards_of_training": 1}
+AFTER = {"metrics": 1, "report": 1, "guards_hold": 1}
 EARLIER = "was measured with an earlier state"
 FIGURES = "results/studies/mine.parquet"
 
@@ -89,7 +90,7 @@ def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, 
     experiment.set(
         workflow={"keep_studies_current": False}, recognition={"classifier": {"svm_penalty": 3.0}}
     )
-    assert experiment.planned() == {**FRONTIER, **AFTER, "recognition": 2}
+    assert experiment.planned() == {**FRONTIER, **AFTER, **RECOGNISED}
     experiment.snakemake()
     assert figures.read_bytes() == measured
     assert page.read_text().count(EARLIER) == 2  # among the warnings, and in its section
@@ -118,7 +119,7 @@ def test_what_was_lost_added_or_changed_is_measured_again_and_nothing_else(studi
     experiment.set(recognition={"intervals": {"confidence": 0.9}})
     assert planned(experiment) == {**AFTER, "figures_of_study": 1, "frontier": 1}
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    follows = {"recognition": 2, "figures_of_study": 1, "block_of_study": 3 + 3}
+    follows = {**RECOGNISED, "figures_of_study": 1, "block_of_study": 3 + 3}
     assert planned(experiment) == {**FRONTIER, **AFTER, **follows}
 
 

@@ -373,12 +373,18 @@ def check_recognition():
     or_stop(check_classes, OBJECTS)
 
 
+FRONTIER_FOLDERS = (
+    *("study_features", "records/features_of_study"),
+    *("study_blocks", "records/block_of_study"),
+)
+
+
 def close_run():
     """Put aside what is no longer named, and say what was left out, what is of an earlier state, and what the report holds, once it is today's."""
     if not (IS_KEYED and IS_PLANNER):
         return
-    # Outputs of a stage of DVC, which a frontier without features of its own does not make.
-    for folder in ("study_features", "records/features_of_study"):
+    # Outputs of a stage of DVC, which a frontier without features or settings does not make.
+    for folder in FRONTIER_FOLDERS:
         Path("results", folder, "frontier").mkdir(parents=True, exist_ok=True)
     kept = {record: read_record(record).get("key") for record in keys().jobs}
     earlier = [

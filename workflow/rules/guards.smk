@@ -1,39 +1,38 @@
 """Guards: the run's tables → whether what the report claims is an error of the code behind it.
 
-Takes results/features/, results/fixations/, results/meshes/, results/predictions/ and reports/metrics.json; gives
-results/guards.parquet, which the report shows. Where a guard failed, the page is kept and the run ends with status 1.
+Takes results/features/, results/fixations/ and results/meshes/; gives results/guards_of_training.parquet, beside the
+jobs of recognition. Rule `metrics` adds the guards of its figures: results/guards.parquet, which the report shows. Where
+a guard failed, the page is kept and the run ends with status 1.
 """
 
 
-rule guards:
+rule guards_of_training:
     input:
         takes(
-            "guards",
-            "guards.py",
+            "guards_of_training",
+            "guards_of_training.py",
             features=parts_of("features"),
             fixations=parts_of("fixations"),
             meshes=meshes_of(),
-            predictions=scores_of("predictions"),
-            metrics="reports/metrics.json",
         ),
     output:
-        "results/guards.parquet",
-        record="results/records/guards.json",
+        "results/guards_of_training.parquet",
+        record="results/records/guards_of_training.json",
     log:
-        "logs/guards.log",
+        "logs/guards_of_training.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("guards"),
+        key=key_of_rule("guards_of_training"),
         pipelines=list(PARAMETERS.recognition.pipelines),
         recognition=PARAMETERS.recognition.model_dump(
             exclude={"pipelines", "intervals"}
         ),
         seed=PARAMETERS.seed,
     message:
-        "guarding the report's claim"
+        "guarding training and random places"
     script:
-        "../scripts/guards.py"
+        "../scripts/guards_of_training.py"
 
 
 # After the report, so that the page is there to say what failed; another page changes nothing of that.

@@ -21,7 +21,7 @@ rule report_all:
         "results/records/metrics.json",
         "results/records/report.json",
         "results/guards.parquet",
-        "results/records/guards.json",
+        "results/records/guards_of_training.json",
         "results/records/guards_hold.json",
 
 
@@ -32,6 +32,7 @@ rule metrics:
             "metrics.py",
             scores=scores_of("scores"),
             predictions=scores_of("predictions"),
+            training="results/guards_of_training.parquet",
         ),
     output:
         metrics=report(
@@ -50,6 +51,7 @@ rule metrics:
             caption="../report/confusion.rst",
             category="Recognition",
         ),
+        guards="results/guards.parquet",
         record="results/records/metrics.json",
     log:
         "logs/metrics.log",
@@ -60,7 +62,7 @@ rule metrics:
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
-        "summing up the scores"
+        "summing up the scores, and guarding the sums"
     script:
         "../scripts/metrics.py"
 
@@ -80,6 +82,7 @@ rule report:
             meshes=meshes_of(),
             studies=[file for study in STUDIES_OF_RUN for file in study.shown],
             stability=files_by_block("stability"),
+            pictures=files_by_block("pictures"),
             guards="results/guards.parquet",
             # Only where recordings are given.
             gaze=GAZE_TABLES if RECORDED_GAZE else [],
@@ -102,7 +105,6 @@ rule report:
         "logs/report.log",
     conda:
         "../envs/visuohaptic.yaml"
-    threads: 2
     params:
         key=key_of_rule("report"),
         parameters=PARAMETERS.model_dump(exclude={"workflow"}),

@@ -22,6 +22,7 @@ with job(snakemake):
             fixations=snakemake.input.fixations,
             touches=snakemake.input.touches,
             features=snakemake.input.features,
+            pictures=snakemake.input.pictures,
             effects=snakemake.input.effects,
             meshes=list(meshes_in(snakemake.input.meshes).values()),
             credits=snakemake.input.credits,
@@ -34,5 +35,4 @@ with job(snakemake):
         output=snakemake.output[0],
         parameters=ExperimentParameters.from_mapping(snakemake.params.parameters),
         objects=snakemake.params.objects,
-        processes=snakemake.threads,
     )

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pyarrow as pa  # noqa: F401 - `job` keeps it from importing pandas, once it is there
+
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.study import Given, do_step
 from visuohaptic_workflow import jobs

@@ -244,7 +244,9 @@ def _each(
 ) -> None:
     """Work on one mesh after the other, and say each or print all values as JSON; one of several may fail."""
     from visuohaptic.errors import VisuohapticError
+    from visuohaptic.optional_packages import keep_pandas_out
 
+    keep_pandas_out()
     found: list[Path] = []
     printed: list[dict[str, object]] = []
     for mesh in meshes:

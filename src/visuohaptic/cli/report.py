@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
-from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import folder_to_write, say, say_json, show_progress
+from visuohaptic.cli.printing import folder_to_write, say, say_json
 from visuohaptic.optional_packages import require
 
 PAGE = "report.html"
@@ -36,9 +34,7 @@ def report(
 
     found = find_run(run)
     page = out / PAGE
-    track: Any = partial(show_progress, doing="writing the report")
-    processes = min(4, os.cpu_count() or 1)
-    make_report(found.files, page, found.parameters, found.objects, processes, track)
+    make_report(found.files, page, found.parameters, found.objects)
     if as_json:
         say_json({"page": page, "bytes": page.stat().st_size, "objects": list(found.objects)})
         return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -109,6 +109,54 @@ def render_views(
     A pixel that meets an image has the mean light of the part of the image that it covers, on
     the plane of the face that its ray meets (`Texture.light`).
     """
+    return colour_views(
+        caster, cameras, meet_surface(caster, cameras, parameters), parameters, modes
+    )
+
+
+@dataclass(frozen=True)
+class Met:
+    """Where the rays of one camera meet the surface: p pixels see it.
+
+    `pixels` and `faces` have the shape (p,), int64, `curvature` (p,), and `directions` of the rays, `points`,
+    their barycentric `weights` and `normals` (p, 3), float64.
+    """
+
+    pixels: NDArray[np.int64]
+    directions: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    points: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    curvature: NDArray[np.float64]
+
+
+def meet_surface(
+    caster: RayCaster, cameras: Sequence[Camera], parameters: RenderingParameters
+) -> Iterator[Met]:
+    """Cast the rays of each camera; no effect counts, so views under other effects need no other cast."""
+    shape = shape_of(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
+    for camera in cameras:
+        pixels = camera.window(caster.surface.vertices, parameters.resolution)
+        origins, directions = camera.rays(parameters.resolution, pixels)
+        hits = caster.first_hits(origins, directions)
+        seen = np.flatnonzero(hits.hit)
+        faces, towards = hits.face.take(seen), directions[seen]
+        points = origins[seen] + hits.distance.take(seen)[:, None] * towards
+        weights = caster.weights(points, faces)
+        normals = _normals_towards(shape, caster, faces, weights, towards)
+        curvature = shape.curvature(faces, weights)
+        yield Met(pixels[seen], towards, faces, points, weights, normals, curvature)
+
+
+def colour_views(
+    caster: RayCaster,
+    cameras: Sequence[Camera],
+    met: Iterable[Met],
+    parameters: RenderingParameters,
+    modes: VisualModes | None = None,
+) -> Views:
+    """Colour what each camera's rays have met: the rest of `render_views`, which says what it takes."""
     modes = modes or VisualModes()
     surface = caster.surface
     log = _EffectLog(plan_visual(modes, surface.stored_colours(), parameters.ambient))
@@ -116,13 +164,12 @@ def render_views(
         colours = seen_colours(surface.face_colours, surface.face_areas, modes) / 255.0
         texture = surface.texture if log.simulates("texture") else None
         texture = None if texture is None else seen_texture(texture, modes)
-    shape = shape_of(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
     views = _background(len(cameras), parameters)
-    for number, camera in enumerate(cameras):
-        pixels, seen = _seen_surface(caster, shape, colours, texture, camera, parameters, log)
+    for number, (camera, one) in enumerate(zip(cameras, met, strict=True)):
+        seen = _seen_surface(caster, one, colours, texture, camera, parameters, log)
         for name, values in seen.items():
             view = views[name][number]
-            view.reshape(-1, *view.shape[2:])[pixels] = values
+            view.reshape(-1, *view.shape[2:])[one.pixels] = values
     return Views(**views, effects=log.records(len(cameras)))
 
 
@@ -197,23 +244,15 @@ def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArra
 
 def _seen_surface(
     caster: RayCaster,
-    shape: SurfaceShape,
+    met: Met,
     face_colours: NDArray[np.float64],
     texture: Texture | None,
     camera: Camera,
     parameters: RenderingParameters,
     log: _EffectLog,
-) -> tuple[NDArray[np.int64], dict[str, NDArray[Any]]]:
-    """Give the pixels that see the surface, and what they see of it by the names of `Views`."""
-    pixels = camera.window(caster.surface.vertices, parameters.resolution)
-    origins, directions = camera.rays(parameters.resolution, pixels)
-    hits = caster.first_hits(origins, directions)
-    seen = np.flatnonzero(hits.hit)
-    faces = hits.face.take(seen)
-    points = origins[seen] + hits.distance.take(seen)[:, None] * directions[seen]
-    weights = caster.weights(points, faces)
-    normals = _normals_towards(shape, caster, faces, weights, directions[seen])
-
+) -> dict[str, NDArray[Any]]:
+    """Give what the pixels see that see the surface, by the names of `Views`."""
+    faces, points, weights, normals = met.faces, met.points, met.weights, met.normals
     light = light_direction(camera, parameters)
     colours = face_colours.take(faces, axis=0)
     if texture is not None:
@@ -221,23 +260,23 @@ def _seen_surface(
             on = np.flatnonzero(texture.textured.take(faces))
             depths = dot(camera.eye - points[on], camera.axes[2][None])
             sides = camera.pixel_sides(parameters.resolution, depths)
-            steps = _weight_steps(caster, faces[on], directions[seen[on]], sides)
+            steps = _weight_steps(caster, faces[on], met.directions[on], sides)
             colours[on] = encode_srgb(texture.light(faces[on], weights[on], steps))
-    lit = np.ones(len(seen), dtype=bool)
+    lit = np.ones(len(faces), dtype=bool)
     if log.simulates("cast_shadows"):
         with log.clock("cast_shadows"):
             lit = _lit(caster, points, normals, light)
     if log.simulates("shading"):
         with log.clock("shading"):
             colours = _shade(colours, normals, lit, light, parameters.ambient)
-    return pixels[seen], {
+    return {
         "colour": colours,
-        "mask": np.ones(len(seen), dtype=bool),
+        "mask": np.ones(len(faces), dtype=bool),
         "depth": np.einsum("nd,d->n", camera.eye - points, camera.axes[2]),
         "point": points,
         "normal": normals,
         "face": faces,
-        "curvature": shape.curvature(faces, weights),
+        "curvature": met.curvature,
         "lit": lit | (not log.needs("cast_shadows")),
     }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -64,31 +65,27 @@ def _summed(rows: Sequence[Mapping[str, Any]], against: str) -> list[PredictorRo
         by_name.setdefault(row["predictor"], []).append(row)
     if not by_name:
         return []
-    base = _figures(by_name[against])[:, 0]
+    predictors = [predictor for predictor in PREDICTORS if predictor.name in by_name]
+    figures = [_figures(by_name[predictor.name]) for predictor in predictors]
+    base = _figures(by_name[against])[:, :1]
+    intervals = iter(
+        object_intervals(
+            np.column_stack([part for own in figures for part in (own, own[:, :1] - base)]),
+            np.ones(len(base)),
+            IntervalParameters(),
+            np.random.default_rng(0),
+        )
+    )
     return [
-        _row(predictor, _figures(by_name[predictor.name]), base)
-        for predictor in PREDICTORS
-        if predictor.name in by_name
+        PredictorRow(
+            predictor,
+            dict(zip(SHOWN, islice(intervals, len(SHOWN)), strict=True)),
+            next(intervals),
+            int((own[:, 0] > 0).sum()),
+            len(base),
+        )
+        for predictor, own in zip(predictors, figures, strict=True)
     ]
-
-
-def _row(
-    predictor: Predictor, figures: NDArray[np.float64], base: NDArray[np.float64]
-) -> PredictorRow:
-    gain = figures[:, 0] - base
-    *measures, gained = object_intervals(
-        np.column_stack([figures, gain]),
-        np.ones(len(base)),
-        IntervalParameters(),
-        np.random.default_rng(0),
-    )
-    return PredictorRow(
-        predictor,
-        dict(zip(SHOWN, measures, strict=True)),
-        gained,
-        int((figures[:, 0] > 0).sum()),
-        len(base),
-    )
 
 
 def _figures(rows: Sequence[Mapping[str, Any]]) -> NDArray[np.float64]:

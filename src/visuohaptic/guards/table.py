@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
+import pyarrow as pa
+
 from visuohaptic.errors import GuardError
+from visuohaptic.guards.verdicts import Verdict
 from visuohaptic.tables.guards import GUARDS
-from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.schema import build_rows, read_table
+
+
+def table_of(verdicts: Sequence[Verdict]) -> pa.Table:
+    """Give verdicts as rows of `tables.GUARDS`."""
+    return build_rows(GUARDS, [asdict(verdict) for verdict in verdicts])
 
 
 def failed_guards(path: str | Path) -> list[str]:

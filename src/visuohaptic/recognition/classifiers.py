@@ -1,7 +1,8 @@
-"""Classifiers: the paper's five in the order of its Table 1, then others, by scikit-learn.
+"""Classifiers: the paper's five in the order of its Table 1, then others.
 
-Heavy libraries are imported by the functions that use them (scikit-learn takes two seconds), so
-that the classifiers' names and settings can be checked without.
+What is a few sums is ours (`gaussian`, `neighbours`), the rest is scikit-learn's. Libraries are
+imported by the functions that use them (scikit-learn takes a second), so that the classifiers' names
+and settings can be checked without.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Fit = tuple[Any, str | None]
-"""A fitted scikit-learn classifier, and a note on its fit, such as another setting."""
+"""A fitted classifier, and a note on its fit, such as another setting."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +36,8 @@ class Classifier:
         What the report calls it.
     fit : callable
         Takes the settings, the training features, shape (n, d), float64, their classes, shape
-        (n,), int64, and a seed; gives a scikit-learn classifier that has class probabilities or
-        a decision function, and a note or none.
+        (n,), int64, and a seed; gives a classifier with ``classes_``, ``predict``, and class
+        probabilities or a decision function, as scikit-learn's, and a note or none.
     grid : mapping of str to sequence
         The settings that pipeline `best` tries, by their names among `ClassifierParameters`,
         the simplest first.
@@ -159,7 +160,7 @@ def fit_classifier(
     Returns
     -------
     object
-        The fitted scikit-learn classifier.
+        The fitted classifier.
     str or None
         What it needed to be fitted, such as regularised covariances.
 
@@ -204,15 +205,14 @@ def _fit_k_nearest_neighbours(
     labels: NDArray[np.int64],
     _seed: int,
 ) -> Fit:
-    from sklearn.neighbors import KNeighborsClassifier
+    from visuohaptic.recognition.neighbours import fit_nearest_neighbours
 
-    neighbours = min(parameters.neighbours, len(labels))
-    found = KNeighborsClassifier(
-        neighbours, weights=parameters.neighbour_weights, algorithm="brute"
-    ).fit(features, labels)
-    if neighbours == parameters.neighbours:
+    found = fit_nearest_neighbours(
+        features, labels, parameters.neighbours, parameters.neighbour_weights
+    )
+    if found.neighbours == parameters.neighbours:
         return found, None
-    return found, f"{neighbours} neighbours, for there are no more training sequences"
+    return found, f"{found.neighbours} neighbours, for there are no more training sequences"
 
 
 def _fit_support_vector_machine(
@@ -221,10 +221,11 @@ def _fit_support_vector_machine(
     labels: NDArray[np.int64],
     _seed: int,
 ) -> Fit:
-    from sklearn.svm import SVC
+    from visuohaptic.recognition.support_vectors import fit_support_vector_machine
 
-    machine = SVC(kernel=parameters.svm_kernel, C=parameters.svm_penalty)
-    return machine.fit(features, labels), None
+    return fit_support_vector_machine(
+        features, labels, parameters.svm_kernel, parameters.svm_penalty
+    ), None
 
 
 def _fit_decision_tree(
@@ -250,31 +251,18 @@ def _fit_quadratic_discriminant(
     _seed: int,
 ) -> Fit:
     """Fit plain covariances if any; where one is singular, shrink all, so that classes compare."""
-    import numpy as np
-    from sklearn.discriminant_analysis import QuadraticDiscriminantAnalysis
-
-    from visuohaptic.recognition.covariance import ShrunkCovariance, variance_floor
+    from visuohaptic.recognition import gaussian
 
     check_spread("quadratic_discriminant", features, labels)
     if parameters.discriminant_regularisation == "pseudo_inverse":
-        from visuohaptic.recognition.covariance import PseudoQuadraticDiscriminant
-
-        return PseudoQuadraticDiscriminant().fit(features, labels), None
-    _, counts = np.unique(labels, return_counts=True)
+        return gaussian.fit_pseudo_quadratic_discriminant(features, labels), None
     always = parameters.discriminant_regularisation == "always"
-    if counts.min() > features.shape[1] and not always:
-        try:
-            return QuadraticDiscriminantAnalysis().fit(features, labels), None
-        except np.linalg.LinAlgError:
-            pass  # a covariance is singular for another reason than few sequences
+    if not always and (plain := gaussian.fit_plain_discriminant(features, labels)):
+        return plain, None
     shrinkage, target = parameters.discriminant_shrinkage, parameters.discriminant_target
-    covariance = ShrunkCovariance(shrinkage, target, variance_floor(features))
-    regularised = QuadraticDiscriminantAnalysis(
-        solver="eigen", covariance_estimator=covariance, tol=0
-    )
     amount = "Ledoit-Wolf shrinkage" if shrinkage == "ledoit_wolf" else f"shrinkage {shrinkage:g}"
     note = None if always else f"singular covariance: {amount} of every class"
-    return regularised.fit(features, labels), note
+    return gaussian.fit_quadratic_discriminant(features, labels, shrinkage, target), note
 
 
 def _fit_naive_bayes(
@@ -283,9 +271,9 @@ def _fit_naive_bayes(
     labels: NDArray[np.int64],
     _seed: int,
 ) -> Fit:
-    from sklearn.naive_bayes import GaussianNB
+    from visuohaptic.recognition.gaussian import fit_naive_bayes
 
-    return GaussianNB(var_smoothing=parameters.bayes_smoothing).fit(features, labels), None
+    return fit_naive_bayes(features, labels, parameters.bayes_smoothing), None
 
 
 def _fit_linear_discriminant(
@@ -294,16 +282,10 @@ def _fit_linear_discriminant(
     labels: NDArray[np.int64],
     _seed: int,
 ) -> Fit:
-    from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
-
-    from visuohaptic.recognition.covariance import ShrunkCovariance, variance_floor
+    from visuohaptic.recognition.gaussian import fit_linear_discriminant
 
     check_spread("linear_discriminant", features, labels)
-    covariance = ShrunkCovariance(
-        parameters.linear_shrinkage, "mean_variance", variance_floor(features)
-    )
-    found = LinearDiscriminantAnalysis(solver="lsqr", covariance_estimator=covariance)
-    return found.fit(features, labels), None
+    return fit_linear_discriminant(features, labels, parameters.linear_shrinkage), None
 
 
 def _fit_logistic_regression(

@@ -336,7 +336,8 @@ def _fit_paper(
         sequences.labels,
         generator,
     )
-    return _Fit(encoder, TunedClassifier(fitted, 1.0, len(sequences.classes), ""))
+    tuned = TunedClassifier(fitted, parameters.classifier, 1.0, len(sequences.classes), "")
+    return _Fit(encoder, tuned)
 
 
 def _fit_best(

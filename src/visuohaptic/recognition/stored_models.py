@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +12,13 @@ from pydantic import BaseModel
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.certainty import Calibration, Landmarks
+from visuohaptic.recognition.classifiers import ClassifierParameters
 from visuohaptic.recognition.descriptors import WaveBasis
 from visuohaptic.recognition.encoding import SequenceEncoder, Standardiser
+from visuohaptic.recognition.gaussian import GaussianClassifier
 from visuohaptic.recognition.maps import FeatureGroups
 from visuohaptic.recognition.model import RecognitionModel, SequenceDescriber
+from visuohaptic.recognition.neighbours import NearestNeighbours
 from visuohaptic.recognition.parameters import (
     BestParameters,
     RecognitionParameters,
@@ -27,10 +29,11 @@ from visuohaptic.recognition.pooling import BagClassifier, Combination
 from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
 from visuohaptic.recognition.set_distance import KnownTouches
 from visuohaptic.recognition.short_sequences import ShortClassifier
+from visuohaptic.recognition.support_vectors import SupportVectorMachine
 from visuohaptic.recognition.tuning import Projection, TunedClassifier
 from visuohaptic.whole_files import whole_file
 
-FORMAT = "visuohaptic recognition model 6"
+FORMAT = "visuohaptic recognition model 7"
 
 LARGEST_BYTES = 2**30
 """A model file that unpacks to more is refused; one of 142 objects has some megabytes."""
@@ -42,8 +45,10 @@ _PARTS: Mapping[str, type] = {
         Calibration,
         Combination,
         FeatureGroups,
+        GaussianClassifier,
         KnownTouches,
         Landmarks,
+        NearestNeighbours,
         Projection,
         RecognitionModel,
         SelfOrganisingMap,
@@ -51,6 +56,7 @@ _PARTS: Mapping[str, type] = {
         SequenceEncoder,
         ShortClassifier,
         Standardiser,
+        SupportVectorMachine,
         TunedClassifier,
         WaveBasis,
     )
@@ -59,6 +65,7 @@ _PARAMETERS: Mapping[str, type[BaseModel]] = {
     part.__name__: part
     for part in (
         BestParameters,
+        ClassifierParameters,
         RecognitionParameters,
         SelfOrganisingMapParameters,
         SequenceParameters,
@@ -84,12 +91,7 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
     """
     import skops.io
 
-    estimator = copy.copy(model.tuned.estimator)
-    if getattr(estimator, "covariance_estimator", None) is not None:
-        # Only training needs it, and without it the file holds scikit-learn's own types alone.
-        estimator.covariance_estimator = None
-    tuned = replace(model.tuned, estimator=estimator)
-    content = skops.io.dumps({"format": FORMAT, "model": _stored(replace(model, tuned=tuned))})
+    content = skops.io.dumps({"format": FORMAT, "model": _stored(model)})
     unsafe = skops.io.get_untrusted_types(data=content)
     if unsafe:
         raise RecognitionError(

@@ -67,7 +67,9 @@ class TunedClassifier:
     Attributes
     ----------
     estimator : object
-        The scikit-learn classifier, fitted on all training sequences.
+        The classifier, fitted on all training sequences.
+    parameters : ClassifierParameters
+        With what.
     temperature : float
         What its scores are divided by before they become probabilities.
     classes : int
@@ -81,6 +83,7 @@ class TunedClassifier:
     """
 
     estimator: Any
+    parameters: ClassifierParameters
     temperature: float
     classes: int
     setting: str
@@ -383,7 +386,7 @@ def fit_tuned_classifier(
     combination = None
     if bags is not None and held_out is not None:
         combination = held_out.combine(softmax(scores / temperature))
-    return TunedClassifier(fitted, temperature, classes, words, bags, combination), note
+    return TunedClassifier(fitted, chosen, temperature, classes, words, bags, combination), note
 
 
 def fit_best_classifiers(
@@ -460,7 +463,7 @@ def class_scores(
     Parameters
     ----------
     estimator : object
-        A fitted scikit-learn classifier of int labels below `classes`.
+        A fitted classifier of int labels below `classes`.
     projected : numpy.ndarray
         Shape (n, q), float64.
     classes : int

@@ -102,7 +102,8 @@ def read_cost(path: str | Path | None, run: ExperimentParameters) -> CostFigures
     """Read what accuracy costs from `tables.COST`; None where nothing was measured."""
     if path is None or not Path(path).is_file():
         return None
-    return CostFigures(read_costs(path), run)
+    rows = read_costs(path)
+    return CostFigures(rows, run) if rows else None
 
 
 def cost_verdict(rows: Sequence[Row]) -> Answer | None:

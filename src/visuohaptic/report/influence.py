@@ -10,7 +10,7 @@ import pyarrow as pa
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.estimates import Row
-from visuohaptic.report.pictures import imprint_strip
+from visuohaptic.report.pictures import imprint_strip, webp_address
 from visuohaptic.report.studies import StudyFigures, StudyTable
 from visuohaptic.report.wording import counted, listed, percent
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
@@ -101,8 +101,10 @@ def scene_strips(
 
     caster = RayCaster(read_surface(mesh))
     return {
-        name: imprint_strip(
-            touch_locations(caster, locations, parameters.sensor, scene, parameters.seed).images
+        name: webp_address(
+            imprint_strip(
+                touch_locations(caster, locations, parameters.sensor, scene, parameters.seed).images
+            )
         )
         for name, scene in measured_scenes(parameters.scene).items()
     }
@@ -117,7 +119,7 @@ def hard_places(parameters: ExperimentParameters) -> list[Row]:
             "name": probe.name,
             "size": float(felt.size[0]),
             "state": str(felt.contact_state[0]),
-            "imprint": imprint_strip(felt.images[:1]),
+            "imprint": webp_address(imprint_strip(felt.images[:1])),
         }
         for probe, felt in touch_gallery(parameters.sensor, parameters.scene, parameters.seed)
     ]

@@ -19,18 +19,23 @@ COORDINATE_STEPS = 16384
 
 @dataclass(frozen=True)
 class PackedModel:
-    """A thinned model and its touches as one block of bytes, compressed and in base64.
+    """A thinned model and its touches as one block of bytes, compressed.
 
-    The bytes are, little-endian and in this order: `vertices` × 3 int16
+    The bytes of `data` are, little-endian and in this order: `vertices` × 3 int16
     coordinates in steps of 1 / `COORDINATE_STEPS`, `touches` × 10 int16 (point, normal,
     column axis, size; same steps), `faces` × 3 uint32 corners, `faces` × 3 uint8 sRGB.
     """
 
-    data: str
+    data: bytes
     vertices: int
     faces: int
     touches: int
     original_faces: int
+
+    @property
+    def text(self) -> str:
+        """The compressed bytes in base64."""
+        return base64.b64encode(self.data).decode("ascii")
 
 
 def thin(surface: Surface, faces: int) -> Surface:
@@ -65,9 +70,8 @@ def pack_model(surface: Surface, touches: NDArray[np.float64], faces: int) -> Pa
         corners.astype("<u4"),
         thinned.face_colours.astype(np.uint8),
     )
-    data = gzip.compress(b"".join(part.tobytes() for part in parts), 9, mtime=0)
     return PackedModel(
-        base64.b64encode(data).decode("ascii"),
+        gzip.compress(b"".join(part.tobytes() for part in parts), 9, mtime=0),
         len(vertices),
         len(thinned.faces),
         len(touches),

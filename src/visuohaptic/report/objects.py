@@ -3,48 +3,41 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 from markupsafe import Markup
 from numpy.typing import NDArray
 
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
-from visuohaptic.geometry.surface import read_surface
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.estimates import Row
-from visuohaptic.report.models import PackedModel, pack_model
+from visuohaptic.report.models import PackedModel
 from visuohaptic.report.pictures import (
     data_uri,
-    imprint_sheet,
-    imprint_strip,
+    picture_size,
     project,
-    shrink_picture,
     square_corners,
+    webp_address,
 )
 from visuohaptic.report.run import Run
+from visuohaptic.report.shown import OBJECTS_AT_MOST
 from visuohaptic.report.wording import anchor_of, place_in_view
 from visuohaptic.sensor.frames import row_axes
-from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES, key_of
+from visuohaptic.tables.phases import (
+    NORMAL_NAMES,
+    POINT_NAMES,
+    TANGENT_NAMES,
+    by_object,
+    key_of,
+)
 from visuohaptic.tables.schema import images, matrix
 
-Track = Callable[[Sequence[str]], Iterable[str]]
 PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 """How often each class was named, by strategy and viewpoint."""
-
-# A model for the page: fewer faces where many objects share the page.
-_FACES_OF_ALL = 120_000
-_FACES_AT_MOST = 4_000
-_FACES_AT_LEAST = 1_200
-OBJECTS_AT_MOST = 100
-"""So many objects take 20 MB of the page with 16 views each."""
-# A process of its own starts in the time that so many objects take.
-_OBJECTS_WORTH_A_PROCESS = 8
 
 
 @dataclass(frozen=True)
@@ -158,42 +151,36 @@ class ObjectPage:
 def choose_objects(run: Run) -> list[str]:
     """Choose the objects that the page shows, `class/name`, sorted.
 
-    All, up to `OBJECTS_AT_MOST`; of more than that those at which a tolerance was exceeded, and others
-    evenly spread over all, so that classes keep their shares.
+    All that have pictures, up to `OBJECTS_AT_MOST`; of more than that those at which a tolerance was
+    exceeded, and others evenly spread over all, so that classes keep their shares.
     """
-    if len(run.objects) <= OBJECTS_AT_MOST:
-        return run.objects
+    pictured = sorted(map(key_of, run.pictures.select(["class", "object"]).to_pylist()))
+    if len(pictured) <= OBJECTS_AT_MOST:
+        return pictured
     broken = {check.key for check in run.stability.broken} if run.stability is not None else set()
-    chosen = [key for key in run.objects if key in broken][:OBJECTS_AT_MOST]
-    others = [key for key in run.objects if key not in broken]
+    chosen = [key for key in pictured if key in broken][:OBJECTS_AT_MOST]
+    others = [key for key in pictured if key not in broken]
     places = np.linspace(0, len(others) - 1, OBJECTS_AT_MOST - len(chosen)).round().astype(np.int64)
     return sorted([*chosen, *(others[place] for place in places)])
 
 
-def describe_objects(run: Run, processes: int = 1, track: Track = iter) -> list[ObjectPage]:
-    """Describe the objects of `choose_objects`, sorted by class and name.
-
-    `track` takes the objects' names and gives them back one by one, as a progress bar does.
-    """
-    from joblib import Parallel, delayed
-
+def describe_objects(run: Run) -> list[ObjectPage]:
+    """Describe the objects of `choose_objects`, sorted by class and name."""
     cameras = place_cameras(run.parameters.viewpoints)
     answers = _answers(run)
-    shown = choose_objects(run)
-    tables = [_by_object(table, shown) for table in (run.views, run.fixations, run.touches)]
-    faces = int(np.clip(_FACES_OF_ALL // len(shown), _FACES_AT_LEAST, _FACES_AT_MOST))
-
-    def task(key: str) -> Any:
-        parts = [table[key] for table in tables]
-        mesh = run.meshes.get(key)
-        return delayed(_describe)(key, mesh, parts, cameras, answers.get(key, {}), faces)
-
-    # Thinning a model holds Python's lock, so threads would wait for each other.
-    described = Parallel(
-        n_jobs=min(processes, 1 + len(shown) // _OBJECTS_WORTH_A_PROCESS),
-        return_as="generator",
-    )(map(task, shown))
-    return [next(described) for _ in track(shown)]
+    pictures = {key_of(row): row for row in run.pictures.to_pylist()}
+    tables = (run.views, run.fixations, run.touches)
+    parts = [dict(by_object(table)) for table in tables]
+    return [
+        _describe(
+            key,
+            pictures[key],
+            [of.get(key, table.slice(0, 0)) for of, table in zip(parts, tables, strict=True)],
+            cameras,
+            answers.get(key, {}),
+        )
+        for key in choose_objects(run)
+    ]
 
 
 def choose_shown(views: Sequence[ViewPage]) -> ViewPage:
@@ -216,65 +203,73 @@ def _variety(sizes: Sequence[float]) -> tuple[int, float]:
 
 def _describe(
     key: str,
-    mesh: Path | None,
+    pictures: Row,
     tables: Sequence[pa.Table],
     cameras: Sequence[Camera],
     answers: PredictionCounts,
-    faces: int,
 ) -> ObjectPage:
     seen, fixations, touches = tables
-    rows = seen.to_pylist()
-    views = tuple(_view_page(key, row, fixations, touches, cameras, answers) for row in rows)
-    shown = choose_shown(views).viewpoint
-    (conspicuity,) = (row["conspicuity"] for row in rows if row["viewpoint"] == shown)
+    rows = seen.drop_columns(["view", "saliency", "conspicuity"]).to_pylist()
+    looked, fixated = (select(table, strategy="fixation") for table in (fixations, touches))
+    stored = [dict(pictures[name]) for name in ("views", "saliency", "imprints")]
+    views = tuple(_view_page(key, row, stored, looked, fixated, cameras, answers) for row in rows)
+    shown = select(seen, viewpoint=choose_shown(views).viewpoint)
     strategies = sorted(set(touches.column("strategy").to_pylist()))
     felt = {strategy: select(touches, strategy=strategy) for strategy in strategies}
-    names = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
     keys = ("strategy", "viewpoint", "touch", "contact_state")
     return ObjectPage(
         key=key,
         views=views,
-        conspicuity=tuple((channel, data_uri(png, "image/png")) for channel, png in conspicuity),
+        conspicuity=tuple(
+            (channel, data_uri(png, "image/png"))
+            for channel, png in shown["conspicuity"][0].as_py()
+        ),
         skipped=_skipped(rows),
         named=_named(answers),
         median_size={name: float(np.median(own["sensor_size"])) for name, own in felt.items()},
-        model=pack_model(read_surface(mesh), matrix(touches, names), faces) if mesh else None,
+        model=_model(pictures),
         touch_keys=[
             (strategy, viewpoint, touch + 1, state)
             for strategy, viewpoint, touch, state in zip(
                 *(touches[name].to_pylist() for name in keys), strict=True
             )
         ],
-        sheets={name: _sheet(own) for name, own in felt.items()} if mesh else {},
+        sheets={strategy: webp_address(sheet) for strategy, sheet in pictures["sheets"]},
     )
+
+
+def _model(pictures: Row) -> PackedModel | None:
+    if pictures["model"] is None:
+        return None
+    counts = ("vertices", "faces", "touches", "original_faces")
+    return PackedModel(pictures["model"], *(pictures[name] for name in counts))
 
 
 def _view_page(
     key: str,
-    row: Mapping[str, Any],
+    row: Row,
+    pictures: Sequence[Mapping[int, bytes]],
     fixations: pa.Table,
     touches: pa.Table,
     cameras: Sequence[Camera],
     answers: PredictionCounts,
 ) -> ViewPage:
     viewpoint = row["viewpoint"]
-    view, (height, width) = shrink_picture(row["view"])
-    saliency, _ = shrink_picture(row["saliency"], factor=2)
-    felt, looked = (
-        select(table, viewpoint=viewpoint, strategy="fixation") for table in (touches, fixations)
-    )
+    felt, looked = (select(table, viewpoint=viewpoint) for table in (touches, fixations))
     camera = cameras[viewpoint] if viewpoint < len(cameras) else None
     imprints = images(felt) if felt.num_rows else np.zeros((0, 1, 1), dtype=np.float32)
     eye = np.array([row["eye_x"], row["eye_y"], row["eye_z"]], dtype=np.float64)
+    views, maps, strips = pictures
+    height, width = picture_size(views[viewpoint])
     return ViewPage(
         viewpoint=viewpoint,
         azimuth=float(np.degrees(np.arctan2(eye[0], eye[2]))) % 360.0,
         elevation=float(np.degrees(np.arcsin(eye[1] / np.linalg.norm(eye)))),
         rows=height,
         columns=width,
-        view=view,
-        saliency=saliency,
-        imprints=imprint_strip(imprints) if len(imprints) else "",
+        view=webp_address(views[viewpoint]),
+        saliency=webp_address(maps[viewpoint]),
+        imprints=webp_address(strips[viewpoint]) if viewpoint in strips else "",
         marks=_marks(looked, _squares(felt, camera, height), height, width),
         touches=[
             {"number": touch + 1, "size": size, "state": state, "near": near}
@@ -324,16 +319,6 @@ def _corners(touches: pa.Table) -> NDArray[np.float64]:
     rows = row_axes(matrix(touches, NORMAL_NAMES), columns)
     sizes = touches.column("sensor_size").to_numpy()
     return square_corners(matrix(touches, POINT_NAMES), columns, rows, sizes)
-
-
-def _sheet(touches: pa.Table) -> str:
-    viewpoints, numbers = (touches.column(name).to_numpy() for name in ("viewpoint", "touch"))
-    return imprint_sheet(images(touches), viewpoints.astype(np.int64), numbers.astype(np.int64))
-
-
-def _by_object(table: pa.Table, objects: Sequence[str]) -> dict[str, pa.Table]:
-    owners = pc.binary_join_element_wise(table.column("class"), table.column("object"), "/")
-    return {key: table.filter(pc.equal(owners, key)) for key in objects}
 
 
 def _answers(run: Run) -> dict[str, dict[tuple[str, int], Counter[str]]]:

@@ -21,7 +21,7 @@ from visuohaptic.report.chapters import CHAPTERS
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
-from visuohaptic.report.objects import Track, describe_objects
+from visuohaptic.report.objects import describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, find_sources
@@ -38,18 +38,15 @@ def make_report(
     output: str | Path,
     parameters: ExperimentParameters,
     objects: Sequence[str],
-    processes: int = 1,
-    track: Track = iter,
 ) -> None:
     """Write the report of a run, completely or not at all."""
-    page = render_page(read_run(files, parameters, objects), processes, track)
-    write_whole(output, page)
+    write_whole(output, render_page(read_run(files, parameters, objects)))
 
 
-def render_page(run: Run, processes: int = 1, track: Track = iter) -> str:
+def render_page(run: Run) -> str:
     """Give the page of a run: HTML that needs no network."""
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
-    context = ReportContext(run, describe_objects(run, processes, track), seconds)
+    context = ReportContext(run, describe_objects(run), seconds)
     environment = make_environment()
     environment.globals |= {
         "parameters": run.parameters,

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import base64
 import io
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from visuohaptic.fixations.viewpoints import Camera
+if TYPE_CHECKING:
+    from visuohaptic.fixations.viewpoints import Camera
 
 WEBP_QUALITY = 75
 # Of imprints that are looked at one by one, beside the lossless ones.
@@ -23,20 +25,31 @@ def data_uri(data: bytes, kind: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 
-def shrink_picture(png: bytes, factor: int = 1) -> tuple[str, tuple[int, int]]:
-    """Store a PNG again as lossy WebP: its data address, and the rows and columns that it had.
+def webp_address(data: bytes) -> str:
+    """Give a WebP picture as an address that holds it."""
+    return data_uri(data, "image/webp")
+
+
+def shrink_picture(png: bytes, factor: int = 1) -> bytes:
+    """Store a PNG again as lossy WebP.
 
     `factor` pixels along each edge become one, by their mean; for maps that are smooth anyway.
     """
     with Image.open(io.BytesIO(png)) as picture:
         stored = io.BytesIO()
         picture.reduce(factor).save(stored, "webp", quality=WEBP_QUALITY, method=_WEBP_EFFORT)
+    return stored.getvalue()
+
+
+def picture_size(data: bytes) -> tuple[int, int]:
+    """Give the rows and columns of a stored picture."""
+    with Image.open(io.BytesIO(data)) as picture:
         columns, rows = picture.size
-    return data_uri(stored.getvalue(), "image/webp"), (rows, columns)
+    return rows, columns
 
 
-def imprint_strip(imprints: NDArray[np.float32]) -> str:
-    """Store imprints (n, r, r) in [0, 1] side by side as a grey picture: its data address.
+def imprint_strip(imprints: NDArray[np.float32]) -> bytes:
+    """Store imprints (n, r, r) in [0, 1] side by side as a grey WebP picture.
 
     1 becomes white; nothing is lost beyond 8 bits.
     """
@@ -45,15 +58,15 @@ def imprint_strip(imprints: NDArray[np.float32]) -> str:
     strip = np.ascontiguousarray(grey.transpose(1, 0, 2)).reshape(rows, count * columns)
     stored = io.BytesIO()
     Image.fromarray(strip).save(stored, "webp", lossless=True, method=_WEBP_EFFORT)
-    return data_uri(stored.getvalue(), "image/webp")
+    return stored.getvalue()
 
 
 def imprint_sheet(
     imprints: NDArray[np.float32],
     rows: NDArray[np.int64],
     columns: NDArray[np.int64],
-) -> str:
-    """Store imprints (n, r, r), n at least 1, in [0, 1] as one lossy grey picture: its data address.
+) -> bytes:
+    """Store imprints (n, r, r), n at least 1, in [0, 1] as one lossy grey WebP picture.
 
     `rows` and `columns` (n,) are the cell of each, of r pixels; cells without an imprint stay black.
     """
@@ -64,7 +77,7 @@ def imprint_sheet(
     sheet = np.ascontiguousarray(cells.swapaxes(1, 2)).reshape(height, width)
     stored = io.BytesIO()
     Image.fromarray(sheet).save(stored, "webp", quality=_SHEET_QUALITY, method=_WEBP_EFFORT)
-    return data_uri(stored.getvalue(), "image/webp")
+    return stored.getvalue()
 
 
 def project(camera: Camera, points: NDArray[np.float64], resolution: int) -> NDArray[np.float64]:

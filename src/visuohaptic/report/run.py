@@ -26,6 +26,7 @@ from visuohaptic.tables.phases import (
     VIEWS,
     key_of,
 )
+from visuohaptic.tables.pictures import PICTURES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.touches.choosing import touched_places
 
@@ -47,6 +48,7 @@ class RunFiles:
     fixations: Sequence[str | Path]
     touches: Sequence[str | Path]
     features: Sequence[str | Path]
+    pictures: Sequence[str | Path]
     effects: Sequence[str | Path] = ()
     meshes: Sequence[str | Path] = ()
     credits: Sequence[str | Path] = ()
@@ -70,6 +72,7 @@ class Run:
     fixations: pa.Table
     touches: pa.Table
     features: pa.Table
+    pictures: pa.Table
     effects: pa.Table | None = None
 
     @cached_property
@@ -133,6 +136,7 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
         fixations=touched_places(read_table(FIXATIONS, files.fixations), touches),
         touches=touches,
         features=read_table(FEATURES, files.features),
+        pictures=read_table(PICTURES, files.pictures),
         effects=read_table(EFFECTS, files.effects) if files.effects else None,
     )
 

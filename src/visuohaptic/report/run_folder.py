@@ -15,7 +15,7 @@ from visuohaptic.report.run import RunFiles
 METRICS = "reports/metrics.json"
 PARAMETERS = "params.yaml"
 
-_TABLES = ("predictions", "views", "fixations", "touches", "features")
+_TABLES = ("predictions", "views", "fixations", "touches", "features", "pictures")
 _EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",

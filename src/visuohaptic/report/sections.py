@@ -181,10 +181,10 @@ def certainty_values(context: ReportContext) -> Values:
 
 def cost_values(context: ReportContext) -> Values | None:
     """Give what accuracy costs in time: in this run, and in the whole study where it was made."""
-    frontier, study = context.frontier, read_cost(context.file_of("cost"), context.run.parameters)
-    if frontier is None and study is None:
+    if not any(context.file_of(name) for name in ("frontier", "cost")):
         return None
-    return {"frontier": frontier, "study": study, "objects": len(context.run.objects)}
+    study = read_cost(context.file_of("cost"), context.run.parameters)
+    return {"frontier": context.frontier, "study": study, "objects": len(context.run.objects)}
 
 
 def effects_values(context: ReportContext) -> Values:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.scene.parameters import Scene
+from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord, merge_records
 from visuohaptic.sensor.contact import contact_states
 from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.frames import touched_normals
 from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.placing import place
+from visuohaptic.sensor.placing import Placement, place
 from visuohaptic.sensor.planner import Situation
 from visuohaptic.sensor.random_fields import RandomFields
 
@@ -100,18 +100,49 @@ def touch(
     ParameterError
         If the scene is random and no fields are given.
     """
+    mode = scene.effects.adaptive_size
+    return feel(
+        place_sensors(caster, points, normals, parameters, mode, faces), parameters, scene, fields
+    )
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A batch of sensors on an object: which of the touches they are, their frames, and what lies under them."""
+
+    rows: NDArray[np.intp]
+    poses: Poses
+    placement: Placement
+
+
+def place_sensors(
+    caster: RayCaster,
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    parameters: SensorParameters,
+    mode: Mode,
+    faces: NDArray[np.int64] | None = None,
+) -> Iterator[Placed]:
+    """Place sensors as `touch` does, batch by batch; `mode` says when their size adapts.
+
+    That is all of touching that depends on the object, and nothing else of the scene counts.
+    """
     poses = stand(caster, points, normals, parameters, faces)
-    parts = [
-        _touch_part(
-            caster,
-            poses[rows],
-            parameters,
-            scene,
-            None if fields is None else fields.select(rows),
-        )
-        for rows in batches(len(points))
-    ]
-    return _join(parts)
+    for rows in batches(len(points)):
+        yield Placed(rows, poses[rows], place(caster, poses[rows], parameters, mode))
+
+
+def feel(
+    placed: Iterable[Placed],
+    parameters: SensorParameters,
+    scene: Scene,
+    fields: RandomFields | None = None,
+) -> Touches:
+    """Give what placed sensors feel in a scene whose mode of the adaptive size they were placed by.
+
+    Takes and raises what `touch` does.
+    """
+    return _join([_feel_batch(one, parameters, scene, fields) for one in placed])
 
 
 def stand(
@@ -168,14 +199,10 @@ def _join(parts: Sequence[Touches]) -> Touches:
     )
 
 
-def _touch_part(
-    caster: RayCaster,
-    poses: Poses,
-    parameters: SensorParameters,
-    scene: Scene,
-    fields: RandomFields | None,
+def _feel_batch(
+    placed: Placed, parameters: SensorParameters, scene: Scene, fields: RandomFields | None
 ) -> Touches:
-    placement = place(caster, poses, parameters, scene.effects.adaptive_size)
+    poses, placement = placed.poses, placed.placement
     states = contact_states(placement.heights, placement.sizes, placement.blocked, parameters)
     highest = placement.heights.max(axis=(1, 2))
     # A rigid plane goes no deeper than the first thing it meets: the probed point itself, or
@@ -187,7 +214,7 @@ def _touch_part(
         scene,
         scene.object_radius_m * np.maximum(gaps, 0.0),
         scene.object_radius_m * placement.sizes / parameters.resolution,
-        fields,
+        None if fields is None else fields.select(placed.rows),
     )
     signal, records = simulate(situation, contact)
     if parameters.normalisation == "per_imprint":

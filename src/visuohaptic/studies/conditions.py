@@ -26,6 +26,8 @@ AS_RUN = "as run"
 
 MOST_BLOCKS = 8
 MOST_CONDITIONS_A_BLOCK = 25
+LEAST_TRAININGS_A_BLOCK = 6
+"""Fewer pairs of a pipeline and a strategy take no longer than a job needs to start."""
 
 _ORDER = tuple(next(iter(phase.writes)) for phase in OF_OBJECT)
 """The first table of each phase: from which on something is made again."""
@@ -127,10 +129,10 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
 def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Planned]]:
     """Cut a study into blocks that a job each measures, by names such as ``0000-0024``.
 
-    A block has `conditions_per_job` conditions, or some more; without it an eighth of them, at most 25.
+    A block has `conditions_per_job` conditions, or some more; without it an eighth of them, at most
+    25, but as many as are worth a job.
     """
-    count = len(plan.conditions)
-    step = conditions_per_job or min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK)
+    step = conditions_per_job or _conditions_a_block(plan)
 
     # Conditions that differ in the vote alone are trained once, by one job.
     trained: dict[tuple[str, str], list[Planned]] = {}
@@ -147,6 +149,16 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
         f"{start:04d}-{end - 1:04d}": block
         for start, end, block in zip(ends, ends[1:], blocks, strict=False)
     }
+
+
+def _conditions_a_block(plan: Plan) -> int:
+    count = len(plan.conditions)
+    trainings = sum(
+        len(one.parameters.recognition.pipelines) * len(one.parameters.probing.strategies)
+        for one in plan.conditions
+    )
+    least = -(-LEAST_TRAININGS_A_BLOCK * count // max(trainings, 1))
+    return max(least, min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK))
 
 
 def describe_study(study: Study, plan: Plan) -> dict[str, Any]:

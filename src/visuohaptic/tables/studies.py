@@ -266,7 +266,7 @@ COST_KEYS = (
 )
 
 COST_PARTS = (
-    ("seconds_look", "of it: rendering and attention"),
+    ("seconds_look", "of it: preparing the surface for rays, rendering and attention"),
     ("seconds_touch", "of it: touching"),
     ("seconds_describe", "of it: features"),
     ("seconds_name", "of it: classification"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +12,10 @@ from numpy.typing import NDArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
-from visuohaptic.scene.parameters import Scene
+from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.random_fields import RandomFields
-from visuohaptic.sensor.touching import Touches, touch
+from visuohaptic.sensor.touching import Placed, Touches, feel, place_sensors
 from visuohaptic.tables.phases import (
     EFFECTS,
     FIXATIONS,
@@ -32,17 +33,24 @@ def touch_locations(
     caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, scene: Scene, seed: int
 ) -> Touches:
     """Touch an object at n rows of `tables.FIXATIONS`; each touch depends on its own row alone."""
+    placed = place_at(caster, fixations, sensor, scene.effects.adaptive_size)
+    return feel(placed, sensor, scene, random_fields(fixations, seed))
+
+
+def place_at(
+    caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, mode: Mode
+) -> Iterator[Placed]:
+    """Place sensors at rows of `tables.FIXATIONS`, batch by batch; `mode` says when their size adapts."""
+    points, normals = matrix(fixations, POINT_NAMES), matrix(fixations, NORMAL_NAMES)
+    faces = fixations.column("face").to_numpy()
+    return place_sensors(caster, points, normals, sensor, mode, faces)
+
+
+def random_fields(fixations: pa.Table, seed: int) -> RandomFields:
+    """Give the random numbers of touches at rows of `tables.FIXATIONS`."""
     names = ["chance" if name == "strategy" else name for name in FIXATIONS.keys]
     keys = [fixations.column(name).to_pylist() for name in names]
-    return touch(
-        caster,
-        matrix(fixations, POINT_NAMES),
-        matrix(fixations, NORMAL_NAMES),
-        sensor,
-        scene,
-        RandomFields(seed, list(zip(*keys, strict=True))),
-        fixations.column("face").to_numpy(),
-    )
+    return RandomFields(seed, list(zip(*keys, strict=True)))
 
 
 class Touched(NamedTuple):

@@ -94,3 +94,10 @@ def test_the_frontier_has_what_the_run_has():
     assert {(setting.touches, setting.viewpoints) for setting in settings} == {
         (1, 1), (2, 1), (1, 3), (2, 3),
     }  # fmt: skip
+
+
+def test_without_touches_there_is_no_frontier():
+    cost = RUN.cost.model_copy(update={"frontier_touches": ()})
+    without = RUN.model_copy(update={"cost": cost})
+    assert make_settings(without, "frontier") == []
+    assert make_settings(without, "cost")

@@ -1,5 +1,8 @@
 """What effects cost and move is told for every scene, and is 0 where nothing calls for them."""
 
+from collections import Counter
+from unittest.mock import patch
+
 import numpy as np
 import pytest
 import trimesh
@@ -11,7 +14,9 @@ from visuohaptic.geometry.surface import Surface, write_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.studies.effects import influence
 from visuohaptic.studies.effects.influence import (
+    ROUNDS,
     Influence,
     make_effect_influence,
     measured_scenes,
@@ -69,6 +74,13 @@ def test_an_effect_moves_images_where_it_is_called_for_and_only_there(surface, f
     assert shifts["worn_fsr", "dead_cells"] > 0 == shifts["fsr400", "dead_cells"]
     assert shifts["worn_fsr", "noise"] > shifts["fsr400", "noise"] > 0
     assert {part.touches for part in found} == {COUNT}
+
+
+def test_sensors_are_placed_once_a_round_and_mode(surface, fixations):
+    with patch.object(influence, "place_at", wraps=influence.place_at) as placing:
+        touch_influence(RayCaster(surface), fixations, SENSOR, measured_scenes(Scene()), 7)
+    modes = Counter(call.args[-1] for call in placing.call_args_list)
+    assert modes == {"auto": ROUNDS, "always": ROUNDS, "never": 1}
 
 
 def test_leaving_out_what_no_touch_needs_changes_no_bit(surface, fixations):

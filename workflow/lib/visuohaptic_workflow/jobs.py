@@ -14,6 +14,7 @@ from typing import Any
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.interrupts import STOPPED
 from visuohaptic.job_logs import SECONDS
+from visuohaptic.optional_packages import keep_pandas_out
 from visuohaptic_workflow.one_run import hold_job_lock
 from visuohaptic_workflow.records import check_inputs, check_unchanged, write_record
 
@@ -55,7 +56,8 @@ def job(snakemake: Any) -> Iterator[None]:
     try:
         hold_job_lock()
         path.parent.mkdir(parents=True, exist_ok=True)
-        _keep_pandas_out()
+        if "pyarrow" in sys.modules:
+            keep_pandas_out()
         started = time.time()
         imports = _seconds_since_start()
         given = snakemake.params.get("key")
@@ -75,27 +77,6 @@ def job(snakemake: Any) -> Iterator[None]:
         )
     work = time.time() - started
     path.write_text(f"done\n{SECONDS} imports {imports:.3f} work {work:.3f}\n", encoding="utf-8")
-
-
-def _keep_pandas_out() -> None:
-    """Keep pyarrow from importing pandas with its first array (0.4 s a job); it can still do so later."""
-    pyarrow = sys.modules.get("pyarrow")
-    if pyarrow is None or "pandas" in sys.modules:
-        return
-    sys.meta_path.insert(0, _NoPandas)
-    try:
-        pyarrow.array([0])
-    finally:
-        sys.meta_path.remove(_NoPandas)
-
-
-class _NoPandas:
-    """A finder for `sys.meta_path` that denies pandas."""
-
-    @staticmethod
-    def find_spec(name: str, *_: object) -> None:
-        if name == "pandas":
-            raise ModuleNotFoundError(name=name)
 
 
 def _end_with(log: Path, sentence: str, details: str) -> None:

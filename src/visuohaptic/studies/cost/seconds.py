@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections import defaultdict
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 
 from visuohaptic.geometry.raycasting import RayCaster
@@ -17,8 +21,9 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, object_of, read_surface, usable_meshes
 from visuohaptic.one_phase import Tables
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, passed_on
+from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, passed_on
 from visuohaptic.recognition.model import RecognitionModel, fit_model
+from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.studies.conditions import Planned, plan_study
 from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER, Setting, make_settings
@@ -47,6 +52,12 @@ class FittedSetting:
     parameters: ExperimentParameters
     model: RecognitionModel
 
+    @cached_property
+    def written(self) -> tuple[str, ...]:
+        """What each phase of an object is asked for, as JSON."""
+        values = (phase.written_values(self.parameters) for phase in OF_OBJECT)
+        return tuple(json.dumps(one, sort_keys=True) for one in values)
+
 
 class TimedCaster(RayCaster):
     """A surface prepared for rays that adds up the processor seconds of casting them."""
@@ -63,12 +74,11 @@ class TimedCaster(RayCaster):
 
 def make_cost_seconds(given: Given) -> None:
     """Time every setting of a study side by side: `tables.COST_SECONDS`."""
-    surfaces = {
-        object_of(mesh): read_surface(mesh) for mesh in usable_meshes(given.inputs["meshes"])
-    }
+    fitted = _fitted(given)
+    meshes = usable_meshes(given.inputs["meshes"]) if fitted else ()
+    surfaces = {object_of(mesh): read_surface(mesh) for mesh in meshes}
     rounds = ROUNDS.get(given.study, given.run.cost.rounds)
-    table = measure_seconds(surfaces, _fitted(given), rounds)
-    write_table(COST_SECONDS, table, given.outputs[0])
+    write_table(COST_SECONDS, measure_seconds(surfaces, fitted, rounds), given.outputs[0])
 
 
 def _fitted(given: Given) -> list[FittedSetting]:
@@ -91,10 +101,10 @@ def _fitted(given: Given) -> list[FittedSetting]:
 def fit_setting(
     setting: Setting, planned: Planned, features: pa.Table | str, seed: int
 ) -> RecognitionModel | None:
-    """Train the model of a setting on every object; None where that is refused."""
+    """Train a model that answers as quickly as a setting's own; None where that is refused."""
     if isinstance(features, str):
         return None
-    recognition = planned.parameters.recognition
+    recognition = _quickly_fitted(planned.parameters.recognition)
     try:
         rows = condition_features(planned, features, setting.strategy)
         return fit_model(rows, setting.pipeline, setting.classifier, recognition, seed)
@@ -102,36 +112,71 @@ def fit_setting(
         return None
 
 
-def recognise_once(
-    surface: Surface, key: str, viewpoints: Sequence[int], fitted: FittedSetting
-) -> dict[str, float]:
-    """Recognise one object once, from its surface in memory to its class.
+@dataclass(frozen=True)
+class Done:
+    """An object after a phase: its surface, the tables, and the seconds of all phases so far."""
 
-    Gives the processor seconds of each of `PHASES` and `PARTS`; on one thread of an idle machine they equal the
-    clock's. Preparing the surface for rays is a part of ``look``. The key is for the random
-    generators, not for the prediction.
+    caster: TimedCaster
+    tables: Tables
+    seconds: Mapping[str, float]
+
+
+class ObjectRound:
+    """One object in one round, where what several settings have in common is done and timed once.
+
+    That is preparing the surface, and each phase from the same viewpoints by the same parameters, of
+    this phase and of those before it. Its seconds count for every such setting.
     """
-    seconds: dict[str, float] = defaultdict(float)
-    parts: list[pa.Table] = []
-    with _timed(seconds, "look"):
-        caster = TimedCaster(surface)
-    for block in Subject(key, lambda: caster, viewpoints).blocks(VIEWPOINTS_AT_ONCE):
-        tables: Tables = {}
-        for phase in OF_OBJECT:
-            before = caster.seconds
-            with _timed(seconds, str(phase.verb)):
-                found = phase.run(block, tables, fitted.parameters)
-                if phase.verb == "look" and found.needs_looks:
-                    for part, name in (("render", "seen"), ("attend", "looks")):
-                        with _timed(seconds, part):
-                            getattr(found, name)
-                tables |= passed_on(phase, found)
-            if phase.verb == "touch":
-                seconds["cast"] += caster.seconds - before
-        parts.append(tables["features"])
-    with _timed(seconds, "name"):
-        fitted.model.recognise(pa.concat_tables(parts))
-    return {name: seconds[name] for name in (*PHASES, *PARTS)}
+
+    def __init__(self, key: str, surface: Surface) -> None:
+        self.key = key
+        self._known: dict[Hashable, Done] = {}
+        seconds: dict[str, float] = defaultdict(float)
+        with _timed(seconds, "look"):
+            caster = TimedCaster(surface)
+            # The first ray finds the faces that lie on each other.
+            caster.first_hits(np.zeros((1, 3)), np.ones((1, 3)))
+        self._prepared = Done(caster, {}, seconds)
+
+    def recognise(self, viewpoints: Sequence[int], fitted: FittedSetting) -> dict[str, float]:
+        """Recognise the object once, from its surface in memory to its class.
+
+        Gives the processor seconds of each of `PHASES` and `PARTS`; on one thread of an idle machine
+        they equal the clock's. Preparing the surface for rays is a part of ``look``. The object's
+        key is for the random generators, not for the prediction.
+        """
+        done, asked, parts = self._prepared, tuple[Hashable, ...](), list[pa.Table]()
+        subject = Subject(self.key, lambda: self._prepared.caster, viewpoints)
+        for block in subject.blocks(VIEWPOINTS_AT_ONCE):
+            for phase, written in zip(OF_OBJECT, fitted.written, strict=True):
+                asked = (*asked, tuple(block.viewpoints), written)
+                if asked not in self._known:
+                    self._known[asked] = _do(phase, block, done, fitted.parameters)
+                done = self._known[asked]
+            parts.append(done.tables["features"])
+        seconds = defaultdict(float, done.seconds)
+        with _timed(seconds, "name"):
+            fitted.model.recognise(pa.concat_tables(parts))
+        return {name: seconds[name] for name in (*PHASES, *PARTS)}
+
+
+def _do(phase: Phase, block: Subject, before: Done, parameters: ExperimentParameters) -> Done:
+    """Go through one phase."""
+    # What is found out about the surface at first use, such as the faces at each corner, stays in the
+    # copy, so that no other setting has it for nothing.
+    caster, seconds = copy(before.caster), defaultdict(float, before.seconds)
+    subject = Subject(block.key, lambda: caster, block.viewpoints)
+    verb = str(phase.verb)
+    with _timed(seconds, verb):
+        found = phase.run(subject, before.tables, parameters)
+        if verb == "look" and found.needs_looks:
+            for part, name in (("render", "seen"), ("attend", "looks")):
+                with _timed(seconds, part):
+                    getattr(found, name)
+        tables = before.tables | passed_on(phase, found)
+    if verb == "touch":
+        seconds["cast"] += caster.seconds - before.caster.seconds
+    return Done(caster, tables, seconds)
 
 
 @contextmanager
@@ -139,6 +184,17 @@ def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
     start = time.process_time()
     yield
     seconds[name] += time.process_time() - start
+
+
+def _quickly_fitted(parameters: RecognitionParameters) -> RecognitionParameters:
+    """Make fitting quicker, and leave the run time of an answer.
+
+    That follows from sizes: of the descriptors, the projection and the classifier, and of the touches
+    and objects of the training that the new ones are compared with. Into how many folds these are
+    dealt, to calibrate the answer, changes no size; nor do further classifiers, of shorter sequences.
+    """
+    best = parameters.best.model_copy(update={"calibration_folds": 2, "short_touches": ()})
+    return parameters.model_copy(update={"best": best})
 
 
 def measure_seconds(
@@ -157,25 +213,34 @@ def measure_seconds(
     rows: list[Row] = []
     with threadpool_limits(limits=1), _one_thread():
         # What is made once for all, and once for a surface, is made here.
-        for (key, surface), fitted in product(surfaces.items(), distinct):
-            _time(fitted, key, surface, 0)
-        for turn, (key, surface), fitted in product(range(rounds), surfaces.items(), settings):
-            rows += _time(fitted, key, surface, turn)
+        for key, surface in surfaces.items():
+            _time_all(distinct, ObjectRound(key, surface), 0)
+        for turn, (key, surface) in product(range(rounds), surfaces.items()):
+            rows += _time_all(settings, ObjectRound(key, surface), turn)
     return build_rows(COST_SECONDS, rows)
 
 
-def _time(fitted: FittedSetting, key: str, surface: Surface, turn: int) -> list[Row]:
+def _time_all(settings: Iterable[FittedSetting], once: ObjectRound, turn: int) -> list[Row]:
+    """Time one recognition by each setting in turn."""
+    # All phases are gone through before any answer counts. An answer right after a phase takes a quarter
+    # longer, with none of its code in the processor's cache, and not every setting has a phase to itself.
+    for fitted in settings:
+        _time(fitted, once, turn)
+    return [row for fitted in settings for row in _time(fitted, once, turn)]
+
+
+def _time(fitted: FittedSetting, once: ObjectRound, turn: int) -> list[Row]:
     """Time one recognition; nothing where there are too few places to touch."""
     setting = fitted.setting
     choices = spread_choices(fitted.parameters.viewpoints.total, setting.viewpoints)
     # Another side of the object in each round.
     viewpoints = choices[3 * turn % len(choices)].tolist()
     try:
-        taken = recognise_once(surface, key, viewpoints, fitted)
+        taken = once.recognise(viewpoints, fitted)
     except REFUSALS:
         return []
     parts = {f"seconds_{name}": value for name, value in taken.items()}
-    own = {"family": setting.family, "setting": setting.name, "object": key, "turn": turn}
+    own = {"family": setting.family, "setting": setting.name, "object": once.key, "turn": turn}
     return [{**own, "seconds": sum(taken[phase] for phase in PHASES), **parts}]
 
 

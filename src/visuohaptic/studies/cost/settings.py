@@ -98,6 +98,8 @@ Families = Mapping[str, Mapping[str, Mapping[str, Any]]]
 
 def frontier_families(run: ExperimentParameters) -> Families:
     """Vary touches and viewpoints of each strategy of the run, and what needs no other looking."""
+    if not run.cost.frontier_touches:
+        return {}
     touches = _within(run.cost.frontier_touches, touches_of_run(run))
     viewpoints = _within(run.cost.frontier_viewpoints, run.viewpoints.total)
     probed = {

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from visuohaptic.fixations.parameters import RenderingParameters
-from visuohaptic.fixations.rendering import Views, render_views
+from visuohaptic.fixations.rendering import Views, colour_views, meet_surface
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import object_of, read_surface
@@ -18,17 +18,18 @@ from visuohaptic.scene.parameters import (
     TACTILE_EFFECTS,
     VISUAL_EFFECTS,
     EffectModes,
+    Mode,
     Scene,
 )
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import Touches
+from visuohaptic.sensor.touching import Placed, Touches, feel
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FIXATIONS, by_object
 from visuohaptic.tables.schema import build_rows, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
 from visuohaptic.touches.choosing import Wanted, choose_places
-from visuohaptic.touches.touching import touch_locations
+from visuohaptic.touches.touching import place_at, random_fields
 
 ROUNDS = 3
 """Times are medians over so many rounds, modes in turn."""
@@ -70,11 +71,17 @@ def touch_influence(
 ) -> list[Influence]:
     """Measure the sensor's effects, in each scene, at an object's probing locations, at least one.
 
-    Noise is the same with and without an effect.
+    Sensors are placed once a round and mode of the adaptive size, for all scenes. Noise is the same with and
+    without an effect.
     """
+    fields = random_fields(fixations, seed)
+    placed: dict[tuple[Mode, int], list[Placed]] = {}
 
-    def felt(scene: Scene) -> Touches:
-        return touch_locations(caster, fixations, sensor, scene, seed)
+    def felt(scene: Scene, turn: int) -> Touches:
+        mode = scene.effects.adaptive_size
+        if (mode, turn) not in placed:
+            placed[mode, turn] = list(place_at(caster, fixations, sensor, mode))
+        return feel(placed[mode, turn], sensor, scene, fields)
 
     return [
         influence
@@ -89,15 +96,16 @@ def view_influence(
     rendering: RenderingParameters,
     modes: EffectModes,
 ) -> list[Influence]:
-    """Measure the effects of the view from at least one camera."""
+    """Measure the effects of the view from at least one camera, all from one cast of its rays."""
+    met = list(meet_surface(caster, cameras, rendering))
 
     def seen(modes: EffectModes) -> Views:
-        return render_views(caster, cameras, rendering, modes)
+        return colour_views(caster, cameras, met, rendering, modes)
 
     always = Scene().with_effects("always").effects
     first = [seen(modes).effects, seen(always).effects]
     seconds, seconds_always = _seconds(
-        first, lambda: seen(modes).effects, lambda: seen(always).effects
+        first, lambda _: seen(modes).effects, lambda _: seen(always).effects
     )
     found = []
     for effect in VISUAL_EFFECTS:
@@ -170,20 +178,22 @@ def make_effect_influence(given: Given) -> None:
 
 
 def _scene_influence(
-    name: str, scene: Scene, felt: Callable[[Scene], Touches]
+    name: str, scene: Scene, felt: Callable[[Scene, int], Touches]
 ) -> Iterator[Influence]:
     always = scene.with_effects("always")
-    whole, forced = felt(scene), felt(always)
+    whole, forced = felt(scene, 0), felt(always, 0)
     modes = scene.effects.model_dump(include=set(TACTILE_EFFECTS))
     equal = None if "never" in modes.values() else np.array_equal(whole.images, forced.images)
     seconds, seconds_always = _seconds(
-        [whole.effects, forced.effects], lambda: felt(scene).effects, lambda: felt(always).effects
+        [whole.effects, forced.effects],
+        lambda turn: felt(scene, turn).effects,
+        lambda turn: felt(always, turn).effects,
     )
     for record in whole.effects:
         shift = 0.0
         # An effect that nothing needs changes no bit, so there is no need to touch again.
         if record.runs and record.called_for:
-            part = felt(_without(scene, record.effect))
+            part = felt(_without(scene, record.effect), 0)
             shift = float(np.abs(part.images - whole.images).mean())
         yield Influence(
             scene=name,
@@ -203,10 +213,10 @@ def _without(scene: Scene, effect: str) -> Scene:
 
 
 def _seconds(
-    first: Sequence[Sequence[EffectRecord]], *runs: Callable[[], Sequence[EffectRecord]]
+    first: Sequence[Sequence[EffectRecord]], *runs: Callable[[int], Sequence[EffectRecord]]
 ) -> Iterator[dict[str, float]]:
     """Give the median seconds of each effect for each way to run, the ways taken in turn; they have run once."""
-    rounds = [list(first), *([run() for run in runs] for _ in range(ROUNDS - 1))]
+    rounds = [list(first), *([run(turn) for run in runs] for turn in range(1, ROUNDS))]
     for ways in zip(*rounds, strict=True):
         yield {
             records[0].effect: float(np.median([record.seconds for record in records]))

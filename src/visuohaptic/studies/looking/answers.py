@@ -94,7 +94,7 @@ def _answer_trial(
     projection, fits = fit_best_classifiers(
         *learnt, len(sequences.classes), parameters, draws(), memory
     )
-    classifier = fits[0][1]
+    name, classifier, _ = fits[0]
     # The first draws are those of the folds, so these are the same folds.
     folds = make_inner_folds(*learnt, parameters.best, draws(), memory)
     if not folds:
@@ -109,19 +109,21 @@ def _answer_trial(
     ]
     return Answered(
         np.stack([classifier.ballots(projection.apply(one)).alone() for one in tests]),
-        np.concatenate([_without(classifier, fold) for fold in folds]),
+        np.concatenate([_without(name, classifier, fold, draws()) for fold in folds]),
         np.concatenate([split.train[member] for member in members]),
         np.stack([strangeness(projection, one) for one in tests]),
         np.concatenate(strange),
     )
 
 
-def _without(classifier: TunedClassifier, fold: InnerFold) -> NDArray[np.float64]:
+def _without(
+    name: str, classifier: TunedClassifier, fold: InnerFold, generator: np.random.Generator
+) -> NDArray[np.float64]:
     """Give the answers for a fold's held-out sequences, (m, c), by what learnt from the others."""
-    from sklearn.base import clone
+    from visuohaptic.recognition.classifiers import fit_classifier
 
     fits = fold.fits
-    fitted = clone(classifier.estimator).fit(fits.train, fits.labels)
+    fitted, _ = fit_classifier(name, classifier.parameters, fits.train, fits.labels, generator)
     bags = None if classifier.bags is None else fits.bags
     return replace(classifier, estimator=fitted, bags=bags).ballots(fold.projected).alone()
 

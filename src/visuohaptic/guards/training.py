@@ -1,10 +1,8 @@
-"""From the tables of a run to the table of its guards."""
+"""From the tables of a run to its guards of training and of random places, which need no predictions."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -16,16 +14,15 @@ from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.geometry.surface import read_surface, set_aside_reason
 from visuohaptic.guards.areas import coordinates, guard_areas
 from visuohaptic.guards.leaks import guard_chance, guard_unseen, sample_objects
-from visuohaptic.guards.p_values import guard_signs
-from visuohaptic.guards.sums import guard_sums
+from visuohaptic.guards.table import table_of
 from visuohaptic.guards.verdicts import Verdict
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.guards import GUARDS
-from visuohaptic.tables.phases import FEATURES, FIXATIONS, POINT_NAMES, PREDICTIONS
-from visuohaptic.tables.schema import build_rows, matrix, read_table, write_table
+from visuohaptic.tables.phases import FEATURES, FIXATIONS, POINT_NAMES
+from visuohaptic.tables.schema import matrix, read_table, write_table
 
 UNIFORM_STRATEGIES = tuple(entry.name for entry in STRATEGIES if entry.uniform)
 """Strategies whose places, in reach or not, are drawn by area; both have the same draws."""
@@ -36,29 +33,22 @@ MESHES = 12
 Paths = Sequence[str | Path]
 
 
-def make_guards(
+def make_training_guards(
     features: Paths,
     fixations: Paths,
     meshes: Mapping[str, Path],
-    predictions: Paths,
-    metrics: str | Path,
     output: str | Path,
     pipelines: Sequence[str],
     recognition: RecognitionParameters,
     seed: int,
 ) -> None:
-    """Try every guard on a run, and write the table; a guard that fails raises nothing here."""
+    """Try the guards of training and of random places, and write their table; one that fails raises nothing here."""
     generator = spawn_generator(seed, "guards")
-    predicted = read_table(PREDICTIONS, predictions)
-    published = json.loads(Path(metrics).read_text(encoding="utf-8"))
     verdicts = [
         *_guard_training(read_table(FEATURES, features), pipelines, recognition, seed, generator),
-        guard_sums(published, predicted),
         guard_areas(list(_random_places(fixations, meshes, generator))),
-        guard_signs(_object_weights(predicted), generator),
     ]
-    rows = [asdict(verdict) for verdict in verdicts]
-    write_table(GUARDS, build_rows(GUARDS, rows), output)
+    write_table(GUARDS, table_of(verdicts), output)
 
 
 def _guard_training(
@@ -98,8 +88,3 @@ def _random_places(
         faces = chosen.column("face").to_numpy().astype(np.int64)
         surface = read_surface(meshes[usable[place]])
         yield coordinates(surface, matrix(chosen, POINT_NAMES), faces)
-
-
-def _object_weights(predicted: pa.Table) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    counted = predicted.group_by(["class", "object"]).aggregate([([], "count_all")])
-    return counted.column("count_all").to_numpy().astype(np.float64)

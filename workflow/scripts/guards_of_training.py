@@ -1,17 +1,15 @@
-"""Try the guards on a run."""
+"""Try the guards of training and of random places on a run."""
 
 from visuohaptic.geometry.surface import meshes_in
-from visuohaptic.guards.files import make_guards
+from visuohaptic.guards.training import make_training_guards
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
-    make_guards(
+    make_training_guards(
         features=snakemake.input.features,
         fixations=snakemake.input.fixations,
         meshes=meshes_in(snakemake.input.meshes),
-        predictions=snakemake.input.predictions,
-        metrics=snakemake.input.metrics,
         output=snakemake.output[0],
         pipelines=snakemake.params.pipelines,
         recognition=RecognitionParameters(**snakemake.params.recognition),

@@ -1,0 +1,193 @@
+"""Classifiers that give every class a normal density: naive Bayes, and the discriminants.
+
+They are a few sums and one decomposition each; a check of the arguments, as libraries do it at every
+call, would take several times as long as the fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.recognition.covariance import (
+    Shrinkage,
+    Target,
+    regularised_covariance,
+    variance_floor,
+)
+
+LEAST_PLAIN_VARIANCE = 1e-4
+"""A class that varies less than this in some direction has a covariance that counts as singular."""
+
+Whitening = tuple[NDArray[np.float64], float]
+"""Directions (d, d), by which deviations of one class get unit variances, and the log determinant of
+its covariance."""
+
+
+@dataclass(frozen=True)
+class GaussianClassifier:
+    """Classes with a normal density each.
+
+    Attributes
+    ----------
+    classes_ : numpy.ndarray
+        Shape (k,), int64: the classes, ascending.
+    means : numpy.ndarray
+        Shape (k, d), float64.
+    directions : numpy.ndarray
+        Shape (k, d, d), or (1, d, d) where all classes share them: a deviation from the mean times
+        these has the squared Mahalanobis distance as its squared length.
+    offsets : numpy.ndarray
+        Shape (k,), float64: logarithms of each class's share of the training rows, less half the
+        logarithm of its covariance's determinant.
+    """
+
+    classes_: NDArray[np.int64]
+    means: NDArray[np.float64]
+    directions: NDArray[np.float64]
+    offsets: NDArray[np.float64]
+
+    @property
+    def n_features_in_(self) -> int:
+        """How many features a row has."""
+        return self.means.shape[1]
+
+    def decision_function(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give the logarithm of each class's density times its share, but for a constant: (n, d) to (n, k)."""
+        deviations = (rows - self.means[:, None]) @ self.directions
+        distances = np.einsum("knd,knd->nk", deviations, deviations)
+        found: NDArray[np.float64] = self.offsets - distances / 2
+        return found
+
+    def predict_log_proba(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give the logarithm of each class's probability: (n, d) to (n, k)."""
+        found = self.decision_function(rows)
+        found -= found.max(axis=1, keepdims=True)
+        found -= np.log(np.exp(found).sum(axis=1, keepdims=True))
+        return found
+
+    def predict(self, rows: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Give the class of the highest score: (n, d) to (n,)."""
+        found: NDArray[np.int64] = self.classes_[self.decision_function(rows).argmax(axis=1)]
+        return found
+
+
+def fit_naive_bayes(
+    features: NDArray[np.float64], labels: NDArray[np.int64], smoothing: float
+) -> GaussianClassifier:
+    """Fit densities whose features are independent.
+
+    Parameters
+    ----------
+    features : numpy.ndarray
+        Shape (n, d), float64.
+    labels : numpy.ndarray
+        Shape (n,), int64.
+    smoothing : float
+        Share of the features' largest variance that is added to each variance.
+    """
+    floor = smoothing * float(features.var(axis=0).max())
+
+    def whiten(deviations: NDArray[np.float64]) -> Whitening:
+        variances = np.square(deviations).mean(axis=0) + floor
+        return np.diag(1 / np.sqrt(variances)), float(np.log(variances).sum())
+
+    return _fit_each(features, labels, whiten)
+
+
+def fit_quadratic_discriminant(
+    features: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    shrinkage: Shrinkage,
+    target: Target,
+) -> GaussianClassifier:
+    """Fit a regularised covariance of every class, of features (n, d) and labels (n,)."""
+    floor = variance_floor(features)
+    return _fit_each(
+        features,
+        labels,
+        lambda deviations: _whiten(regularised_covariance(deviations, shrinkage, target, floor)),
+    )
+
+
+def fit_plain_discriminant(
+    features: NDArray[np.float64], labels: NDArray[np.int64]
+) -> GaussianClassifier | None:
+    """Fit the covariance of every class as it is; None where one is singular."""
+    _, counts = np.unique(labels, return_counts=True)
+    if counts.min() <= features.shape[1]:
+        return None
+    fitted = _fit_each(features, labels, lambda deviations: _principal(deviations, len(deviations)))
+    spread = np.square(fitted.directions).sum(axis=1)
+    is_whole = np.all((spread > 0) & (spread < 1 / LEAST_PLAIN_VARIANCE))
+    return fitted if is_whole else None
+
+
+def fit_pseudo_quadratic_discriminant(
+    features: NDArray[np.float64], labels: NDArray[np.int64]
+) -> GaussianClassifier:
+    """Fit the covariance of every class on the directions of its variance alone.
+
+    Directions in which a class does not vary are left out, and its determinant is the product of the
+    other variances; covariances divide by n - 1. That is how Matlab's documentation describes
+    `pseudoquadratic`; its code was not read.
+    """
+    return _fit_each(
+        features, labels, lambda deviations: _principal(deviations, len(deviations) - 1)
+    )
+
+
+def fit_linear_discriminant(
+    features: NDArray[np.float64], labels: NDArray[np.int64], shrinkage: float
+) -> GaussianClassifier:
+    """Fit one covariance of all classes, shrunk towards one variance, of features (n, d) and labels (n,)."""
+    classes, places, counts = np.unique(labels, return_inverse=True, return_counts=True)
+    means = _means(features, labels, classes)
+    deviations = features - means[places]
+    covariance = regularised_covariance(
+        deviations, shrinkage, "mean_variance", variance_floor(features)
+    )
+    directions, _ = _whiten(covariance)
+    return GaussianClassifier(classes, means, directions[None], np.log(counts / len(labels)))
+
+
+def _fit_each(
+    features: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    whiten: Callable[[NDArray[np.float64]], Whitening],
+) -> GaussianClassifier:
+    classes, counts = np.unique(labels, return_counts=True)
+    means = _means(features, labels, classes)
+    found = [
+        whiten(features[labels == name] - mean) for name, mean in zip(classes, means, strict=True)
+    ]
+    directions, determinants = zip(*found, strict=True)
+    offsets = np.log(counts / len(labels)) - np.array(determinants) / 2
+    return GaussianClassifier(classes, means, np.stack(directions), offsets)
+
+
+def _means(
+    features: NDArray[np.float64], labels: NDArray[np.int64], classes: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    return np.stack([features[labels == name].mean(axis=0) for name in classes])
+
+
+def _whiten(covariance: NDArray[np.float64]) -> Whitening:
+    """Whiten by the Cholesky factor of a covariance that is not singular."""
+    factor = np.linalg.cholesky(covariance)
+    directions = np.linalg.inv(factor).T
+    return directions, 2 * float(np.log(np.diagonal(factor)).sum())
+
+
+def _principal(deviations: NDArray[np.float64], count: int) -> Whitening:
+    """Whiten on the directions in which deviations, (n, d), vary; their squares are divided by `count`."""
+    _, scales, found = np.linalg.svd(deviations, full_matrices=False)
+    spread = scales / np.sqrt(count)
+    # As numpy.linalg.matrix_rank: what is smaller is rounding.
+    kept = scales > scales[:1].max(initial=0) * max(deviations.shape) * np.finfo(np.float64).eps
+    directions = np.zeros((deviations.shape[1],) * 2)
+    directions[:, : kept.sum()] = found[kept].T / spread[kept]
+    return directions, 2 * float(np.log(spread[kept]).sum())

@@ -1,0 +1,146 @@
+"""The support vector machine: trained by libsvm, answered by one matrix product for all pairs of classes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+KernelName = Literal["linear", "poly", "rbf"]
+
+
+@dataclass(frozen=True)
+class SupportVectorMachine:
+    """Machines that tell two classes apart, one for each pair of k classes.
+
+    Attributes
+    ----------
+    classes_ : numpy.ndarray
+        Shape (k,), int64: the classes, ascending.
+    vectors : numpy.ndarray
+        Shape (s, d), float64: the support vectors of all pairs.
+    weights : numpy.ndarray
+        Shape (s, p), float64: what each counts in each of the p = k (k - 1) / 2 pairs, which are in
+        the order 0 and 1, 0 and 2, …, 1 and 2, …
+    intercepts : numpy.ndarray
+        Shape (p,), float64.
+    kernel : str
+        ``linear``, ``poly`` of the third degree, or ``rbf``.
+    scale : float
+        What the kernel multiplies products, or squared distances, by.
+    """
+
+    classes_: NDArray[np.int64]
+    vectors: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    intercepts: NDArray[np.float64]
+    kernel: KernelName
+    scale: float
+
+    @property
+    def n_features_in_(self) -> int:
+        """How many features a row has."""
+        return self.vectors.shape[1]
+
+    def decision_function(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give a score a class, (n, d) to (n, k): the pairs that it wins, and less than one half for by how much.
+
+        Of two classes these are the distances from the border, with both signs.
+        """
+        pairs = self._pairs(rows)
+        if len(self.classes_) == 2:
+            return np.hstack([pairs, -pairs])
+        votes, margins = self._votes(pairs), pairs @ self._signs
+        found: NDArray[np.float64] = votes + margins / (3 * (np.abs(margins) + 1))
+        return found
+
+    def predict(self, rows: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Give the class that wins most pairs, the first of several: (n, d) to (n,)."""
+        found: NDArray[np.int64] = self.classes_[self._votes(self._pairs(rows)).argmax(axis=1)]
+        return found
+
+    def _pairs(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give the decision of each pair, positive for its first class: (n, d) to (n, p)."""
+        values = _KERNELS[self.kernel](rows, self.vectors, self.scale)
+        found: NDArray[np.float64] = values @ self.weights + self.intercepts
+        return found
+
+    def _votes(self, pairs: NDArray[np.float64]) -> NDArray[np.float64]:
+        won = np.where(pairs > 0, 1.0, -1.0)
+        found: NDArray[np.float64] = np.maximum(won[:, :, None] * self._signs, 0).sum(axis=1)
+        return found
+
+    @property
+    def _signs(self) -> NDArray[np.float64]:
+        """Whether a class is the first (1), the second (-1) or none of a pair, shape (p, k)."""
+        first, second = _places_of_pairs(len(self.classes_))
+        own = np.eye(len(self.classes_))
+        return own[first] - own[second]
+
+
+def fit_support_vector_machine(
+    features: NDArray[np.float64], labels: NDArray[np.int64], kernel: KernelName, penalty: float
+) -> SupportVectorMachine:
+    """Train every pair of classes.
+
+    Parameters
+    ----------
+    features : numpy.ndarray
+        Shape (n, d), float64.
+    labels : numpy.ndarray
+        Shape (n,), int64.
+    kernel : str
+        The kernel; its scale is 1 / (d × the variance of all features).
+    penalty : float
+        Penalty C of a margin violation.
+    """
+    from sklearn.svm import SVC
+
+    variance = float(features.var())
+    scale = 1 / (features.shape[1] * variance) if variance else 1.0
+    trained = SVC(kernel=kernel, C=penalty, gamma=scale).fit(features, labels)
+    first, second = _places_of_pairs(len(trained.classes_))
+    owners = np.repeat(np.arange(len(trained.classes_)), trained.n_support_)
+    # Row j - 1 of libsvm's coefficients is, for vectors of class i, for the pair of i and j.
+    weights = np.where(owners[:, None] == first, trained.dual_coef_.T[:, second - 1], 0.0)
+    weights += np.where(owners[:, None] == second, trained.dual_coef_.T[:, first], 0.0)
+    # Of two classes scikit-learn turns the signs.
+    sign = -1.0 if len(trained.classes_) == 2 else 1.0
+    return SupportVectorMachine(
+        trained.classes_,
+        trained.support_vectors_,
+        sign * weights,
+        sign * trained.intercept_,
+        kernel,
+        scale,
+    )
+
+
+def _places_of_pairs(classes: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    first, second = np.array(list(combinations(range(classes), 2))).T
+    return first, second
+
+
+def _linear(
+    rows: NDArray[np.float64], vectors: NDArray[np.float64], _: float
+) -> NDArray[np.float64]:
+    return rows @ vectors.T
+
+
+def _polynomial(
+    rows: NDArray[np.float64], vectors: NDArray[np.float64], scale: float
+) -> NDArray[np.float64]:
+    return (scale * (rows @ vectors.T)) ** 3
+
+
+def _radial(
+    rows: NDArray[np.float64], vectors: NDArray[np.float64], scale: float
+) -> NDArray[np.float64]:
+    squares = np.square(rows).sum(axis=1)[:, None] + np.square(vectors).sum(axis=1)
+    return np.exp(-scale * np.maximum(squares - 2 * (rows @ vectors.T), 0))
+
+
+_KERNELS = {"linear": _linear, "poly": _polynomial, "rbf": _radial}

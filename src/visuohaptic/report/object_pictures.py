@@ -1,0 +1,100 @@
+"""From views, touches and meshes of objects to the table of what the page shows of each."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from visuohaptic.geometry.surface import read_surface
+from visuohaptic.report.models import pack_model
+from visuohaptic.report.pictures import imprint_sheet, imprint_strip, shrink_picture
+from visuohaptic.tables.phases import (
+    NORMAL_NAMES,
+    POINT_NAMES,
+    TANGENT_NAMES,
+    TOUCHES,
+    VIEWS,
+    by_object,
+    keys_of,
+)
+from visuohaptic.tables.pictures import PICTURES
+from visuohaptic.tables.schema import build_rows, images, matrix, read_table, write_table
+from visuohaptic.tables.stability import STABILITY
+
+_PACKED = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
+_NO_MODEL = dict.fromkeys(("model", "vertices", "faces", "touches", "original_faces"))
+
+
+def make_pictures(
+    meshes: Mapping[str, str | Path],
+    views: Sequence[str | Path],
+    touches: Sequence[str | Path],
+    stability: str | Path,
+    output: str | Path,
+    shown: Collection[str],
+    faces: int,
+) -> None:
+    """Make the pictures of objects, `class/name`, and write the table; models have at most so many faces.
+
+    The objects are those of `shown`, and all others at which a tolerance was exceeded.
+    """
+    wanted = {*shown, *_broken(read_table(STABILITY, stability))}
+    felt = dict(by_object(read_table(TOUCHES, touches)))
+    untouched = TOUCHES.arrow.empty_table()
+    rows = [
+        {
+            **{name: seen.column(name)[0].as_py() for name in ("class", "object")},
+            **_pictures_of_views(seen, _chosen(felt.get(key, untouched), "strategy", "fixation")),
+            **_model(meshes.get(key), felt.get(key, untouched), faces),
+        }
+        for key, seen in by_object(read_table(VIEWS, views))
+        if key in wanted
+    ]
+    write_table(PICTURES, build_rows(PICTURES, rows), output)
+
+
+def _broken(checks: pa.Table) -> list[str]:
+    """Name the objects at which a tolerance was exceeded."""
+    error = pc.field("worst_error")
+    return keys_of(checks.filter(error.is_null() | (error > pc.field("tolerance")))).to_pylist()
+
+
+def _pictures_of_views(seen: pa.Table, fixated: pa.Table) -> dict[str, Any]:
+    viewpoints = seen.column("viewpoint").to_pylist()
+    views, maps = (seen.column(name).to_pylist() for name in ("view", "saliency"))
+    return {
+        "views": list(zip(viewpoints, map(shrink_picture, views), strict=True)),
+        "saliency": [
+            (viewpoint, shrink_picture(one, factor=2))
+            for viewpoint, one in zip(viewpoints, maps, strict=True)
+        ],
+        "imprints": [
+            (viewpoint, imprint_strip(images(own)))
+            for viewpoint in viewpoints
+            if (own := _chosen(fixated, "viewpoint", viewpoint)).num_rows
+        ],
+    }
+
+
+def _model(mesh: str | Path | None, felt: pa.Table, faces: int) -> dict[str, Any]:
+    """Give the thinned model, and the imprints that it shows."""
+    if mesh is None:
+        return {**_NO_MODEL, "sheets": []}
+    model = vars(pack_model(read_surface(mesh), matrix(felt, _PACKED), faces))
+    return {**model, "model": model["data"], "sheets": list(_sheets(felt))}
+
+
+def _sheets(felt: pa.Table) -> Iterator[tuple[str, bytes]]:
+    for strategy in sorted(set(felt.column("strategy").to_pylist())):
+        own = _chosen(felt, "strategy", strategy)
+        cells = (own.column(name).to_numpy().astype(np.int64) for name in ("viewpoint", "touch"))
+        yield strategy, imprint_sheet(images(own), *cells)
+
+
+def _chosen(table: pa.Table, column: str, value: object) -> pa.Table:
+    return table.filter(pc.field(column) == pc.scalar(value))

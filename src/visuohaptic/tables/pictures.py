@@ -1,0 +1,27 @@
+"""The table of what the report shows of each object, small enough to lie within a page."""
+
+from __future__ import annotations
+
+import pyarrow as pa
+
+from visuohaptic.tables.phases import OBJECT_KEYS
+from visuohaptic.tables.schema import COUNT, TEXT, Column, Schema, names_of
+
+_OF_VIEWS = pa.map_(COUNT, pa.binary())
+
+PICTURES = Schema(
+    "pictures",
+    (
+        *OBJECT_KEYS,
+        Column("views", _OF_VIEWS, "view of each viewpoint, lossy WebP"),
+        Column("saliency", _OF_VIEWS, "saliency map of each viewpoint at half the size, lossy WebP"),
+        Column("imprints", _OF_VIEWS, "imprints of strategy fixation by viewpoint, side by side in order, WebP"),
+        Column("sheets", pa.map_(TEXT, pa.binary()), "imprints by strategy, a row a viewpoint and a column a touch, lossy WebP"),
+        Column("model", pa.binary(), "thinned mesh and touches as `report.models.PackedModel` has them, gzip; missing without a mesh", nullable=True),
+        Column("vertices", COUNT, "vertices of the thinned mesh", minimum=0, nullable=True),
+        Column("faces", COUNT, "its faces", minimum=0, nullable=True),
+        Column("touches", COUNT, "touches packed with it", minimum=0, nullable=True),
+        Column("original_faces", COUNT, "faces of the object's mesh", minimum=0, nullable=True),
+    ),
+    names_of(OBJECT_KEYS),
+)  # fmt: skip

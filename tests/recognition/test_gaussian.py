@@ -1,0 +1,125 @@
+"""Classifiers with a normal density a class, beside scikit-learn's and SciPy's."""
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+from sklearn.discriminant_analysis import (
+    LinearDiscriminantAnalysis,
+    QuadraticDiscriminantAnalysis,
+)
+from sklearn.naive_bayes import GaussianNB
+
+from visuohaptic.recognition import gaussian
+from visuohaptic.recognition.classifiers import ClassifierParameters, fit_classifier
+from visuohaptic.recognition.covariance import regularised_covariance, variance_floor
+
+
+def draw(rows, columns, classes=3, seed=0):
+    generator = np.random.default_rng(seed)
+    labels = np.repeat(np.arange(classes), rows)
+    mixing = generator.normal(size=(classes, columns, columns))
+    rows = np.einsum("nd,nde->ne", generator.normal(size=(len(labels), columns)), mixing[labels])
+    return rows + 2.0 * generator.normal(size=(classes, columns))[labels], labels
+
+
+class Regularised:
+    """Our covariance for scikit-learn's discriminants."""
+
+    def __init__(self, shrinkage, target, floor):
+        self.chosen = shrinkage, target, floor
+
+    def fit(self, rows):
+        self.covariance_ = regularised_covariance(rows - rows.mean(axis=0), *self.chosen)
+        return self
+
+
+@pytest.mark.parametrize("classes", [2, 5])
+@pytest.mark.parametrize("rows", [4, 200])
+def test_answers_are_scikit_learns(rows, classes):
+    features, labels = draw(rows, 6, classes)
+    tested, _ = draw(50, 6, classes, seed=1)
+    floor = variance_floor(features)
+    pairs = [
+        (
+            gaussian.fit_naive_bayes(features, labels, 0.01),
+            GaussianNB(var_smoothing=0.01),
+        ),
+        (
+            gaussian.fit_linear_discriminant(features, labels, 0.1),
+            LinearDiscriminantAnalysis(
+                solver="lsqr", covariance_estimator=Regularised(0.1, "mean_variance", floor)
+            ),
+        ),
+        (
+            gaussian.fit_quadratic_discriminant(features, labels, "ledoit_wolf", "own_variances"),
+            QuadraticDiscriminantAnalysis(
+                solver="eigen",
+                covariance_estimator=Regularised("ledoit_wolf", "own_variances", floor),
+                tol=0,
+            ),
+        ),
+    ]
+    for ours, theirs in pairs:
+        theirs.fit(features, labels)
+        found = ours.predict_log_proba(tested)
+        np.testing.assert_allclose(found, theirs.predict_log_proba(tested), rtol=1e-9, atol=1e-9)
+        np.testing.assert_array_equal(ours.predict(tested), theirs.predict(tested))
+
+
+def test_covariances_of_full_rank_are_left_alone():
+    features, labels = draw(100, 5, 2)
+    fitted, note = fit_classifier(
+        "quadratic_discriminant", ClassifierParameters(), features, labels, np.random.default_rng(0)
+    )
+    plain = QuadraticDiscriminantAnalysis().fit(features, labels)
+    assert note is None
+    np.testing.assert_allclose(
+        fitted.predict_log_proba(features), plain.predict_log_proba(features), rtol=1e-9
+    )
+
+
+def test_a_covariance_without_variance_in_a_direction_is_not_taken_plain():
+    features, labels = draw(100, 5, 2)
+    features[labels == 1, 4] = features[labels == 1, 3]
+    assert gaussian.fit_plain_discriminant(features, labels) is None
+    assert gaussian.fit_plain_discriminant(*draw(5, 5, 2)) is None
+
+
+@pytest.mark.parametrize("rows", [200, 4])
+def test_scores_are_scipys_normal_densities_of_possibly_singular_covariances(rows):
+    features, labels = draw(rows, 6)
+    fitted = gaussian.fit_pseudo_quadratic_discriminant(features, labels)
+    scores = fitted.decision_function(features)
+    for name in range(3):
+        own = features[labels == name]
+        normal = multivariate_normal(own.mean(axis=0), np.cov(own.T), allow_singular=True)
+        constant = min(rows - 1, 6) * np.log(2 * np.pi) / 2 + np.log(1 / 3)
+        # SciPy gives 0 beyond the directions of variance, where we leave these out.
+        inside = labels == name if rows < 7 else np.full(len(labels), True)
+        expected = normal.logpdf(features[inside]) + constant
+        np.testing.assert_allclose(scores[inside, name], expected, rtol=1e-9)
+
+
+def test_directions_in_which_a_class_does_not_vary_count_for_nothing():
+    features, labels = draw(200, 4)
+    wider = np.hstack([features, np.full((len(features), 2), 7.0)])
+    tested = wider + np.array([0, 0, 0, 0, 3.0, -5.0])
+    narrow = gaussian.fit_pseudo_quadratic_discriminant(features, labels)
+    np.testing.assert_allclose(
+        gaussian.fit_pseudo_quadratic_discriminant(wider, labels).decision_function(tested),
+        narrow.decision_function(features),
+        rtol=1e-9,
+        atol=1e-9,
+    )
+
+
+@pytest.mark.parametrize("rows", [2, 5])
+def test_with_fewer_sequences_than_features_every_class_has_a_finite_score(rows):
+    features, labels = draw(rows, 9)
+    for regularisation in ("pseudo_inverse", "always", "where_singular"):
+        parameters = ClassifierParameters(discriminant_regularisation=regularisation)
+        fitted, _ = fit_classifier(
+            "quadratic_discriminant", parameters, features, labels, np.random.default_rng(0)
+        )
+        assert np.isfinite(fitted.decision_function(features)).all()
+        assert fitted.predict(features).shape == labels.shape

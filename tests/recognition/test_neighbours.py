@@ -1,0 +1,35 @@
+"""The nearest neighbours, beside scikit-learn's."""
+
+import numpy as np
+import pytest
+from sklearn.neighbors import KNeighborsClassifier
+
+from visuohaptic.recognition.neighbours import fit_nearest_neighbours
+
+
+@pytest.mark.parametrize("weighting", ["uniform", "distance"])
+@pytest.mark.parametrize("neighbours", [1, 5, 60])
+def test_shares_and_classes_are_scikit_learns(neighbours, weighting):
+    generator = np.random.default_rng(5)
+    labels = 2 * (np.arange(60) % 4)
+    features = generator.normal(size=(60, 3)) + 0.2 * labels[:, None]
+    tested = np.vstack([generator.normal(size=(100, 3)), features[:5]])
+    ours = fit_nearest_neighbours(features, labels, neighbours, weighting)
+    theirs = KNeighborsClassifier(neighbours, weights=weighting, algorithm="brute")
+    theirs.fit(features, labels)
+    np.testing.assert_allclose(
+        ours.predict_proba(tested), theirs.predict_proba(tested), rtol=1e-12, atol=1e-14
+    )
+    np.testing.assert_array_equal(ours.predict(tested), theirs.predict(tested))
+
+
+def test_of_rows_as_far_away_the_first_ones_vote():
+    features = np.array([[1.0], [-1.0], [1.0], [0.0]])
+    found = fit_nearest_neighbours(features, np.array([0, 1, 2, 3]), 3, "uniform")
+    np.testing.assert_allclose(found.predict_proba(np.zeros((1, 1))), [[1 / 3, 1 / 3, 0, 1 / 3]])
+
+
+def test_rows_in_the_same_place_vote_alone_where_distances_weigh():
+    features = np.array([[0.0], [0.0], [1.0], [2.0]])
+    found = fit_nearest_neighbours(features, np.array([0, 1, 1, 1]), 4, "distance")
+    np.testing.assert_allclose(found.predict_proba(np.zeros((1, 1))), [[0.5, 0.5]])

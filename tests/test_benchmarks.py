@@ -1,0 +1,34 @@
+"""Benchmarks run, on the smallest amounts; what they measure is for a quiet machine."""
+
+import importlib
+
+import pytest
+
+SMALLEST = {
+    "attention": {"RESOLUTIONS": (64, 128)},
+    "contourlet": {"ROUNDS": 1},
+    "looking": {},
+    "precision": {"RAYS": 200, "TOUCHES": 2, "IMAGES": 8},
+    "recognition": {"ROUNDS": 1, "PIPELINE_ROUNDS": 1},
+    "sensor": {"ROUNDS": 1, "PROBES": 8},
+}
+
+
+def least(figures):
+    if isinstance(figures, dict):
+        return min(map(least, figures.values()), default=0)
+    if isinstance(figures, list):
+        return min(map(least, figures), default=0)
+    return figures if isinstance(figures, float | int) else 0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", SMALLEST)
+def test_a_benchmark_runs_from_end_to_end(name, monkeypatch):
+    module = importlib.import_module(f"benchmarks.{name}")
+    for constant, value in SMALLEST[name].items():
+        monkeypatch.setattr(module, constant, value)
+    rounds = {"rounds": 1} if name in {"attention", "looking", "precision"} else {}
+    found = module.run(**rounds)
+    assert found
+    assert least(found) >= 0

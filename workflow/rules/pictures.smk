@@ -1,0 +1,46 @@
+"""Pictures: each object's mesh, views and touches → what the report shows of it, small enough for a page.
+
+Takes results/meshes/, results/views/, results/touches/ and results/stability/; gives results/pictures/, made beside the
+other jobs, so that the report has only to put it in its place. Of many objects a sample has pictures, and all that
+exceeded a tolerance.
+"""
+
+from visuohaptic.report.shown import OBJECTS_AT_MOST, faces_of_model
+from visuohaptic.studies.sampling import sample_objects
+
+SHOWN = frozenset(sample_objects(OBJECTS, OBJECTS_AT_MOST))
+
+
+rule pictures_all:
+    input:
+        files_by_block("pictures"),
+        files_by_block("records/pictures", "json"),
+
+
+rule pictures:
+    input:
+        takes(
+            "pictures",
+            "pictures.py",
+            meshes="results/meshes/{objects}",
+            views=views_of("views"),
+            touches=views_of("touches"),
+            stability="results/stability/{objects}.parquet",
+        ),
+    output:
+        "results/pictures/{objects}.parquet",
+        record="results/records/pictures/{objects}.json",
+    log:
+        "logs/pictures/{objects}.log",
+    conda:
+        "../envs/visuohaptic.yaml"
+    params:
+        key=key_of_rule("pictures"),
+        shown=lambda wildcards: [
+            key for key in OBJECT_BLOCKS[wildcards.objects] if key in SHOWN
+        ],
+        faces=faces_of_model(len(OBJECTS)),
+    message:
+        "making pictures of {wildcards.objects} and others for the report"
+    script:
+        "../scripts/pictures.py"

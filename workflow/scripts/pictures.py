@@ -1,0 +1,16 @@
+"""Make what the report shows of a block of objects."""
+
+from visuohaptic.geometry.surface import meshes_in
+from visuohaptic.report.object_pictures import make_pictures
+from visuohaptic_workflow.jobs import job
+
+with job(snakemake):
+    make_pictures(
+        meshes=meshes_in([snakemake.input.meshes]),
+        views=snakemake.input.views,
+        touches=snakemake.input.touches,
+        stability=snakemake.input.stability,
+        output=snakemake.output[0],
+        shown=snakemake.params.shown,
+        faces=snakemake.params.faces,
+    )
