@@ -1,10 +1,8 @@
 """From a mesh file to features, file to file: what each phase writes is what its table promises."""
 
 import inspect
-import shutil
 
 import numpy as np
-import pandas as pd
 import pytest
 import trimesh
 from phases_by_files import run_phases
@@ -17,7 +15,7 @@ from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT, PHASES, after, everywhere, run
-from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
+from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, SPARE, TOUCHES, VIEWS
 from visuohaptic.tables.schema import matrix, read_table
 from visuohaptic.touches.choosing import touched_places
@@ -211,16 +209,6 @@ def test_the_books_of_the_view_count_every_view(folder):
     # A grey torus has neither hues nor parts; the light has a direction, but casts no shadows.
     assert {name for name, row in books.items() if row["needed"]} == {"shading", "cast_shadows"}
     assert {name for name, row in books.items() if row["runs"]} == {"shading"}
-
-
-def test_the_books_of_eye_and_hand_lie_in_one_folder_as_one_table(folder, tmp_path):
-    for part in ("views", "touches"):
-        target = tmp_path / "effects" / part / "ring" / "torus" / "00-02.parquet"
-        target.parent.mkdir(parents=True)
-        shutil.copy(folder / f"effects/{part}.parquet", target)
-    frame = pd.read_parquet(tmp_path / "effects")
-    assert sorted(frame.effect) == sorted(EffectModes.model_fields)
-    assert read_table(EFFECTS, tmp_path / "effects").num_rows == len(frame)
 
 
 def test_the_eye_looks_without_shading_where_the_scene_says_so(folder):

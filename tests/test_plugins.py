@@ -153,18 +153,6 @@ print(chosen.recognition.self_organising_map.output, [one.package for one in loa
     assert printed(code, path=tmp_path) == ["mine ['mine-installed']"]
 
 
-def test_the_readings_of_the_paper_keep_the_channels_of_the_package():
-    code = """
-from visuohaptic.attention.parameters import CHANNELS
-from readings.choices import BY_NAME
-from readings.design import all_readings
-print("redness" in CHANNELS, len(all_readings()) > 400)
-print(any("redness" in name for option in BY_NAME["channels"].options.values() for name in option))
-"""
-    redness = str(EXAMPLES / "redness.py")
-    assert printed(code, VISUOHAPTIC_PLUGINS=redness) == ["True True", "False"]
-
-
 @pytest.mark.parametrize("text", ["plugins: mine.py\n", "plugins: 3\n"])
 def test_other_than_a_list_of_files_is_refused(text, tmp_path):
     (tmp_path / "params.yaml").write_text(text)

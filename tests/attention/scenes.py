@@ -2,6 +2,7 @@
 
 import numpy as np
 import trimesh
+from numerics.surfaces import of_trimesh
 
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
@@ -10,17 +11,9 @@ from visuohaptic.fixations.rendering import render_views
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 
-GREY = (160, 160, 160)
-
-
-def surface_of(mesh, colours=GREY):
-    faces = np.asarray(mesh.faces, dtype=np.int64)
-    face_colours = np.broadcast_to(np.array(colours, dtype=np.uint8), (len(faces), 3)).copy()
-    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, face_colours)
-
 
 def sphere():
-    return surface_of(trimesh.creation.icosphere(subdivisions=4, radius=0.9))
+    return of_trimesh(trimesh.creation.icosphere(subdivisions=4, radius=0.9))
 
 
 def sphere_with_bump(direction, height=0.08, width=0.1):

@@ -149,32 +149,6 @@ def test_mirrored_object_has_mirrored_fixations():
         assert np.linalg.norm(gaps, axis=1).max() < FOOTPRINT
 
 
-@pytest.mark.parametrize("normalisation", ["local_maxima", "iterative", "none"])
-@pytest.mark.parametrize("modes", [EffectModes(), UNSHADED])
-def test_uniform_sphere_gives_five_distinct_points(normalisation, modes):
-    attention = AttentionParameters(normalisation=normalisation)
-    views, (result,) = scenes.look(scenes.sphere(), [FRONT], attention, modes=modes)
-    assert np.isfinite(result.saliency).all()
-    path = result.scanpath
-    assert path.distinct == 5
-    assert not path.exhausted
-    gaps = np.linalg.norm(path.points[:, None] - path.points[None], axis=2) + 9 * np.eye(5)
-    assert gaps.min() > attention.focus_radius
-    assert views.mask[0][path.rows, path.columns].all()
-
-
-@pytest.mark.slow
-def test_fixations_are_never_on_the_background_or_the_outline():
-    attention = AttentionParameters(fixations=16, focus_radius=0.1)
-    views, results = scenes.look(lopsided(), CAMERAS, attention)
-    for mask, result in zip(views.mask, results, strict=True):
-        inner = mask.copy()
-        for axis in (0, 1):
-            inner &= np.roll(mask, 1, axis) & np.roll(mask, -1, axis)
-        assert inner[result.scanpath.rows, result.scanpath.columns].all()
-        assert not result.saliency[~mask].any()
-
-
 @pytest.mark.parametrize("background", [0.0, 0.3, 1.0])
 def test_background_does_not_matter(background):
     _, plain = scenes.look(lopsided(), CAMERAS[:2])
@@ -252,17 +226,9 @@ def test_channel_of_weight_zero_does_not_run(name):
     )
 
 
-@pytest.mark.parametrize("name", CHANNELS)
-def test_each_channel_alone_finds_something(name):
-    parameters = AttentionParameters(weights=ChannelWeights.only(name))
-    _, (result,) = scenes.look(lopsided(), [CAMERAS[1]], parameters)
-    assert list(result.conspicuity) == [name]
-    assert result.saliency.max() == pytest.approx(1.0, abs=1e-6)
-
-
 def test_empty_view_has_no_fixation_and_says_why():
     empty = Camera(0.0, 0.0, 3.0, 40.0)
-    far = scenes.surface_of(trimesh.creation.box(extents=(0.1, 0.1, 0.1)))
+    far = scenes.of_trimesh(trimesh.creation.box(extents=(0.1, 0.1, 0.1)))
     shifted = type(far)(far.vertices + np.array([0.0, 50.0, 0.0]), far.faces, far.face_colours)
     equal = AttentionParameters(weights="equal")
     _, (result,) = scenes.look(shifted, [empty], equal)

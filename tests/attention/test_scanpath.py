@@ -43,39 +43,6 @@ def test_of_equal_peaks_the_upper_left_wins_despite_rounding(noise):
     np.testing.assert_array_equal(path.columns, again.columns[:3])
 
 
-@pytest.mark.parametrize("inhibition", ["surface", "image"])
-@pytest.mark.parametrize("falloff", [0.0, 1.0])
-@pytest.mark.parametrize("radius", [0.05, 0.2, 0.3])
-def test_no_two_fixations_are_within_one_focus(inhibition, falloff, radius):
-    parameters = AttentionParameters(
-        fixations=16,
-        inhibition=inhibition,
-        inhibition_falloff=falloff,
-        focus_radius=radius,
-        focus_fraction=radius,
-    )
-    path = flat_panel(bump(48, 48, width=20.0), parameters=parameters)
-    gaps = np.linalg.norm(path.points[:, None] - path.points[None], axis=2)
-    gaps += 9.0 * np.eye(path.distinct)
-    assert gaps.min() > radius
-    assert path.exhausted == (path.distinct < 16)
-
-
-def test_surface_inhibition_goes_by_distance_in_space():
-    mask = np.ones((SIZE, SIZE), dtype=bool)
-    point = np.stack([COLUMNS / SIZE, -ROWS / SIZE, np.where(COLUMNS < 48, 0.0, 5.0)], axis=-1)
-    saliency = (bump(48, 46, width=2.0) + bump(48, 49, 0.9, width=2.0)).astype(np.float32)
-    normal = np.broadcast_to([0.0, 0.0, 1.0], point.shape)
-    face = np.zeros((SIZE, SIZE), dtype=np.int64)
-    near = {}
-    for inhibition in ("surface", "image"):
-        parameters = AttentionParameters(fixations=2, inhibition=inhibition)
-        path = scan(saliency, mask, point, normal, face, parameters)
-        near[inhibition] = abs(path.columns[1] - path.columns[0])
-    assert near["surface"] < 6
-    assert near["image"] > 9
-
-
 def test_small_object_is_exhausted_and_repeats_nothing():
     mask = (ROWS - 48) ** 2 + (COLUMNS - 48) ** 2 < 12**2
     path = flat_panel(bump(48, 48), mask, AttentionParameters(fixations=5, focus_radius=0.2))

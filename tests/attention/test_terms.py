@@ -14,7 +14,6 @@ from visuohaptic.attention import (
     TermWeights,
     attend,
     feature_planes,
-    registry,
 )
 from visuohaptic.attention.learnt import read_learnt
 from visuohaptic.attention.terms import SEEN, prepare_surface, term_planes
@@ -57,13 +56,6 @@ def test_every_term_is_finite_of_unit_size_and_zero_beside_the_object():
         assert np.isfinite(plane).all(), name
         assert abs(plane).max() < 2, name
         assert not plane[seen.certainty == 0].any(), name
-
-
-def test_the_middle_of_a_sphere_faces_the_eye_and_its_outline_does_not():
-    seen, planes = planes_of(scenes.sphere(), "facing")
-    middle = len(seen.certainty) // 2
-    assert planes["facing"][middle, middle] == pytest.approx(1, abs=0.02)
-    assert planes["facing"][seen.certainty > SEEN].min() < 0.3
 
 
 def test_facing_is_the_cosine_of_normal_and_sight_on_a_sphere():
@@ -187,11 +179,6 @@ def test_other_names_of_weights_are_refused():
         AttentionParameters(weights="animal")
     with pytest.raises(ValidationError, match="leave terms out"):
         AttentionParameters(weights="human", terms={"centre": 1.0})
-
-
-def test_two_terms_of_one_name_are_refused():
-    with pytest.raises(AttentionError, match="each name is allowed once"):
-        registry.by_name(TERMS["centre"], TERMS["centre"])
 
 
 def test_every_term_names_its_source():

@@ -71,15 +71,6 @@ def test_every_reader_finds_a_quiet_page_without_barriers(visit, keep, folder, n
     assert (opened.complaints, opened.outside, opened.dialogs) == ([], [], [])
 
 
-@EVERY_READER
-def test_each_section_is_kept_as_a_picture(visit, keep, folder, reader):
-    page = visit(folder / "report.html", *READERS[reader]).page
-    sections = page.locator("main > section").all()
-    assert len(sections) >= 10
-    for section in sections:
-        keep(section, f"section_{section.get_attribute('id')}_{reader}")
-
-
 @pytest.mark.long
 def test_a_model_turns_by_its_buttons_and_by_the_keyboard(visit, keep, folder):
     opened = visit(folder / "report.html")
@@ -134,38 +125,6 @@ def test_a_model_that_is_dragged_stays_upright(model):
     camera = stage.evaluate("one => one._fullLayout.scene._scene.getCamera()")
     assert camera["eye"] != before
     assert camera["up"] == {"x": 0, "y": 0, "z": 1}
-
-
-# For each number of a model, the least distance to a square's corner and to another number, as seen from the camera.
-ROOMS = """stage => {
-  const { x, y, z } = stage.layout.scene.camera.eye;
-  const azimuth = Math.atan2(y, x), elevation = Math.asin(z / Math.hypot(x, y, z));
-  const right = [-Math.sin(azimuth), Math.cos(azimuth), 0];
-  const up = [-Math.cos(azimuth) * Math.sin(elevation), -Math.sin(azimuth) * Math.sin(elevation), Math.cos(elevation)];
-  const flat = (trace) => trace.x.map((_, at) => [right, up].map((axis) =>
-    axis[0] * trace.x[at] + axis[1] * trace.y[at] + axis[2] * trace.z[at]));
-  const [squares, numbers] = [flat(stage.data[1]), flat(stage.data.at(-1))];
-  const least = (from, to) => Math.min(...to.map(([c, d]) => Math.hypot(from[0] - c, from[1] - d)));
-  return numbers.map((one, at) => [least(one, squares), least(one, numbers.toSpliced(at, 1))]);
-}"""
-
-
-def assert_numbers_have_room(figure):
-    figure.page.wait_for_timeout(300)
-    rooms = figure.locator(".stage").evaluate(ROOMS)
-    assert len(rooms) == 5
-    assert min(to_a_square for to_a_square, _ in rooms) > 0.05
-    assert min(to_a_number for _, to_a_number in rooms) > 0.1
-
-
-@pytest.mark.parametrize("view", ["0", "1"])
-def test_no_number_covers_a_square_or_another_number_from_any_side(model, view):
-    _, figure = model
-    figure.locator(".viewpoints").select_option(view)
-    assert_numbers_have_room(figure)
-    for turn in ("Turn right", "Turn right", "Turn right", "Turn up", "Turn up"):
-        figure.get_by_label(turn).click()
-        assert_numbers_have_room(figure)
 
 
 def test_the_imprint_of_a_touch_is_shown_on_focus_and_on_tap(model):

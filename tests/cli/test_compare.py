@@ -132,13 +132,6 @@ def test_experiments_of_dvc_are_named_and_none_is_an_error(visuohaptic, monkeypa
     assert ended.err == "error: DVC keeps no experiment here; `dvc exp run` makes one.\n"
 
 
-def test_the_difference_of_equal_runs_whose_objects_are_not_known_is_open(visuohaptic, tmp_path):
-    write_run(tmp_path / "a", figure(0.6, 0.5, 0.7), {})
-    ended = visuohaptic("compare", "a", "a", "--json")
-    figures = json.loads(ended.out)["figures"]
-    assert {found["differences"][0]["direction"] for found in figures} == {"open"}
-
-
 def test_an_interval_of_a_difference_follows_zou_and_donner():
     found = difference_of(Figure(0.5, 0.4, 0.7), Figure(0.6, 0.57, 0.64))
     assert (found.mean, found.low, found.high) == pytest.approx(
@@ -197,10 +190,6 @@ def test_what_is_no_metrics_file_is_named(visuohaptic, tmp_path, content):
     assert not (tmp_path / "comparison").exists()
 
 
-def test_a_missing_run_is_named(visuohaptic):
-    assert "a.json can't be read: No such file" in visuohaptic("compare", "a.json", "b.json").err
-
-
 @pytest.mark.slow
 def test_two_revisions_of_a_repository_are_compared(visuohaptic, tmp_path):
     def run(*command):
@@ -256,18 +245,6 @@ def test_reports_beside_metrics_tell_parameters_and_seconds(visuohaptic, tmp_pat
     assert page.mismatches == []
     assert not page.named("script", "i")
     assert len(set(page.values("id"))) == len(page.values("id"))
-
-
-@pytest.mark.slow
-def test_reports_alone_can_be_compared(visuohaptic, reported):
-    files = [reported / name / "report.html" for name in "ab"]
-    beside = visuohaptic("compare", *(file.with_name("metrics.json") for file in files), "--json")
-    alone = visuohaptic("compare", *files, "--json")
-    unlike = {"sources", "page"}
-    one, other = (json.loads(ended.out) for ended in (beside, alone))
-    assert {key: one[key] for key in set(one) - unlike} == {
-        key: other[key] for key in set(other) - unlike
-    }
 
 
 @pytest.mark.slow

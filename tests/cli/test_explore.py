@@ -36,24 +36,12 @@ def ring(path):
     return path
 
 
-SHAPE = trimesh.creation.torus(1, 0.4, 16, 8)
-TWO_PARTS = trimesh.Scene([SHAPE, trimesh.creation.icosphere(1, 0.4)])
-SAMPLES = {
-    "wavefront.obj": SHAPE.export,
-    "with_parts.obj": TWO_PARTS.export,
-    "binary.ply": SHAPE.export,
-    "text.ply": lambda path: SHAPE.export(path, encoding="ascii"),
-    "binary.stl": SHAPE.export,
-    "text.stl": lambda path: SHAPE.export(path, file_type="stl_ascii"),
-    "scene.glb": TWO_PARTS.export,
-    "CAPITALS.OFF": lambda path: SHAPE.export(path, file_type="off"),
-}
-"""The formats of trimesh's own sample models, in the flavours that its exporters write."""
+SHAPES = trimesh.Scene([trimesh.creation.torus(1, 0.4, 16, 8), trimesh.creation.icosphere(1, 0.4)])
 
 
-@pytest.mark.parametrize("name", SAMPLES)
-def test_each_format_is_touched(visuohaptic, small, tmp_path, name):
-    SAMPLES[name](tmp_path / name)
+@pytest.mark.parametrize("name", ["with_parts.obj", "CAPITALS.GLB"])
+def test_a_mesh_file_is_touched(visuohaptic, small, tmp_path, name):
+    SHAPES.export(tmp_path / name)
     ended = visuohaptic("touch", name, *small, "--out", "felt")
     assert (ended.code, ended.err) == (0, "")
     assert ended.out.startswith(f"{name}: ")
@@ -74,15 +62,6 @@ def test_json_is_all_that_is_printed(visuohaptic, small, tmp_path):
     assert len(values["features"]) == 10
     assert {"x", "contourlet_16", "contact_state"} <= set(values["features"][0])
     assert all(Path(file).is_file() for file in values["files"])
-
-
-def test_up_axis_turns_the_object(visuohaptic, small, tmp_path):
-    trimesh.creation.cone(0.3, 2).export(tmp_path / "cone.stl")
-    heights = []
-    for axis in "yz":
-        values = json.loads(visuohaptic("touch", "cone.stl", *small, "--up", axis, "--json").out)
-        heights.append(max(row["y"] for row in values["features"]))
-    assert heights[0] < 0.3 < heights[1]
 
 
 @pytest.mark.parametrize(
@@ -164,15 +143,6 @@ def test_a_budget_is_a_number_of_viewpoints(visuohaptic, small, tmp_path, monkey
     assert json.loads(ended.out)["viewpoints"] == 3
 
 
-def test_an_object_is_recognised_within_a_budget(visuohaptic, tmp_path, model):
-    from visuohaptic.studies.cost.budgets import budgets
-
-    mesh = ring(tmp_path / "ring.obj")
-    ended = visuohaptic("recognise", mesh, "--model", model, "--budget", "fast", "--json")
-    assert ended.code == 0, ended.err
-    assert json.loads(ended.out)["viewpoints"] == budgets()["fast"].viewpoints
-
-
 def test_several_meshes_are_touched_into_a_folder_each(visuohaptic, small, tmp_path):
     for name in ("a.obj", "b.ply"):
         ring(tmp_path / name)
@@ -195,17 +165,6 @@ def test_a_broken_mesh_among_several_is_named_and_the_others_are_touched(
     )
     assert (tmp_path / "touched" / "a" / "touches.parquet").is_file()
     assert not (tmp_path / "touched" / "b").exists()
-
-
-def test_several_meshes_are_named_in_their_order(visuohaptic, tmp_path, model):
-    for name in ("a.obj", "b.ply"):
-        ring(tmp_path / name)
-    chosen = ("--model", model, "--viewpoints", 1)
-    ended = visuohaptic("recognise", "a.obj", "b.ply", *chosen)
-    assert ended.code == 0, ended.err
-    assert ended.out.index("a.obj: class") < ended.out.index("b.ply: class")
-    values = json.loads(visuohaptic("recognise", "a.obj", "b.ply", *chosen, "--json").out)
-    assert [value["mesh"] for value in values] == ["a.obj", "b.ply"]
 
 
 @pytest.mark.parametrize("command", ["touch", "recognise", "report", "compare"])

@@ -67,6 +67,7 @@ REFUSED = [
     (("recognise", "ring.obj", "--model", "."), "is a folder; the model in it is needed", {}),
     (("recognise", "ring.obj", "--model", "m"), "m can't be read as a recognition model", {"m": b"no"}),
     (("compare", "gone", "gone"), "^error: gone", {}),
+    (("compare", "gone.json", "gone.json"), "gone.json can't be read: No such file", {}),
 ]  # fmt: skip
 
 

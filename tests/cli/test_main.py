@@ -55,13 +55,8 @@ def folder(tmp_path_factory):
     return folder
 
 
-def moments(*seconds, long):
-    """Give seconds after a start, the last ones for tests that take long."""
-    return [*seconds, *(pytest.param(each, marks=pytest.mark.long) for each in long)]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("after", moments(0.02, 0.7, long=(0.2, 1.5)))
+@pytest.mark.parametrize("after", [0.02, 0.7])
 def test_ctrl_c_stops_a_touch_at_any_moment(folder, after):
     out = folder / f"felt{after}"
     process = start(("touch", "ring.obj", "--viewpoints", 1024, "--out", out.name), folder, after)
@@ -76,8 +71,6 @@ def test_ctrl_c_stops_a_touch_at_any_moment(folder, after):
     [
         (("recognise", "ring.obj", "--viewpoints", 1024), 0.5),
         (("meshes", "check", "--set", "paper"), 0.5),
-        pytest.param(("report", "."), 0.05, marks=pytest.mark.long),
-        pytest.param(("compare", "a", "b"), 1.5, marks=pytest.mark.long),
     ],
 )
 def test_ctrl_c_stops_every_command_or_comes_after_its_end(folder, arguments, after):

@@ -6,8 +6,6 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from visuohaptic.errors import CatalogueError
-
 ROOT = Path(__file__).parents[2]
 
 
@@ -64,30 +62,3 @@ def test_a_missing_catalogue_is_one_sentence_and_1(visuohaptic, tmp_path):
         result.err
         == "error: the catalogue meshes/catalogue.csv can't be read: No such file or directory.\n"
     )
-
-
-def test_debug_shows_where_an_error_arose(visuohaptic, tmp_path):
-    with pytest.raises(CatalogueError):
-        visuohaptic("--debug", "meshes", "check", folder=tmp_path)
-
-
-def test_wrong_use_ends_with_2(visuohaptic):
-    assert visuohaptic("meshes", "check", "--set", "everything").code == 2
-    assert visuohaptic("mashes").code == 2
-
-
-@pytest.mark.parametrize("command", ["fetch", "check", "credits"])
-def test_help_gives_an_example(visuohaptic, command):
-    assert f"Example: visuohaptic meshes {command}" in visuohaptic("meshes", command, "--help").out
-
-
-def test_check_names_what_lies_among_the_own_models_but_is_none(visuohaptic, folder):
-    (folder / "meshes" / "own" / "mug.obj").touch()
-    (folder / "meshes" / "own" / "cup" / "mug.fbx").touch()
-    result = visuohaptic("meshes", "check", folder=folder)
-    assert result.code == 1
-    assert (
-        "meshes/own/mug.obj lies in no class's folder; move it to meshes/own/<class>/" in result.out
-    )
-    assert "mug.fbx ends in '.fbx', which can't be read; export it as .glb or .obj" in result.out
-    assert result.out.endswith("13 of 15 files can be touched.\n")

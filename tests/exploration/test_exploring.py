@@ -65,18 +65,6 @@ def test_one_line_from_a_file_to_a_table(ring_file):
     assert set(found.seconds) == {"prepare", "look", "touch", "describe"}
 
 
-def test_progress_follows_every_step(ring_file):
-    seen = []
-
-    def track(steps):
-        for step in steps:
-            yield step
-            seen.append(step)
-
-    vh.load(ring_file).touch(parameters=SMALL, track=track)
-    assert len(seen) == 6
-
-
 @pytest.mark.parametrize(
     "parameters",
     [
@@ -109,12 +97,7 @@ def test_parameters_that_are_none_are_named(ring_file, parameters, sentence):
         vh.load(ring_file).touch(viewpoints=1, parameters=parameters)
 
 
-def test_wrong_choices_are_named(ring_file):
-    ready = vh.load(ring_file)
-    with pytest.raises(ParameterError, match=r"viewpoints.count is 0"):
-        ready.touch(viewpoints=0)
-    with pytest.raises(ParameterError, match="strategies"):
-        ready.touch(strategy="guess")
+def test_a_key_is_a_class_and_a_name(ring_file):
     with pytest.raises(MeshError, match="'class/name' is allowed"):
         vh.load(ring_file, key="ring")
 

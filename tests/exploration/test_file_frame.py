@@ -171,15 +171,6 @@ def test_a_scene_needs_a_unit_and_square_cells_and_changes_the_images():
         vh.press(ball, **place, size=(10.0, 5.0), scene="fsr400", unit="mm")
 
 
-def test_a_picture_and_a_short_name_for_many_imprints():
-    ball = trimesh.creation.icosphere(3, radius=1.0)
-    normals = np.random.default_rng(0).normal(size=(80, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    felt = vh.press(ball, normals, normals, 0.4, resolution=8)
-    assert repr(felt) == "<Pressed: 80 imprints of 8 x 8, 80 of which feel something>"
-    assert felt.picture().size == (8 * 100 + 4, 8 * 100 + 4)
-
-
 def test_a_file_too_small_for_a_scale_is_touched_and_has_no_way_back(tmp_path):
     mesh = trimesh.creation.icosphere(2)
     tiny = (mesh.vertices * 1e-320, mesh.faces)

@@ -189,20 +189,6 @@ def test_another_seed_may_draw_other_test_objects_and_other_classes_change_none(
     assert alone == export_contents.choose_tested(keys, 0)[:2]
 
 
-def test_the_lite_version_takes_whole_sequences_until_it_fits(run, tmp_path, monkeypatch):
-    full = export_run(run, tmp_path / "full", COMMIT)
-    most = full.size_of("lite") // 2
-    monkeypatch.setattr(export_contents, "LITE_BYTES", most)
-    lite = export_run(run, tmp_path / "lite", COMMIT)
-    assert lite.size_of("lite") <= most
-    rows = pa.concat_tables(rows_of(lite.folder, "lite").values())
-    counts = rows.group_by(["class", "object", "viewpoint", "strategy"]).aggregate(
-        [([], "count_all")]
-    )
-    assert set(counts.column("count_all").to_pylist()) == {5}
-    assert rows_of(lite.folder)["train"].num_rows == rows_of(full.folder)["train"].num_rows
-
-
 def test_the_lite_version_has_all_strategies_of_a_view_or_none(run, tmp_path, monkeypatch):
     touches = read_table(TOUCHES, run / "results/touches").num_rows
     monkeypatch.setattr(export_contents, "LITE_BYTES", touches * (32**2 + 768) / 2)
@@ -228,13 +214,6 @@ def test_features_are_those_of_the_run_and_classify_as_there(run, exported, expe
     predictions = read_table(PREDICTIONS, run / "results/predictions")
     first = predictions.filter(pc.equal(predictions.column("split"), 0))
     assert held["tested_objects"][0] == sorted({"/".join(owner) for owner in owners(first)})
-
-
-def test_the_sample_shows_imprints_of_every_class(exported):
-    sample = Image.open(exported.folder / "sample.png")
-    classes = {key.split("/")[0] for key in KEYS}
-    assert sample.height == 2 * len(classes) * (32 + 2)
-    assert np.ptp(np.asarray(sample)) > 0
 
 
 def test_a_run_without_metrics_is_refused(run, tmp_path):
@@ -328,38 +307,3 @@ def test_what_can_not_be_exported_is_said_before_anything_is_written(run, experi
             [run / "results/touches/all.parquet"], [], tmp_path / "one.parquet", 1, experiment
         )
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("name", ["default", "lite"])
-def test_datasets_reads_what_is_written(exported, tmp_path, name):
-    datasets = pytest.importorskip("datasets")
-    loaded = datasets.load_dataset(str(exported.folder), name, cache_dir=str(tmp_path))
-    stored = rows_of(exported.folder, {"default": "data"}.get(name, name))
-    for split, rows in stored.items():
-        found = loaded[split].with_format("numpy")
-        keys = zip(loaded[split]["class"], loaded[split]["object"], strict=True)
-        assert set(keys) == owners(rows)
-        names = loaded[split].features["label"].int2str(loaded[split]["label"])
-        assert names == rows.column("class").to_pylist()
-        first = found[:9]
-        assert np.stack(first["image"]).shape[1:] == (32, 32)
-        if name == "default":
-            # A picture has 8 bits.
-            assert np.abs(255 * first["imprint"] - np.stack(first["image"])).max() <= 0.5001
-
-
-def test_the_features_that_datasets_reads_are_those_of_the_run(exported, experiment, tmp_path):
-    datasets = pytest.importorskip("datasets")
-    loaded = datasets.load_dataset(str(exported.folder), "features", cache_dir=str(tmp_path))
-    read = loaded["run"].to_pandas()
-    pandas = pytest.importorskip("pandas")
-    pandas.testing.assert_frame_equal(read, experiment.features.to_pandas(), check_dtype=False)
-
-
-def test_croissant_gives_the_pictures_and_the_imprints(exported):
-    mlcroissant = pytest.importorskip("mlcroissant")
-    described = mlcroissant.Dataset(jsonld=str(exported.folder / "croissant.json"))
-    row = next(iter(described.records("default_test")))
-    assert row["default_test/image"].size == (32, 32)
-    felt = 255 * np.array(row["default_test/imprint"])
-    assert np.abs(felt - row["default_test/image"]).max() <= 0.5001

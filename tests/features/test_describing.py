@@ -1,11 +1,15 @@
 import numpy as np
 import pytest
+import trimesh
 
+import visuohaptic as vh
 from visuohaptic.errors import ParameterError
 from visuohaptic.features import describing
 from visuohaptic.features.describing import describe_imprints
 from visuohaptic.features.descriptors import DESCRIPTORS, Descriptor
 from visuohaptic.features.parameters import FeatureParameters
+from visuohaptic.tables.phases import CONTOURLET_FEATURES
+from visuohaptic.tables.schema import matrix
 
 
 @pytest.mark.parametrize("resolution", [2, 4, 12, 34, 255, 256, 3, 5, 7, 8, 9, 16, 23, 24, 40])
@@ -56,3 +60,11 @@ def test_a_descriptor_that_gives_other_than_a_row_each_is_refused(shape, monkeyp
         ParameterError, match=r"descriptor wrong gave an array of shape .* at most 16"
     ):
         describe_imprints(np.zeros((2, 8, 8), np.float32), FeatureParameters())
+
+
+def test_fewer_numbers_fill_the_first_columns_and_leave_the_others_0():
+    cone = vh.load(trimesh.creation.cone(0.5, 1.0))
+    felt = cone.touch(viewpoints=1, strategy="random", parameters={"features.levels": [2, 3]})
+    found = matrix(felt.features, CONTOURLET_FEATURES)
+    assert found[:, :12].any(axis=0).all()
+    assert not found[:, 12:].any()

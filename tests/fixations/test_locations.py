@@ -7,7 +7,6 @@ import pytest
 import trimesh
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.errors import RegistryError
 from visuohaptic.fixations.locations import candidate_table, locate
 from visuohaptic.fixations.looking import Standpoint, attend_to
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
@@ -158,8 +157,3 @@ def test_strategies_that_do_not_look_need_no_view(caster, strategy):
         assert locate(blind, strategy.name, ATTENTION, 3).equals(
             locate(one, strategy.name, ATTENTION, 3)
         )
-
-
-def test_an_unknown_strategy_is_refused(caster):
-    with pytest.raises(RegistryError, match="'drawn' is no probing strategy; fixation, random,"):
-        locate(looks_of(caster)[0], "drawn", ATTENTION, 3)

@@ -42,11 +42,6 @@ def test_steps_are_as_long_as_asked():
     assert (steps < 0.7 + 2 * np.sqrt(2) / 24).all()
 
 
-@pytest.mark.parametrize("count", [1, 3, 7])
-def test_fewer_places_are_the_first_of_more(count):
-    np.testing.assert_array_equal(follow(count=count), follow()[:count])
-
-
 def test_a_hole_and_a_smaller_part_have_no_place():
     mask = DISC.copy()
     mask[25:39, 25:39] = False

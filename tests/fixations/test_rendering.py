@@ -3,6 +3,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 import trimesh
+from numerics.surfaces import of_trimesh
 
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import Views, colour_views, meet_surface, render_views
@@ -14,10 +15,8 @@ from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 CAMERAS = place_cameras(ViewpointParameters(count=5, elevations_degrees=(-10.0, 40.0)))
 
 
-def surface_of(mesh, colour=(200, 120, 60)):
-    faces = np.asarray(mesh.faces, dtype=np.int64)
-    colours = np.tile(np.array(colour, dtype=np.uint8), (len(faces), 1))
-    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours)
+def surface_of(mesh):
+    return of_trimesh(mesh, (200, 120, 60))
 
 
 IMAGES = [field.name for field in fields(Views) if field.name != "effects"]
@@ -198,14 +197,6 @@ def test_auto_sees_bit_for_bit_what_always_sees(surface, ambient):
     other = see(surface, ambient, **every("always"))
     for name in IMAGES:
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-
-
-@pytest.mark.parametrize("shading", ["auto", "never"])
-def test_shadows_without_shading_change_no_bit(shading):
-    one = see(COLOURED, shading=shading, cast_shadows="auto")
-    other = see(COLOURED, shading=shading, cast_shadows="always")
-    np.testing.assert_array_equal(one.colour, other.colour)
-    np.testing.assert_array_equal(one.lit, other.lit)
 
 
 def test_no_shadow_is_cast_unless_asked_for():

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import trimesh
 
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
@@ -114,13 +113,6 @@ def test_cutting_faces_smaller_moves_no_colour():
     np.testing.assert_allclose(*light, atol=1e-4)
 
 
-def test_views_in_a_block_are_those_alone():
-    caster, parameters = RayCaster(square()), RenderingParameters(resolution=64)
-    together = render_views(caster, [AHEAD, ASIDE], parameters)
-    alone = render_views(caster, [ASIDE], parameters)
-    np.testing.assert_array_equal(together.colour[1], alone.colour[0])
-
-
 def half_painted():
     """Give the board beside a square of one colour without image."""
     board = square()
@@ -144,14 +136,6 @@ def test_faces_without_image_are_seen_as_they_were():
         assert beside.any()
         np.testing.assert_array_equal(views.colour[beside], plain.colour[beside])
         assert not np.array_equal(views.colour, plain.colour)
-
-
-def test_shading_dims_the_light_of_an_image():
-    even, shaded = see(square(), ASIDE), see(square(), ASIDE, ambient=0.4)
-    light = [decode_srgb(one.colour[one.mask].astype(np.float64)) for one in (even, shaded)]
-    ratio = light[1] / light[0]
-    assert np.ptp(ratio) < 1e-4
-    assert ratio.max() < 0.9
 
 
 def every(mode):
@@ -193,25 +177,3 @@ def test_without_colour_an_image_has_the_greys_of_its_luma():
     found = set(stored(views.colour[views.mask])[:, 0])
     assert {218, 34} <= found
     assert (min(found), max(found)) == (34, 218)
-
-
-def test_the_time_of_images_is_in_the_books():
-    (record,) = (one for one in see(square()).effects if one.effect == "texture")
-    assert (record.runs, record.seconds > 0) == (1, True)
-
-
-def test_an_image_upon_a_round_body_is_seen_from_everywhere():
-    ball = trimesh.creation.icosphere(3, radius=0.8)
-    angles = np.arctan2(ball.vertices[:, 0], ball.vertices[:, 2]) / (2 * np.pi)
-    corners = np.stack([angles, ball.vertices[:, 1] / 2], axis=1)[ball.faces].astype(np.float32)
-    count = len(ball.faces)
-    texture = Texture(corners, np.zeros(count, np.int32), (BOARD,), np.zeros((1, 2), np.uint8))
-    surface = Surface(
-        np.asarray(ball.vertices), np.asarray(ball.faces), texture.face_colours(), texture
-    )
-    for camera in (AHEAD, ASIDE, GRAZING, Camera(10.0, 90.0, 3.0, 40.0)):
-        views = see(surface, camera)
-        seen = views.colour[views.mask]
-        assert np.isfinite(seen).all()
-        assert (seen >= np.float32(10 / 255)).all()
-        assert (seen <= np.float32(250 / 255)).all()

@@ -1,16 +1,10 @@
 import numpy as np
 import pytest
 import trimesh
+from numerics.surfaces import of_trimesh
 
 from visuohaptic.geometry.curvature import measure_shape, unit_vectors
 from visuohaptic.geometry.surface import Surface
-
-
-def surface_of(mesh):
-    faces = np.asarray(mesh.faces, dtype=np.int64)
-    return Surface(
-        np.asarray(mesh.vertices, dtype=np.float64), faces, np.zeros((len(faces), 3), np.uint8)
-    )
 
 
 def samples(surface, per_face=4, seed=0):
@@ -29,7 +23,7 @@ def integral(surface, shape, per_face=4000):
 
 @pytest.mark.parametrize("radius", [0.25, 0.9])
 def test_sphere_has_one_over_its_radius(radius):
-    surface = surface_of(trimesh.creation.icosphere(subdivisions=4, radius=radius))
+    surface = of_trimesh(trimesh.creation.icosphere(subdivisions=4, radius=radius))
     shape = measure_shape(surface)
     faces, weights = samples(surface)
     np.testing.assert_allclose(shape.curvature(faces, weights), 1 / radius, rtol=0.02)
@@ -40,7 +34,7 @@ def test_sphere_has_one_over_its_radius(radius):
 
 def test_cylinder_has_the_curvedness_of_one_bent_direction():
     mesh = trimesh.creation.cylinder(radius=0.5, height=1.0, sections=64)
-    surface = surface_of(mesh)
+    surface = of_trimesh(mesh)
     shape = measure_shape(surface)
     side = np.abs(surface.face_normals[:, 2]) < 0.5
     faces, weights = samples(surface)
@@ -52,7 +46,7 @@ def test_cylinder_has_the_curvedness_of_one_bent_direction():
 
 
 def test_box_is_flat_off_its_edges_whatever_its_triangles():
-    surface = surface_of(trimesh.creation.box(extents=(1.0, 0.8, 0.6)))
+    surface = of_trimesh(trimesh.creation.box(extents=(1.0, 0.8, 0.6)))
     shape = measure_shape(surface, crease_width=0.03)
     faces, weights = samples(surface, 400)
     points = np.einsum("nk,nkd->nd", weights, surface.triangles[faces])
@@ -69,7 +63,7 @@ def test_fold_holds_the_curvature_of_its_angle(subdivisions, width):
     mesh = trimesh.creation.box(extents=(1.0, 1.0, 1.0))
     for _ in range(subdivisions):
         mesh = mesh.subdivide()
-    surface = surface_of(mesh)
+    surface = of_trimesh(mesh)
     # The normal cycle's mean curvature: half the angle for each unit of length.
     expected = 0.5 * (np.pi / 2) * 12.0
     found = integral(surface, measure_shape(surface, crease_width=width), 6000 // 4**subdivisions)
@@ -78,7 +72,7 @@ def test_fold_holds_the_curvature_of_its_angle(subdivisions, width):
 
 def test_windings_and_split_vertices_do_not_matter():
     mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.7)
-    plain = surface_of(mesh)
+    plain = of_trimesh(mesh)
     rng = np.random.default_rng(2)
     flip = rng.random(len(plain.faces)) < 0.5
     mixed = np.where(flip[:, None], plain.faces[:, ::-1], plain.faces)
@@ -139,7 +133,7 @@ def test_degenerate_faces_and_one_sided_strips_give_finite_numbers():
 
 
 def test_spike_keeps_its_normals_outwards():
-    cone = surface_of(trimesh.creation.cone(radius=0.1, height=1.0, sections=24))
+    cone = of_trimesh(trimesh.creation.cone(radius=0.1, height=1.0, sections=24))
     shape = measure_shape(cone)
     faces, weights = samples(cone)
     flat = cone.face_normals[faces]

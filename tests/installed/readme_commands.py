@@ -81,6 +81,7 @@ IN_ANOTHER_FORM = {
 LEFT_OUT = {
     "make test": "it needs the extra dev",
     "make meshes SET=benchmark": "it downloads 120 MB",
+    "dvc exp run --run-all": "tests/workflow/test_dvc.py runs a queue",
     "source .venv/bin/activate": "it is for the reader's shell; this environment is on PATH",
     "dvc remote modify team endpointurl https://…": "it is for S3, which needs a network and a key",
 }

@@ -2,24 +2,13 @@
 
 import numpy as np
 import pytest
-import trimesh
 from meshes import generated
-from scipy.spatial.transform import Rotation
 
 from visuohaptic.errors import MeshError
 from visuohaptic.meshes import polygons
 from visuohaptic.meshes.model_files import read_model
 
-L_SHAPE = np.array([[0.0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]])
 PENTAGON = np.array([[0.0, 0], [4, 0], [4, 4], [2, 1], [0, 4]])
-WRITERS = {
-    "obj": generated.as_obj,
-    "off": generated.as_off,
-    "ply": generated.as_ply,
-    "text.ply": lambda points, faces: generated.as_ply(points, faces, "ascii"),
-    "dae": generated.as_dae,
-    "polygons.dae": lambda points, faces: generated.as_dae(points, faces, "polygons"),
-}
 
 
 def read(folder, name, data):
@@ -125,30 +114,3 @@ def test_a_ply_keeps_a_colour_for_each_polygon(tmp_path):
     assert surface.face_areas.sum() == pytest.approx(20)
     assert (surface.face_colours[low] == [9, 8, 7]).all()
     assert (surface.face_colours[~low] == [1, 2, 3]).all()
-
-
-@pytest.mark.parametrize("name", ["obj", "off", "text.ply"])
-def test_without_a_concave_polygon_faces_and_their_order_are_trimeshs(tmp_path, name):
-    shape = generated.prism(L_SHAPE[[0, 1, 4, 5]])
-    triangles = [[0, 1, 2], *shape.faces, [4, 5, 6]]
-    for faces in (shape.faces, triangles):
-        data = WRITERS[name](shape.points, faces)
-        surface = read(tmp_path, name, data)
-        other = trimesh.load(
-            trimesh.util.wrap_as_stream(data), file_type=name.split(".")[-1], process=False
-        )
-        np.testing.assert_array_equal(surface.triangles, other.triangles)
-
-
-def test_any_turn_of_a_random_outline_keeps_area_and_winding():
-    random = np.random.default_rng(7)
-    for _ in range(100):
-        outline = generated.star(random, int(random.integers(4, 30)))
-        flat = np.column_stack([outline, np.zeros(len(outline))]) + random.normal(size=3)
-        turn = Rotation.random(random_state=int(random.integers(1 << 30))).as_matrix()
-        x, y = outline.T
-        area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
-        for triangles in cut(flat @ turn.T, int(random.integers(len(outline)))).values():
-            vectors = area_vectors(flat @ turn.T, triangles)
-            assert (vectors @ turn[:, 2] > -1e-12).all()
-            assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(area, rel=1e-9)

@@ -74,7 +74,7 @@ def middles(image):
     return np.column_stack([(column + 0.5) / columns, 1 - (row + 0.5) / rows])
 
 
-@pytest.mark.parametrize("suffix", [".obj", ".glb", ".gltf", ".ply", ".dae"])
+@pytest.mark.parametrize("suffix", [".obj", ".glb", ".gltf", ".ply"])
 def test_every_texel_lies_where_the_file_puts_it(tmp_path, suffix):
     image = np.random.default_rng(0).integers(0, 256, (5, 9, 3), dtype=np.uint8)
     path = tmp_path / f"a{suffix}"
@@ -88,9 +88,6 @@ def test_every_texel_lies_where_the_file_puts_it(tmp_path, suffix):
             "property float t\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
             "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2\n3 0 2 3\n"
         )
-    elif suffix == ".dae":
-        Image.fromarray(image).save(tmp_path / "t.png")
-        path.write_text(COLLADA)
     elif suffix == ".glb":
         square_of(image).export(path)
     else:
@@ -165,12 +162,6 @@ def test_images_of_every_kind_are_read(mode):
         expected = np.asarray(image.convert("RGB"))
     surface = surface_of_trimesh(square_of(image), "square")
     np.testing.assert_array_equal(surface.texture.images[0], np.broadcast_to(expected, BOARD.shape))
-
-
-def test_what_is_transparent_is_shown_in_its_colour():
-    image = np.dstack([BOARD, np.zeros((8, 8), np.uint8)])
-    surface = surface_of_trimesh(square_of(Image.fromarray(image)), "square")
-    np.testing.assert_array_equal(surface.texture.images[0], BOARD)
 
 
 @pytest.mark.parametrize(
@@ -289,33 +280,3 @@ def test_the_papers_objects_are_packed_with_their_images():
     for row in rows:
         packed = read_surface(root / f"paper/{row['class']}/{row['object']}.ply.gz")
         assert (packed.texture is not None) == (row["textured"] == "y"), row["object"]
-
-
-COLLADA = """<?xml version="1.0"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><up_axis>Y_UP</up_axis></asset>
-<library_images><image id="i"><init_from>t.png</init_from></image></library_images>
-<library_effects><effect id="e"><profile_COMMON>
-<newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>
-<newparam sid="p"><sampler2D><source>s</source></sampler2D></newparam>
-<technique sid="c"><lambert><diffuse><texture texture="p" texcoord="UV"/></diffuse></lambert></technique>
-</profile_COMMON></effect></library_effects>
-<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
-<library_geometries><geometry id="g"><mesh>
-<source id="v"><float_array id="va" count="12">0 0 0 1 0 0 1 1 0 0 1 0</float_array>
-<technique_common><accessor source="#va" count="4" stride="3">
-<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
-</accessor></technique_common></source>
-<source id="t"><float_array id="ta" count="8">0 0 1 0 1 1 0 1</float_array>
-<technique_common><accessor source="#ta" count="4" stride="2">
-<param name="S" type="float"/><param name="T" type="float"/></accessor></technique_common></source>
-<vertices id="vs"><input semantic="POSITION" source="#v"/></vertices>
-<triangles material="paint" count="2"><input semantic="VERTEX" source="#vs" offset="0"/>
-<input semantic="TEXCOORD" source="#t" offset="1" set="0"/>
-<p>0 0 1 1 2 2 0 0 2 2 3 3</p></triangles>
-</mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="z"><node><instance_geometry url="#g"><bind_material>
-<technique_common><instance_material symbol="paint" target="#m"/></technique_common>
-</bind_material></instance_geometry></node></visual_scene></library_visual_scenes>
-<scene><instance_visual_scene url="#z"/></scene>
-</COLLADA>"""

@@ -1,7 +1,5 @@
 """Prediction sets and objects of no known class."""
 
-import itertools
-
 import numpy as np
 import pytest
 from recognition.synthetic import clusters, features_table, sequences_of
@@ -102,15 +100,6 @@ def test_known_objects_are_seldom_called_unknown_and_far_ones_are():
     strange = assessed(model, 20 + descriptors[:4], 0.9)
     assert strange.unknown
     assert strange.strangeness == pytest.approx(1 - 1 / 46)
-
-
-@pytest.mark.slow
-def test_a_higher_coverage_gives_larger_sets():
-    descriptors, labels, owners = clusters(objects=(20, 20, 20), separation=0.1)
-    model = fitted(descriptors, labels, owners)
-    sets = [assessed(model, descriptors[:8], share).candidates for share in (0.3, 0.6, 0.9, 0.99)]
-    assert all((small <= large).all() for small, large in itertools.pairwise(sets))
-    assert sets[-1].all()
 
 
 def test_a_class_with_one_object_has_no_part_in_what_the_others_are_compared_with():

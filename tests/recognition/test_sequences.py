@@ -54,11 +54,6 @@ def test_sequences_that_lack_touches_in_step_do_not_pass_for_whole_ones():
         gather_sequences(kept, PAPER_FEATURES, 5)
 
 
-def test_more_touches_than_there_are_is_refused():
-    with pytest.raises(RecognitionError, match="each of 0 to 8"):
-        gather_sequences(features_table(objects=(1, 1)), PAPER_FEATURES, 9)
-
-
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_value_that_is_not_finite_is_named(value):
     table = features_table(objects=(2, 2))
@@ -115,14 +110,6 @@ def test_a_class_with_a_single_object_is_left_out():
         {"class": ["cup", "cup", "chair", "chair", "lamp"], "object": ["a", "a", "b", "c", "a"]}
     )
     assert classes_of_two(features).column("object").to_pylist() == ["b", "c"]
-
-
-def test_where_every_sequence_is_whole_nothing_is_left_out():
-    table = features_table(objects=(2, 2))
-    for touches in (3, 5, None):
-        kept, sentences = whole_sequences(table, touches)
-        assert kept is table
-        assert sentences == ()
 
 
 @pytest.mark.parametrize("touches", [5, None])

@@ -127,10 +127,6 @@ def test_order_of_rows_changes_nothing_and_all_of_it_is_json():
     )
 
 
-def test_without_fixations_nothing_is_compared():
-    assert recognition.summarise(*run(("random",)))["comparisons"] == {}
-
-
 def test_scores_and_predictions_of_different_runs_are_refused():
     scores, predictions = run()
     with pytest.raises(RecognitionError, match="must come from one run"):

@@ -1,8 +1,6 @@
 """The section on certainty shows what was measured, and names the command where nothing was."""
 
 import pytest
-from report.pages import read_page
-from report.synthetic import lay_out
 
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -10,9 +8,6 @@ from visuohaptic.report.certainty import (
     certainty_figures,
     evaluation_figures,
 )
-from visuohaptic.report.page import render_page
-from visuohaptic.report.run import read_run
-from visuohaptic.report.run_folder import find_run
 from visuohaptic.studies.certainty import summarise_certainty
 from visuohaptic.studies.evaluation.models import MeasuredEvaluation
 from visuohaptic.studies.figures import write_json
@@ -75,23 +70,6 @@ def test_the_sentence_on_new_objects_has_coverage_beside_what_is_stated():
     )
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("measured", [True, False])
-def test_the_page_shows_the_runs_evaluation_or_the_one_kept_with_the_package(tmp_path, measured):
-    folder = lay_out(tmp_path)
-    if measured:
-        write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
-    found = find_run(folder)
-    page = read_page(render_page(read_run(found.files, found.parameters, found.objects)))
-    assert page.mismatches == []
-    assert (
-        "a model that learnt 7 objects classifies 4 others: box (2), cup (2)" in page.text
-    ) == measured
-    assert (
-        "a model that learnt 142 objects classifies 22 others, of set odd" in page.text
-    ) != measured
-
-
 def test_the_figures_are_those_of_the_file(tmp_path):
     figures = certainty_figures(*write_certainty(tmp_path))
     assert figures.views == 4
@@ -116,20 +94,3 @@ def test_figures_that_can_not_be_read_are_named(tmp_path):
         certainty_figures(table, figures)
     figures.unlink()
     assert certainty_figures(table, figures) is None
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("candidates", [1, 2, None])
-def test_the_page_shows_what_was_measured_or_the_command(tmp_path, candidates):
-    folder = lay_out(tmp_path)
-    if candidates:
-        write_certainty(folder, candidates=candidates)
-    found = find_run(folder)
-    page = read_page(render_page(read_run(found.files, found.parameters, found.objects)))
-    assert page.mismatches == []
-    assert ("snakemake -j2 certainty_all" in page.text) == (candidates is None)
-    assert ("Share of the objects of known classes whose class is in the set" in page.text) == (
-        candidates == 1
-    )
-    assert ("too few objects for that" in page.text) == (candidates == 2)
-    assert (", 4 views: the" in page.text) == (candidates is not None)

@@ -1,12 +1,9 @@
 """What accuracy costs: the steps and the sentences follow from the rows."""
 
-import re
-
 import numpy as np
 import pytest
-from report.pages import read_page
-from report.synthetic import OBJECTS, PARAMETERS, write_run
-from studies.cost.test_front import BLIND, RENDER, cost_rows, cost_table
+from report.synthetic import PARAMETERS
+from studies.cost.test_front import BLIND, RENDER, cost_rows
 
 from visuohaptic.report.cost import (
     CostFigures,
@@ -18,8 +15,6 @@ from visuohaptic.report.cost import (
     time_parts,
 )
 from visuohaptic.report.estimates import Figure
-from visuohaptic.report.page import render_page
-from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
 
@@ -149,26 +144,3 @@ def test_a_saving_is_a_row_with_how_sure_its_price_is(lost, verdict):
     assert (row["setting"], row["changes"]) == ("Touches, lean", "rendering.resolution 64")
     assert row["saved"] == pytest.approx(0.4)
     assert (row["lost"], row["verdict"]) == (Figure(*lost), verdict)
-
-
-@pytest.mark.slow
-def test_the_page_tells_what_accuracy_costs(tmp_path):
-    table = cost_table([*POINTS, ("16 touches", 0.5, 0.0)], failed=["8 × 8"])
-    write_table(COST, table, tmp_path / "cost.parquet")
-    files = write_run(tmp_path)
-    with_costs = RunFiles(**{**vars(files), "extras": {"cost": tmp_path / "cost.parquet"}})
-    page = read_page(render_page(read_run(with_costs, PARAMETERS, OBJECTS)))
-    assert page.mismatches == []
-    text = page.text.replace("\N{NO-BREAK SPACE}", " ")
-    assert re.search(r"Touches, 1 touch 10 ms [\d.]+ ms to 1\d ms 40.0 % 20.0 % to 90.0 %", text)
-    assert "failed: images are too small." in text
-    assert "All 5 settings" in text
-    assert "wrong" not in text
-    assert "dominated" in text
-    assert len([label for label in page.values("aria-label") if "against error rate" in label]) == 1
-    assert "of the run's" not in page.text
-    few = PARAMETERS.cost.model_copy(update={"maximum_objects": 2})
-    sampled = PARAMETERS.model_copy(update={"cost": few})
-    text = read_page(render_page(read_run(with_costs, sampled, OBJECTS))).text
-    tested = max(row["objects"] or 0 for row in table.to_pylist())
-    assert f"Measured with {tested} of the run's {len(OBJECTS)}" in text

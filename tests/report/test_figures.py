@@ -7,13 +7,13 @@ import pytest
 from report.synthetic import write_run, write_study
 from report.test_certainty import certainty_table
 from report.test_gaze import TABLE as GAZED
-from report.test_stability import EXACT, GRAZING, broken
+from report.test_stability import EXACT, GRAZING
 from studies.cost.test_front import cost_rows, cost_table
 
 from visuohaptic.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.gaze.summary import summarise
-from visuohaptic.report import drawing, figures
+from visuohaptic.report import figures
 from visuohaptic.report.estimates import Figure
 from visuohaptic.report.palette import look
 from visuohaptic.report.studies import read_figures
@@ -76,20 +76,6 @@ def test_every_axis_has_a_name(all_figures):
         assert axes.get_ylabel(), name
 
 
-def test_no_text_is_smaller_than_nine_units_or_leaves_the_chart(all_figures):
-    for name, figure in all_figures.items():
-        with drawing.style():
-            figure.draw_without_rendering()
-            box = figure.get_tightbbox()
-        texts = figure.findobj(lambda artist: hasattr(artist, "get_fontsize"))
-        assert min(text.get_fontsize() for text in texts) >= 9, name
-        width, height = figure.get_size_inches()
-        assert box.x0 > -0.01, name
-        assert box.y0 > -0.01, name
-        assert box.x1 < width + 0.01, name
-        assert box.y1 < height + 0.01, name
-
-
 def test_marks_of_the_comparison_lie_at_the_accuracies(metrics):
     figure = figures.comparison(metrics)
     for strategy, label in (("fixation", "eye fixations"), ("random", "random probing")):
@@ -100,12 +86,6 @@ def test_marks_of_the_comparison_lie_at_the_accuracies(metrics):
         assert ends <= set(whiskers(figure))
     assert 0.9345 in marks(figure, "eye fixations, published")[:, 0]
     assert marks(figure, "chance")[0][0] == 0.5
-
-
-def test_an_axis_begins_at_half_where_all_that_it_shows_lies_above():
-    above, below = ([Figure(mean, mean - 0.1, 1.0)] for mean in (0.7, 0.55))
-    assert figures.runs(["a"], {"A": above}).axes[0].get_xlim()[0] == 0.5
-    assert figures.runs(["a"], {"A": below}).axes[0].get_xlim()[0] == 0.0
 
 
 def test_a_condition_that_failed_has_no_row(tmp_path):
@@ -137,15 +117,6 @@ def test_coverage_counts_the_sets_that_would_hold_the_class():
     np.testing.assert_allclose(drawn[:, 1], expected)
 
 
-def test_the_front_alone_is_filled_and_has_names_and_intervals():
-    figure = figures.cost(cost_table([*POINTS, ("16 touches", 0.5, 0.0)]))
-    (axes,) = figure.axes
-    texts = {text.get_text() for text in axes.texts}
-    assert texts == {"1 touch", "5 touches", "16 touches"}
-    assert len(axes.collections) == 2 * len(texts)
-    assert "0 %" in {label.get_text() for label in axes.get_yticklabels()}
-
-
 def test_a_line_joins_settings_of_which_one_thing_changes_and_no_others():
     rows = cost_rows([("skin", 0.1, 0.2), ("pose", 0.2, 0.1), ("5 touches", 0.3, 0.05)])
     for row, touches in zip(rows, (3, 3, 5), strict=True):
@@ -154,33 +125,10 @@ def test_a_line_joins_settings_of_which_one_thing_changes_and_no_others():
     assert lines == [["skin"], ["pose", "5 touches"]]
 
 
-def test_costs_that_are_all_alike_still_have_an_axis():
-    (axes,) = figures.cost(cost_table([("a", 0.1, 0.1), ("b", 0.1, 0.1)])).axes
-    low, high = axes.get_xlim()
-    assert 0 < low < 0.1 < high
-
-
 def test_costs_of_which_none_was_timed_are_refused_in_a_sentence():
     failed = cost_table(POINTS, ["8 × 8"]).to_pylist()[3:]
     with pytest.raises(ReportError, match="nothing to draw"):
         figures.cost(failed)
-
-
-@pytest.mark.parametrize("values", [[0.001, 3000.0], [0.02, 0.08], [0.0, 0.1, 0.1], [0.5, 0.6]])
-def test_a_logarithmic_axis_has_few_ticks_and_begins_below_its_values(values):
-    ticks = figures.log_ticks(values)
-    positive = [value for value in values if value > 0]
-    assert 1 <= len(ticks) <= 8
-    assert ticks[0] <= min(positive) * (1 + 1e-9)
-    assert ticks == sorted(set(ticks))
-
-
-def test_an_error_beyond_its_tolerance_stands_at_the_right_end_in_another_colour():
-    figure = figures.stability(result_table([broken(GRAZING, np.inf), EXACT]))
-    (axes,) = figure.axes
-    ends = {bar.get_width(): bar.get_facecolor() for bar in axes.patches}
-    assert set(ends) == {figures.LARGEST_SHARE, 0.0}
-    assert len(set(ends.values())) == 2
 
 
 def test_each_strategy_has_a_mark_and_a_colour_of_its_own():

@@ -1,8 +1,7 @@
 """The page tells what effects cost and change where it was measured, and shows hard places always."""
 
 import pytest
-from report.pages import read_page
-from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
+from report.synthetic import PARAMETERS, write_study
 
 from visuohaptic.report.influence import (
     effects_answer,
@@ -10,8 +9,6 @@ from visuohaptic.report.influence import (
     influence_figures,
     rows_of_scenes,
 )
-from visuohaptic.report.page import render_page
-from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.studies import read_study
 from visuohaptic.sensor import hard_probes
 from visuohaptic.tables.phases import CONTACT_STATES
@@ -19,8 +16,8 @@ from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
 
 
-@pytest.fixture
-def influence(tmp_path):
+def write_influence(path):
+    """Write what effects cost and move in two scenes."""
     rows = [
         ("any", "shading", 8, 8, 0.08, 0.08, 0.06, True),
         ("any", "cast_shadows", 8, 0, 0.0, 0.4, 0.003, True),
@@ -31,13 +28,12 @@ def influence(tmp_path):
     ]
     names = [column.name for column in EFFECT_INFLUENCE.columns]
     columns = {name: [row[place] for row in rows] for place, name in enumerate(names)}
-    path = tmp_path / "effect_influence.parquet"
     write_table(EFFECT_INFLUENCE, build_table(EFFECT_INFLUENCE, columns), path)
     return path
 
 
-def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(influence):
-    figures = influence_figures(influence, "ideal")
+def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(tmp_path):
+    figures = influence_figures(write_influence(tmp_path / "influence.parquet"), "ideal")
     assert (figures.touches, figures.views) == (500, 8)
     ideal, worn = figures.scenes
     assert (ideal["needed"], ideal["unneeded"]) == (["adaptive_size"], ["noise"])
@@ -69,30 +65,6 @@ def test_every_hard_place_has_a_picture_a_size_and_a_state():
     assert all(sensor.smallest_size <= place["size"] <= sensor.largest_size for place in places)
 
 
-@pytest.mark.slow
-def test_the_page_shows_hard_places_and_the_figures_that_are_there(tmp_path, influence):
-    files = write_run(tmp_path)
-    bare = read_page(render_page(read_run(files, PARAMETERS, OBJECTS)))
-    assert "cone, tip" in bare.text
-    assert "Each scene without an effect" not in bare.text
-    assert "ms always" not in bare.text
-    rows = [("ideal", 0.6, None, None), ("worn_fsr", 0.5, None, None)]
-    rows += [("worn_fsr without noise", 0.52, "worn_fsr", 0.02)]
-    folder = write_study(tmp_path / "studies", "effects", rows)
-    extras = {"effect_influence": influence, "studies": folder}
-    measured = RunFiles(**{**vars(files), "extras": extras})
-    page = read_page(render_page(read_run(measured, PARAMETERS, OBJECTS)))
-    assert page.mismatches == []
-    text = page.text.replace("\xa0", " ")
-    assert "ideal adaptive size noise 200 1000 bit for bit" in text
-    assert "adaptive size 200.0 400.0 25.0 % \u2013 \u2013" in text
-    assert "cast shadows 0.00 50.00 0.3 %" in text
-    assert "texture 0.00 0.00 \u2013" in text
-    assert "Each scene without an effect is compared with the whole scene" in text
-    assert "Worn fsr 50.0 % 40.0 % to 60.0 %" in text
-    assert "Worn fsr without noise 52.0 % 42.0 % to 62.0 % +2.0" in text
-
-
 def test_scenes_as_a_whole_have_rows_of_their_own(tmp_path):
     rows = [
         ("ideal", 0.9, "ideal", None),
@@ -105,12 +77,3 @@ def test_scenes_as_a_whole_have_rows_of_their_own(tmp_path):
     assert [row["condition"] for row in found] == ["ideal", "worn_fsr"]
     failed = read_study(write_study(tmp_path, "effects", [("fsr400", None, None, None)]), "effects")
     assert rows_of_scenes(failed) == []
-
-
-@pytest.mark.slow
-def test_a_page_without_that_study_has_no_accuracy_by_scene(tmp_path):
-    files = write_run(tmp_path)
-    assert "Accuracy by scene" not in render_page(read_run(files, PARAMETERS, OBJECTS))
-    folder = write_study(tmp_path / "studies", "effects", [("ideal", 0.9, "ideal", None)])
-    measured = RunFiles(**{**vars(files), "extras": {"studies": folder}})
-    assert "Accuracy by scene" in render_page(read_run(measured, PARAMETERS, OBJECTS))

@@ -1,16 +1,10 @@
 """The section on looking says what was measured, and is left out where nothing was."""
 
 import pytest
-from report.pages import read_page
-from report.synthetic import lay_out
 from studies.looking.test_figures import COST, INTERVALS, TOUCHES, poor_sight, table_of
 
 from visuohaptic.errors import ReportError
-from visuohaptic.report import figures
 from visuohaptic.report.looking import looking_figures
-from visuohaptic.report.page import render_page
-from visuohaptic.report.run import read_run
-from visuohaptic.report.run_folder import find_run
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.looking.figures import sum_up_looking
 from visuohaptic.studies.looking.seeing import SIGHTS
@@ -40,16 +34,6 @@ def test_the_sentence_says_what_each_sense_reaches_in_clean_and_in_the_poorest_s
     assert "poorest sight (dark) the eye alone reaches 25.0 %" in sentence
 
 
-def test_the_chart_has_a_look_and_every_touch_of_every_strategy_on_a_line(tmp_path):
-    (tmp_path / "results").mkdir()
-    (tmp_path / "reports").mkdir()
-    (axes,) = figures.looking(looking_figures(write_looking(tmp_path)).curves).axes
-    assert len(axes.lines) == 4
-    for line in axes.lines:
-        assert list(line.get_xdata()) == [0.5, 5.5, 10.5]
-        assert list(line.get_ydata()) == [0.5, 0.5, 0.75]
-
-
 def test_without_the_study_there_is_no_section(tmp_path):
     assert looking_figures(None) is None
     assert looking_figures(tmp_path / "looking.json") is None
@@ -60,14 +44,3 @@ def test_a_broken_file_is_refused_with_the_command_that_makes_it_again(tmp_path,
     (tmp_path / "looking.json").write_text(text)
     with pytest.raises(ReportError, match="looking_all"):
         looking_figures(tmp_path / "looking.json")
-
-
-@pytest.mark.slow
-def test_the_page_shows_the_section(tmp_path):
-    folder = lay_out(tmp_path)
-    write_looking(folder)
-    found = find_run(folder)
-    page = read_page(render_page(read_run(found.files, found.parameters, found.objects)))
-    assert page.mismatches == []
-    assert "What the eye alone recognises, and what touch adds" in page.text
-    assert "50.0 %" in page.text

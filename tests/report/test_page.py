@@ -1,6 +1,5 @@
 """The page is whole, safe, readable by everyone, and says what the tables say."""
 
-import itertools
 import json
 import re
 from base64 import b64encode
@@ -13,13 +12,12 @@ from report.synthetic import OBJECTS, PARAMETERS, write_run
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import PlugIn
-from visuohaptic.report.chapters import CHAPTERS
 from visuohaptic.report.object_pictures import make_pictures
 from visuohaptic.report.page import PAPER_ADDRESS, make_environment, render_page
 from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.section import ReportContext
 from visuohaptic.report.sections import comparison_title, methods_values, parameters_values
-from visuohaptic.report.wording import percent, strategy_name
+from visuohaptic.report.wording import percent
 from visuohaptic.tables.phases import PREDICTIONS
 from visuohaptic.tables.schema import read_table, write_table
 
@@ -106,34 +104,12 @@ def test_links_lead_to_credits_or_to_places_of_the_page(page):
     assert {address[1:] for address in addresses if address.startswith("#")} <= set(identifiers)
 
 
-def test_labels_point_at_what_is_there(page):
-    identifiers = set(page.values("id"))
-    for name in ("aria-labelledby", "aria-describedby", "for"):
-        assert set(page.values(name)) <= identifiers
-
-
-def test_every_picture_is_described(page):
-    assert all(element.attributes.get("alt") for element in page.named("img"))
-    for element in page.named("svg"):
-        within = any(parent.name == "svg" for parent in element.around)
-        hidden = element.attributes.get("aria-hidden") == "true"
-        described = element.attributes.get("role") == "img" and element.attributes.get("aria-label")
-        assert within or hidden or described
-
-
 def test_descriptions_of_views_tell_where_the_eye_rested(page):
     labels = page.values("aria-label")
     assert any(
         "View 0 of cup/mug" in label and "1 upper right" in label and "5 lower left" in label
         for label in labels
     )
-
-
-def test_headings_descend_one_level_at_a_time(page):
-    levels = [int(element.name[1]) for element in page.named("h1", "h2", "h3", "h4", "h5", "h6")]
-    assert levels[0] == 1
-    assert levels.count(1) == 1
-    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
 
 
 def test_every_chart_has_a_table_beside_it(page):
@@ -148,18 +124,6 @@ def test_every_table_has_a_caption_and_scoped_headings(page):
     tables = page.named("table")
     assert len(page.named("caption")) == len(tables)
     assert all("scope" in element.attributes for element in page.named("th"))
-
-
-def test_nothing_is_hidden_without_scripts_but_what_needs_them(page):
-    hidden = [element for element in page.elements if "hidden" in element.attributes]
-    assert {element.name for element in hidden} <= {"button", "p"}
-    assert {e.attributes.get("class", e.attributes.get("id")) for e in hidden} <= {
-        "open",
-        "controls",
-        "felt",
-        "filter",
-        "copy-methods",
-    }
 
 
 def test_the_numbers_are_those_of_the_metrics(page, files):
@@ -300,7 +264,11 @@ def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     assert "No job left a log." in page.text
     assert "No mesh was found of ball/football, ball/marble, cup/beaker and cup/mug" in page.text
     assert "plotly-library" not in page.values("id")
-    assert "What accuracy costs in time" not in page.text
+    for section in ("What accuracy costs in time", "Accuracy by scene", "ms always"):
+        assert section not in page.text
+    assert "snakemake -j2 certainty_all" in page.text
+    assert "a model that learnt 142 objects classifies 22 others, of set odd" in page.text
+    assert not {"touches_needed", "looking"} & set(page.values("id"))
     assert "Effects of the view" not in page.values("aria-label")
 
 
@@ -343,13 +311,12 @@ def test_what_was_left_out_stands_on_top(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("strategies", [("random",), ("fixation",)])
-def test_one_strategy_alone_makes_a_page(tmp_path, strategies):
-    page = read_page(render(write_run(tmp_path, strategies=strategies)))
+def test_one_strategy_alone_makes_a_page(tmp_path):
+    page = read_page(render(write_run(tmp_path, strategies=("random",))))
     assert page.mismatches == []
     assert "ahead for" not in page.text
     assert "does it help to touch" not in page.text
-    assert strategy_name(strategies[0]).capitalize() in page.texts
+    assert "Random probing" in page.texts
 
 
 @pytest.mark.parametrize(
@@ -363,21 +330,6 @@ def test_one_strategy_alone_makes_a_page(tmp_path, strategies):
 def test_the_title_of_the_comparison_names_the_runs_strategies(strategies, title):
     table = SimpleNamespace(strategies=strategies)
     assert comparison_title(SimpleNamespace(pipelines=[table])) == title
-
-
-@pytest.mark.slow
-def test_several_pipelines_have_sections_of_their_own(tmp_path):
-    page = read_page(render(write_run(tmp_path, pipelines=("best", "paper"))))
-    assert page.mismatches == []
-    levels = [int(element.name[1]) for element in page.named("h2", "h3", "h4", "h5")]
-    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
-    assert page.text.index("Pipeline paper") < page.text.index("Pipeline best")
-    labels = page.values("aria-label")
-    assert len([label for label in labels if label.startswith("Accuracy by vote")]) == 2
-
-
-def test_the_contents_have_eight_chapters_at_most():
-    assert len(CHAPTERS) <= 8
 
 
 def test_the_page_names_the_plug_ins_of_the_run(monkeypatch):

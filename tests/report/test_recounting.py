@@ -1,16 +1,13 @@
 """The lines beside a headline number print that number, from the run's own tables."""
 
 import contextlib
-import html
 import io
-import re
 
 import pytest
 from report.synthetic import lay_out
 from studies.cost.test_front import cost_table
 
 from visuohaptic.report import sections
-from visuohaptic.report.page import render_page
 from visuohaptic.report.questions import row_of
 from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
 from visuohaptic.report.run import read_run
@@ -82,11 +79,3 @@ def test_every_headline_number_has_its_lines_and_they_print_it(run, printed):
             first = duration(float(first))
         number = answer.number.replace("\N{NO-BREAK SPACE}", " ").replace("\N{MINUS SIGN}", "-")
         assert number.startswith(first)
-
-
-@pytest.mark.slow
-def test_the_page_has_the_lines_as_text(run, printed):
-    page = render_page(run)
-    blocks = re.findall(r"<pre[^>]*><code>(.*?)</code></pre>", page, re.DOTALL)
-    assert len(blocks) == 4
-    assert all(printed(html.unescape(block)) for block in blocks)

@@ -1,6 +1,5 @@
 """Tables of numerical errors come onto the page, and nothing else from their drawings does."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -48,13 +47,6 @@ MADE = {
     "date": "1976-07-01",
     "minutes": 17.5,
 }
-MUTATION = {
-    "change": "a sign",
-    "file": "a.py",
-    "line": "x = +1",
-    "broken": "x = -1",
-    "caught_by": "test_a",
-}
 
 
 def broken(result, error=1.0):
@@ -81,30 +73,6 @@ def page_of(folder, **extras):
     files = write_run(folder)
     files = RunFiles(**{**vars(files), "extras": extras})
     return read_page(render_page(read_run(files, PARAMETERS, [])))
-
-
-@pytest.mark.slow
-def test_checks_mutations_and_kernels_come_onto_the_page(tmp_path, stored):
-    row = {
-        "kernel": "ray cast", "settings": "in float64", "worst_error": 1e-15, "rms_error": 1e-16,
-        "unit": "distance", "seconds": 0.25, "per": "million rays",
-    }  # fmt: skip
-    stored([GRAZING, EXACT], mutations=[MUTATION])
-    (tmp_path / "precision.json").write_text(json.dumps([row]))
-    page = page_of(
-        tmp_path,
-        stability=written(tmp_path, [ON_OBJECT], "cup/mug"),
-        precision=tmp_path / "precision.json",
-    )
-    assert "stability" in page.values("id")
-    assert page.mismatches == []
-    for text in (
-        "Objects of this run", "Hard cases of the code", "with version 9.8.7 on a Z80, 1976-07-01",
-        "1,234", "grazing", "2e-16", "along the normal", "slope 1e-9", "viewpoint 3",
-        "1,240 hard cases of 2 kinds were tried, and every error is within its tolerance", "test_a", "in float64",
-    ):  # fmt: skip
-        assert text in page.text, text
-    assert "exceeded" not in page.text
 
 
 @pytest.mark.slow

@@ -52,31 +52,10 @@ def test_nothing_is_claimed_beyond_the_table(tmp_path):
     assert sentence(tmp_path, ROWS[:1]) == ""
 
 
-@pytest.mark.slow
-def test_the_lead_of_fixation_over_each_strategy_has_a_table(tmp_path):
-    rows = [("as run", 0.6, None, None), ("skin", 0.5, "as run", -0.1)]
-    lead = {"lead": [0.12, -0.03], "lead_low": [0.01, -0.2], "lead_high": [0.2, 0.1]}
-    folder = write_study(tmp_path, "cues", rows, strategy="random", lead_p=[0.02, 0.7], **lead)
-    text = page_of(tmp_path, folder).text.replace("\N{NO-BREAK SPACE}", " ")
-    assert "fixation is ahead, in pairs over objects, pipeline paper" in text
-    assert "As run +12.0 +1.0 to +20.0 0.02 Skin −3.0 −20.0 to +10.0 0.7" in text
-
-
 def test_every_ablation_has_a_name_of_its_own_and_every_phase_has_words():
     assert set(NAMES) <= set(PARTS)
     assert len({condition_name(name) for name in PARTS}) == len(PARTS)
     assert {*_ORDER, "recognition"} <= set(RECOMPUTED)
-
-
-@pytest.mark.slow
-def test_the_page_shows_ablations_with_what_failed(tmp_path):
-    page = page_of(tmp_path, write_study(tmp_path, "ablations", ROWS))
-    assert page.mismatches == []
-    text = page.text.replace("\N{NO-BREAK SPACE}", " ")
-    assert "Cutaneous cues only 50.0 % 40.0 % to 60.0 % −30.0 −32.0 to −27.0 1 touches 2.0" in text
-    assert "Channel edge left out failed: too small." in text
-    assert "ablations" in page.values("id")
-    assert "studies" not in page.values("id")
 
 
 @pytest.mark.slow

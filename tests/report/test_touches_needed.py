@@ -1,11 +1,7 @@
 """The curves and their words come from the tables: who wins, who does not, and by how much."""
 
-import pytest
-from report.pages import read_page
-from report.synthetic import OBJECTS, PARAMETERS, write_run, write_study
+from report.synthetic import write_study
 
-from visuohaptic.report.page import render_page
-from visuohaptic.report.run import RunFiles, read_run
 from visuohaptic.report.touches_needed import (
     CurveFigures,
     curve_figures,
@@ -108,17 +104,3 @@ def test_a_plug_in_may_call_its_strategy_as_a_column():
     point = {"strategy": "touches", "place": 0, "accuracy": 0.5}
     found = CurveFigures("best", "naive_bayes", [], [point])
     assert found.by_touches == [{"touches": 1, "points": {"touches": point}}]
-
-
-@pytest.mark.slow
-def test_the_page_shows_the_curves_where_they_were_measured(tmp_path):
-    curves, needed = write_tables(tmp_path)
-    files = write_run(tmp_path / "run")
-    without = render_page(read_run(files, PARAMETERS, OBJECTS))
-    extras = {"studies": curves, "touches_needed": needed}
-    measured = RunFiles(**{**vars(files), "extras": extras})
-    page = render_page(read_run(measured, PARAMETERS, OBJECTS))
-    assert 'id="touches_needed"' not in without
-    assert 'id="touches_needed"' in page
-    assert "attention does not win" in page
-    read_page(page)

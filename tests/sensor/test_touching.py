@@ -20,7 +20,6 @@ from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, Scene
 from visuohaptic.sensor import (
-    RandomFields,
     SensorParameters,
     touch,
 )
@@ -158,12 +157,6 @@ def test_absolute_images_measure_depth_in_depth_ranges():
     assert touches.contact_state[0] == "partial"
 
 
-def test_per_imprint_images_reach_from_nought_to_one():
-    roof = sheet(lambda x, z: -0.4 * np.abs(x) + 0 * z, half=0.4, cells=80)
-    touches = touch_one(roof, (0, 0, 0), (0, 1, 0))
-    assert (touches.images.min(), touches.images.max()) == (0, 1)
-
-
 def test_columns_run_along_the_tangent_and_rows_down():
     """A bump to the right of and above the probed point on a wall that faces +z."""
     wall = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.0))
@@ -252,25 +245,6 @@ def test_presets_call_for_the_effects_that_they_are_about(preset):
     assert ran - {"adaptive_size"} == expected[preset]
 
 
-def test_never_switches_an_effect_off():
-    surface = sheet(lambda x, z: -0.3 * x**2 - 0.2 * z**2, half=0.4, cells=40)
-    points, normals, fields = probes_on(surface, 5, 0)
-    scene = Scene(preset="worn_fsr")
-    modes = dict.fromkeys(TACTILE_EFFECTS, "never")
-    off = touch(
-        RayCaster(surface), points, normals, SensorParameters(), with_modes(scene, **modes), fields
-    )
-    assert all(record.runs == 0 for record in off.effects)
-    plain = touch(
-        RayCaster(surface),
-        points,
-        normals,
-        SensorParameters(),
-        with_modes(Scene(), adaptive_size="never"),
-    )
-    np.testing.assert_array_equal(off.images, plain.images)
-
-
 @pytest.mark.slow
 def test_ten_thousand_touches_of_a_large_mesh_fit_into_memory_and_split_into_batches():
     mesh = trimesh.creation.icosphere(6)
@@ -290,29 +264,6 @@ def test_ten_thousand_touches_of_a_large_mesh_fit_into_memory_and_split_into_bat
         alone = touch(caster, points[rows], normals[rows], SensorParameters(), Scene())
         np.testing.assert_array_equal(alone.images, together.images[rows])
         np.testing.assert_array_equal(alone.contact_state, together.contact_state[rows])
-
-
-def test_leaving_out_an_effect_moves_the_images_by_its_own_size():
-    plate = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))
-    points = np.array([[0.01, 0, 0.02], [0.03, 0, -0.04]])
-    normals = np.tile([0, 1.0, 0], (2, 1))
-    half_loaded = Scene(cover="winkler", full_scale_pressure_pa=4e5, noise=0.01, bits=4)
-    sensor = SensorParameters(normalisation="absolute")
-    fields = RandomFields(0, [("a",), ("b",)])
-
-    def felt(**modes):
-        effects = half_loaded.effects.model_copy(update=modes)
-        scene = half_loaded.model_copy(update={"effects": effects})
-        return touch(RayCaster(plate), points, normals, sensor, scene, fields)
-
-    whole = felt()
-    ran = {record.effect for record in whole.effects if record.runs}
-    assert ran == {"elastic_cover", "noise", "quantisation"}
-    shifts = {
-        effect: np.abs(felt(**{effect: "never"}).images - whole.images).mean() for effect in ran
-    }
-    assert 0.5 < shifts["elastic_cover"] < 1
-    assert shifts["quantisation"] < 0.5 / 15
 
 
 def test_the_largest_depth_range_is_no_limit():

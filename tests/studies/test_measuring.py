@@ -141,20 +141,6 @@ def test_more_touches_begin_with_those_of_the_run(run):
 
 
 @pytest.mark.slow
-def test_a_condition_is_the_run_of_its_parameters():
-    planned = mine(
-        Condition("c", {"recognition.touches": 3, "recognition.classifiers": ["naive_bayes"]})
-    ).conditions[0]
-    found = cells(planned, SYNTHETIC)
-    tables = recognition.run_pipeline(SYNTHETIC, planned.parameters.recognition, RUN.seed, "paper")
-    figures = recognition.summarise(*tables)["results"]["paper"]["fixation"]["naive_bayes"]
-    cell = found["c", "paper", "fixation", "naive_bayes"]
-    mean = np.average(cell.accuracy, weights=cell.weights)
-    assert mean == pytest.approx(figures["accuracy"]["mean"], abs=1e-12)
-    assert 0 < mean < 1
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
     changes = {**ALONE, "recognition.pipelines": [pipeline]}

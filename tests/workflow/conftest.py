@@ -75,24 +75,8 @@ class Experiment:
         set_parameters(self.folder, sections)
 
     def table(self, name):
-        """Read a whole table, sorted by all its plain columns."""
-        table = pq.read_table(self.folder / "results" / name)
-        keys = [
-            key
-            for key in (
-                "class",
-                "object",
-                "viewpoint",
-                "strategy",
-                "touch",
-                "pipeline",
-                "classifier",
-                "split",
-                "seed",
-            )
-            if key in table.column_names
-        ]
-        return table.sort_by([(key, "ascending") for key in keys]).combine_chunks()
+        """Read a whole table."""
+        return pq.read_table(self.folder / "results" / name)
 
     def commit(self, message):
         """Commit everything that git tracks or should track."""

@@ -17,10 +17,6 @@ def test_every_object_is_in_one_block_of_its_class(per_job):
         assert len({key.split("/")[0] for key in block}) == 1
 
 
-def test_one_object_a_job_gives_blocks_by_the_objects_names():
-    assert divide(OBJECTS, 1) == {key: [key] for key in sorted(OBJECTS)}
-
-
 @pytest.mark.parametrize("place", range(0, len(OBJECTS), 5))
 def test_an_object_more_changes_one_block_or_cuts_it_in_two(place):
     fewer = [key for key in OBJECTS if key != OBJECTS[place]]

@@ -130,16 +130,3 @@ def test_functions_by_their_names_are_code_of_what_names_them():
     strategies = ROOT.glob("src/visuohaptic/fixations/strategies/*.py")
     assert files >= {str(file.relative_to(ROOT)) for file in strategies}
     assert "src/visuohaptic/touches/touching.py" in files
-
-
-def test_the_classifiers_are_code_of_recognition_and_of_no_phase_before():
-    support_vector_machine = "src/visuohaptic/recognition/classifiers.py"
-    assert support_vector_machine in files_of(Start(ROOT / "workflow/scripts/recognition.py"))
-    for phase in OF_OBJECT:
-        assert support_vector_machine not in code_of_phase(phase, ExperimentParameters())
-
-
-def test_the_report_runs_its_own_modules_and_not_what_runs_jobs():
-    files = files_of(Start(ROOT / "workflow/scripts/report.py"))
-    assert "src/visuohaptic/report/page.py" in files
-    assert "workflow/lib/visuohaptic_workflow/jobs.py" not in files

@@ -29,13 +29,6 @@ def experiment(repository, tmp_path):
     return repository.copy(tmp_path / "experiment")
 
 
-def test_without_the_metadata_of_snakemake_nothing_is_stale_for_either_tool(experiment):
-    shutil.rmtree(experiment.folder / ".snakemake")
-    assert "up to date" in experiment.run("dvc", "status").stdout
-    assert "Running stage" not in experiment.run("dvc", "repro").stdout
-    assert experiment.planned() == {}
-
-
 def test_a_changed_parameter_is_never_answered_with_old_outputs_also_after_a_kill(
     experiment, changed
 ):

@@ -26,22 +26,17 @@ def half_written(experiment):
     return [file for file in files if file.is_file() and "timestamp" not in file.name]
 
 
-@pytest.mark.parametrize(
-    ("how", "whom", "table"),
-    [
-        (signal.SIGINT, "group", "views"),
-        (signal.SIGTERM, "process", "features"),
-        (signal.SIGKILL, "group", "touches"),
-    ],
-)
-def test_the_plain_command_goes_on_after_a_run_was_ended(
-    fresh_stand_in, whole_stand_in, how, whom, table
-):
-    process = fresh_stand_in.start("snakemake", "-j2")
-    wait_for(lambda: parts(fresh_stand_in, table))
-    (os.killpg if whom == "group" else os.kill)(process.pid, how)
-    assert process.wait(timeout=300) != 0
-    assert how != signal.SIGINT or not half_written(fresh_stand_in)
+def test_the_plain_command_goes_on_after_a_run_was_ended_in_any_way(fresh_stand_in, whole_stand_in):
+    for how, end, table in (
+        (signal.SIGINT, os.killpg, "views"),
+        (signal.SIGKILL, os.killpg, "touches"),
+        (signal.SIGTERM, os.kill, "features"),
+    ):
+        process = fresh_stand_in.start("snakemake", "-j2")
+        wait_for(lambda table=table: parts(fresh_stand_in, table))
+        end(process.pid, how)
+        assert process.wait(timeout=300) != 0
+        assert how != signal.SIGINT or not half_written(fresh_stand_in)
     fresh_stand_in.snakemake("dvc_all")
     assert digests(fresh_stand_in.folder) == digests(whole_stand_in.folder)
     assert fresh_stand_in.planned() == {}

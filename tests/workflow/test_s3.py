@@ -4,9 +4,6 @@ The S3 is moto's server, in this process, on the loopback.
 """
 
 import re
-import signal
-import subprocess
-import time
 
 import pytest
 
@@ -36,14 +33,6 @@ class Bucket:
             file = folder / key.removeprefix(f"{prefix}/")
             file.parent.mkdir(parents=True, exist_ok=True)
             self.client.download_file("bucket", key, str(file))
-
-    def refuse_all_keys(self):
-        """Let the server check access keys from now on; it knows of none."""
-        import requests
-
-        requests.post(
-            f"{self.address}/moto-api/reset-auth", data="0", timeout=10
-        ).raise_for_status()
 
 
 @pytest.fixture
@@ -97,54 +86,17 @@ def test_results_that_snakemake_keeps_on_s3_are_those_of_a_local_run(
     assert "Nothing to be done" in experiment.snakemake("-n", *on_s3).stdout
 
 
-@pytest.fixture
-def shared(repository, bucket, tmp_path):
-    """A repository with results and a DVC remote in the bucket."""
-    experiment = repository.copy(tmp_path / "shared")
-    experiment.run("dvc", "remote", "add", "--default", "team", "s3://bucket/visuohaptic")
-    experiment.run("dvc", "remote", "modify", "team", "endpointurl", bucket.address)
-    experiment.commit("name the remote")
-    return experiment
-
-
-def push_until(experiment, bucket, count):
-    """Push one file after the other, and kill that when the bucket has a number of them."""
-    push = subprocess.Popen(
-        ["dvc", "push", "--jobs", "1"], cwd=experiment.folder,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    while push.poll() is None and len(bucket.keys("visuohaptic")) < count:
-        time.sleep(0.05)
-    push.send_signal(signal.SIGKILL)
-    push.wait()
-
-
-def test_a_colleague_gets_results_by_dvc_from_s3_also_after_a_push_that_was_cut_off(
-    shared, bucket, tmp_path
+def test_a_colleague_gets_results_by_dvc_from_s3_and_finds_nothing_left_to_do(
+    repository, bucket, tmp_path
 ):
-    push_until(shared, bucket, 5)
-    sent = set(bucket.keys("visuohaptic"))
-    output = shared.run("dvc", "push").stdout
-    all_files = set(bucket.keys("visuohaptic"))
-    assert sent < all_files
-    assert f"{len(all_files - sent)} files pushed" in output
+    shared = repository.copy(tmp_path / "shared")
+    shared.run("dvc", "remote", "add", "--default", "team", "s3://bucket/visuohaptic")
+    shared.run("dvc", "remote", "modify", "team", "endpointurl", bucket.address)
+    shared.commit("name the remote")
+    shared.run("dvc", "push")
     shared.run("git", "clone", "-q", str(shared.folder), str(tmp_path / "clone"))
     clone = type(shared)(tmp_path / "clone")
     clone.run("dvc", "pull")
     assert clone.digests() == shared.digests()
     assert clone.planned() == {}
     assert "up to date" in clone.run("dvc", "status").stdout
-    assert "Everything is up to date" in clone.run("dvc", "push").stdout
-
-
-def test_dvc_says_in_a_sentence_that_keys_are_wrong_or_missing(shared, bucket, monkeypatch):
-    bucket.refuse_all_keys()
-    wrong = shared.run("dvc", "push", check=False)
-    assert wrong.returncode
-    assert "ERROR: unexpected error - Forbidden" in wrong.stdout
-    assert "Traceback" not in wrong.stdout
-    monkeypatch.delenv("AWS_ACCESS_KEY_ID")
-    missing = shared.run("dvc", "push", check=False)
-    assert missing.returncode
-    assert "Unable to locate credentials" in missing.stdout
-    assert "Traceback" not in missing.stdout

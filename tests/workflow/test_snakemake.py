@@ -1,7 +1,7 @@
 """A whole run of the real scripts, and what objects of the user change in it."""
 
 import html
-import json
+import re
 
 import pandas as pd
 import pytest
@@ -12,6 +12,8 @@ from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 
 pytestmark = pytest.mark.workflow
 
+# A tolerance of the code, for which no error at all is allowed in a test.
+FRAMES = '32 * U64, "1",'
 TOUCHES = 4 * 2 * 2 * 5  # objects, viewpoints, strategies, touches in a sequence
 
 
@@ -36,16 +38,6 @@ def test_the_books_of_the_effects_read_as_one_table(finished):
     }
 
 
-def test_metrics_hold_every_classifier_with_its_interval(finished):
-    metrics = json.loads((finished.folder / "reports/metrics.json").read_text())
-    for strategy in ("fixation", "random"):
-        figures = metrics["results"]["paper"][strategy]
-        assert len(figures) == 5
-        for classifier in figures.values():
-            accuracy = classifier["accuracy"]
-            assert 0 <= accuracy["low"] <= accuracy["mean"] <= accuracy["high"] <= 1
-
-
 @pytest.mark.long
 def test_other_blocks_and_one_process_change_no_number_and_leave_no_stale_part(
     finished, experiment
@@ -62,7 +54,7 @@ def test_other_blocks_and_one_process_change_no_number_and_leave_no_stale_part(
 
 
 @pytest.mark.long
-def test_an_own_object_is_named_by_models_that_came_before_and_a_corrupt_one_is_left_out(
+def test_an_own_object_is_named_by_models_that_came_before_and_what_is_wrong_is_said_and_fails_nothing(
     experiment,
 ):
     models = ("results/models/best.skops", "results/models/best_random.skops")
@@ -74,13 +66,20 @@ def test_an_own_object_is_named_by_models_that_came_before_and_a_corrupt_one_is_
     trimesh.creation.box((1, 2, 1)).export(own / "stool.stl")
     (own / "broken.obj").write_text("v 0 0 0\nv 1 0 nonsense\nf 1 2 3\n")
     reason = "chair/broken was left out: meshes/own/chair/broken.obj can't be read as OBJ"
-    assert reason in experiment.snakemake().stdout
+    tolerances = experiment.folder / "src/visuohaptic/stability/tolerances.py"
+    assert tolerances.read_text().count(FRAMES) == 1
+    tolerances.write_text(tolerances.read_text().replace(FRAMES, '0.0, "1",'))
+    output = experiment.snakemake().stdout
+    assert reason in output
+    assert re.search(r"warning: \S+: objects, frames of touches: the worst", output)
+    assert experiment.planned() == {}
     touches = pd.read_parquet(experiment.folder / "results/touches")
     assert "stool" in set(touches["object"])
     assert "broken" not in set(touches["object"])
-    page = experiment.folder / "reports/report.html"
-    assert "stool" in page.read_text()
-    assert html.escape(reason, quote=True).replace("&#x27;", "&#39;") in page.read_text()
+    page = (experiment.folder / "reports/report.html").read_text()
+    assert "stool" in page
+    assert html.escape(reason, quote=True).replace("&#x27;", "&#39;") in page
+    assert "objects, frames of touches</a>: the worst error is" in page
     experiment.run("visuohaptic", "evaluate", *models)
     rows = pd.read_parquet(experiment.folder / "reports/evaluation.parquet")
     assert set(rows["object"]) == {"stool"}

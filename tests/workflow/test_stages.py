@@ -7,7 +7,6 @@ import pytest
 import yaml
 from source_folders import SOURCES
 
-from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT, PHASES
 from visuohaptic.studies.registry import STUDIES
 from visuohaptic_workflow.closure import Start, code_of
@@ -83,21 +82,3 @@ def test_what_a_stage_depends_on_is_there_or_comes_from_a_stage(stage):
     outputs = {output for entry in STAGES.values() for output in entry["outs"]}
     for dependency in STAGES[stage]["deps"]:
         assert dependency in outputs or (ROOT / dependency).exists(), dependency
-
-
-def leaves(values, path=()):
-    for key, value in values.items():
-        if isinstance(value, dict):
-            yield from leaves(value, (*path, key))
-        else:
-            yield (*path, key), value
-
-
-def test_params_yaml_holds_every_parameter_with_its_default():
-    written = dict(leaves(yaml.safe_load((ROOT / "params.yaml").read_text())))
-    # Plug-ins are code, so no dump holds them.
-    defaults = {("plugins",): [], **dict(leaves(ExperimentParameters().model_dump(mode="json")))}
-    assert written == {path: defaults[path] for path in written}
-    left_out = {path[0] for path in set(defaults) - set(written)}
-    # A scene's fields come with its preset; naming them all would hide the preset.
-    assert left_out <= {"scene"}

@@ -104,16 +104,6 @@ def answer_of(tested, held_out=None):
     return Answered(tested, held_out, np.arange(len(held_out)), strange, np.zeros(len(held_out)))
 
 
-def test_a_sense_that_knows_nothing_changes_no_class_of_a_product():
-    generator = np.random.default_rng(0)
-    known = generator.dirichlet(np.ones(3), size=(1, 20))
-    nothing = answer_of(np.full((1, 20, 3), 1 / 3))
-    labels, owners = known[0].argmax(axis=1), np.arange(20)
-    both = multiply(answer_of(known), nothing, labels, owners)
-    assert np.array_equal(both.tested.argmax(axis=2), known.argmax(axis=2))
-    assert np.allclose(both.tested.sum(axis=2), 1)
-
-
 def test_a_product_lets_the_surer_sense_decide():
     first, second = answer_of([[[0.6, 0.4]]]), answer_of([[[0.1, 0.9]]])
     both = multiply(first, second, np.array([1]), np.array([0]))

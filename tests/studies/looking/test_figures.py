@@ -119,9 +119,3 @@ def test_the_worth_of_touching_is_its_best_rise_a_second(found):
     assert worth[CLEAN]["accuracy_a_second"] == pytest.approx(0.25 / 10)
     assert worth["dark"]["touches"] == 1
     assert worth["dark"]["accuracy_a_second"] == pytest.approx(0.25 / 5)
-
-
-def test_curves_are_of_clean_sight(found):
-    kinds = {(row["answer"], row["strategy"]) for row in found["curves"]}
-    both = {(answer, name) for answer in (TOUCH, CHECKED) for name in (*STRATEGIES, ADAPTIVE)}
-    assert kinds == both | {(LOOK, "none")}

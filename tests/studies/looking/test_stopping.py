@@ -20,19 +20,8 @@ def test_pace_is_the_share_of_doubt_that_the_best_number_of_touches_removes_a_se
     assert learn_pace(CORRECT, CONFIDENCE, 5.0) == pytest.approx([1 / 10, 1 / 5, 0.0])
 
 
-def test_touches_that_gain_nothing_have_no_pace():
-    never = np.zeros((3, 4), dtype=bool)
-    assert not learn_pace(never, CONFIDENCE, 5.0).any()
-
-
 def touches(pace, confidence, worth):
     return touches_made(worth, expected_gain(np.array(pace), np.array(confidence)))
-
-
-def test_certainty_leaves_nothing_to_gain():
-    sure = np.ones((3, 4))
-    pace = learn_pace(np.ones((3, 4), dtype=bool), sure, 5.0)
-    assert not touches(pace, sure, 0.0).any()
 
 
 def test_the_rule_stops_at_the_first_touch_that_is_not_worth_it():
@@ -56,9 +45,3 @@ def test_rehearsals_keep_within_the_budget_and_would_not_with_the_next_lower_wor
     lower = gain[gain < worth]
     if lower.size:
         assert touches_made(lower.max(), gain).mean() > most
-
-
-@pytest.mark.parametrize("most", [0, 2])
-def test_without_a_budget_nothing_is_touched_and_with_all_of_it_all_that_gains(most):
-    gain = expected_gain(np.array([0.1, 0.1, 0.0]), np.full((3, 4), 0.5))
-    assert (touches_made(worth_of_budget(gain, most), gain) == most).all()

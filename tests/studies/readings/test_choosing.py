@@ -5,22 +5,16 @@ from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.compute as pc
 import pytest
-from recognition.synthetic import features_table, with_column
 
-from readings import choosing
 from readings.choices import CHOICES
 from readings.choosing import (
     ENOUGH,
     FORMER_DEFAULT,
-    acquired_share,
     choose_default,
     choose_options,
     readings_of_option,
     scored_choices,
-    write_choice,
 )
 from readings.design import (
     PARTS_ON_OTHERS,
@@ -29,15 +23,10 @@ from readings.design import (
     is_default,
 )
 from readings.stored import OUTSIDE, kept_readings
-from readings.study import STUDY as STUDY_OF_READINGS
 from visuohaptic.errors import RecognitionError
-from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
-from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.figures import Cell
-from visuohaptic.tables.phases import FEATURES
-from visuohaptic.tables.schema import write_table
 
 READINGS = [reading for reading in all_readings() if reading.part == "recognition"]
 OBJECTS = tuple(("cup", f"{place:02d}") for place in range(40))
@@ -73,12 +62,6 @@ def test_a_clear_winner_is_chosen():
     assert chosen.candidates == len(READINGS) // 4
 
 
-def test_equal_readings_keep_the_former_default():
-    chosen = choose_default(cells(lambda options: 0.5), INTERVALS, 1, BASE)
-    assert chosen.chosen == chosen.former
-    assert chosen.candidates == chosen.readings == len(READINGS)
-
-
 def test_a_lead_that_only_scatters_keeps_the_former_default():
     scatter = np.tile([0.1, -0.0999], len(OBJECTS) // 2)
     chosen = choose_default(
@@ -89,23 +72,6 @@ def test_a_lead_that_only_scatters_keeps_the_former_default():
     )
     assert chosen.best.changed["map_output"] == "one_hot"
     assert chosen.chosen.changed == {}
-
-
-def test_of_readings_equally_near_the_better_is_chosen():
-    gains = {"feature_groups": 0.3, "lattice": 0.2999}
-    chosen = choose_default(
-        cells(lambda options: 0.5 + gains.get(options["map_output"], 0.0)),
-        INTERVALS,
-        1,
-        BASE,
-    )
-    assert chosen.chosen.changed == {"map_output": "feature_groups"}
-
-
-def test_a_reading_with_a_cell_that_could_not_be_run_has_no_score():
-    best = next(one.name for one in READINGS if one.options["map_output"] == "lattice")
-    chosen = choose_default(cells(lambda options: 0.5, failed={best}), INTERVALS, 1)
-    assert chosen.readings == len(READINGS) - 1
 
 
 def test_a_missing_reading_is_refused():
@@ -158,20 +124,6 @@ def test_an_option_that_is_surely_better_becomes_the_default():
     }
 
 
-def test_options_are_compared_on_the_objects_that_all_could_be_tested_on():
-    """An object with too few places in one option's views is left out of all scores."""
-    found = cells(lambda _: 0.5, readings=ON_OTHERS)
-    sphere = {one.name for one in ON_OTHERS if one.options["viewpoints"] == "sphere"}
-    for key, cell in found.items():
-        if key[0] in sphere:
-            found[key] = Cell(OBJECTS[1:], cell.accuracy[1:], cell.weights[1:])
-    chosen = choose_options(found, ALL_ACQUIRED, INTERVALS, 1)
-    scores = {score for one in chosen for score in one.scores.values()}
-    expected = 0.5 + np.linspace(-0.1, 0.1, len(OBJECTS))[1:].mean()
-    assert list(scores) == pytest.approx([expected] * len(scores))
-    assert all(one.chosen == one.former for one in chosen)
-
-
 def test_an_option_that_is_better_by_chance_does_not():
     scatter = np.tile([0.11, -0.1], len(OBJECTS) // 2)
     found = options_of(lambda options: 0.5 + scatter * (options["reach"] == "0.5"))
@@ -218,45 +170,3 @@ def test_every_option_that_is_scored_has_readings_on_other_objects():
             names = readings_of_option(choice.name, option)
             assert len(names) == 4
             assert set(names) <= measured
-
-
-def test_touches_are_acquired_where_they_are_made_in_reach():
-    states = ["full", "blocked", "partial", "at_minimum", "shrunk"] * 8
-    parts = [
-        with_column(features_table(name, (2, 2), viewpoints=2), "contact_state", states)
-        for name in STRATEGIES
-    ]
-    whole = pa.concat_tables(parts)
-    assert acquired_share(whole, 2, 5) == pytest.approx(0.6)
-    # Touches that are missing were not acquired; those anywhere are not counted.
-    missing = whole.filter(pc.less(whole.column("touch"), 4))
-    assert acquired_share(missing, 2, 5) == pytest.approx(0.4)
-    assert acquired_share(pa.concat_tables(parts[:2] + parts[3:]), 2, 5) == pytest.approx(0.6)
-
-
-def test_the_command_reads_shares_and_writes_what_both_rules_say(tmp_path, monkeypatch):
-    run = ExperimentParameters()
-    outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": "outside"})})
-    plan = plan_study(STUDY_OF_READINGS, outside)
-    whole = pa.concat_tables([features_table(name, (2, 2), viewpoints=16) for name in STRATEGIES])
-    kept = plan.conditions[
-        [one.condition.name for one in plan.conditions].index(
-            readings_of_option("unreachable", "keep")[0]
-        )
-    ]
-    states = ["blocked", "full"] * (whole.num_rows // 2)
-    for key in plan.recomputations:
-        table = with_column(whole, "contact_state", states) if key == kept.key else whole
-        write_table(FEATURES, table, tmp_path / f"{key}.parquet")
-    for held, rules in ((ON_OTHERS, 2), (READINGS, 1)):
-        found = cells(lambda options: 0.5, readings=held)
-        monkeypatch.setattr(choosing, "read_cells", lambda _, found=found: found)
-        write_choice([], tmp_path / "chosen.json", tmp_path)
-        said = json.loads((tmp_path / "chosen.json").read_text())
-        assert said["chosen"]["changed"] == {}
-        assert ("options" in said) == (rules == 2)
-        if rules == 2:
-            by_name = {one["choice"]: one for one in said["options"]}
-            assert by_name["unreachable"]["acquired"] == {"replace": 1.0, "keep": 0.5}
-            assert by_name["unreachable"]["chosen"] == "replace"
-            assert by_name["reach"]["acquired"] == {"0.1": 1.0, "0.5": 1.0, "none": 1.0}

@@ -11,14 +11,12 @@ from readings.design import (
     CROSSED_SINGLY,
     FACTORIAL,
     PARTS_ON_OTHERS,
-    STRATEGIES,
     all_readings,
     is_default,
 )
 from readings.study import STUDY as STUDY_OF_READINGS
-from readings.tables import READING_CHOICES
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import AS_RUN, plan_study, with_changes
+from visuohaptic.studies.conditions import plan_study, with_changes
 
 RUN = ExperimentParameters()
 
@@ -59,24 +57,6 @@ def test_a_run_on_other_objects_has_each_other_choice_by_itself_and_folds_of_who
     assert len(plan.recomputations) == 18
     protocols = {one.parameters.recognition.protocol.protocol for one in plan.conditions}
     assert protocols == {"grouped_folds"}
-
-
-def test_readings_of_part_single_vary_one_choice_beside_the_map_output():
-    single = [reading for reading in READINGS if reading.part == "single"]
-    for reading in single:
-        varied = {name for name, option in reading.options.items() if option != BY_NAME[name].base}
-        assert len(varied - {"map_output"}) == 1
-    varied = Counter(
-        (choice.name, reading.options[choice.name])
-        for reading in single
-        for choice in CHOICES
-        if choice.name != "map_output" and reading.options[choice.name] != choice.base
-    )
-    assert set(varied.values()) == {4}
-
-
-def test_the_table_has_a_column_for_each_choice():
-    assert tuple(BY_NAME) == READING_CHOICES
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice.name)
@@ -130,46 +110,9 @@ def test_main_effects_of_the_fraction_are_clear_of_each_other_and_of_interaction
             assert column @ (columns[first] * columns[second]) == 0, (main, first, second)
 
 
-def test_touches_are_shared_by_all_readings_of_the_recognition():
-    plan = plan_study(STUDY_OF_READINGS, RUN)
-    assert len(plan.recomputations) == 35
-    keys = {one.condition.name: one.key for one in plan.conditions}
-    shared = {
-        keys[reading.name]
-        for reading in READINGS
-        if reading.part in {"recognition", "training", "protocol"}
-    }
-    # They have the run's parameters, and more strategies than the run.
-    assert len(shared) == 1
-    everything = with_changes(RUN, {"probing.strategies": STRATEGIES})
-    own = plan_study(STUDY_OF_READINGS, everything)
-    assert len(own.recomputations) == 34
-    assert AS_RUN not in keys
-
-
-@pytest.mark.slow
-def test_a_run_with_another_reading_has_the_same_readings():
-    other = with_changes(RUN, {"viewpoints.elevations_degrees": (45.0,), "seed": 7})
-    plan = plan_study(STUDY_OF_READINGS, other)
-    usual = plan_study(STUDY_OF_READINGS, RUN)
-    for one, same in zip(plan.conditions, usual.conditions, strict=True):
-        assert one.parameters == same.parameters.model_copy(update={"seed": 7})
-    changes = [one.condition.changes for one in usual.conditions]
-    assert "viewpoints.elevations_degrees" not in changes[0]
-
-
 def test_every_choice_of_the_paper_quotes_it_or_says_that_it_is_silent():
     quoting = [choice for choice in CHOICES if choice.sentence]
     assert {choice.name for choice in CHOICES} - {choice.name for choice in quoting} == {
         "touch_scaling"
     }
     assert all("(section " in choice.sentence for choice in quoting)
-
-
-def test_every_reading_touches_by_fixation_and_by_all_kinds_of_random_probing():
-    plan = plan_study(STUDY_OF_READINGS, RUN)
-    assert {one.parameters.probing.strategies for one in plan.conditions} == {STRATEGIES}
-    options = BY_NAME["random_probing"].options.values()
-    assert {strategy for one in options for strategy in one["probing.strategies"]} == set(
-        STRATEGIES
-    )

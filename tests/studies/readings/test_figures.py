@@ -11,13 +11,12 @@ from recognition.synthetic import features_table
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 
-from readings.choices import OPPONENTS
 from readings.design import (
     STRATEGIES,
     all_readings,
     is_default,
 )
-from readings.figures import summarise_readings, weigh_choices
+from readings.figures import summarise_readings
 from readings.one import make_reading
 from readings.study import STUDY as STUDY_OF_READINGS
 from readings.summary import make_readings
@@ -228,22 +227,6 @@ def test_a_reading_is_what_scikit_learn_and_pywavelets_give(
     assert row[f"{strategy}_splits_reaching"] == pytest.approx(reached, abs=1e-9)
 
 
-def test_the_lead_of_fixation_is_that_of_its_accuracy(made):
-    for row in made[0]:
-        if row["error"] is None:
-            assert row["ahead"] == pytest.approx(row["fixation"] - row["random"], abs=1e-12)
-            assert row["ahead_low"] <= row["ahead"] <= row["ahead_high"]
-
-
-def test_each_reading_is_compared_with_each_kind_of_random_touches(made):
-    rows = [
-        row for row in made[0] if (row["reading"], row["classifier"]) == (DEFAULT, "naive_bayes")
-    ]
-    assert sorted(row["random_probing"] for row in rows) == sorted(OPPONENTS)
-    assert len({row["fixation"] for row in rows}) == 1
-    assert len({row["random"] for row in rows}) > 1
-
-
 def test_a_reading_that_fails_stays_in_the_table_with_its_reason(made):
     rows, summary = made
     failed = [row for row in rows if row["reading"] == ONLINE_LATTICE]
@@ -273,35 +256,6 @@ def planted(reading, place, fixation, random=0.5):
     row |= {"classifier": "naive_bayes", "fixation": fixation, "random": random}
     row |= {"ahead": fixation - random, "p_value": 0.01 if fixation > 0.6 else 0.5}
     return row | {"fixation_best_split": fixation + 0.1, "fixation_splits_reaching": 0.25}
-
-
-def test_the_spread_is_shared_out_among_the_choices_that_make_it():
-    rows = [
-        planted(
-            reading,
-            place,
-            0.5
-            + 0.10 * (reading.options["map_output"] == "feature_groups")
-            + 0.02 * (reading.options["imprint_stretch"] == "absolute")
-            + 0.04
-            * (reading.options["map_output"] == "lattice")
-            * (reading.options["sensor_size"] == "0.5 to 0.1"),
-        )
-        for place, reading in enumerate(all_readings())
-    ]
-    shares = {(row["part"], *row["choices"]): row for row in weigh_choices(rows)}
-    assert shares["recognition", "map_output"]["share"] == pytest.approx(1)
-    assert shares["recognition", "map_output"]["gains"]["feature_groups"] == pytest.approx(0.1)
-    assert shares["recognition", "wavelet_bands"]["share"] == pytest.approx(0, abs=1e-12)
-    assert shares["upstream", "imprint_stretch"]["gains"]["absolute"] == pytest.approx(0.02)
-    assert shares["upstream", "sensor_size"]["gains"]["0.5 to 0.1"] == pytest.approx(0.01)
-    assert shares["upstream", "sensor_normal"]["gains"]["smoothed"] == pytest.approx(0, abs=1e-12)
-    pair = next(
-        row for key, row in shares.items() if set(key) == {"upstream", "map_output", "sensor_size"}
-    )
-    assert pair["share"] > 0.01
-    upstream = [row["share"] for key, row in shares.items() if key[0] == "upstream"]
-    assert sum(upstream) == pytest.approx(1)
 
 
 def test_the_summary_counts_readings_and_leaves_the_other_question_out():

@@ -1,6 +1,6 @@
 """An option's lead is that of the readings that vary its choice, and of no others."""
 
-from readings.design import all_readings, is_base_but_for
+from readings.design import all_readings
 from readings.leads import (
     Lead,
     leads_by_option,
@@ -41,27 +41,6 @@ def test_a_recognition_choice_is_judged_on_all_combinations():
     assert leads["map_output", "one_hot"] == Lead(72, 0, 0, 0, -0.1)
 
 
-def test_upstream_options_have_as_many_readings_each():
-    leads = leads_by_option(
-        rows({"recognition", "upstream", "training", "protocol"}, lambda _: 0.1)
-    )
-    assert {leads["channels", option].cases for option in ("eight_equal", "eight_fitted")} == {64}
-    assert {leads["reach", option].cases for option in ("0.1", "0.5")} == {64}
-    assert [leads["map_training", option].cases for option in ("batch", "online")] == [12, 12]
-    assert ("protocol", "new_object") not in leads
-
-
-def test_a_choice_varied_alone_is_compared_with_the_base_of_the_design():
-    table = rows(
-        {"recognition", "further", "single"},
-        lambda one: 0.3 if one.options["channels"] == "five_named" else 0.1,
-    )
-    leads = leads_by_option(table)
-    assert leads["channels", "five_named"] == Lead(4, 4, 0, 0, 0.3)
-    base = [row for row in table if is_base_but_for(row, ("map_output",))]
-    assert leads["channels", "eight_equal"].cases == len(base) == 4
-
-
 def test_readings_that_failed_are_left_out():
     table = rows({"recognition"}, lambda one: None if one.name == "r000" else 0.1)
     assert leads_by_option(table)["map_output", "unit_distances"].cases == 71
@@ -80,11 +59,6 @@ def test_the_pair_that_decides_who_leads_is_found():
     assert pair.leads["lattice", "standardise"].ahead == 0
 
 
-def test_readings_that_all_lead_alike_have_no_pair():
-    assert strongest_pair(rows({"recognition"}, lambda _: 0.1)) is None
-    assert strongest_pair([]) is None
-
-
 def test_leads_are_over_the_main_kind_of_random_touches_and_each_kind_has_its_own():
     table = [
         row | {"random_probing": option, "ahead": lead}
@@ -98,15 +72,3 @@ def test_leads_are_over_the_main_kind_of_random_touches_and_each_kind_has_its_ow
     former = [row for row in table if row["random_probing"] == "anywhere"]
     assert main_opponent(former) == "anywhere"
     assert leads_by_option(former)["map_output", "lattice"].middle == 0.2
-
-
-def test_an_earlier_design_is_judged_by_what_it_crossed():
-    """Its part upstream had every classifier setting; the base of the design then has, too."""
-    table = [
-        row | {"classifier_settings": setting}
-        for row in rows({"upstream"}, lambda _: 0.1)
-        for setting in ("scikit_learn", "matlab", "matlab_polynomial")
-    ]
-    table += rows({"recognition"}, lambda _: 0.1)
-    leads = leads_by_option(table)
-    assert {leads["channels", option].cases for option in ("eight_equal", "eight_fitted")} == {192}

@@ -15,13 +15,11 @@ from readings.page import (
 )
 from readings.stored import (
     MeasuredReadings,
-    read_readings,
 )
 from readings.tables import READINGS
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.questions import BEST_OF_PAPER
-from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.schema import build_rows, write_table
 
 READ = [reading for reading in all_readings() if reading.part in PARTS_ON_PAPER_SET]
@@ -84,18 +82,6 @@ def test_sentences_count_what_the_table_holds():
     assert f"and {ahead} readings have such a split" in texts[2]
 
 
-def test_the_curve_is_sorted_and_every_reading_has_one_option_of_each_choice():
-    chart = curve_chart(ROWS, BEST_OF_PAPER)
-    assert len(chart.dots) == len(ASKED)
-    assert [dot.x for dot in chart.dots] == sorted(dot.x for dot in chart.dots)
-    assert [dot.y for dot in chart.dots] == sorted((dot.y for dot in chart.dots), reverse=True)
-    assert sum(dot.is_default for dot in chart.dots) == 1
-    ticks = [path.count("M") for _, _, path in chart.options]
-    assert sum(ticks) == len(ASKED) * len(chart.labels)
-    assert chart.random.count("M") == chart.whiskers.count("M") == len(ASKED)
-    assert all(y <= chart.height for y, _, _ in chart.options)
-
-
 def test_a_dot_says_its_figures_its_options_and_its_command():
     chart = curve_chart(ROWS, BEST_OF_PAPER)
     default = next(dot for dot in chart.dots if dot.is_default)
@@ -140,31 +126,12 @@ def test_an_option_that_decides_who_leads_outside_is_named():
     assert all(one.here.cases == one.outside.cases for one in found.options)
 
 
-def test_what_explains_most_stands_first():
-    found = readings_figures(MeasuredReadings(ROWS))
-    first = found.shares[BEST_OF_PAPER][0]
-    assert first["words"] == "What the map's five numbers are"
-    assert first["share"] == pytest.approx(1)
-    assert "feature groups +20.0" in first["gains"]
-
-
 def test_a_table_of_failures_alone_has_no_page(tmp_path):
     planted = [row | FAILED for row in rows((BEST_OF_PAPER,))]
     path = tmp_path / "readings.parquet"
     write_table(READINGS, build_rows(READINGS, planted), path)
     with pytest.raises(ReportError, match="no reading that could be run; one at least is needed"):
         render_readings_page(path)
-
-
-def test_kept_readings_say_where_they_come_from(table, tmp_path):
-    kept = tmp_path / "kept.parquet"
-    store_table(READINGS, table, kept, "snakemake -j2 readings_all", "a processor")
-    measured = read_readings(table)
-    assert measured.source is None
-    source = source_of(kept)
-    assert isinstance(source, Source)
-    assert (source.command, source.machine) == ("snakemake -j2 readings_all", "a processor")
-    assert stored._rows(kept) == measured.rows
 
 
 def test_the_kept_readings_have_a_page_that_says_where_they_come_from():

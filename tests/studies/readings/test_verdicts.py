@@ -7,8 +7,6 @@ from readings.design import (
     PARTS_ON_OTHERS,
     PARTS_ON_PAPER_SET,
     all_readings,
-    is_default,
-    is_literal,
 )
 from readings.verdicts import SETS, Evidence, lead_evidence, verdict
 
@@ -120,12 +118,3 @@ def test_another_question_and_readings_without_figures_are_no_evidence():
     failed = rows[0] | {"ahead": None}
     found = lead_evidence({"paper": [failed, *rows]}, SVM)
     assert len(found) == asked - 12 - shuffled
-
-
-def test_the_default_and_the_literal_reading_are_in_the_tables_of_both_sets():
-    for parts in (PARTS_ON_PAPER_SET, PARTS_ON_OTHERS):
-        rows = readings_of(parts, lambda *_: 0.0)
-        assert len([row for row in rows if is_default(row)]) == 2
-        assert len([row for row in rows if is_literal(row)]) == 2
-        kinds = [one.reading for one in lead_evidence({"paper": rows}, SVM)]
-        assert (kinds.count("default"), kinds.count("literal")) == (1, 1)
