@@ -80,13 +80,13 @@ def draw(rows: Mapping[str, tuple[str, dict[int, float]]]) -> go.Figure:
             1 if unit == "s" else 2,
         )  # fmt: skip
     figure.update_xaxes(type="log", title_text="objects", tickvals=list(values))
-    figure.update_yaxes(type="log")
+    figure.update_yaxes(type="log", dtick=1)
     figure.update_layout(
         template="simple_white",
         width=1000,
         height=460,
-        legend={"orientation": "h", "y": 1.25},
-        margin={"l": 60, "r": 20, "t": 110, "b": 50},
+        legend={"orientation": "h", "y": 1.2},
+        margin={"l": 60, "r": 20, "t": 90, "b": 50},
     )
     return figure
 
