@@ -20,6 +20,7 @@ rule report_all:
         "reports/plots/confusion.csv",
         "results/records/metrics.json",
         "results/records/report.json",
+        "results/guards_of_training.parquet",
         "results/guards.parquet",
         "results/records/guards_of_training.json",
         "results/records/guards_hold.json",
