@@ -1,9 +1,11 @@
 """Benchmarks run, on the smallest amounts; what they measure is for a quiet machine."""
 
 import importlib
+from pathlib import Path
 
 import pytest
 
+ROOT = Path(__file__).parents[1]
 SMALLEST = {
     "attention": {"RESOLUTIONS": (64, 128)},
     "contourlet": {"ROUNDS": 1},
@@ -25,6 +27,7 @@ def least(figures):
 @pytest.mark.long
 @pytest.mark.parametrize("name", SMALLEST)
 def test_a_benchmark_runs_from_end_to_end(name, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT))
     module = importlib.import_module(f"benchmarks.{name}")
     for constant, value in SMALLEST[name].items():
         monkeypatch.setattr(module, constant, value)
