@@ -64,15 +64,9 @@ def _slots() -> tuple[tuple[str, ...], ...]:
 class Stack:
     """Four planes that are processed together.
 
-    Attributes
-    ----------
-    level : int
-        The centre level that they are on.
-    pyramid : list of numpy.ndarray
-        The planes on that level and on each coarser one that is used,
-        shape (n, n, 4), float32, multiplied by the certainty.
-    channels : tuple of str
-        The channels of the first planes; the others hold zeros.
+    `pyramid` holds them on centre level `level` and on each coarser one that is used, (n, n, 4)
+    float32, multiplied by the certainty. `channels` are those of the first planes; the others hold
+    zeros.
     """
 
     level: int
@@ -82,21 +76,12 @@ class Stack:
 
 @dataclass(frozen=True)
 class WorkingView:
-    """A view on the working image, n rows and columns.
+    """A view on the working image; every plane is (n, n), float32.
 
-    Attributes
-    ----------
-    certainty : numpy.ndarray
-        Shape (n, n), float32: share of each pixel that lies on the object.
-    colour : tuple of numpy.ndarray
-        Red, green and blue, shape (n, n), float32 each: their means over that
-        share, as fractions of the brightest value on the object.
-    intensity : numpy.ndarray
-        Shape (n, n), float32: their mean.
-    backdrop : numpy.ndarray
-        Shape (n, n), float32: intensity, extended beyond the object.
-    curvature : numpy.ndarray
-        Shape (n, n), float32: logarithm of 1 + the surface's curvedness.
+    `certainty` is the share of each pixel that lies on the object; `colour` holds the means of red,
+    green and blue over that share, as fractions of the brightest value on the object, and
+    `intensity` their mean. `backdrop` is intensity, extended beyond the object; `curvature` the
+    logarithm of 1 + the surface's curvedness.
     """
 
     certainty: Plane
@@ -109,21 +94,10 @@ class WorkingView:
 def prepare_view(
     colour: NDArray[np.float32], mask: NDArray[np.bool_], curvature: NDArray[np.float32]
 ) -> WorkingView:
-    """Resample a view to the working image.
+    """Resample a view to the working image, of `pyramid.WORKING_SIZE`.
 
-    Parameters
-    ----------
-    colour : numpy.ndarray
-        Shape (h, w, 3), float32.
-    mask : numpy.ndarray
-        Shape (h, w), bool: where the object is.
-    curvature : numpy.ndarray
-        Shape (h, w), float32, per unit of length.
-
-    Returns
-    -------
-    WorkingView
-        The same view at `pyramid.WORKING_SIZE`.
+    Colour (h, w, 3) is float32, the object's mask (h, w) bool, and curvature (h, w) float32, per
+    unit of length.
     """
     share = mask.astype(np.float32)
     inside = mask.view(np.uint8)
@@ -151,23 +125,10 @@ def reasons_to_skip(
     curvature: NDArray[np.float32],
     parameters: AttentionParameters,
 ) -> dict[str, str]:
-    """Give the channels that a view does not need, and why.
+    """Give the channels that a view, as `prepare_view` takes it, does not need, and why.
 
-    A channel is skipped only if its map would be zero, or if its weight is zero:
-    the saliency map is the same, bit for bit.
-
-    Parameters
-    ----------
-    colour, mask, curvature : numpy.ndarray
-        The view, as `prepare_view` takes it.
-    parameters : AttentionParameters
-        The weights.
-
-    Returns
-    -------
-    dict of str to str
-        A reason by channel, in the order of `CHANNELS`; channels to be
-        computed are absent.
+    A channel is skipped only if its map would be zero, or if its weight is zero: the saliency map
+    is the same, bit for bit. Reasons are in the order of `CHANNELS`.
     """
     found = _dull_channels(colour, mask, curvature)
     weights = parameters.weights.model_dump()
@@ -285,23 +246,11 @@ def symmetry_plane(view: WorkingView, radii: tuple[int, ...]) -> Plane:
 def orientation_stacks(view: WorkingView, parameters: AttentionParameters) -> list[Stack]:
     """Local energy of Gabor pairs at each angle, minus the mean over all angles.
 
-    Itti, Koch & Niebur 1998, with the filters of their authors' toolbox: 9 x 9
-    pixels, period 7, deviation 7/3, phases 0 and 90 degrees, zero mean, unit
-    norm. Angles inhibit each other (Heeger 1992, "Normalization of cell responses
-    in cat striate cortex", in its subtractive form); without this the two ends of
-    an upright bar would count as two horizontal bars.
-
-    Parameters
-    ----------
-    view : WorkingView
-        The view.
-    parameters : AttentionParameters
-        Centre levels and the number of angles.
-
-    Returns
-    -------
-    list of Stack
-        For each centre level, the angles in stacks of four.
+    For each centre level the angles are in stacks of four. Itti, Koch & Niebur 1998, with the
+    filters of their authors' toolbox: 9 x 9 pixels, period 7, deviation 7/3, phases 0 and 90
+    degrees, zero mean, unit norm. Angles inhibit each other (Heeger 1992, "Normalization of cell
+    responses in cat striate cortex", in its subtractive form); without this the two ends of an
+    upright bar would count as two horizontal bars.
     """
     deepest = max(parameters.centre_levels)
     images = reductions(view.backdrop, deepest, GOES_ON)
@@ -325,27 +274,11 @@ def orientation_stacks(view: WorkingView, parameters: AttentionParameters) -> li
 def feature_stacks(
     view: WorkingView, channels: Collection[str], parameters: AttentionParameters
 ) -> list[Stack]:
-    """Compute the planes of some channels, for each centre level.
+    """Compute the planes of some channels out of `parameters.CHANNELS`, for each centre level.
 
-    Parameters
-    ----------
-    view : WorkingView
-        The view.
-    channels : collection of str
-        Which, out of `parameters.CHANNELS`.
-    parameters : AttentionParameters
-        Centre levels and the channels' own parameters.
-
-    Returns
-    -------
-    list of Stack
-        Each plane has a fixed place, so that a channel's numbers do not depend on
-        which other channels run; their places hold zeros.
-
-    Raises
-    ------
-    AttentionError
-        If there is no such channel, or one gives another number of planes than its entry says.
+    Each plane has a fixed place, so that a channel's numbers do not depend on which other channels
+    run; their places hold zeros. Raises `AttentionError` if there is no such channel, or one gives
+    another number of planes than its entry says.
     """
     entries = [channel(name) for name in channels]
     stacks = []

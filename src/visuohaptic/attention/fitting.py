@@ -17,17 +17,9 @@ from .parameters import CHANNELS, ChannelWeights
 class Example:
     """One view and the places that people looked at.
 
-    Attributes
-    ----------
-    object_name : str
-        The object in the view.
-    conspicuity : dict of str to numpy.ndarray
-        Shape (h, w), float32, by channel, as in `Attention.conspicuity` with
-        equal weights; a channel that did not run counts as zero.
-    mask : numpy.ndarray
-        Shape (h, w), bool: where the object is.
-    places : numpy.ndarray
-        Shape (k, 2), int64: row and column of each place.
+    `conspicuity` holds maps (h, w), float32, by channel, as in `Attention.conspicuity` with equal
+    weights; a channel that did not run counts as zero. `mask` (h, w) says where the object is, and
+    `places` (k, 2), int64, are rows and columns.
     """
 
     object_name: str
@@ -39,32 +31,15 @@ class Example:
 def fit_weights(
     examples: Sequence[Example], tested: Collection[str], spread: float = 0.03
 ) -> ChannelWeights:
-    """Fit non-negative channel weights to the places that people look at.
+    """Fit non-negative channel weights, whose mean is 1, to the places that people look at.
 
-    Each example's places become a density on the object, a Gaussian around each,
-    and the weighted sum of conspicuity maps is fitted to it by non-negative
-    least squares (Zhao & Koch 2011, "Learning a saliency map using fixated
-    locations in natural scenes").
+    Each example's places become a density on the object, a Gaussian around each, whose standard
+    deviation is `spread` of the view's longer edge, and the weighted sum of conspicuity maps is
+    fitted to it by non-negative least squares (Zhao & Koch 2011, "Learning a saliency map using
+    fixated locations in natural scenes").
 
-    Parameters
-    ----------
-    examples : sequence of Example
-        Views of training objects.
-    tested : collection of str
-        Names of the objects that are used for tests.
-    spread : float
-        Standard deviation of the Gaussians, as a fraction of the view's longer edge.
-
-    Returns
-    -------
-    ChannelWeights
-        Their mean is 1, that of equal weights.
-
-    Raises
-    ------
-    AttentionError
-        If an example shows a tested object, there are no examples, or no channel
-        predicts the places.
+    Raises `AttentionError` if an example shows one of the `tested` objects, there are no examples,
+    or no channel predicts the places.
     """
     leaked = sorted({example.object_name for example in examples} & set(tested))
     if leaked:

@@ -28,17 +28,10 @@ SMALLEST_PEAK = 1e-30
 class Attention:
     """Saliency and fixations of one view.
 
-    Attributes
-    ----------
-    saliency : numpy.ndarray
-        Shape (h, w), float32: 0 to 1, the view's maximum 1; zero on the background.
-    conspicuity : dict of str to numpy.ndarray
-        Shape (h, w), float32, at least 0, for each channel that ran, before
-        its weight: larger where fewer places stand out in that channel.
-    skipped : dict of str to str
-        Reasons, by channel, why the others did not run.
-    scanpath : Scanpath
-        The fixations in order.
+    `saliency` (h, w), float32, is 0 to 1, the view's maximum 1, and zero on the background.
+    `conspicuity` holds for each channel that ran a map (h, w), float32, at least 0, before its
+    weight: larger where fewer places stand out in that channel. `skipped` says, by channel, why the
+    others did not run.
     """
 
     saliency: NDArray[np.float32]
@@ -58,37 +51,16 @@ def attend(
     parameters: AttentionParameters,
     eye: NDArray[np.float64] | None = None,
 ) -> list[Attention]:
-    """Compute saliency and fixations for each of n views.
+    """Compute saliency and fixations for each of n views; each depends on its own view only.
 
-    Parameters
-    ----------
-    colour : numpy.ndarray
-        Shape (n, h, w, 3), float32, at least 0; any scale.
-    mask : numpy.ndarray
-        Shape (n, h, w), bool: where the object is.
-    point : numpy.ndarray
-        Shape (n, h, w, 3), float64: visible points of the surface.
-    normal : numpy.ndarray
-        Shape (n, h, w, 3), float64: their unit normals.
-    face : numpy.ndarray
-        Shape (n, h, w), int64: their faces.
-    curvature : numpy.ndarray
-        Shape (n, h, w), float32, at least 0: curvedness of the surface, per unit of the points.
-    parameters : AttentionParameters
-        The model's parameters.
-    eye : numpy.ndarray, optional
-        Shape (n, 3), float64: where the eye is, in the points' frame; terms need it.
+    `colour` (n, h, w, 3), float32, is at least 0, of any scale; `mask` (n, h, w), bool, says where
+    the object is. `point` and `normal` (n, h, w, 3), float64, are visible points of the surface and
+    their unit normals, `face` (n, h, w), int64, their faces, and `curvature` (n, h, w), float32,
+    the curvedness there, at least 0, per unit of the points. `eye` (n, 3), float64, is where the
+    eye is, in the points' frame; terms need it.
 
-    Returns
-    -------
-    list of Attention
-        One per view; each depends on its own view only.
-
-    Raises
-    ------
-    AttentionError
-        If shapes differ, a view is too small, a value is not finite or below its range, or a
-        term has a weight and no eye is given.
+    Raises `AttentionError` if shapes differ, a view is too small, a value is not finite or below
+    its range, or a term has a weight and no eye is given.
     """
     _check_views(colour, mask, point, normal, face, curvature)
     _check_eyes(eye, len(mask), parameters)
@@ -119,19 +91,9 @@ def feature_planes(
 ) -> tuple[dict[str, Plane], Plane]:
     """Give all that saliency is a weighted sum of, for one view, to fit weights to.
 
-    Parameters
-    ----------
-    colour, mask, point, normal, curvature, eye
-        One view's part of what `attend` takes.
-    parameters : AttentionParameters
-        Scales and the operator N; a channel without weight is zero.
-
-    Returns
-    -------
-    planes : dict of str to numpy.ndarray
-        Shape (MAP_SIZE, MAP_SIZE), float32: every channel, then every term.
-    certainty : numpy.ndarray
-        The same shape: share of each cell that shows the object.
+    Takes one view's part of what `attend` takes. Gives planes (MAP_SIZE, MAP_SIZE), float32, of
+    every channel, then every term, and the share of each cell that shows the object; a channel
+    without weight is zero.
     """
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     ran = tuple(name for name in CHANNELS if name not in skipped)

@@ -27,23 +27,12 @@ CLOSED = -1.0
 
 @dataclass(frozen=True)
 class Scanpath:
-    """The fixations on one view, in order.
+    """The k fixations on one view, in order; no pixel is fixated twice.
 
-    Attributes
-    ----------
-    rows, columns : numpy.ndarray
-        Shape (k,), int64: pixels of the view, from its upper left.
-    points : numpy.ndarray
-        Shape (k, 3), float64: points of the surface, in the frame of the view's points.
-    normals : numpy.ndarray
-        Shape (k, 3), float64: unit normals towards the camera.
-    faces : numpy.ndarray
-        Shape (k,), int64.
-    saliency : numpy.ndarray
-        Shape (k,), float64: of the view's maximum.
-    asked : int
-        Fixations that were asked for; k is smaller if no pixel was left outside
-        the foci. No pixel is fixated twice.
+    `rows` and `columns` (k,), int64, count pixels from the view's upper left. `points` (k, 3), in
+    the frame of the view's points, and `normals` (k, 3), unit and towards the camera, are float64;
+    `faces` (k,) int64. `saliency` (k,), float64, is in units of the view's maximum. `asked`
+    fixations were asked for; k is smaller if no pixel was left outside the foci.
     """
 
     rows: NDArray[np.int64]
@@ -74,26 +63,11 @@ def scan(
     face: NDArray[np.int64],
     parameters: AttentionParameters,
 ) -> Scanpath:
-    """Find the fixations on a saliency map.
+    """Find the fixations on a saliency map (h, w), float32, 0 to 1, among the pixels of a mask.
 
-    Parameters
-    ----------
-    saliency : numpy.ndarray
-        Shape (h, w), float32, 0 to 1.
-    mask : numpy.ndarray
-        Shape (h, w), bool: pixels that may be fixated.
-    point, normal : numpy.ndarray
-        Shape (h, w, 3), float64.
-    face : numpy.ndarray
-        Shape (h, w), int64.
-    parameters : AttentionParameters
-        Number of fixations and inhibition of return.
-
-    Returns
-    -------
-    Scanpath
-        At most as many fixations as asked for. Among maxima that tie, the largest within
-        one focus of the first, in row order, wins; of values that differ by rounding, the first.
+    The surface is as `attend` takes it, for one view. There are at most as many fixations as asked
+    for. Among maxima that tie, the largest within one focus of the first, in row order, wins; of
+    values that differ by rounding, the first.
     """
     rows, columns, depth = _off_outline(mask)
     pixels = rows * mask.shape[1] + columns

@@ -22,21 +22,11 @@ SMALLEST_SHARE = 2.2204e-16
 
 @dataclass(frozen=True)
 class GazedSurface:
-    """Points of a surface and how long people looked at them.
+    """Points of a surface, shape (n,), and how long people looked at them.
 
-    Attributes
-    ----------
-    density : numpy.ndarray
-        Shape (n,), float64, at least 0: time per area at each point, any unit.
-    area : numpy.ndarray
-        Shape (n,), float64, at least 0: area that each point stands for.
-    seen : numpy.ndarray
-        Shape (n,), bool: points that count, because a viewpoint sees them.
-
-    Raises
-    ------
-    AttentionError
-        If shapes differ, a value is negative or not finite, or no time or area is seen.
+    `density` is time per area at each point, in any unit; `area` is what each point stands for;
+    `seen` are the points that count, because a viewpoint sees them. Raises `AttentionError` if
+    shapes differ, a value is negative or not finite, or no time or area is seen.
     """
 
     density: NDArray[np.float64]

@@ -24,17 +24,7 @@ FRUITLESS_BATCHES = 64
 
 @dataclass(frozen=True)
 class ProbingLocations:
-    """Points to touch, in order.
-
-    Attributes
-    ----------
-    points : numpy.ndarray
-        Shape (n, 3), float64, object frame.
-    normals : numpy.ndarray
-        Shape (n, 3), float64: unit normals, by the winding of the face.
-    faces : numpy.ndarray
-        Shape (n,), int64: the face on which each point lies.
-    """
+    """Points (n, 3) to touch, in order, object frame, with unit normals (n, 3) and the face (n,) of each."""
 
     points: NDArray[np.float64]
     normals: NDArray[np.float64]

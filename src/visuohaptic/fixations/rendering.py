@@ -34,32 +34,15 @@ SHADOW_OFFSET = 1e-4
 
 @dataclass(frozen=True)
 class Views:
-    """What n cameras see, each over h rows and w columns.
+    """What n cameras see, each over h rows and w columns; lengths are in object radii.
 
-    Attributes
-    ----------
-    colour : numpy.ndarray
-        Shape (n, h, w, 3), float32: sRGB, 0 to 1.
-    mask : numpy.ndarray
-        Shape (n, h, w), bool: whether a pixel sees the surface.
-    depth : numpy.ndarray
-        Shape (n, h, w), float32: along the viewing axis from the camera's
-        plane, object radii; infinite on the background.
-    point : numpy.ndarray
-        Shape (n, h, w, 3), float64: seen point, object frame; zero on the background.
-    normal : numpy.ndarray
-        Shape (n, h, w, 3), float64: interpolated unit normal on the side of
-        the camera, object frame; zero on the background.
-    face : numpy.ndarray
-        Shape (n, h, w), int64: seen face; -1 on the background.
-    curvature : numpy.ndarray
-        Shape (n, h, w), float32: curvedness of the surface, at least 0, per
-        object radius; zero on the background.
-    lit : numpy.ndarray
-        Shape (n, h, w), bool: whether no cast shadow falls on the pixel; true where none is
-        simulated or needed.
-    effects : tuple of EffectRecord
-        Record of each visual effect; its touches are views.
+    `colour` (n, h, w, 3), float32, is sRGB, 0 to 1; `mask` (n, h, w) says whether a pixel sees the
+    surface. `depth` (n, h, w), float32, is along the viewing axis from the camera's plane, infinite
+    on the background. `point` and `normal` (n, h, w, 3), float64, are the seen point and the
+    interpolated unit normal on the side of the camera, object frame, zero on the background; `face`
+    (n, h, w), int64, is -1 there. `curvature` (n, h, w), float32, is the curvedness of the surface,
+    at least 0, zero on the background. `lit` (n, h, w) says whether no cast shadow falls on the
+    pixel; true where none is simulated or needed. The touches of the `effects` are views.
     """
 
     colour: NDArray[np.float32]
@@ -82,32 +65,13 @@ def render_views(
     parameters: RenderingParameters,
     modes: VisualModes | None = None,
 ) -> Views:
-    """Render a surface from several cameras.
+    """Render a surface from several cameras; each view depends on its own camera alone.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The surface, prepared for rays.
-    cameras : sequence of Camera
-        n cameras; each view depends on its own camera alone.
-    parameters : RenderingParameters
-        How to render.
-    modes : VisualModes, optional
-        When colour, texture, shading and cast shadows are simulated; by default as in a
-        scene where nothing is given.
-
-    Returns
-    -------
-    Views
-        n views of ``resolution`` rows and columns. Simulating an effect that is not needed
-        changes no bit of them.
-
-    Notes
-    -----
-    One ray goes through the centre of each pixel. The light is fixed to
-    the camera, so rotating the object is the same as rotating the camera.
-    A pixel that meets an image has the mean light of the part of the image that it covers, on
-    the plane of the face that its ray meets (`Texture.light`).
+    One ray goes through the centre of each pixel. The light is fixed to the camera, so rotating the
+    object is the same as rotating the camera. A pixel that meets an image has the mean light of the
+    part of the image that it covers, on the plane of the face that its ray meets (`Texture.light`).
+    The modes are by default those of a scene where nothing is given; simulating an effect that is
+    not needed changes no bit.
     """
     return colour_views(
         caster, cameras, meet_surface(caster, cameras, parameters), parameters, modes
@@ -174,20 +138,7 @@ def colour_views(
 
 
 def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[np.float64]:
-    """Give the unit vector towards the light, which is infinitely far.
-
-    Parameters
-    ----------
-    camera : Camera
-        The camera that the light is fixed to.
-    parameters : RenderingParameters
-        Direction of the light.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (3,), object frame.
-    """
+    """Give the unit vector (3,), object frame, towards the light, which is infinitely far and fixed to the camera."""
     angles = [parameters.light_azimuth_degrees, parameters.light_elevation_degrees]
     (aside, rise), (ahead, level) = sin_cos(np.radians(angles))
     right, up, back = camera.axes

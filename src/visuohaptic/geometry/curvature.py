@@ -27,16 +27,9 @@ SMALLEST_CROSS = 1e-12
 class FaceAdjacency:
     """Pairs of faces that share an edge.
 
-    Attributes
-    ----------
-    faces : numpy.ndarray
-        Shape (e, 2), int64: the two faces.
-    edges : numpy.ndarray
-        Shape (e, 2), int64: number of the shared edge within each face, 0 to 2;
-        edge k runs from corner k to corner k + 1.
-    aligned : numpy.ndarray
-        Shape (e,), bool: the two faces are wound alike, as they run along the
-        edge in opposite directions.
+    `faces` (e, 2), int64, are the two faces, and `edges` (e, 2), int64, the number of the shared
+    edge within each, 0 to 2; edge k runs from corner k to corner k + 1. `aligned` (e,) says whether
+    the two are wound alike, as they run along the edge in opposite directions.
     """
 
     faces: NDArray[np.int64]
@@ -46,25 +39,14 @@ class FaceAdjacency:
 
 @dataclass(frozen=True)
 class SurfaceShape:
-    """Normals and curvature of a surface, ready to be looked up at any point of it.
+    """Normals and curvature of a surface, ready to be looked up at any point of it; float64.
 
-    Attributes
-    ----------
-    corner_normals : numpy.ndarray
-        Shape (f, 3, 3), float64: unit normal at each face's three corners, on
-        the side that the face's winding gives.
-    corner_curvature : numpy.ndarray
-        Shape (f, 3), float64: curvedness of the smooth surface at each corner,
-        per object radius.
-    crease_angles : numpy.ndarray
-        Shape (f, 3), float64: angle of the fold along each edge, radians; zero
-        where the surface is smooth or ends.
-    crease_scales : numpy.ndarray
-        Shape (f, 3), float64: density of a fold's curvature on its own edge.
-    heights : numpy.ndarray
-        Shape (f, 3), float64: distance of each edge from the corner across.
-    crease_width : float
-        How far a fold's curvature reaches to either side, object radii.
+    `corner_normals` (f, 3, 3) are unit, on the side that the face's winding gives.
+    `corner_curvature` (f, 3) is the curvedness of the smooth surface at each corner, per object
+    radius. `crease_angles` (f, 3) are the folds along each edge, radians, zero where the surface is
+    smooth or ends, and `crease_scales` (f, 3) the density of a fold's curvature on its own edge.
+    `heights` (f, 3) are the distances of each edge from the corner across, and `crease_width` is
+    how far a fold's curvature reaches to either side, object radii.
     """
 
     corner_normals: NDArray[np.float64]
@@ -86,39 +68,16 @@ class SurfaceShape:
     def normals(
         self, faces: NDArray[np.int64], weights: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Interpolate the unit normal at points of the surface.
-
-        Parameters
-        ----------
-        faces : numpy.ndarray
-            Shape (n,), the face of each point.
-        weights : numpy.ndarray
-            Shape (n, 3), barycentric weights of the face's corners.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n, 3), on the side of each face's winding.
-        """
+        """Interpolate unit normals (n, 3), on the side of each face's winding, by barycentric weights (n, 3)."""
         blend = np.einsum("nk,nkd->nd", weights, self.corner_normals.take(faces, axis=0))
         return unit_vectors(blend)
 
     def curvature(
         self, faces: NDArray[np.int64], weights: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Give the curvedness at points of the surface, folds included.
+        """Give the curvedness (n,), folds included, at barycentric weights (n, 3) of faces (n,).
 
-        Parameters
-        ----------
-        faces : numpy.ndarray
-            Shape (n,), the face of each point.
-        weights : numpy.ndarray
-            Shape (n, 3), barycentric weights of the face's corners.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n,), at least 0, per object radius: 1/R on a sphere of radius R.
+        It is at least 0, per object radius: 1/R on a sphere of radius R.
         """
         smooth = np.einsum("nk,nk->n", weights, self.corner_curvature.take(faces, axis=0))
         # The corner across edge k is k + 2, and its weight is the distance from the edge
@@ -146,21 +105,9 @@ def measure_shape(
 ) -> SurfaceShape:
     """Measure the normals and the curvature of a surface.
 
-    Parameters
-    ----------
-    surface : Surface
-        Any triangle surface: open sheets, loose parts, mixed windings and edges
-        of more than two faces are allowed. Vertices at the same place are taken
-        as one.
-    crease_angle_degrees : float
-        Faces whose normals differ by more than this are folded, not curved.
-    crease_width : float
-        How far the curvature of a fold is spread to either side, object radii.
-
-    Returns
-    -------
-    SurfaceShape
-        Normals and curvature; a free edge has no curvature across it.
+    Open sheets, loose parts, mixed windings and edges of more than two faces are allowed; a free
+    edge has no curvature across it. Vertices at the same place are taken as one. Faces whose
+    normals differ by more than the crease angle are folded, not curved.
     """
     faces = weld_vertices(surface)
     normals = unit_vectors(surface.face_crosses)
@@ -186,17 +133,9 @@ def measure_shape(
 
 
 def weld_vertices(surface: Surface) -> NDArray[np.int64]:
-    """Give each face's corners numbers by place, so that equal vertices are one.
+    """Give each face's corners (f, 3) numbers by place, so that equal vertices are one.
 
-    Parameters
-    ----------
-    surface : Surface
-        The surface; places are compared in float32, as meshes are stored.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3), int64.
+    Places are compared in float32, as meshes are stored.
     """
     # Adding zero makes one of the two signs of zero.
     places = np.ascontiguousarray(surface.vertices, dtype=np.float32) + np.float32(0.0)
@@ -206,17 +145,9 @@ def weld_vertices(surface: Surface) -> NDArray[np.int64]:
 
 
 def face_adjacency(faces: NDArray[np.int64]) -> FaceAdjacency:
-    """Find the pairs of faces that share an edge.
+    """Find the pairs of faces that share an edge, from welded vertex numbers (f, 3).
 
-    Parameters
-    ----------
-    faces : numpy.ndarray
-        Shape (f, 3), welded vertex numbers.
-
-    Returns
-    -------
-    FaceAdjacency
-        An edge of m faces gives m - 1 pairs; edges without length give none.
+    An edge of m faces gives m - 1 pairs; edges without length give none.
     """
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
     low, high = np.minimum(start, end), np.maximum(start, end)
@@ -232,24 +163,12 @@ def face_adjacency(faces: NDArray[np.int64]) -> FaceAdjacency:
 
 
 def consistent_sides(count: int, adjacency: FaceAdjacency) -> NDArray[np.float64]:
-    """Find which faces to flip so that neighbours have the same winding.
+    """Find which of `count` faces to flip (-1) so that neighbours have the same winding; 1 is to keep.
 
-    Every face gets two nodes, one for each side; neighbours link equal sides
-    where they are wound alike and opposite sides where they are not. A part
-    whose two sides fall apart is orientable, and all its faces take one side.
-
-    Parameters
-    ----------
-    count : int
-        Number of faces.
-    adjacency : FaceAdjacency
-        Pairs of faces that share an edge.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (count,): 1 to keep, -1 to turn over; the first face of each part
-        is kept, and so is every face of a one-sided part.
+    Every face gets two nodes, one for each side; neighbours link equal sides where they are wound
+    alike and opposite sides where they are not. A part whose two sides fall apart is orientable,
+    and all its faces take one side. The first face of each part is kept, and so is every face of a
+    one-sided part.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -267,19 +186,9 @@ def consistent_sides(count: int, adjacency: FaceAdjacency) -> NDArray[np.float64
 
 
 def fold_angles(normals: NDArray[np.float64], adjacency: FaceAdjacency) -> NDArray[np.float64]:
-    """Give the angle by which the surface turns along each shared edge.
+    """Give the angle (e,) by which the surface turns along each shared edge, from unit normals (f, 3).
 
-    Parameters
-    ----------
-    normals : numpy.ndarray
-        Shape (f, 3), unit normals by winding; zero for a face without area.
-    adjacency : FaceAdjacency
-        Pairs of faces, e of them.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (e,), radians, 0 (flat) to pi (folded back); 0 beside a face without area.
+    Radians, 0 (flat) to pi (folded back); 0 beside a face without area, whose normal is zero.
     """
     first, second = normals[adjacency.faces[:, 0]], normals[adjacency.faces[:, 1]]
     second = np.where(adjacency.aligned[:, None], second, -second)
@@ -290,21 +199,10 @@ def fold_angles(normals: NDArray[np.float64], adjacency: FaceAdjacency) -> NDArr
 def corner_groups(
     faces: NDArray[np.int64], adjacency: FaceAdjacency, smooth: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Join the corners around each vertex that no fold parts.
+    """Join the corners around each vertex that no fold parts: the number (f, 3), int64, of each corner's group.
 
-    Parameters
-    ----------
-    faces : numpy.ndarray
-        Shape (f, 3), welded vertex numbers.
-    adjacency : FaceAdjacency
-        Pairs of faces, e of them.
-    smooth : numpy.ndarray
-        Shape (e,), whether the surface runs on smoothly across the pair.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3), int64: number of the group of each corner, from 0.
+    `faces` (f, 3) are welded vertex numbers, and `smooth` (e,) says whether the surface runs on
+    smoothly across each pair.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -330,23 +228,11 @@ def corner_groups(
 def smooth_normals(
     surface: Surface, signs: NDArray[np.float64], groups: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Average face normals over each corner group, weighted by angle.
+    """Average face normals over each corner group, weighted by angle: (f, 3, 3), by each face's winding.
 
-    Parameters
-    ----------
-    surface : Surface
-        The surface, f faces.
-    signs : numpy.ndarray
-        Shape (f,), -1 for faces wound against their part.
-    groups : numpy.ndarray
-        Shape (f, 3), the group of each corner.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3, 3), unit normals by each face's own winding (Thürmer &
-        Wüthrich 1998 for the weighting, which no triangulation of a flat corner
-        changes). The face's own normal stands in where the average vanishes.
+    No triangulation of a flat corner changes the weighting (Thürmer & Wüthrich 1998). `signs` (f,)
+    are -1 for faces wound against their part. The face's own normal stands in where the average
+    vanishes.
     """
     face_normals = unit_vectors(surface.face_crosses)
     turned = (signs[:, None] * face_normals)[:, None, :] * _corner_angles(surface)[:, :, None]
@@ -366,28 +252,12 @@ def smooth_curvature(
     groups: NDArray[np.int64],
     largest: float,
 ) -> NDArray[np.float64]:
-    """Give the curvedness of the smooth surface at each corner.
+    """Give the curvedness (f, 3) of the smooth surface at each corner, 0 to `largest`, per object radius.
 
-    Each face's shape operator is the derivative of its interpolated normal
-    (Rusinkiewicz 2004, "Estimating curvatures and their derivatives on triangle
-    meshes"); its curvedness is the root mean square of the principal curvatures
-    (Koenderink & van Doorn 1992), averaged over each corner group by area.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface, f faces.
-    corner_normals : numpy.ndarray
-        Shape (f, 3, 3), unit normals at the corners.
-    groups : numpy.ndarray
-        Shape (f, 3), the group of each corner.
-    largest : float
-        Curvature to stop at, per object radius; a sliver's may be any number.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3), float64, 0 to `largest`.
+    Each face's shape operator is the derivative of its interpolated normal (Rusinkiewicz 2004,
+    "Estimating curvatures and their derivatives on triangle meshes"); its curvedness is the root
+    mean square of the principal curvatures (Koenderink & van Doorn 1992), averaged over each corner
+    group by area. It stops at `largest`, as a sliver's may be any number.
     """
     crosses = surface.face_crosses
     double_area = _lengths(crosses)
@@ -431,18 +301,7 @@ def _divide(turns: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[n
 
 
 def unit_vectors(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Scale vectors to length 1.
-
-    Parameters
-    ----------
-    vectors : numpy.ndarray
-        Shape (..., d).
-
-    Returns
-    -------
-    numpy.ndarray
-        The same shape; a vector shorter than rounding stays zero.
-    """
+    """Scale vectors along the last axis to length 1; one shorter than rounding becomes zero."""
     lengths = _lengths(vectors)[..., None]
     # What is divided by infinity is zero.
     return vectors / np.where(lengths > SMALLEST_CROSS, lengths, np.inf)

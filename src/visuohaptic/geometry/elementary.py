@@ -26,18 +26,7 @@ _BLOCK = 1 << 13
 
 
 def sin_cos(angles: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Give the sine and the cosine of angles.
-
-    Parameters
-    ----------
-    angles : array_like
-        Radians, of any shape; absolute values up to 1e5.
-
-    Returns
-    -------
-    sine, cosine : numpy.ndarray
-        The same shape, float64.
-    """
+    """Give the sine and the cosine of angles of any shape, radians, of absolute values up to 1e5."""
     turned = np.asarray(angles, dtype=np.float64)
     quarters = np.rint(turned / (0.5 * math.pi))
     rest = turned - quarters * _QUARTER_TURN[0] - quarters * _QUARTER_TURN[1]
@@ -59,17 +48,9 @@ def tangent(angle: float) -> float:
 
 
 def arc_tangent(across: ArrayLike, along: ArrayLike) -> NDArray[np.float64]:
-    """Give the angle of points of a half plane from its axis.
+    """Give the angle of points of a half plane from its axis: radians, 0 to pi, and 0 at the origin.
 
-    Parameters
-    ----------
-    across, along : array_like
-        Coordinates, of shapes that broadcast; `across` at least 0.
-
-    Returns
-    -------
-    numpy.ndarray
-        Radians, 0 to pi, float64; 0 at the origin.
+    The shapes of the coordinates broadcast, and `across` is at least 0.
     """
     return _by_blocks(_arc_tangent, across, along)
 

@@ -24,20 +24,11 @@ _PAIRS = 1 << 18
 
 
 def overlapping_faces(surface: Surface, distance: float) -> NDArray[np.int64]:
-    """Find the pairs of faces that lie on each other.
+    """Find the pairs (p, 2), int64, of faces that lie on each other, each in both orders, sorted.
 
-    Parameters
-    ----------
-    surface : Surface
-        Near unit size, as prepared surfaces are.
-    distance : float
-        How near to the other's plane the corners of one of the two must be, in the surface's unit.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (p, 2), int64: each pair in both orders, sorted. Faces that meet in an edge or a vertex
-        alone are none, nor are those that cross at an angle.
+    The corners of one of the two must be within `distance` of the other's plane. Faces that meet in
+    an edge or a vertex alone are none, nor are those that cross at an angle. The surface is near
+    unit size, as prepared ones are.
     """
     cells = _nearest_to_vantage(surface) / _CELL
     whole = np.floor(cells)

@@ -19,19 +19,7 @@ _END = re.compile(rb"^end_header[ \t]*\r?(\n|$)", re.MULTILINE)
 
 @dataclass(frozen=True)
 class PlyHeader:
-    """A header.
-
-    Attributes
-    ----------
-    ascii : bool
-        Whether the data are text.
-    rows : int
-        Rows of all elements.
-    least_bytes : int
-        Bytes that these rows take at least.
-    length : int
-        Bytes of the header itself.
-    """
+    """A header of `length` bytes, and the bytes that the `rows` of all elements take at least."""
 
     ascii: bool
     rows: int

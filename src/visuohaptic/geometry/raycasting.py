@@ -68,12 +68,8 @@ _BOX_FACES = np.array(
 class Hits:
     """Where each of n rays first meets the surface.
 
-    Attributes
-    ----------
-    distance : numpy.ndarray
-        Shape (n,), float64: along the ray in lengths of its direction; infinite for a miss.
-    face : numpy.ndarray
-        Shape (n,), int64: the face that was hit, or `MISS`.
+    `distance` (n,), float64, is along the ray in lengths of its direction, infinite for a miss;
+    `face` (n,), int64, is the face that was hit, or `MISS`.
     """
 
     distance: NDArray[np.float64]
@@ -86,22 +82,10 @@ class Hits:
 
 
 class RayCaster:
-    """A surface prepared for rays.
+    """A surface prepared for rays; `bounds` (2, 3) are the lower and upper corner of its bounding box.
 
-    Parameters
-    ----------
-    surface : Surface
-        The surface; keep it near the origin and near unit size, for faces are
-        found in float32.
-    package : str, optional
-        Which of `scenes.SCENES` casts the rays. The first one that is installed if it is not given.
-
-    Attributes
-    ----------
-    surface : Surface
-        The same surface.
-    bounds : numpy.ndarray
-        Shape (2, 3), float64: lower and upper corner of its bounding box.
+    Keep it near the origin and near unit size, for faces are found in float32. `package` is the one
+    of `scenes.SCENES` that casts the rays, or else the first one that is installed.
     """
 
     def __init__(self, surface: Surface, package: str | None = None) -> None:
@@ -130,25 +114,14 @@ class RayCaster:
         directions: NDArray[np.float64],
         suspects: Suspects | None = None,
     ) -> Hits:
-        """Cast rays and give the first hit of each, the same bits on every x86-64 processor.
+        """Cast rays (n, 3) and give the first hit of each, the same bits on every x86-64 processor.
 
-        Doubtful is a ray that meets its face so near an edge or vertex, or so
-        grazing, that float32 may have taken the wrong face; and all that `suspects` names,
-        such as a miss between hits. These are settled in float64. Every ray is compared in float64
-        with the faces that are too narrow for float32, if the surface has such.
-
-        Parameters
-        ----------
-        origins, directions : numpy.ndarray
-            Shape (n, 3) each; the frame and unit of the surface's vertices.
-        suspects : callable, optional
-            Takes the distances of the first cast, shape (n,), and gives further doubtful
-            rays, shape (n,), bool.
-
-        Returns
-        -------
-        Hits
-            One entry a ray; independent of what else is in the batch as far as `suspects` is.
+        Doubtful is a ray that meets its face so near an edge or vertex, or so grazing, that float32
+        may have taken the wrong face; and all that `suspects` names, such as a miss between hits:
+        it takes the distances (n,) of the first cast and gives further doubtful rays (n,), bool.
+        These are settled in float64. Every ray is compared in float64 with the faces that are too
+        narrow for float32, if the surface has such. A ray's hit is independent of what else is in
+        the batch as far as `suspects` is.
         """
         hits, doubtful = self._cast(origins, directions)
         if suspects is not None:
@@ -170,19 +143,9 @@ class RayCaster:
         return hits
 
     def weights(self, points: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Give the barycentric weights of points on faces.
+        """Give barycentric weights (n, 3) of points (n, 3), each on the plane of its face, which has an area.
 
-        Parameters
-        ----------
-        points : numpy.ndarray
-            Shape (n, 3), float64, each on the plane of its face.
-        faces : numpy.ndarray
-            Shape (n,), int64: faces with an area.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n, 3), float64: at least 0, their sum is 1.
+        They are at least 0, and a point's sum is 1.
         """
         slopes = self.slopes.take(faces, axis=0)
         offsets = points - self._corners[:, 0].take(faces, axis=0)
@@ -207,39 +170,18 @@ class RayCaster:
     def winding_numbers(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> NDArray[np.int64]:
-        """Count in how many solids each ray begins: the faces through which it leaves less those it enters by.
+        """Count in how many solids each ray begins: faces by which it leaves less those by which it enters.
 
-        Parameters
-        ----------
-        origins, directions : numpy.ndarray
-            Shape (n, 3) each; the frame and unit of the surface's vertices.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n,), int64. Of a closed surface whose faces are wound alike it is the winding number of the
-            origin, 0 outside of all solids. Faces are found in float32; one that is met on its edge may
-            count twice.
+        Of a closed surface whose faces are wound alike it is the winding number of the origin, 0
+        outside of all solids. Faces are found in float32; one that is met on its edge may count
+        twice.
         """
         which, faces = self._scene.crossings(_as_float32(origins, directions))
         leaving = np.sign(dot(self._planes[faces], directions[which]))
         return np.bincount(which, leaving, minlength=len(origins)).astype(np.int64)
 
     def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Give the surface's nearest point to each point.
-
-        Parameters
-        ----------
-        points : numpy.ndarray
-            Shape (n, 3), float64; the frame and unit of the surface's vertices.
-
-        Returns
-        -------
-        points : numpy.ndarray
-            Shape (n, 3), float64, on the surface.
-        faces : numpy.ndarray
-            Shape (n,), int64: the face that each lies on, found in float32.
-        """
+        """Give the surface's nearest points (n, 3) to points (n, 3), and their faces (n,), found in float32."""
         faces = self._scene.nearest_faces(points)
         return nearest_on(self._corners[faces], points), faces
 

@@ -27,19 +27,10 @@ class Scene(Protocol):
     """Triangles that rays are cast at, in float32. It is made of corners, shape (v, 3), and faces, shape (f, 3)."""
 
     def first_faces(self, rays: Rays) -> FirstFaces:
-        """Give the face that each ray meets first.
+        """Give the face that each ray (n, 6), origin and direction, meets first, and where on it.
 
-        Parameters
-        ----------
-        rays : numpy.ndarray
-            Shape (n, 6), float32: origin and direction.
-
-        Returns
-        -------
-        faces : numpy.ndarray
-            Shape (n,), int64; -1 for a miss.
-        second, third : numpy.ndarray
-            Shape (n,), float32: weights of the face's second and third corner.
+        The face is int64, -1 for a miss; then come the weights, float32, of its second and third
+        corner.
         """
         ...
 

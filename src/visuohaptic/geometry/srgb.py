@@ -33,19 +33,9 @@ def encode_bytes(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 
 def dim_srgb(encoded: NDArray[np.float64], irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give the colours of surfaces in less than full light.
+    """Give sRGB colours (n, 3), 0 to 1, of surfaces in less than full light: of its share (n,), 0 to 1.
 
-    Parameters
-    ----------
-    encoded : numpy.ndarray
-        Shape (n, 3), float64: sRGB in full light, 0 to 1.
-    irradiance : numpy.ndarray
-        Shape (n,), float64: share of full light, 0 to 1.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64: sRGB; in full light exactly what was given.
+    In full light they are exactly what was given.
     """
     share = irradiance[:, None]
     # The power that decodes is the inverse of the one that encodes, so the light needs one alone.

@@ -26,28 +26,13 @@ def cuts(
     """Cut each polygon that its fan does not cover exactly, by ear clipping (``mapbox_earcut``).
 
     A polygon is seen along its area vector (Newell's normal), so one that is not flat is cut as its
-    projection. One without an area vector, or that crosses itself so that ear clipping comes no nearer
-    to its area, stays a fan.
+    projection. One without an area vector, or that crosses itself so that ear clipping comes no
+    nearer to its area, stays a fan.
 
-    Parameters
-    ----------
-    points : numpy.ndarray
-        Shape (v, 3), float64.
-    corners : numpy.ndarray
-        Shape (c,), int64; rows of `points`, polygon after polygon.
-    counts : numpy.ndarray
-        Shape (p,), int64; corners of each polygon.
-
-    Returns
-    -------
-    dict of int to numpy.ndarray
-        For each polygon that needs it, triangles of shape (t, 3), int64: places among its own
-        corners, in its own winding.
-
-    Raises
-    ------
-    MeshError
-        With the reason alone, if such a polygon has more than `MOST_CORNERS_CUT` corners.
+    `corners` (c,), int64, are rows of the points (v, 3), polygon after polygon, and `counts` (p,)
+    how many each has. Gives by the number of each polygon that needs it triangles (t, 3), int64:
+    places among its own corners, in its own winding. Raises `MeshError`, with the reason alone, if
+    such a polygon has more than `MOST_CORNERS_CUT` corners.
     """
     starts = np.cumsum(counts) - counts
     found: dict[int, NDArray[np.int64]] = {}

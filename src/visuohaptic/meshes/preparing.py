@@ -64,39 +64,19 @@ def normalise(
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = 1e-6,
 ) -> Surface:
-    """Turn, stretch, clean, centre and scale a surface.
+    """Turn, stretch, clean, centre and scale a surface of any frame and unit into the object frame.
 
-    The centre is the surface's centroid, weighted by area: it turns with the
-    object and does not move when triangles are subdivided. The vertex farthest
-    from it gets distance 1.
+    A rotation (3, 3) turns the model so that y is up. `dimensions` are the extents along x, y and z
+    to stretch to after that; an extent of zero stays zero. The centre is the surface's centroid,
+    weighted by area: it turns with the object and does not move when triangles are subdivided. The
+    vertex farthest from it gets distance 1. Vertices nearer than the merge tolerance, in units of
+    the result, become one.
 
-    No face without area is left: those go that have none in the file, whose vertices
-    merge, or that have none when vertices are rounded. Thin ones with some area stay.
+    No face without area is left: those go that have none in the file, whose vertices merge, or that
+    have none when vertices are rounded. Thin ones with some area stay. Vertices are numbers that
+    float32 holds exactly, so that a float64 oracle and the float32 caster see the same surface.
 
-    Parameters
-    ----------
-    surface : Surface
-        In any frame and unit.
-    name : str
-        What to call it in an error.
-    rotation : numpy.ndarray, optional
-        Shape (3, 3); turns the model so that y is up.
-    dimensions : tuple of float, optional
-        Extents along x, y and z to stretch to, after the rotation. An extent
-        of zero stays zero.
-    merge_tolerance : float
-        Vertices nearer than this become one, in units of the result.
-
-    Returns
-    -------
-    Surface
-        In the object frame. Vertices are numbers that float32 holds exactly, so
-        that a float64 oracle and the float32 caster see the same surface.
-
-    Raises
-    ------
-    MeshError
-        If a vertex is NaN or infinite, a face names no vertex, or there is no area.
+    Raises `MeshError` if a vertex is NaN or infinite, a face names no vertex, or there is no area.
     """
     return place(surface, name, rotation, dimensions, merge_tolerance)[0]
 
@@ -110,13 +90,9 @@ def place(
 ) -> tuple[Surface, NDArray[np.float64]]:
     """Do as `normalise` does, and give the way there.
 
-    Returns
-    -------
-    Surface
-        In the object frame.
-    numpy.ndarray
-        Shape (4, 4), float64: takes a point (x, y, z, 1) of the given frame into the object frame, to
-        the rounding of vertices; not finite where coordinates are so small or large that no number is its scale.
+    That is a matrix (4, 4) that takes a point (x, y, z, 1) of the given frame into the object
+    frame, to the rounding of vertices; it is not finite where coordinates are so small or large
+    that no number is its scale.
     """
     _check_finite(surface, name)
     used = surface.vertices[np.unique(surface.faces)]

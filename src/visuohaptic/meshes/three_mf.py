@@ -34,25 +34,11 @@ class _Object:
 
 
 def read_3mf(data: bytes) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Read all that a 3MF file builds, its parts where they stand.
+    """Read all that a 3MF file builds, its parts where they stand: vertices (v, 3) and faces (f, 3).
 
-    Parameters
-    ----------
-    data : bytes
-        The file.
-
-    Returns
-    -------
-    vertices : numpy.ndarray
-        Shape (v, 3), float64, in the file's own frame and unit.
-    faces : numpy.ndarray
-        Shape (f, 3), int64.
-
-    Raises
-    ------
-    MeshError
-        With the reason alone: if the file unpacks to too much, places too many parts, or refers to
-        what it does not hold. What is no zip archive or no XML fails as these do.
+    Vertices are in the file's own frame and unit. Raises `MeshError`, with the reason alone, if the
+    file unpacks to too much, places too many parts, or refers to what it does not hold. What is no
+    zip archive or no XML fails as these do.
     """
     with ZipFile(io.BytesIO(data)) as archive:
         _check_archive(archive)

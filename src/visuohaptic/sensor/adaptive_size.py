@@ -14,20 +14,7 @@ _STAND_CLEAR = 1e-9
 
 
 def box_heights(caster: RayCaster, poses: Poses) -> NDArray[np.float64]:
-    """Find how far the object's bounding box reaches above each tangent plane.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    poses : Poses
-        n sensors.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii: no part of the object stands higher.
-    """
+    """Find how far (n,) the object's bounding box reaches above each tangent plane, in object radii."""
     corners = np.where(
         poses.normals > 0, caster.bounds[1] - poses.points, caster.bounds[0] - poses.points
     )
@@ -35,26 +22,14 @@ def box_heights(caster: RayCaster, poses: Poses) -> NDArray[np.float64]:
 
 
 def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> NDArray[np.float64]:
-    """Find how far a square can grow before the surface crosses its plane.
+    """Find how far (n,) a square can grow before the surface crosses its plane, in object radii.
 
-    The surface that penetrates a plane is bounded by where it crosses it, so
-    rays within the plane, from the centre towards `PERIMETER_RAYS` points of the square's perimeter,
-    meet that bound exactly: also sheets along the normal, which no ray along the normal sees.
-    With directions of length one in the maximum norm, the distance along the ray is the half size itself.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    poses : Poses
-        n sensors.
-    height : float
-        Height of the plane above the tangent plane, object radii: the penetration tolerance.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii; infinite where no ray meets anything.
+    The plane is at a height above the tangent plane: the penetration tolerance. The surface that
+    penetrates it is bounded by where it crosses it, so rays within the plane, from the centre
+    towards `PERIMETER_RAYS` points of the square's perimeter, meet that bound exactly: also sheets
+    along the normal, which no ray along the normal sees. With directions of length one in the
+    maximum norm, the distance along the ray is the half size itself; it is infinite where no ray
+    meets anything.
     """
     free = np.full(len(poses), np.inf)
     step = RAYS_IN_FLIGHT // PERIMETER_RAYS
@@ -74,22 +49,11 @@ def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> NDArray[n
 def unobstructed_half_sizes(
     heights: NDArray[np.float64], sizes: NDArray[np.float64], tolerance: float
 ) -> NDArray[np.float64]:
-    """Find the square within which no sensing point is penetrated.
+    """Find the half edge (n,) of the square within which no sensing point stands above a tolerance.
 
-    Parameters
-    ----------
-    heights : numpy.ndarray
-        Shape (n, r, r), float64: `cast_heights` of squares of the edges `sizes`.
-    sizes : numpy.ndarray
-        Shape (n,), float64, object radii.
-    tolerance : float
-        Greatest height that counts as no penetration, object radii.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii: distance in the maximum norm from the centre to the
-        nearest penetrated sensing point; infinite where there is none.
+    It is the distance in the maximum norm from the centre to the nearest penetrated sensing point,
+    infinite where there is none. `heights` (n, r, r) are `cast_heights` of squares of the edges
+    `sizes` (n,); all lengths are in object radii.
     """
     offsets = np.abs(sensing_offsets(heights.shape[-1]))
     distance = np.maximum(offsets[:, None], offsets[None, :])
@@ -98,21 +62,10 @@ def unobstructed_half_sizes(
 
 
 def approach_distances(caster: RayCaster, poses: Poses, height: float) -> NDArray[np.float64]:
-    """Find how far each sensor's centre can be drawn back along its normal.
+    """Find how far (n,) above its tangent plane each sensor's centre can be drawn back along its normal.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    poses : Poses
-        n sensors.
-    height : float
-        Height above the tangent plane at which the way starts, object radii.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii above the tangent plane; infinite for an open way.
+    The way starts at a height above the plane; it is infinite where it is open. All in object
+    radii.
     """
     origins = poses.points + height * poses.normals
     return height + caster.first_hits(origins, poses.normals).distance
@@ -121,20 +74,7 @@ def approach_distances(caster: RayCaster, poses: Poses, height: float) -> NDArra
 def admissible_sizes(
     half_sizes: NDArray[np.float64], smallest: float, largest: float
 ) -> NDArray[np.float64]:
-    """Give the edge of the square from the half size that is free.
-
-    Parameters
-    ----------
-    half_sizes : numpy.ndarray
-        Shape (n,), float64, object radii: nothing within penetrates.
-    smallest, largest : float
-        The sensor's sizes, object radii.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii.
-    """
+    """Give the edge of the square from the half size within which nothing penetrates, in object radii."""
     return np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)
 
 

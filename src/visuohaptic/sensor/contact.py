@@ -14,28 +14,13 @@ def contact_states(
     blocked: NDArray[np.bool_],
     parameters: SensorParameters,
 ) -> NDArray[np.str_]:
-    """Name the state of each touch; the first that holds, in this order.
+    """Name the state (n,) of each touch, one of `tables.CONTACT_STATES`: the first that holds, in this order.
 
-    ``blocked``: something else of the object is in the way of the approaching
-    sensor. ``at_minimum``: the object still penetrates, and the sensor may shrink no further.
-    ``partial``: part of the sensor meets nothing within its depth range.
-    ``shrunk``: smaller than the largest square. ``full``: the largest square.
-
-    Parameters
-    ----------
-    heights : numpy.ndarray
-        Shape (n, r, r), float64, object radii: surface above the tangent plane.
-    sizes : numpy.ndarray
-        Shape (n,), float64, object radii.
-    blocked : numpy.ndarray
-        Shape (n,), bool: whether the way in is obstructed.
-    parameters : SensorParameters
-        The sensor's measures.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), str: names among `tables.CONTACT_STATES`.
+    ``blocked``: something else of the object is in the way of the approaching sensor.
+    ``at_minimum``: the object still penetrates, and the sensor may shrink no further. ``partial``:
+    part of the sensor meets nothing within its depth range. ``shrunk``: smaller than the largest
+    square. ``full``: the largest square. Heights (n, r, r), above the tangent plane, and sizes (n,)
+    are in object radii.
     """
     penetrating = (heights > parameters.penetration_tolerance).any(axis=(1, 2))
     partial = (heights < -parameters.depth_range).any(axis=(1, 2))

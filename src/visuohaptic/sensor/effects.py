@@ -29,19 +29,8 @@ def simulate(
 ) -> tuple[NDArray[np.float64], tuple[EffectRecord, ...]]:
     """Apply all effects that the scene needs, in the order of `EFFECTS`.
 
-    Parameters
-    ----------
-    situation : Situation
-        n touches.
-    contact : numpy.ndarray
-        Shape (n, r, r), float64, in [0, 1]: the output of a sensor without a cover.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64, of full scale: the readings, clipped to [0, 1].
-    tuple of EffectRecord
-        One for each effect.
+    `contact` (n, r, r) is the output, in [0, 1], of a sensor without a cover. Gives the readings
+    (n, r, r), of full scale, clipped to [0, 1].
     """
     modes = situation.scene.effects
     covered = situation.scene.cover != "none" and modes.elastic_cover != "never"
@@ -69,18 +58,7 @@ def add_effect(entry: Effect, source: str) -> None:
 
 
 def peak_depth_m(scene: Scene) -> float:
-    """Give the deepest press since the sensor was last free of the object, metres.
-
-    Parameters
-    ----------
-    scene : Scene
-        A scene of one or more presses.
-
-    Returns
-    -------
-    float
-        At least the last depth.
-    """
+    """Give the deepest press since the sensor was last free of the object, metres: at least the last depth."""
     depths = np.array(scene.press_depths_m)
     free = np.flatnonzero(depths[:-1] <= 0)
     since = free[-1] + 1 if len(free) else 0

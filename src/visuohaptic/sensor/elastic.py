@@ -21,22 +21,12 @@ def winkler_pressures(
     poisson_ratio: float,
     thickness_m: float,
 ) -> NDArray[np.float64]:
-    """Give the pressure on a thin layer bonded to a rigid backing, spring by spring.
+    """Give the pressure (n, r, r), pascal, on a thin layer bonded to a rigid backing, spring by spring.
 
-    ``p = w E (1 - ν) / ((1 + ν)(1 - 2ν) h)``: the layer can't bulge sideways, so the modulus of confined
-    compression counts (Johnson, Contact Mechanics, 1985, section 4.3).
-
-    Parameters
-    ----------
-    indentations : numpy.ndarray
-        Shape (n, r, r), float64, metres: overlap of object and cover; negative for a gap.
-    modulus_pa, poisson_ratio, thickness_m : float
-        The layer: Young's modulus, Poisson's ratio below 0.5, thickness.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64, pascal.
+    ``p = w E (1 - ν) / ((1 + ν)(1 - 2ν) h)``: the layer can't bulge sideways, so the modulus of
+    confined compression counts (Johnson, Contact Mechanics, 1985, section 4.3). `indentations` (n,
+    r, r) are the overlap of object and cover, metres, negative for a gap; Poisson's ratio is below
+    0.5.
     """
     nu = poisson_ratio
     confined = modulus_pa * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
@@ -49,25 +39,13 @@ def half_space_pressures(
     modulus_pa: float,
     poisson_ratio: float,
 ) -> NDArray[np.float64]:
-    """Give the pressure on an elastic half-space that a rigid object is pressed into.
+    """Give the pressure (n, r, r), pascal, on an elastic half-space that a rigid object is pressed into.
 
-    Finds pressures ``p >= 0`` whose displacements equal the indentation wherever ``p > 0``
-    and are no less elsewhere, by the conjugate gradient method of Polonsky and Keer (Wear
-    231, 1999) with the displacement given; convolution by FFT on the doubled grid.
-
-    Parameters
-    ----------
-    indentations : numpy.ndarray
-        Shape (n, r, r), float64, metres: overlap of object and cover; negative for a gap.
-    cell_edges_m : numpy.ndarray
-        Shape (n,), float64, metres: edge of a cell, over which pressure is constant.
-    modulus_pa, poisson_ratio : float
-        Young's modulus and Poisson's ratio of the cover.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64, pascal.
+    Finds pressures ``p >= 0`` whose displacements equal the indentation wherever ``p > 0`` and are
+    no less elsewhere, by the conjugate gradient method of Polonsky and Keer (Wear 231, 1999) with
+    the displacement given; convolution by FFT on the doubled grid. `indentations` (n, r, r) are the
+    overlap of object and cover, metres, negative for a gap; over a cell, of the edges
+    `cell_edges_m` (n,), pressure is constant.
     """
     count, resolution = indentations.shape[:2]
     flat = indentations.reshape(count, -1)
@@ -102,21 +80,11 @@ def half_space_pressures(
 
 
 def boussinesq_kernel(resolution: int) -> NDArray[np.float64]:
-    """Give the half-space's displacements under pressure on one square cell.
+    """Give the half-space's displacements (2r, 2r) under pressure on one square cell.
 
-    A. E. H. Love's integral of Boussinesq's point load over a rectangle, as in Johnson,
-    Contact Mechanics (1985), equation 3.25, at the cells' centres.
-
-    Parameters
-    ----------
-    resolution : int
-        Number r of cells along an edge.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (2r, 2r), float64: displacement × πE / ((1 - ν²) pressure × cell edge), at the lags
-        0, 1, …, r - 1, -r, …, -1 along each axis.
+    A. E. H. Love's integral of Boussinesq's point load over a rectangle, as in Johnson, Contact
+    Mechanics (1985), equation 3.25, at the cells' centres. In units of (1 - ν²) pressure × cell
+    edge / πE, at the lags 0, 1, …, r - 1, -r, …, -1 along each axis.
     """
     lags = np.roll(np.arange(-resolution, resolution, dtype=np.float64), resolution)
     x, y = lags[:, None], lags[None, :]

@@ -19,11 +19,10 @@ _POLE_OFFSET = 0.25
 def column_axes(
     normals: NDArray[np.float64], orientation: Orientation = "upright"
 ) -> NDArray[np.float64]:
-    """Give the direction in which an imprint's columns count up, from the normal alone.
+    """Give the direction (n, 3) in which an imprint's columns count up, from the outward normal alone.
 
-    Seen from outside, columns count to the right and rows downwards
-    (`row_axes`). No such rule is continuous over all normals (the hairy ball
-    theorem), so each says where it breaks:
+    Seen from outside, columns count to the right and rows downwards (`row_axes`); y is up. No such
+    rule is continuous over all normals (the hairy ball theorem), so each says where it breaks:
 
     - ``upright``: along ``y × n + n_y² x / 4``, made tangent. Columns are
       horizontal on every upright wall, and along +x on level faces. It breaks in the
@@ -31,18 +30,6 @@ def column_axes(
       the poles themselves, so slight tilts of a table top do not turn its imprints.
     - ``transported``: the x axis, turned the shortest way from +y to the normal.
       It breaks at -y alone.
-
-    Parameters
-    ----------
-    normals : numpy.ndarray
-        Shape (n, 3), float64, outward unit normals; y is up.
-    orientation : {"upright", "transported"}
-        The convention.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64, unit vectors perpendicular to the normals.
     """
     axes = _transported_x(normals) if orientation == "transported" else _upright_x(normals)
     axes = axes - np.einsum("ij,ij->i", axes, normals)[:, None] * normals
@@ -55,18 +42,7 @@ def column_axes(
 
 
 def row_axes(normals: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give the direction in which an imprint's rows count up: downwards, seen from outside.
-
-    Parameters
-    ----------
-    normals, columns : numpy.ndarray
-        Shape (n, 3) each, float64: outward unit normals and `column_axes`.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64, unit vectors.
-    """
+    """Give the direction (n, 3) in which an imprint's rows count up: downwards, seen from outside."""
     return np.cross(columns, normals)
 
 
@@ -89,21 +65,9 @@ def _any_perpendicular(normals: NDArray[np.float64]) -> NDArray[np.float64]:
 def touched_normals(
     caster: RayCaster, normals: NDArray[np.float64], faces: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Give the touched faces' own normals, turned to the side of given ones.
+    """Give the touched faces' own unit normals (n, 3), turned to the side of given ones.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    normals : numpy.ndarray
-        Shape (n, 3), float64, outward unit normals, such as interpolated ones.
-    faces : numpy.ndarray
-        Shape (n,), int64: the face under each probing location.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64, unit normals; the given one where a face has no area.
+    Where a face has no area, the given one, such as an interpolated one, stays.
     """
     own = caster.surface.face_normals[faces]
     side = np.einsum("ij,ij->i", own, normals)[:, None]

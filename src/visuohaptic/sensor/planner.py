@@ -20,16 +20,9 @@ from visuohaptic.sensor.random_fields import RandomFields
 class Situation:
     """Input of the effects for n touches; r is the sensor's resolution.
 
-    Attributes
-    ----------
-    scene : Scene
-        What is simulated.
-    gaps_m : numpy.ndarray
-        Shape (n, r, r), float64, metres: from the sensor's plane down to the object.
-    cell_edges_m : numpy.ndarray
-        Shape (n,), float64, metres: edge of a sensing cell.
-    fields : RandomFields or None
-        Source of random numbers; None if nothing random is simulated.
+    `gaps_m` (n, r, r), float64, are the metres from the sensor's plane down to the object,
+    `cell_edges_m` (n,) a sensing cell's edge, metres. `fields` is the source of random numbers,
+    None if nothing random is simulated.
     """
 
     scene: Scene
@@ -61,13 +54,10 @@ class Situation:
 
 @dataclass(frozen=True)
 class Signal:
-    """The cells' outputs between two effects.
+    """The cells' outputs between two effects, (n, r, r), float64, of full scale.
 
-    Attributes
-    ----------
-    now, peak : numpy.ndarray
-        Shape (n, r, r) each, float64, of full scale: at the reading, and the highest since the
-        cells were last unloaded. The same array if nothing was released.
+    `now` is at the reading, `peak` the highest since the cells were last unloaded: the same array
+    if nothing was released.
     """
 
     now: NDArray[np.float64]
@@ -133,26 +123,7 @@ class Effect:
 def apply_effect(
     effect: Effect, mode: Mode, situation: Situation, signal: Signal
 ) -> tuple[Signal, EffectRecord]:
-    """Simulate an effect for the touches that its mode selects.
-
-    Parameters
-    ----------
-    effect : Effect
-        The effect.
-    mode : {"auto", "always", "never"}
-        When it is simulated.
-    situation : Situation
-        The touches.
-    signal : Signal
-        Their outputs so far; left as it is.
-
-    Returns
-    -------
-    Signal
-        The outputs after the effect.
-    EffectRecord
-        What was done.
-    """
+    """Simulate an effect for the touches that its mode selects; the signal that is given stays as it is."""
     started = time.process_time()
     need = effect.need(situation, signal)
     running = np.full(len(situation), mode == "always") if mode != "auto" else need.rows

@@ -26,30 +26,17 @@ TOUCHES_AT_A_TIME = 256
 
 @dataclass(frozen=True)
 class Touches:
-    """What n touches gave; r is the sensor's resolution.
+    """What n touches gave; r is the sensor's resolution, lengths are in object radii.
 
-    Attributes
-    ----------
-    images : numpy.ndarray
-        Shape (n, r, r), float32, in [0, 1]. 1 is contact with the sensor's plane (with a
-        cover: full scale), 0 is out of the depth range or nothing met (no pressure). With
-        the normalisation `per_imprint` the nearest point of each imprint is 1 and its
-        farthest 0; a flat contact is 1 all over.
-    size : numpy.ndarray
-        Shape (n,), float64, object radii: edge of each square.
-    contact_state : numpy.ndarray
-        Shape (n,), str: one of `tables.CONTACT_STATES`.
-    penetration : numpy.ndarray
-        Shape (n,), float64, object radii: how high the object still stands above the tangent
-        plane within the square, at least 0.
-    normals, tangents : numpy.ndarray
-        Shape (n, 3) each, float64: the sensor's outward normal and its +column axis.
-    gaps : numpy.ndarray
-        Shape (n, r, r), float64, object radii: from the sensor's plane, resting on the highest
-        point within the square, down to the object; infinite where nothing is met, negative
-        only for what stands above the sensor's clearance.
-    effects : tuple of EffectRecord
-        Record of each effect, in the order in which they act.
+    `images` (n, r, r), float32, are in [0, 1]: 1 is contact with the sensor's plane (with a cover:
+    full scale), 0 is out of the depth range or nothing met (no pressure). With the normalisation
+    `per_imprint` the nearest point of each imprint is 1 and its farthest 0; a flat contact is 1 all
+    over. `size` (n,) are the squares' edges, `contact_state` (n,) is of `tables.CONTACT_STATES`,
+    and `penetration` (n,) how high the object still stands above the tangent plane within the
+    square, at least 0. `normals` and `tangents` (n, 3) are the sensor's outward normal and its
+    +column axis. `gaps` (n, r, r) are from the sensor's plane, resting on the highest point within
+    the square, down to the object; infinite where nothing is met, negative only for what stands
+    above the sensor's clearance. `effects` are in the order in which they act.
     """
 
     images: NDArray[np.float32]
@@ -71,34 +58,12 @@ def touch(
     fields: RandomFields | None = None,
     faces: NDArray[np.int64] | None = None,
 ) -> Touches:
-    """Touch an object at many places.
+    """Touch an object at n places, each independent of what else is in the batch, bit for bit.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    points, normals : numpy.ndarray
-        Shape (n, 3) each, float64, object frame: probing locations and outward unit normals.
-    parameters : SensorParameters
-        The sensor's measures.
-    scene : Scene
-        What is simulated.
-    fields : RandomFields, optional
-        Source of random numbers, one chain of names a touch; a scene with
-        scattered gains, dead cells or noise needs it.
-    faces : numpy.ndarray, optional
-        Shape (n,), int64: the face under each probing location, for the normal `face`. Without
-        them the given normals are taken.
-
-    Returns
-    -------
-    Touches
-        Each touch is independent of what else is in the batch, bit for bit.
-
-    Raises
-    ------
-    ParameterError
-        If the scene is random and no fields are given.
+    Probing locations and their outward unit normals are (n, 3), object frame. `fields` is the
+    source of random numbers, one chain of names a touch; `ParameterError` is raised where the scene
+    has scattered gains, dead cells or noise and there is none. `faces` (n,), int64, lie under the
+    locations, for the normal `face`; without them the given normals are taken.
     """
     mode = scene.effects.adaptive_size
     return feel(
@@ -152,25 +117,7 @@ def stand(
     parameters: SensorParameters,
     faces: NDArray[np.int64] | None = None,
 ) -> Poses:
-    """Place sensors on an object, with the normal that the parameters ask for.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    points, normals : numpy.ndarray
-        Shape (n, 3) each, float64, object frame: probing locations and outward unit normals.
-    parameters : SensorParameters
-        The sensor's measures.
-    faces : numpy.ndarray, optional
-        Shape (n,), int64: the face under each probing location, for the normal `face`. Without
-        them the given normals are taken.
-
-    Returns
-    -------
-    Poses
-        n sensors, each independent of the others.
-    """
+    """Place n sensors on an object as `touch` does, with the normal that the parameters ask for."""
     if parameters.normal == "face" and faces is not None:
         normals = touched_normals(caster, normals, faces)
     poses = stand_on(points, normals, parameters.orientation)
@@ -232,20 +179,10 @@ def _feel_batch(
 
 
 def stretch(signal: NDArray[np.float64], least_span: float) -> NDArray[np.float64]:
-    """Stretch each image to [0, 1], but none by more than its least span allows.
+    """Stretch each image (n, r, r) to [0, 1], one whose span is below the least only as far as that allows.
 
-    Parameters
-    ----------
-    signal : numpy.ndarray
-        Shape (n, r, r), float64.
-    least_span : float
-        Span below which an image is not stretched further.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64: the largest value of each image becomes 1, its least 0 or, for nearly flat images, nearer to 1;
-        an image of zeros stays.
+    The largest value of each becomes 1, its least 0 or, for nearly flat images, nearer to 1; an
+    image of zeros stays.
     """
     peak = signal.max(axis=(1, 2), keepdims=True)
     span = np.maximum(peak - signal.min(axis=(1, 2), keepdims=True), least_span)

@@ -20,15 +20,7 @@ from visuohaptic.tables.schema import matrix, names_of
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is wanted of each sequence of touches.
-
-    Attributes
-    ----------
-    touches : int
-        Most touches.
-    unreachable, when_exhausted : str
-        As in section `probing` of the parameters.
-    """
+    """What is wanted of each sequence of touches, at most so many; the other fields are as in section `probing`."""
 
     touches: int
     unreachable: Literal["replace", "keep"] = "replace"
@@ -38,29 +30,14 @@ class Wanted:
 def choose_places(
     caster: RayCaster, located: pa.Table, sensor: SensorParameters, wanted: Wanted
 ) -> tuple[pa.Table, NDArray[np.int64]]:
-    """Choose the probing locations that are touched.
+    """Choose the probing locations that are touched, among rows of `tables.FIXATIONS`.
 
-    A sequence takes its first locations. Where those out of reach are replaced, it passes over
-    them and takes the next ones, and ends before the one that would be the `SPARE` + first passed
-    over. So its touches don't depend on how many are asked for.
+    A sequence takes its first locations. Where those out of reach are replaced, as column
+    ``unreachable`` says or else `wanted`, it passes over them and takes the next ones, and ends
+    before the one that would be the `SPARE` + first passed over. So its touches don't depend on how
+    many are asked for.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    located : pyarrow.Table
-        Rows of `tables.FIXATIONS`, each sequence in its order.
-    sensor : SensorParameters
-        Section `sensor`: what is in reach depends on it.
-    wanted : Wanted
-        How many touches, and of which places; column ``unreachable`` has the first word.
-
-    Returns
-    -------
-    places : pyarrow.Table
-        Rows of `tables.FIXATIONS`, their column ``touch`` counted anew.
-    ranks : numpy.ndarray
-        Shape (n,), int64: column ``touch`` as it was.
+    Gives the rows with column ``touch`` counted anew, and that column (n,), int64, as it was.
     """
     ranks = located.column("touch").to_numpy().astype(np.int64)
     policy = pc.fill_null(located.column("unreachable"), wanted.unreachable)
