@@ -89,17 +89,7 @@ class ContourletOperator:
 
 
 def blockwise_product(rows: Floats, matrix: Floats) -> Floats:
-    """Multiply row vectors with a matrix; a row's result depends on that row alone, bit for bit.
-
-    Parameters
-    ----------
-    rows : (n, inner)
-    matrix : (inner, outer)
-
-    Returns
-    -------
-    (n, outer)
-    """
+    """Multiply row vectors with a matrix; a row's result depends on that row alone, bit for bit."""
     outer = matrix.shape[1]
     width = -(-outer // _ALIGNMENT) * _ALIGNMENT
     if width != outer:

@@ -21,17 +21,10 @@ Floats = NDArray[np.floating[Any]]
 
 
 def fold_indices(index: Indices, size: int, extension: Extension, *, odd: bool) -> Indices:
-    """Map indices outside `0 … size − 1` back into an axis.
+    """Map indices outside `0 … size − 1` back into an axis: `symmetric` reflects, the others wrap.
 
-    Parameters
-    ----------
-    index : intp
-    size : int
-    extension : {"periodic", "circular", "symmetric"}
-        The first two wrap; the last reflects.
-    odd : bool
-        Reflect about the first and the last sample, as filters of odd length need, rather than half a
-        sample outside of them.
+    An `odd` reflection is about the first and the last sample, as filters of odd length need,
+    rather than half a sample outside of them.
     """
     if extension != "symmetric":
         return index % size
@@ -143,19 +136,9 @@ def _up_adjoint(x: Floats, taps: NDArray[np.float64], extension: Extension) -> F
 def analyse_pyramid(
     x: Floats, filters: PyramidFilters, extension: Extension
 ) -> tuple[Floats, Floats]:
-    """Split images into a coarse image of half the size and a detail image of full size.
+    """Split images (rows, columns, images), of even sides, into a coarse and a detail image.
 
-    Parameters
-    ----------
-    x : (rows, columns, images) float32 or float64
-        Even rows and columns.
-    filters : PyramidFilters
-    extension : {"periodic", "circular", "symmetric"}
-
-    Returns
-    -------
-    coarse : (rows / 2, columns / 2, images)
-    detail : (rows, columns, images)
+    The coarse one has half the rows and columns, the detail image all.
     """
     coarse = _down(x, filters.analysis, extension)
     return coarse, x - _up(coarse, filters.synthesis, extension)
