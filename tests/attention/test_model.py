@@ -6,13 +6,13 @@ from numerics.surfaces import lopsided
 
 from visuohaptic.attention import (
     CHANNELS,
+    MEASURES,
     AttentionError,
     AttentionParameters,
     ChannelWeights,
-    area_under_curve,
+    GazedSurface,
     attend,
     conspicuity_maps,
-    normalised_scanpath_saliency,
     prepare_view,
     saliency_map,
 )
@@ -89,8 +89,10 @@ def test_odd_one_scores_high(name):
         image = display_with(place, target, other, size=128)
         result, _ = first_hit(image, place, AttentionParameters(fixations=1))
         item = displays.item_cover(place, target, 128, 128) > 0.5
-        areas.append(area_under_curve(result.saliency, item, np.ones_like(item)))
-        scores.append(normalised_scanpath_saliency(result.saliency, item, np.ones_like(item)))
+        everywhere = np.ones(item.size)
+        gazed = GazedSurface(item.ravel().astype(float), everywhere, everywhere > 0)
+        areas.append(MEASURES["auc_gaze"](result.saliency.ravel(), gazed))
+        scores.append(MEASURES["normalised_saliency"](result.saliency.ravel(), gazed))
     assert min(areas) > 0.85
     assert min(scores) > 5.0
 

@@ -5,6 +5,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
 import trimesh
+from numerics.surfaces import build_plain_surface, of_trimesh
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.locations import candidate_table, locate
@@ -16,7 +17,6 @@ from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.strategies.farthest_point import spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import FIXATIONS, SPARE
 from visuohaptic.tables.schema import check_table, matrix
@@ -28,9 +28,8 @@ RENDERING = RenderingParameters(resolution=64)
 @pytest.fixture(scope="module")
 def caster():
     mesh = trimesh.creation.box((1.2, 0.8, 0.6)).subdivide()
-    faces = np.asarray(mesh.faces, dtype=np.int64)
-    colours = np.random.default_rng(0).integers(0, 255, (len(faces), 3)).astype(np.uint8)
-    return RayCaster(Surface(np.asarray(mesh.vertices), faces, colours))
+    colours = np.random.default_rng(0).integers(0, 255, (len(mesh.faces), 3))
+    return RayCaster(of_trimesh(mesh, colours))
 
 
 def looks_of(caster, block=(0, 1, 2), **changes):
@@ -125,11 +124,7 @@ def test_the_most_curved_places_of_a_box_are_its_edges(caster):
 
 
 def test_a_surface_without_curvature_has_places_too():
-    flat = Surface(
-        np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]]),
-        np.array([[0, 1, 2]]),
-        np.full((1, 3), 90, np.uint8),
-    )
+    flat = build_plain_surface([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
     one = looks_of(RayCaster(flat), block=(0,))[0]
     assert locate(one, "curvature", ATTENTION, 3).num_rows >= 6
 

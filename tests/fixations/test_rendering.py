@@ -97,14 +97,6 @@ def test_no_camera_gives_no_view():
     assert {record.touches for record in views.effects} == {0}
 
 
-def test_flat_shading_shows_the_mesh_colours():
-    modes = EffectModes(shading="never")
-    views = render_views(RayCaster(SPHERE), CAMERAS[:1], RenderingParameters(), modes)
-    np.testing.assert_allclose(
-        np.unique(views.colour[views.mask], axis=0), [[200 / 255, 120 / 255, 60 / 255]], rtol=1e-6
-    )
-
-
 def test_grey_stays_grey_under_shading():
     grey = Surface(SPHERE.vertices, SPHERE.faces, np.full_like(SPHERE.face_colours, 137))
     views = render_views(RayCaster(grey), CAMERAS[:1], RenderingParameters())
@@ -165,12 +157,7 @@ def plate_above_ball(colours):
     plate = trimesh.creation.box(extents=(0.9, 0.05, 0.9))
     plate.apply_translation((0.0, 0.65, 0.0))
     mesh = trimesh.util.concatenate([ball, plate])
-    parts = np.repeat([0, 1], [len(ball.faces), len(plate.faces)])
-    return Surface(
-        np.asarray(mesh.vertices, dtype=np.float64),
-        np.asarray(mesh.faces, dtype=np.int64),
-        np.array(colours, dtype=np.uint8)[parts],
-    )
+    return of_trimesh(mesh, np.repeat(colours, [len(ball.faces), len(plate.faces)], axis=0))
 
 
 COLOURED = plate_above_ball([(200, 60, 60), (60, 110, 180)])
@@ -199,11 +186,6 @@ def test_auto_sees_bit_for_bit_what_always_sees(surface, ambient):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
-def test_no_shadow_is_cast_unless_asked_for():
-    assert see(COLOURED).lit.all()
-    assert not books(see(COLOURED))["cast_shadows"].runs
-
-
 def test_shadows_only_darken_and_only_where_no_light_falls():
     plain = see(COLOURED).colour
     shadowed = see(COLOURED, cast_shadows="auto")
@@ -218,13 +200,6 @@ def test_even_light_shows_colours_as_they_are():
     colours = (COLOURED.face_colours[views.face[views.mask]] / 255.0).astype(np.float32)
     np.testing.assert_array_equal(views.colour[views.mask], colours)
     assert not books(views)["shading"].runs
-
-
-def test_without_colour_views_are_grey_and_without_texture_of_one_colour():
-    grey = see(COLOURED, ambient=1.0, colour="never")
-    assert np.ptp(grey.colour[grey.mask], axis=-1).max() == 0
-    plain = see(COLOURED, ambient=1.0, texture="never")
-    assert len(np.unique(plain.colour[plain.mask], axis=0)) == 1
 
 
 @pytest.mark.parametrize("effect", VISUAL_EFFECTS)

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sensor.scenes import probes_on
 from sensor.shapes import box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.geometry.raycasting import RayCaster
@@ -76,17 +77,6 @@ def test_a_shelf_over_the_probed_point_blocks_and_the_surface_below_is_still_fel
     assert -0.02 < placement.heights.min() < placement.heights.max() <= 0
 
 
-def test_a_crack_narrower_than_the_smallest_square_stays_penetrated():
-    slit = joined(
-        box((-0.5, -0.3, -0.5), (-0.004, 0.05, 0.5)),
-        box((-0.01, -0.3, -0.5), (0.01, 0, 0.5)),
-        box((0.004, -0.3, -0.5), (0.5, 0.05, 0.5)),
-    )
-    placement = placed(slit, (0, 0, 0.0), (0, 1, 0))
-    assert placement.sizes[0] == PARAMETERS.smallest_size
-    assert placement.heights.max() == pytest.approx(0.05)
-
-
 def test_never_keeps_the_largest_square():
     bowl = hard_probes()["bowl, inside"]
     placement = placed(bowl.surface, bowl.point, bowl.normal, mode="never")
@@ -119,18 +109,11 @@ def bumpy_sheets(draw):
     return sheet(height, half=0.5, cells=draw(st.sampled_from([12, 60])))
 
 
-def points_on(surface, count, seed):
-    generator = np.random.default_rng(seed)
-    rows = generator.integers(0, len(surface.faces), count)
-    weights = generator.dirichlet([1, 1, 1], count)
-    return np.einsum("ij,ijk->ik", weights, surface.triangles[rows]), surface.face_normals[rows]
-
-
 @pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(bumpy_sheets(), st.integers(0, 1000))
 def test_whatever_the_ground_the_square_is_admissible_and_the_largest(surface, seed):
-    points, normals = points_on(surface, 12, seed)
+    points, normals, _ = probes_on(surface, 12, seed)
     caster, poses = RayCaster(surface), stand_on(points, normals)
     placement = place(caster, poses, PARAMETERS, "auto")
     sizes, penetration = placement.sizes, placement.heights.max(axis=(1, 2))

@@ -19,10 +19,7 @@ from visuohaptic.errors import ParameterError
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, Scene
-from visuohaptic.sensor import (
-    SensorParameters,
-    touch,
-)
+from visuohaptic.sensor import SensorParameters, touch
 from visuohaptic.sensor.touching import feel, place_sensors
 from visuohaptic.tables.phases import CONTACT_STATES
 
@@ -128,6 +125,7 @@ def test_a_crack_too_narrow_for_the_fingertip_is_at_minimum():
     )
     touches = touch_one(slit, (0, 0, 0), (0, 1, 0))
     assert touches.contact_state[0] == "at_minimum"
+    assert touches.size[0] == SensorParameters().smallest_size
     assert touches.penetration[0] == pytest.approx(0.05)
     # The rigid sensor rests on both banks and hangs over the crack.
     assert (touches.images[0][:, 0] == 1).all()

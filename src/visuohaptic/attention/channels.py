@@ -7,7 +7,7 @@ its pixels, so that only the object counts.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -49,15 +49,11 @@ RADIAL_STRICTNESS = 2.0
 FULL_SYMMETRY = 4.95
 
 
-def _in_fours(names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
-    return tuple(tuple(names[start : start + 4]) for start in range(0, len(names), 4))
-
-
-def _slots() -> tuple[tuple[str, ...], ...]:
+def _slots() -> Iterator[tuple[str, ...]]:
     """Name the channel of each plane in the stacks of four."""
-    return _in_fours(
-        [name for name, entry in ENTRIES.items() if entry.planes for _ in range(entry.count)]
-    )
+    names = [name for name, entry in ENTRIES.items() if entry.planes for _ in range(entry.count)]
+    for start in range(0, len(names), 4):
+        yield tuple(names[start : start + 4])
 
 
 @dataclass(frozen=True)
@@ -330,19 +326,11 @@ def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
     return lowest == highest
 
 
-@dataclass(frozen=True)
-class _GaborPair:
-    """A pair of Gabor filters as sums of products of a row and a column, and the pair mirrored at a column."""
-
-    # Cosine and sine of the wave, by the Gaussian; of the pair and of the mirrored one, 1 / norm of
-    # the even filter, its mean, and 1 / norm of the odd one.
-    across: tuple[Plane, Plane]
-    down: tuple[Plane, Plane]
-    scales: tuple[Plane, ...]
-
-
 @cache
-def _gabor_pair(angle: float) -> _GaborPair:
+def _gabor_pair(angle: float) -> tuple[list[Plane], list[Plane], list[Plane]]:
+    """Give a pair of Gabor filters as sums of products of a row and a column, and the pair mirrored at a column."""
+    # Cosine and sine of the wave, by the Gaussian, across and down; of the pair and of the mirrored
+    # one, 1 / norm of the even filter, its mean, and 1 / norm of the odd one.
     reach = np.arange(GABOR_SIZE) - GABOR_SIZE // 2
     envelope = np.exp(-(reach**2) / (2.0 * GABOR_DEVIATION**2))
     waves = [2.0 * np.pi / GABOR_PERIOD * reach * step for step in (np.cos(angle), np.sin(angle))]
@@ -354,11 +342,7 @@ def _gabor_pair(angle: float) -> _GaborPair:
         mean = even.mean()
         triple = 1.0 / np.linalg.norm(even - mean), mean, 1.0 / np.linalg.norm(odd)
         scales.append(plain_kernel(triple))
-    return _GaborPair(
-        (plain_kernel(cos_x), plain_kernel(sin_x)),
-        (plain_kernel(cos_y), plain_kernel(sin_y)),
-        tuple(scales),
-    )
+    return list(map(plain_kernel, (cos_x, sin_x))), list(map(plain_kernel, (cos_y, sin_y))), scales
 
 
 def _gabor_energies(image: Plane, count: int) -> list[Plane]:
@@ -367,14 +351,12 @@ def _gabor_energies(image: Plane, count: int) -> list[Plane]:
     sums = cv2.boxFilter(image, -1, window, normalize=False, borderType=GOES_ON)
     energies: dict[int, Plane] = {}
     for index in range(count // 2 + 1):
-        pair = _gabor_pair(np.pi * index / count)
+        across, down, scales = _gabor_pair(np.pi * index / count)
         (cos_cos, sin_cos), (cos_sin, sin_sin) = (
-            [_filtered(image, row, column) for row in pair.across] for column in pair.down
+            [_filtered(image, row, column) for row in across] for column in down
         )
         waves = ((cos_cos - sin_sin, sin_cos + cos_sin), (cos_cos + sin_sin, sin_cos - cos_sin))
-        for place, (even, odd), scale in zip(
-            (index, count - index), waves, pair.scales, strict=True
-        ):
+        for place, (even, odd), scale in zip((index, count - index), waves, scales, strict=True):
             even_scale, mean, odd_scale = scale
             energies[place] = np.sqrt(
                 np.square(even_scale * (even - mean * sums)) + np.square(odd_scale * odd)

@@ -64,19 +64,9 @@ def attend(
     """
     _check_views(colour, mask, point, normal, face, curvature)
     _check_eyes(eye, len(mask), parameters)
-    return [
-        _attend_view(
-            colour[view],
-            mask[view],
-            point[view],
-            normal[view],
-            face[view],
-            curvature[view],
-            parameters,
-            None if eye is None else eye[view],
-        )
-        for view in range(len(mask))
-    ]
+    eyes = [None] * len(mask) if eye is None else eye
+    views = zip(colour, mask, point, normal, face, curvature, eyes, strict=True)
+    return [_attend_view(*view, parameters) for view in views]
 
 
 @plain_filters()
@@ -111,8 +101,8 @@ def _attend_view(
     normal: NDArray[np.float64],
     face: NDArray[np.int64],
     curvature: NDArray[np.float32],
-    parameters: AttentionParameters,
     eye: NDArray[np.float64] | None,
+    parameters: AttentionParameters,
 ) -> Attention:
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     channels = tuple(name for name in CHANNELS if name not in skipped)

@@ -16,8 +16,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
 from visuohaptic.meshes.claims import check_claims, gltf_json
 from visuohaptic.meshes.collada import checked_collada
-from visuohaptic.meshes.gltf_files import check_gltf
-from visuohaptic.meshes.gltf_wraps import add_wraps
+from visuohaptic.meshes.gltf_files import add_wraps, check_gltf
 from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
 from visuohaptic.meshes.obj_files import checked_obj
 from visuohaptic.meshes.off_files import checked_off

@@ -15,13 +15,7 @@ from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
 from visuohaptic.sensor.planner import Effect, Need, Signal, Situation, apply_effect
-from visuohaptic.sensor.readout import (
-    add_noise,
-    break_cells,
-    quantise,
-    read_floating,
-    read_grounded,
-)
+from visuohaptic.sensor.readout import quantise, read_floating, read_grounded
 
 
 def simulate(
@@ -178,7 +172,7 @@ def _need_dead_cells(situation: Situation, signal: Signal) -> Need:
 def _run_dead_cells(situation: Situation, signal: Signal) -> Signal:
     chances = situation.random.of_sensor("dead_cells").random(signal.now.shape[1:])
     dead = chances < situation.scene.dead_fraction
-    return signal.map(lambda values: break_cells(values, dead))
+    return signal.map(lambda values: np.where(dead, 0.0, values))
 
 
 def _need_crosstalk(situation: Situation, signal: Signal) -> Need:
@@ -212,7 +206,7 @@ def _need_noise(situation: Situation, _: Signal) -> Need:
 
 def _run_noise(situation: Situation, signal: Signal) -> Signal:
     deviates = situation.random.of_touches("noise", signal.now.shape[-1])
-    now = add_noise(signal.now, situation.scene.noise, deviates)
+    now = signal.now + situation.scene.noise * deviates
     return Signal(now, now)
 
 

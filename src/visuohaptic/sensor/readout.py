@@ -6,11 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def break_cells(outputs: NDArray[np.float64], dead: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Open the circuit of dead cells (r, r): outputs (n, r, r) are 0 there."""
-    return np.where(dead, 0.0, outputs)
-
-
 def read_grounded(conductances: NDArray[np.float64], line_resistance: float) -> NDArray[np.float64]:
     """Read each cell with all other lines held at zero volts through their line resistance.
 
@@ -49,13 +44,6 @@ def read_floating(conductances: NDArray[np.float64], stand_off: float) -> NDArra
     own = inverse[:, diagonal, diagonal]
     between = own[:, :resolution, None] + own[:, None, resolution:]
     return 1 / (between - 2 * inverse[:, :resolution, resolution:])
-
-
-def add_noise(
-    outputs: NDArray[np.float64], deviation: float, deviates: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Add the amplifier's noise to outputs (n, r, r): each touch's own standard normal deviates by a deviation."""
-    return outputs + deviation * deviates
 
 
 def quantise(outputs: NDArray[np.float64], bits: int) -> NDArray[np.float64]:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord, merge_records
-from visuohaptic.sensor.contact import contact_states
 from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.frames import touched_normals
 from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
@@ -143,6 +142,29 @@ def _join(parts: Sequence[Touches]) -> Touches:
         tangents=np.concatenate([part.tangents for part in parts]),
         gaps=np.concatenate([part.gaps for part in parts]),
         effects=merge_records([part.effects for part in parts]),
+    )
+
+
+def contact_states(
+    heights: NDArray[np.float64],
+    sizes: NDArray[np.float64],
+    blocked: NDArray[np.bool_],
+    parameters: SensorParameters,
+) -> NDArray[np.str_]:
+    """Name the state (n,) of each touch, one of `tables.CONTACT_STATES`: the first that holds, in this order.
+
+    ``blocked``: something else of the object is in the way of the approaching sensor.
+    ``at_minimum``: the object still penetrates, and the sensor may shrink no further. ``partial``:
+    part of the sensor meets nothing within its depth range. ``shrunk``: smaller than the largest
+    square. ``full``: the largest square. Heights (n, r, r), above the tangent plane, and sizes (n,)
+    are in object radii.
+    """
+    penetrating = (heights > parameters.penetration_tolerance).any(axis=(1, 2))
+    partial = (heights < -parameters.depth_range).any(axis=(1, 2))
+    return np.select(
+        [blocked, penetrating, partial, sizes < parameters.largest_size],
+        ["blocked", "at_minimum", "partial", "shrunk"],
+        default="full",
     )
 
 
