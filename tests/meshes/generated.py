@@ -1,12 +1,34 @@
 """Models made by a seed, written in each format as other programs write them, and what they are."""
 
+import io
 import itertools
 import json
+import re
 import struct
+import zipfile
 from dataclasses import dataclass
 
 import numpy as np
+from PIL import Image
 from scipy.spatial.transform import Rotation
+
+# An image of eight texels a side, and an upright square that shows it once.
+BOARD = np.where(
+    (np.indices((8, 8)).sum(axis=0) % 2 == 0)[..., None], (250, 240, 20), (10, 30, 120)
+).astype(np.uint8)
+SQUARE = """mtllib a.mtl
+v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
+usemtl paint\nf 1/1 2/2 3/3 4/4\n"""
+
+
+def write_square(folder, image=None, material="Kd 1 1 1\n", text=SQUARE):
+    """Write the square as OBJ, and beside it its material and its image, if any."""
+    if image is not None:
+        Image.fromarray(image).save(folder / "t.png")
+        material += "map_Kd t.png\n"
+    (folder / "a.mtl").write_text(f"newmtl paint\n{material}")
+    (folder / "a.obj").write_text(text)
+    return folder / "a.obj"
 
 
 @dataclass(frozen=True)
@@ -69,6 +91,12 @@ def as_obj_backwards(points, faces):
         rows += ["v {!r} {!r} {!r}".format(*map(float, points[corner])) for corner in face]
         rows.append("f " + " ".join(str(k - len(face)) for k in range(len(face))))
     return "\n".join([*rows, ""]).encode()
+
+
+def as_obj_by_blender(points, faces):
+    """Each corner with a normal, and without a place in an image."""
+    text = re.sub(rb" (\d+)(?=\s)", rb" \1//1", as_obj(points, faces))
+    return b"# Blender\no L\nvn 0 0 1\n" + text + b"s off\n"
 
 
 def as_off(points, faces):
@@ -136,6 +164,28 @@ def packed_glb(document, data):
 
 def as_glb(points, faces):
     return packed_glb(*gltf_parts(points, faces))
+
+
+def packed(files, method=zipfile.ZIP_DEFLATED):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", method) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return stream.getvalue()
+
+
+def as_3mf(points, faces):
+    vertices = "".join(
+        '<vertex x="{!r}" y="{!r}" z="{!r}"/>'.format(*map(float, p)) for p in points
+    )
+    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*face) for face in faces)
+    text = (
+        '<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">'
+        f'<resources><object id="1" type="model"><mesh><vertices>{vertices}</vertices><triangles>'
+        f"{triangles}</triangles></mesh></object></resources>"
+        '<build><item objectid="1"/></build></model>'
+    )
+    return packed({"3D/3dmodel.model": text})
 
 
 def as_dae(points, faces, kind="polylist"):

@@ -3,46 +3,23 @@
 import numpy as np
 import pytest
 import trimesh
+from meshes.generated import BOARD, write_square
 from PIL import Image
 
 from visuohaptic.errors import MeshError
 from visuohaptic.meshes.in_memory import GREY
 from visuohaptic.meshes.model_files import read_model
 
-SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
-
-def write_square(folder, material="", faces="f 1 2 3 4\n", texture=""):
-    (folder / "a.mtl").write_text(material)
-    (folder / "a.obj").write_text(f"mtllib a.mtl\n{SQUARE}{texture}usemtl paint\n{faces}")
-    return folder / "a.obj"
-
-
-def test_a_material_gives_its_diffuse_colour(tmp_path):
-    surface = read_model(write_square(tmp_path, "newmtl paint\nKd 1 0.5 0\n"))
-    np.testing.assert_allclose(surface.face_colours, [[255, 128, 0]] * 2, atol=1)
-
-
-def test_a_missing_texture_leaves_the_diffuse_colour(tmp_path):
-    path = write_square(
-        tmp_path,
-        "newmtl paint\nKd 0 0 1\nmap_Kd gone.png\n",
-        "f 1/1 2/2 3/3 4/4\n",
-        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n",
-    )
-    np.testing.assert_allclose(read_model(path).face_colours, [[0, 0, 255]] * 2, atol=1)
-
-
-def test_a_texture_outside_the_folder_is_not_read(tmp_path):
-    Image.fromarray(np.full((8, 8, 3), (10, 200, 30), np.uint8)).save(tmp_path / "secret.png")
+@pytest.mark.parametrize("image", ["", "map_Kd gone.png\n", "map_Kd ../secret.png\n"])
+def test_a_material_gives_its_diffuse_colour_where_its_image_is_not_there_or_outside(
+    tmp_path, image
+):
+    Image.fromarray(BOARD).save(tmp_path / "secret.png")
     (tmp_path / "models").mkdir()
-    path = write_square(
-        tmp_path / "models",
-        "newmtl paint\nKd 0 0 1\nmap_Kd ../secret.png\n",
-        "f 1/1 2/2 3/3 4/4\n",
-        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n",
-    )
-    assert not (read_model(path).face_colours == [10, 200, 30]).all(axis=1).any()
+    surface = read_model(write_square(tmp_path / "models", material=f"Kd 1 0.5 0\n{image}"))
+    np.testing.assert_allclose(surface.face_colours, [[255, 128, 0]] * 2, atol=1)
+    assert surface.texture is None
 
 
 def test_vertex_colours_are_averaged_over_the_corners(tmp_path):
