@@ -66,7 +66,7 @@ def attend(
     _check_eyes(eye, len(mask), parameters)
     eyes = [None] * len(mask) if eye is None else eye
     views = zip(colour, mask, point, normal, face, curvature, eyes, strict=True)
-    return [_attend_view(*view, parameters) for view in views]
+    return [_attend_view(parameters, *view) for view in views]
 
 
 @plain_filters()
@@ -95,6 +95,7 @@ def feature_planes(
 
 
 def _attend_view(
+    parameters: AttentionParameters,
     colour: NDArray[np.float32],
     mask: NDArray[np.bool_],
     point: NDArray[np.float64],
@@ -102,7 +103,6 @@ def _attend_view(
     face: NDArray[np.int64],
     curvature: NDArray[np.float32],
     eye: NDArray[np.float64] | None,
-    parameters: AttentionParameters,
 ) -> Attention:
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     channels = tuple(name for name in CHANNELS if name not in skipped)

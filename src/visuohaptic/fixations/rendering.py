@@ -19,6 +19,7 @@ from visuohaptic.fixations.visual_effects import (
     seen_colours,
     seen_texture,
 )
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.curvature import SurfaceShape, shape_of
 from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
@@ -46,13 +47,13 @@ class Views:
     """
 
     colour: NDArray[np.float32]
-    mask: NDArray[np.bool_]
+    mask: Booleans
     depth: NDArray[np.float32]
-    point: NDArray[np.float64]
-    normal: NDArray[np.float64]
-    face: NDArray[np.int64]
+    point: Floats
+    normal: Floats
+    face: Integers
     curvature: NDArray[np.float32]
-    lit: NDArray[np.bool_]
+    lit: Booleans
     effects: tuple[EffectRecord, ...]
 
     def __len__(self) -> int:
@@ -86,13 +87,13 @@ class Met:
     their barycentric `weights` and `normals` (p, 3), float64.
     """
 
-    pixels: NDArray[np.int64]
-    directions: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    points: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    curvature: NDArray[np.float64]
+    pixels: Integers
+    directions: Floats
+    faces: Integers
+    points: Floats
+    weights: Floats
+    normals: Floats
+    curvature: Floats
 
 
 def meet_surface(
@@ -137,7 +138,7 @@ def colour_views(
     return Views(**views, effects=log.records(len(cameras)))
 
 
-def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[np.float64]:
+def light_direction(camera: Camera, parameters: RenderingParameters) -> Floats:
     """Give the unit vector (3,), object frame, towards the light, which is infinitely far and fixed to the camera."""
     angles = [parameters.light_azimuth_degrees, parameters.light_elevation_degrees]
     (aside, rise), (ahead, level) = sin_cos(np.radians(angles))
@@ -196,7 +197,7 @@ def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArra
 def _seen_surface(
     caster: RayCaster,
     met: Met,
-    face_colours: NDArray[np.float64],
+    face_colours: Floats,
     texture: Texture | None,
     camera: Camera,
     parameters: RenderingParameters,
@@ -233,12 +234,8 @@ def _seen_surface(
 
 
 def _normals_towards(
-    shape: SurfaceShape,
-    caster: RayCaster,
-    faces: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    directions: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    shape: SurfaceShape, caster: RayCaster, faces: Integers, weights: Floats, directions: Floats
+) -> Floats:
     flat = caster.surface.face_normals.take(faces, axis=0)
     away = np.where(np.einsum("nd,nd->n", flat, directions) > 0.0, -1.0, 1.0)[:, None]
     normals = away * shape.normals(faces, weights)
@@ -249,11 +246,8 @@ def _normals_towards(
 
 
 def _weight_steps(
-    caster: RayCaster,
-    faces: NDArray[np.int64],
-    directions: NDArray[np.float64],
-    sides: tuple[NDArray[np.float64], NDArray[np.float64]],
-) -> NDArray[np.float64]:
+    caster: RayCaster, faces: Integers, directions: Floats, sides: tuple[Floats, Floats]
+) -> Floats:
     """Give how the second and third weight change along both sides of a pixel, shape (n, 2, 2)."""
     # The pixel's sides at the depth of the face are carried along the ray on to the face's plane.
     normals = caster.surface.face_crosses.take(faces, axis=0)
@@ -269,12 +263,7 @@ def _weight_steps(
     return steps
 
 
-def _lit(
-    caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    light: NDArray[np.float64],
-) -> NDArray[np.bool_]:
+def _lit(caster: RayCaster, points: Floats, normals: Floats, light: Floats) -> Booleans:
     towards = np.einsum("nd,d->n", normals, light) > 0.0
     origins = points[towards] + SHADOW_OFFSET * normals[towards]
     blocked = caster.first_hits(origins, np.broadcast_to(light, origins.shape)).hit
@@ -284,11 +273,7 @@ def _lit(
 
 
 def _shade(
-    colours: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    lit: NDArray[np.bool_],
-    light: NDArray[np.float64],
-    ambient: float,
-) -> NDArray[np.float64]:
+    colours: Floats, normals: Floats, lit: Booleans, light: Floats, ambient: float
+) -> Floats:
     lambert = np.maximum(np.einsum("nd,d->n", normals, light), 0.0) * lit
     return dim_srgb(colours, ambient + (1.0 - ambient) * lambert)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.fixations.parameters import ViewpointParameters
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.elementary import sin_cos, tangent
 
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
@@ -33,7 +33,7 @@ class Camera:
     roll_degrees: float = 0.0
 
     @cached_property
-    def axes(self) -> NDArray[np.float64]:
+    def axes(self) -> Floats:
         """Unit vectors right, up and back (towards the eye), rows of a rotation, shape (3, 3).
 
         They follow from the angles without a cross product, so a camera
@@ -47,7 +47,7 @@ class Camera:
         return np.stack([upright * right + turn * up, upright * up - turn * right, back])
 
     @cached_property
-    def eye(self) -> NDArray[np.float64]:
+    def eye(self) -> Floats:
         """Centre of the camera in the object frame, shape (3,)."""
         return self.distance * self.axes[2]
 
@@ -56,7 +56,7 @@ class Camera:
         """Height of the view in the plane through the object's centre, object radii."""
         return 2.0 * self.distance * self._half_height
 
-    def window(self, points: NDArray[np.float64], resolution: int) -> NDArray[np.int64]:
+    def window(self, points: Floats, resolution: int) -> Integers:
         """List the pixels (m,), int64, of the least upright rectangle that shows all of some points (k, 3).
 
         They are counted row by row from the view's upper left. Only they can see a surface whose
@@ -72,9 +72,7 @@ class Camera:
         rows = _pixels_between(-up / depth, self._steps(resolution))
         return (resolution * rows[:, None] + columns).reshape(-1)
 
-    def rays(
-        self, resolution: int, pixels: NDArray[np.int64] | None = None
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def rays(self, resolution: int, pixels: Integers | None = None) -> tuple[Floats, Floats]:
         """Give origins and directions (m, 3) of the rays through the centres of pixels (m,), by default of all.
 
         Pixels are counted as `window` does, over a square view. A direction's component along the
@@ -90,9 +88,7 @@ class Camera:
             return self.eye + self.distance * plane, np.broadcast_to(-back, plane.shape)
         return np.broadcast_to(self.eye, plane.shape), plane - back
 
-    def pixel_sides(
-        self, resolution: int, depths: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def pixel_sides(self, resolution: int, depths: Floats) -> tuple[Floats, Floats]:
         """Give a pixel's sides to the right and up where it is at some depths, shape (n, 3) each."""
         size = self.view_height / (self.distance * resolution)
         if self.projection == "orthographic":
@@ -100,7 +96,7 @@ class Camera:
         right, up, _ = self.axes
         return np.outer(size * depths, right), np.outer(size * depths, up)
 
-    def _steps(self, resolution: int) -> NDArray[np.float64]:
+    def _steps(self, resolution: int) -> Floats:
         """Give the pixels' places along an edge, in the plane at depth 1."""
         steps = np.arange(resolution, dtype=np.float64) - 0.5 * (resolution - 1)
         return steps * (2.0 * self._half_height / resolution)
@@ -149,7 +145,7 @@ def _fibonacci_angles(count: int) -> list[tuple[float, float]]:
     ]
 
 
-def _pixels_between(places: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.int64]:
+def _pixels_between(places: Floats, steps: Floats) -> Integers:
     """List the pixels along an edge that lie among some places, and one more at either end."""
     if not len(places):
         return np.arange(0)

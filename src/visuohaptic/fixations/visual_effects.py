@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RegistryError
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, Mode, VisualModes
 
@@ -62,7 +63,7 @@ def plan_visual(
 
 
 def seen_colours(
-    face_colours: NDArray[np.uint8], face_areas: NDArray[np.float64], modes: VisualModes
+    face_colours: NDArray[np.uint8], face_areas: Floats, modes: VisualModes
 ) -> NDArray[np.uint8]:
     """Give the faces' colours (f, 3), uint8, without the effects that are never simulated.
 
@@ -90,7 +91,7 @@ def seen_texture(texture: Texture, modes: VisualModes) -> Texture:
     return replace(texture, images=images)
 
 
-def _greys(colours: NDArray[np.float64]) -> NDArray[np.float64]:
+def _greys(colours: Floats) -> Floats:
     luma = np.einsum("...c,c->...", colours, np.array([0.299, 0.587, 0.114]))
     return np.repeat(luma[..., None], 3, axis=-1)
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.elementary import arc_tangent
 from visuohaptic.geometry.surface import Surface
 
@@ -32,9 +32,9 @@ class FaceAdjacency:
     the two are wound alike, as they run along the edge in opposite directions.
     """
 
-    faces: NDArray[np.int64]
-    edges: NDArray[np.int64]
-    aligned: NDArray[np.bool_]
+    faces: Integers
+    edges: Integers
+    aligned: Booleans
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,11 @@ class SurfaceShape:
     how far a fold's curvature reaches to either side, object radii.
     """
 
-    corner_normals: NDArray[np.float64]
-    corner_curvature: NDArray[np.float64]
-    crease_angles: NDArray[np.float64]
-    crease_scales: NDArray[np.float64]
-    heights: NDArray[np.float64]
+    corner_normals: Floats
+    corner_curvature: Floats
+    crease_angles: Floats
+    crease_scales: Floats
+    heights: Floats
     crease_width: float
 
     @property
@@ -65,16 +65,12 @@ class SurfaceShape:
         """
         return 3.0 / self.crease_width
 
-    def normals(
-        self, faces: NDArray[np.int64], weights: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def normals(self, faces: Integers, weights: Floats) -> Floats:
         """Interpolate unit normals (n, 3), on the side of each face's winding, by barycentric weights (n, 3)."""
         blend = np.einsum("nk,nkd->nd", weights, self.corner_normals.take(faces, axis=0))
         return unit_vectors(blend)
 
-    def curvature(
-        self, faces: NDArray[np.int64], weights: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def curvature(self, faces: Integers, weights: Floats) -> Floats:
         """Give the curvedness (n,), folds included, at barycentric weights (n, 3) of faces (n,).
 
         It is at least 0, per object radius: 1/R on a sphere of radius R.
@@ -132,7 +128,7 @@ def measure_shape(
     )
 
 
-def weld_vertices(surface: Surface) -> NDArray[np.int64]:
+def weld_vertices(surface: Surface) -> Integers:
     """Give each face's corners (f, 3) numbers by place, so that equal vertices are one.
 
     Places are compared in float32, as meshes are stored.
@@ -144,7 +140,7 @@ def weld_vertices(surface: Surface) -> NDArray[np.int64]:
     return index.reshape(-1)[surface.faces].astype(np.int64)
 
 
-def face_adjacency(faces: NDArray[np.int64]) -> FaceAdjacency:
+def face_adjacency(faces: Integers) -> FaceAdjacency:
     """Find the pairs of faces that share an edge, from welded vertex numbers (f, 3).
 
     An edge of m faces gives m - 1 pairs; edges without length give none.
@@ -162,7 +158,7 @@ def face_adjacency(faces: NDArray[np.int64]) -> FaceAdjacency:
     )
 
 
-def consistent_sides(count: int, adjacency: FaceAdjacency) -> NDArray[np.float64]:
+def consistent_sides(count: int, adjacency: FaceAdjacency) -> Floats:
     """Find which of `count` faces to flip (-1) so that neighbours have the same winding; 1 is to keep.
 
     Every face gets two nodes, one for each side; neighbours link equal sides where they are wound
@@ -170,22 +166,18 @@ def consistent_sides(count: int, adjacency: FaceAdjacency) -> NDArray[np.float64
     and all its faces take one side. The first face of each part is kept, and so is every face of a
     one-sided part.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     first, second = adjacency.faces.T
     across = np.where(adjacency.aligned, 0, count)
     rows = np.concatenate([first, first + count])
     columns = np.concatenate([second + across, second + count - across])
-    graph = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * count, 2 * count))
-    labels = connected_components(graph, directed=False)[1]
+    labels = _components(rows, columns, 2 * count)
     front, back = labels[:count], labels[count:]
     first_face = np.full(labels.max(initial=-1) + 1, 2 * count)
     np.minimum.at(first_face, labels, np.arange(2 * count))
     return np.where(first_face[front] <= first_face[back], 1.0, -1.0)
 
 
-def fold_angles(normals: NDArray[np.float64], adjacency: FaceAdjacency) -> NDArray[np.float64]:
+def fold_angles(normals: Floats, adjacency: FaceAdjacency) -> Floats:
     """Give the angle (e,) by which the surface turns along each shared edge, from unit normals (f, 3).
 
     Radians, 0 (flat) to pi (folded back); 0 beside a face without area, whose normal is zero.
@@ -196,17 +188,12 @@ def fold_angles(normals: NDArray[np.float64], adjacency: FaceAdjacency) -> NDArr
     return arc_tangent(sine, np.einsum("nd,nd->n", first, second))
 
 
-def corner_groups(
-    faces: NDArray[np.int64], adjacency: FaceAdjacency, smooth: NDArray[np.bool_]
-) -> NDArray[np.int64]:
+def corner_groups(faces: Integers, adjacency: FaceAdjacency, smooth: Booleans) -> Integers:
     """Join the corners around each vertex that no fold parts: the number (f, 3), int64, of each corner's group.
 
     `faces` (f, 3) are welded vertex numbers, and `smooth` (e,) says whether the surface runs on
     smoothly across each pair.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     face_pairs, edge_pairs = adjacency.faces[smooth], adjacency.edges[smooth]
     starts = 3 * face_pairs + edge_pairs
     ends = 3 * face_pairs + (edge_pairs + 1) % 3
@@ -219,15 +206,19 @@ def corner_groups(
             np.where(opposite, starts[:, 1], ends[:, 1]),
         ]
     )
-    graph = coo_array(
-        (np.ones(len(rows), np.int8), (rows, columns)), shape=(faces.size, faces.size)
-    )
-    return connected_components(graph, directed=False)[1].reshape(-1, 3).astype(np.int64)
+    return _components(rows, columns, faces.size).reshape(-1, 3).astype(np.int64)
 
 
-def smooth_normals(
-    surface: Surface, signs: NDArray[np.float64], groups: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _components(starts: Integers, ends: Integers, count: int) -> Integers:
+    """Give the number of each node's part, (count,), in a graph of links from starts to ends."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(starts), np.int8), (starts, ends)), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
+def smooth_normals(surface: Surface, signs: Floats, groups: Integers) -> Floats:
     """Average face normals over each corner group, weighted by angle: (f, 3, 3), by each face's winding.
 
     No triangulation of a flat corner changes the weighting (Thürmer & Wüthrich 1998). `signs` (f,)
@@ -247,11 +238,8 @@ def smooth_normals(
 
 
 def smooth_curvature(
-    surface: Surface,
-    corner_normals: NDArray[np.float64],
-    groups: NDArray[np.int64],
-    largest: float,
-) -> NDArray[np.float64]:
+    surface: Surface, corner_normals: Floats, groups: Integers, largest: float
+) -> Floats:
     """Give the curvedness (f, 3) of the smooth surface at each corner, 0 to `largest`, per object radius.
 
     Each face's shape operator is the derivative of its interpolated normal (Rusinkiewicz 2004,
@@ -292,7 +280,7 @@ def smooth_curvature(
     return np.divide(total, mass, out=np.zeros_like(total), where=mass > 0)[groups]
 
 
-def _divide(turns: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.float64]:
+def _divide(turns: Floats, steps: Floats) -> Floats:
     """Give the 2 x 2 matrices that take `steps` to `turns`; LAPACK's depend on the processor."""
     first, second, third, fourth = np.moveaxis(steps.reshape(-1, 4), 1, 0)
     inverse = np.stack([fourth, -second, -third, first], axis=1).reshape(-1, 2, 2)
@@ -300,29 +288,27 @@ def _divide(turns: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[n
     return np.einsum("fab,fbc->fac", turns, inverse) / determinant[:, None, None]
 
 
-def unit_vectors(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def unit_vectors(vectors: Floats) -> Floats:
     """Scale vectors along the last axis to length 1; one shorter than rounding becomes zero."""
     lengths = _lengths(vectors)[..., None]
     # What is divided by infinity is zero.
     return vectors / np.where(lengths > SMALLEST_CROSS, lengths, np.inf)
 
 
-def _lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _lengths(vectors: Floats) -> Floats:
     """Give the lengths along the last axis; summed one by one, which is faster for so few."""
-    squares: NDArray[np.float64] = sum(part * part for part in np.moveaxis(vectors, -1, 0))
+    squares: Floats = sum(part * part for part in np.moveaxis(vectors, -1, 0))
     return np.sqrt(squares)
 
 
-def _heights_and_lengths(
-    surface: Surface,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _heights_and_lengths(surface: Surface) -> tuple[Floats, Floats]:
     corners = surface.triangles
     lengths = _lengths(np.roll(corners, -1, axis=1) - corners)
     double_area = _lengths(surface.face_crosses)[:, None]
     return np.divide(double_area, lengths, out=np.zeros_like(lengths), where=lengths > 0), lengths
 
 
-def _corner_angles(surface: Surface) -> NDArray[np.float64]:
+def _corner_angles(surface: Surface) -> Floats:
     corners = surface.triangles
     onward = np.roll(corners, -1, axis=1) - corners
     backward = np.roll(corners, 1, axis=1) - corners
@@ -330,9 +316,7 @@ def _corner_angles(surface: Surface) -> NDArray[np.float64]:
     return arc_tangent(sine, np.einsum("fkd,fkd->fk", onward, backward))
 
 
-def _crease_scales(
-    angles: NDArray[np.float64], heights: NDArray[np.float64], width: float
-) -> NDArray[np.float64]:
+def _crease_scales(angles: Floats, heights: Floats, width: float) -> Floats:
     # Half of the fold's mean curvature, angle / 2 for each unit of its length, belongs to
     # either face. The tent max(1 - d / width, 0) over a triangle that narrows from its edge
     # integrates to `share` for each unit of length, so the whole half lies on the face

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.vectors import dot
 
 
-def nearest_on(triangles: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+def nearest_on(triangles: Floats, points: Floats) -> Floats:
     """Give the nearest points (n, 3) of triangles (n, 3, 3), on the face or an edge, to points (n, 3)."""
     edges = np.roll(triangles, -1, axis=1) - triangles
     offsets = points[:, None] - triangles

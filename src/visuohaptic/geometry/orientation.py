@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats
 
 if TYPE_CHECKING:
     from visuohaptic.geometry.raycasting import RayCaster
@@ -13,9 +14,7 @@ if TYPE_CHECKING:
 _STAND_OFF = 1e-5
 
 
-def orient_outwards(
-    caster: RayCaster, points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def orient_outwards(caster: RayCaster, points: Floats, normals: Floats) -> Floats:
     """Turn unit normals (n, 3) at points (n, 3) of the surface to the side from which a sensor can come.
 
     A ray is sent off each side. The side with the longer free way is outside; a ray that leaves the

@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import MissingPackageError
 from visuohaptic.functions import Function
+from visuohaptic.geometry.arrays import Floats, Integers
 
-Points = NDArray[np.float64]
-Faces = NDArray[np.int64]
 Rays = NDArray[np.float32]
-FirstFaces = tuple[Faces, NDArray[np.float32], NDArray[np.float32]]
-Crossings = tuple[Faces, Faces]
+FirstFaces = tuple[Integers, NDArray[np.float32], NDArray[np.float32]]
+Crossings = tuple[Integers, Integers]
 
 
 class Scene(Protocol):
@@ -38,11 +37,11 @@ class Scene(Protocol):
         """Give every face that rays, shape (n, 6), meet: a ray and a face for each, in any order."""
         ...
 
-    def count_crossings(self, rays: Rays) -> Faces:
+    def count_crossings(self, rays: Rays) -> Integers:
         """Count the faces that rays, shape (n, 6), meet: shape (n,)."""
         ...
 
-    def nearest_faces(self, points: Points) -> Faces:
+    def nearest_faces(self, points: Floats) -> Integers:
         """Give the faces, shape (n,), nearest to points, shape (n, 3)."""
         ...
 

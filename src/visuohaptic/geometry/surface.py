@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 from visuohaptic.geometry.texture import NO_IMAGE, WRAPS, Texture
 
@@ -42,8 +43,8 @@ class Surface:
     has an image.
     """
 
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
+    vertices: Floats
+    faces: Integers
     face_colours: NDArray[np.uint8]
     texture: Texture | None = None
 
@@ -57,23 +58,23 @@ class Surface:
         return np.concatenate([self.face_colours, self.texture.texels()])
 
     @cached_property
-    def triangles(self) -> NDArray[np.float64]:
+    def triangles(self) -> Floats:
         """Corners of each face, shape (f, 3, 3)."""
         return self.vertices[self.faces]
 
     @cached_property
-    def face_crosses(self) -> NDArray[np.float64]:
+    def face_crosses(self) -> Floats:
         """Cross product of two edges of each face, shape (f, 3); its length is twice the area."""
         corners = self.triangles
         return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
     @cached_property
-    def face_areas(self) -> NDArray[np.float64]:
+    def face_areas(self) -> Floats:
         """Area of each face in squared units of the vertices, shape (f,)."""
         return 0.5 * np.linalg.norm(self.face_crosses, axis=1)
 
     @cached_property
-    def face_normals(self) -> NDArray[np.float64]:
+    def face_normals(self) -> Floats:
         """Unit normal of each face by its winding, shape (f, 3); zero for a face without area."""
         crosses = self.face_crosses
         lengths = np.linalg.norm(crosses, axis=1, keepdims=True)

@@ -8,10 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.srgb import decode_srgb, encode_bytes
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 WRAPS = REPEAT, CLAMP, MIRROR = 0, 1, 2
 """How an image goes on beyond its edges: again, as its last texels, or mirrored."""
@@ -52,7 +50,7 @@ class Texture:
     wraps: NDArray[np.uint8]
 
     @property
-    def textured(self) -> NDArray[np.bool_]:
+    def textured(self) -> Booleans:
         """Whether each face has an image, shape (f,)."""
         return self.image != NO_IMAGE
 
@@ -60,7 +58,7 @@ class Texture:
         """Give all images' texels, one row and image after another, shape (t, 3)."""
         return np.concatenate([image.reshape(-1, 3) for image in self.images])
 
-    def take(self, faces: NDArray[np.bool_] | NDArray[np.integer]) -> Texture:
+    def take(self, faces: Booleans | NDArray[np.integer]) -> Texture:
         """Give the texture of some of the faces."""
         return replace(self, corners=self.corners[faces], image=self.image[faces])
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
@@ -29,7 +29,7 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
 
 def place_object(
     model: Model, path: str | Path, parameters: MeshParameters
-) -> tuple[Surface, NDArray[np.float64]]:
+) -> tuple[Surface, Floats]:
     """Do the same, and give what `place` gives."""
     if str(path).endswith(".ply.gz"):
         surface = read_surface(path, parameters.largest_megabytes)
@@ -42,13 +42,13 @@ def place_object(
 
 def place_surface(
     surface: Surface, name: str, parameters: MeshParameters
-) -> tuple[Surface, NDArray[np.float64]]:
+) -> tuple[Surface, Floats]:
     """Make ready a surface in memory, as `place_object` does a user's own file."""
     up = up_rotation(surface, name, parameters)
     return place(surface, name, up, merge_tolerance=parameters.merge_tolerance)
 
 
-def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> NDArray[np.float64]:
+def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> Floats:
     """Give the rotation, (3, 3), that turns an own model's axis that points up to y."""
     axis: str = parameters.own_up_axis
     if axis == "auto":
@@ -60,7 +60,7 @@ def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> NDAr
 def normalise(
     surface: Surface,
     name: str,
-    rotation: NDArray[np.float64] | None = None,
+    rotation: Floats | None = None,
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = 1e-6,
 ) -> Surface:
@@ -84,10 +84,10 @@ def normalise(
 def place(
     surface: Surface,
     name: str,
-    rotation: NDArray[np.float64] | None = None,
+    rotation: Floats | None = None,
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = 1e-6,
-) -> tuple[Surface, NDArray[np.float64]]:
+) -> tuple[Surface, Floats]:
     """Do as `normalise` does, and give the way there.
 
     That is a matrix (4, 4) that takes a point (x, y, z, 1) of the given frame into the object
@@ -118,7 +118,7 @@ def place(
     return ready, way
 
 
-def _moved(shift: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+def _moved(shift: Floats, length: float) -> Floats:
     """Give the matrix, (4, 4), that moves points and then divides them by a length."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         scale = np.float64(1.0) / length
@@ -127,12 +127,12 @@ def _moved(shift: NDArray[np.float64], length: float) -> NDArray[np.float64]:
     return matrix
 
 
-def _joined(then: NDArray[np.float64], first: NDArray[np.float64]) -> NDArray[np.float64]:
+def _joined(then: Floats, first: Floats) -> Floats:
     with np.errstate(over="ignore", invalid="ignore"):
         return product(then, first)
 
 
-def _turned(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turned(rotation: Floats) -> Floats:
     matrix = np.eye(4)
     matrix[:3, :3] = rotation
     return matrix
@@ -157,7 +157,7 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     return _kept(merged, keep)
 
 
-def _kept(surface: Surface, keep: NDArray[np.bool_]) -> Surface:
+def _kept(surface: Surface, keep: Booleans) -> Surface:
     """Leave out the other faces, and the vertices that only they name."""
     used, renumbered = np.unique(surface.faces[keep], return_inverse=True)
     return Surface(
@@ -184,9 +184,7 @@ def _check_finite(surface: Surface, name: str) -> None:
         )
 
 
-def _centred_box(
-    used: NDArray[np.float64], vertices: NDArray[np.float64], name: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+def _centred_box(used: Floats, vertices: Floats, name: str) -> tuple[Floats, Floats, float]:
     """Give vertices within the unit cube, what was taken from them, and by what they were divided."""
     low, high = used.min(axis=0), used.max(axis=0)
     # Halves first: the extent of a mesh near the largest float64 would overflow.
@@ -196,17 +194,13 @@ def _centred_box(
     return np.clip((vertices - centre) / half_extent, -1.0, 1.0), centre, float(half_extent)
 
 
-def _stretching(
-    vertices: NDArray[np.float64], faces: NDArray[np.int64], dimensions: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _stretching(vertices: Floats, faces: Integers, dimensions: Floats) -> Floats:
     """Give the factor of each axis, shape (3,)."""
     extent = np.ptp(vertices[np.unique(faces)], axis=0)
     return np.divide(dimensions, extent, out=np.ones(3), where=extent > 0)
 
 
-def _unit_size(
-    vertices: NDArray[np.float64], faces: NDArray[np.int64], name: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+def _unit_size(vertices: Floats, faces: Integers, name: str) -> tuple[Floats, Floats, float]:
     """Give vertices about the centroid within the unit ball, the centroid, and the radius."""
     triangles = vertices[faces]
     crosses = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])

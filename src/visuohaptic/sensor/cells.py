@@ -6,12 +6,11 @@ Outputs are in units of full scale: the output at the full-scale pressure is 1.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats
 
 
-def respond_to_force(
-    pressures: NDArray[np.float64], break_pressure: float, saturation: float
-) -> NDArray[np.float64]:
+def respond_to_force(pressures: Floats, break_pressure: float, saturation: float) -> Floats:
     """Give the conductance of force sensing resistors under pressures of full scale, of any shape.
 
     ``G ∝ p / (1 + p / p_sat)`` at or above the break pressure, none below: conductance is about
@@ -23,9 +22,7 @@ def respond_to_force(
     return np.where(conducting, pressures * ((1 + saturation) / (1 + saturation * pressures)), 0.0)
 
 
-def scatter_gains(
-    outputs: NDArray[np.float64], scatter: float, deviates: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def scatter_gains(outputs: Floats, scatter: float, deviates: Floats) -> Floats:
     """Give each cell of outputs (n, r, r) its own gain, none of them negative.
 
     `scatter` is the gains' standard deviation; parts of one batch scatter by some 6 % (Interlink
@@ -34,9 +31,7 @@ def scatter_gains(
     return outputs * np.maximum(1 + scatter * deviates, 0.0)
 
 
-def remember_peak(
-    outputs: NDArray[np.float64], peaks: NDArray[np.float64], excess: float
-) -> NDArray[np.float64]:
+def remember_peak(outputs: Floats, peaks: Floats, excess: float) -> Floats:
     """Give the output on release from a peak: hysteresis.
 
     ``y = x + 2 e x (1 - x / m)`` for the peak m: no excess at the peak and at zero, the share e at
@@ -48,9 +43,7 @@ def remember_peak(
     return outputs + 2 * excess * outputs * (1 - share)
 
 
-def drift(
-    outputs: NDArray[np.float64], held_s: float, reference_s: float, per_decade: float
-) -> NDArray[np.float64]:
+def drift(outputs: Floats, held_s: float, reference_s: float, per_decade: float) -> Floats:
     """Let outputs creep with the logarithm of the time under load.
 
     ``y = x (1 + k log10(t / t0))`` after the reference time t0; less than 5 % a decade (Interlink

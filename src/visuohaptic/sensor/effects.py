@@ -7,8 +7,8 @@ is needed and passes it the values of the scene.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.registry import Registry
 from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene, check_free, grow_scene
 from visuohaptic.scene.records import EffectRecord
@@ -18,9 +18,7 @@ from visuohaptic.sensor.planner import Effect, Need, Signal, Situation, apply_ef
 from visuohaptic.sensor.readout import quantise, read_floating, read_grounded
 
 
-def simulate(
-    situation: Situation, contact: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], tuple[EffectRecord, ...]]:
+def simulate(situation: Situation, contact: Floats) -> tuple[Floats, tuple[EffectRecord, ...]]:
     """Apply all effects that the scene needs, in the order of `EFFECTS`.
 
     `contact` (n, r, r) is the output, in [0, 1], of a sensor without a cover. Gives the readings
@@ -67,11 +65,11 @@ def _nowhere(situation: Situation, reason: str) -> Need:
     return Need(np.zeros(len(situation), dtype=bool), reason)
 
 
-def _any_cell(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _any_cell(cells: Booleans) -> Booleans:
     return np.logical_or.reduce(cells.reshape(len(cells), -1), axis=1)
 
 
-def _loaded(outputs: NDArray[np.float64], reason: str) -> Need:
+def _loaded(outputs: Floats, reason: str) -> Need:
     return Need(_any_cell(outputs > 0), f"{reason}, where any cell is loaded")
 
 
@@ -93,7 +91,7 @@ def _run_elastic_cover(situation: Situation, signal: Signal) -> Signal:
     return Signal(now, _pressures(situation, peak_depth) if released else now)
 
 
-def _pressures(situation: Situation, depth_m: float) -> NDArray[np.float64]:
+def _pressures(situation: Situation, depth_m: float) -> Floats:
     scene = situation.scene
     indentations = depth_m - situation.gaps_m
     elastic = (scene.cover_modulus_pa, scene.cover_poisson_ratio)

@@ -7,7 +7,8 @@ half-space couples all points by Boussinesq's solution, so a cover also gives wa
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats
 
 # Half-space: relative change of the pressure's sum at which a touch counts as solved, and the
 # iterations after which it is left as it is; contacts of 32 × 32 cells need some 40.
@@ -16,11 +17,8 @@ _ITERATIONS = 500
 
 
 def winkler_pressures(
-    indentations: NDArray[np.float64],
-    modulus_pa: float,
-    poisson_ratio: float,
-    thickness_m: float,
-) -> NDArray[np.float64]:
+    indentations: Floats, modulus_pa: float, poisson_ratio: float, thickness_m: float
+) -> Floats:
     """Give the pressure (n, r, r), pascal, on a thin layer bonded to a rigid backing, spring by spring.
 
     ``p = w E (1 - ν) / ((1 + ν)(1 - 2ν) h)``: the layer can't bulge sideways, so the modulus of
@@ -34,11 +32,8 @@ def winkler_pressures(
 
 
 def half_space_pressures(
-    indentations: NDArray[np.float64],
-    cell_edges_m: NDArray[np.float64],
-    modulus_pa: float,
-    poisson_ratio: float,
-) -> NDArray[np.float64]:
+    indentations: Floats, cell_edges_m: Floats, modulus_pa: float, poisson_ratio: float
+) -> Floats:
     """Give the pressure (n, r, r), pascal, on an elastic half-space that a rigid object is pressed into.
 
     Finds pressures ``p >= 0`` whose displacements equal the indentation wherever ``p > 0`` and are
@@ -79,7 +74,7 @@ def half_space_pressures(
     return (stiffness[:, None] * loads).reshape(indentations.shape)
 
 
-def boussinesq_kernel(resolution: int) -> NDArray[np.float64]:
+def boussinesq_kernel(resolution: int) -> Floats:
     """Give the half-space's displacements (2r, 2r) under pressure on one square cell.
 
     A. E. H. Love's integral of Boussinesq's point load over a rectangle, as in Johnson, Contact
@@ -96,18 +91,18 @@ def boussinesq_kernel(resolution: int) -> NDArray[np.float64]:
     )
 
 
-def _edge_term(distance: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
+def _edge_term(distance: Floats, along: Floats) -> Floats:
     # asinh is the logarithm of Johnson's equation without its cancellation.
     far = np.abs(distance)
     return distance * (np.arcsinh((along + 0.5) / far) - np.arcsinh((along - 0.5) / far))
 
 
-def _kernel_spectrum(resolution: int) -> NDArray[np.float64]:
+def _kernel_spectrum(resolution: int) -> Floats:
     # The kernel is even along both axes, so its spectrum is real.
     return np.fft.rfft2(boussinesq_kernel(resolution)).real
 
 
-def _displace(loads: NDArray[np.float64], spectrum: NDArray[np.float64]) -> NDArray[np.float64]:
+def _displace(loads: Floats, spectrum: Floats) -> Floats:
     doubled = spectrum.shape[0]
     resolution = doubled // 2
     grid = loads.reshape(-1, resolution, resolution)

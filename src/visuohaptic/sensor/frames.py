@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats, Integers
 
 if TYPE_CHECKING:
     from visuohaptic.geometry.raycasting import RayCaster
@@ -16,9 +17,7 @@ if TYPE_CHECKING:
 _POLE_OFFSET = 0.25
 
 
-def column_axes(
-    normals: NDArray[np.float64], orientation: Orientation = "upright"
-) -> NDArray[np.float64]:
+def column_axes(normals: Floats, orientation: Orientation = "upright") -> Floats:
     """Give the direction (n, 3) in which an imprint's columns count up, from the outward normal alone.
 
     Seen from outside, columns count to the right and rows downwards (`row_axes`); y is up. No such
@@ -41,30 +40,28 @@ def column_axes(
     return axes / lengths[:, None]
 
 
-def row_axes(normals: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.float64]:
+def row_axes(normals: Floats, columns: Floats) -> Floats:
     """Give the direction (n, 3) in which an imprint's rows count up: downwards, seen from outside."""
     return np.cross(columns, normals)
 
 
-def _upright_x(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _upright_x(normals: Floats) -> Floats:
     x, y, z = normals.T
     return np.column_stack([z + _POLE_OFFSET * y**2, np.zeros_like(x), -x])
 
 
-def _transported_x(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _transported_x(normals: Floats) -> Floats:
     x, y, z = normals.T
     shrink = np.divide(x, 1 + y, out=np.zeros_like(x), where=1 + y > 1e-12)
     return np.column_stack([1 - x * shrink, -x, -z * shrink])
 
 
-def _any_perpendicular(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _any_perpendicular(normals: Floats) -> Floats:
     least = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
     return np.cross(least, normals)
 
 
-def touched_normals(
-    caster: RayCaster, normals: NDArray[np.float64], faces: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def touched_normals(caster: RayCaster, normals: Floats, faces: Integers) -> Floats:
     """Give the touched faces' own unit normals (n, 3), turned to the side of given ones.
 
     Where a face has no area, the given one, such as an interpolated one, stays.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.frames import column_axes, row_axes
 from visuohaptic.sensor.parameters import Orientation
@@ -27,10 +28,10 @@ class Poses:
     `normals` point away from the object, `columns` and `rows` are the imprint's axes.
     """
 
-    points: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    columns: NDArray[np.float64]
-    rows: NDArray[np.float64]
+    points: Floats
+    normals: Floats
+    columns: Floats
+    rows: Floats
 
     def __len__(self) -> int:
         return len(self.points)
@@ -44,28 +45,20 @@ class Poses:
         )
 
 
-def stand_on(
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    orientation: Orientation = "upright",
-) -> Poses:
+def stand_on(points: Floats, normals: Floats, orientation: Orientation = "upright") -> Poses:
     """Place sensors on points (n, 3) of a surface with outward unit normals (n, 3), turned as `column_axes` says."""
     columns = column_axes(normals, orientation)
     return Poses(points, normals, columns, row_axes(normals, columns))
 
 
-def sensing_offsets(resolution: int) -> NDArray[np.float64]:
+def sensing_offsets(resolution: int) -> Floats:
     """Give the sensing points along one axis of the square, in half its edges: centres of equal cells."""
     return (2 * np.arange(resolution) + 1 - resolution) / resolution
 
 
 def cast_heights(
-    caster: RayCaster,
-    poses: Poses,
-    sizes: NDArray[np.float64],
-    lifts: NDArray[np.float64],
-    resolution: int | tuple[int, int],
-) -> NDArray[np.float64]:
+    caster: RayCaster, poses: Poses, sizes: Floats, lifts: Floats, resolution: int | tuple[int, int]
+) -> Floats:
     """Cast the sensing points along the normals and give the surface's height at each, object radii.
 
     Heights (n, r, r) are those of the first surface met above the tangent plane, negative below it,
@@ -85,25 +78,19 @@ def cast_heights(
 
 
 def _cast_part(
-    caster: RayCaster,
-    poses: Poses,
-    edges: NDArray[np.float64],
-    lifts: NDArray[np.float64],
-    grid: tuple[int, int],
-) -> NDArray[np.float64]:
+    caster: RayCaster, poses: Poses, edges: Floats, lifts: Floats, grid: tuple[int, int]
+) -> Floats:
     origins, directions = _rays(poses, edges, lifts, grid)
     drop = np.max(CRACK_DEPTH * edges / np.array(grid), axis=1)
 
-    def falls_between(distances: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def falls_between(distances: Floats) -> Booleans:
         return _falls_between(distances.reshape(-1, *grid), drop).ravel()
 
     distances = caster.first_hits(origins, directions, falls_between).distance
     return lifts[:, None, None] - distances.reshape(-1, *grid)
 
 
-def smooth_normals(
-    caster: RayCaster, poses: Poses, size: float, clearance: float
-) -> NDArray[np.float64]:
+def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: float) -> Floats:
     """Give the mean unit normal (n, 3) of the surface under each sensor, within 90 degrees of the pose's own.
 
     The surface within the clearance, the height of the sensor's body, above and below the plane is
@@ -124,8 +111,8 @@ def smooth_normals(
 
 
 def _rays(
-    poses: Poses, edges: NDArray[np.float64], lifts: NDArray[np.float64], grid: tuple[int, int]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    poses: Poses, edges: Floats, lifts: Floats, grid: tuple[int, int]
+) -> tuple[Floats, Floats]:
     # Component by component, so that NumPy's inner loops run along the rays.
     down, aside = (
         0.5 * edges[:, [place]] * sensing_offsets(count) for place, count in enumerate(grid)
@@ -138,7 +125,7 @@ def _rays(
     return origins.reshape(3, -1).T, directions.T
 
 
-def _falls_between(distances: NDArray[np.float64], drop: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _falls_between(distances: Floats, drop: Floats) -> Booleans:
     falls = np.zeros(distances.shape, dtype=bool)
     bounds = distances - drop[:, None, None]
     inner = slice(1, -1)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode
 from visuohaptic.scene.records import EffectRecord
@@ -31,9 +32,9 @@ class Placement:
     of the adaptive size's record include the decision.
     """
 
-    heights: NDArray[np.float64]
-    sizes: NDArray[np.float64]
-    blocked: NDArray[np.bool_]
+    heights: Floats
+    sizes: Floats
+    blocked: Booleans
     record: EffectRecord
 
 
@@ -88,10 +89,10 @@ def _shrink_further(
     caster: RayCaster,
     poses: Poses,
     parameters: SensorParameters,
-    lifts: NDArray[np.float64],
+    lifts: Floats,
     rows: NDArray[np.intp],
-    sizes: NDArray[np.float64],
-    heights: NDArray[np.float64],
+    sizes: Floats,
+    heights: Floats,
 ) -> None:
     """Shrink the squares of some rows, in place, until no sensing point is penetrated."""
     tolerance, smallest = parameters.penetration_tolerance, parameters.smallest_size

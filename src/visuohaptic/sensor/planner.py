@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import ParameterError
+from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.random_fields import RandomFields
@@ -26,8 +27,8 @@ class Situation:
     """
 
     scene: Scene
-    gaps_m: NDArray[np.float64]
-    cell_edges_m: NDArray[np.float64]
+    gaps_m: Floats
+    cell_edges_m: Floats
     fields: RandomFields | None
 
     def __len__(self) -> int:
@@ -60,14 +61,14 @@ class Signal:
     if nothing was released.
     """
 
-    now: NDArray[np.float64]
-    peak: NDArray[np.float64]
+    now: Floats
+    peak: Floats
 
     def select(self, rows: NDArray[np.intp]) -> Signal:
         """Give the signal of some touches alone."""
         return self.map(lambda values: values[rows])
 
-    def map(self, change: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> Signal:
+    def map(self, change: Callable[[Floats], Floats]) -> Signal:
         """Apply one function to both outputs, once where they are the same."""
         now = change(self.now)
         return Signal(now, now if self.peak is self.now else change(self.peak))
@@ -84,7 +85,7 @@ class Signal:
 class Need:
     """Whether touches need an effect, shape (n,), bool, and why or why not."""
 
-    rows: NDArray[np.bool_]
+    rows: Booleans
     reason: str
 
 
@@ -145,9 +146,7 @@ def apply_effect(
     return signal, record
 
 
-def _put(
-    values: NDArray[np.float64], rows: NDArray[np.intp], part: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _put(values: Floats, rows: NDArray[np.intp], part: Floats) -> Floats:
     values = values.copy()
     values[rows] = part
     return values

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.seeds import spawn_generator
 
 
@@ -33,7 +34,7 @@ class RandomFields:
         """Give the random generator of an effect's values that belong to the sensor."""
         return spawn_generator(self.seed, "sensor", self.sensor, effect)
 
-    def of_touches(self, effect: str, resolution: int) -> NDArray[np.float64]:
+    def of_touches(self, effect: str, resolution: int) -> Floats:
         """Draw each touch's standard normal deviates for an effect, shape (n, r, r)."""
         shape = (resolution, resolution)
         fields = [

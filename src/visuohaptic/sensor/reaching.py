@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.adaptive_size import approach_distances, box_heights
 from visuohaptic.sensor.imprints import Poses, cast_heights
@@ -14,11 +14,11 @@ from visuohaptic.sensor.touching import batches, stand
 
 def reachable(
     caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
+    points: Floats,
+    normals: Floats,
     parameters: SensorParameters,
-    faces: NDArray[np.int64] | None = None,
-) -> NDArray[np.bool_]:
+    faces: Integers | None = None,
+) -> Booleans:
     """Find which of n places the sensor can reach, each independent of the others.
 
     A place is in reach if the sensor at its smallest size, on its way along the outward normal and
@@ -34,9 +34,7 @@ def reachable(
     return np.concatenate(parts)
 
 
-def _reachable_part(
-    caster: RayCaster, poses: Poses, parameters: SensorParameters
-) -> NDArray[np.bool_]:
+def _reachable_part(caster: RayCaster, poses: Poses, parameters: SensorParameters) -> Booleans:
     tolerance = parameters.penetration_tolerance
     # What nothing of the object can stand above needs no rays; as in `place`, half is no rounding.
     free = box_heights(caster, poses) <= 0.5 * tolerance

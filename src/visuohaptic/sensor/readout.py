@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats
 
 
-def read_grounded(conductances: NDArray[np.float64], line_resistance: float) -> NDArray[np.float64]:
+def read_grounded(conductances: Floats, line_resistance: float) -> Floats:
     """Read each cell with all other lines held at zero volts through their line resistance.
 
     Row i is driven, each column's current is measured, and Kirchhoff's laws hold at all 2r line
@@ -24,7 +25,7 @@ def read_grounded(conductances: NDArray[np.float64], line_resistance: float) -> 
     return np.linalg.solve(system, weighted)
 
 
-def read_floating(conductances: NDArray[np.float64], stand_off: float) -> NDArray[np.float64]:
+def read_floating(conductances: Floats, stand_off: float) -> Floats:
     """Read each cell with all other lines left open: sneak paths at their worst.
 
     What is measured between row i and column j is the network's effective conductance, one over
@@ -46,7 +47,7 @@ def read_floating(conductances: NDArray[np.float64], stand_off: float) -> NDArra
     return 1 / (between - 2 * inverse[:, :resolution, resolution:])
 
 
-def quantise(outputs: NDArray[np.float64], bits: int) -> NDArray[np.float64]:
+def quantise(outputs: Floats, bits: int) -> Floats:
     """Round to the converter's levels, 0 and full scale being the first and the last, and clip beyond them."""
     steps = 2**bits - 1
     return np.round(np.clip(outputs, 0.0, 1.0) * steps) / steps

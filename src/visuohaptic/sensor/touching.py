@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord, merge_records
@@ -39,23 +40,23 @@ class Touches:
     """
 
     images: NDArray[np.float32]
-    size: NDArray[np.float64]
+    size: Floats
     contact_state: NDArray[np.str_]
-    penetration: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    tangents: NDArray[np.float64]
-    gaps: NDArray[np.float64]
+    penetration: Floats
+    normals: Floats
+    tangents: Floats
+    gaps: Floats
     effects: tuple[EffectRecord, ...]
 
 
 def touch(
     caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
+    points: Floats,
+    normals: Floats,
     parameters: SensorParameters,
     scene: Scene,
     fields: RandomFields | None = None,
-    faces: NDArray[np.int64] | None = None,
+    faces: Integers | None = None,
 ) -> Touches:
     """Touch an object at n places, each independent of what else is in the batch, bit for bit.
 
@@ -81,11 +82,11 @@ class Placed:
 
 def place_sensors(
     caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
+    points: Floats,
+    normals: Floats,
     parameters: SensorParameters,
     mode: Mode,
-    faces: NDArray[np.int64] | None = None,
+    faces: Integers | None = None,
 ) -> Iterator[Placed]:
     """Place sensors as `touch` does, batch by batch; `mode` says when their size adapts.
 
@@ -111,10 +112,10 @@ def feel(
 
 def stand(
     caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
+    points: Floats,
+    normals: Floats,
     parameters: SensorParameters,
-    faces: NDArray[np.int64] | None = None,
+    faces: Integers | None = None,
 ) -> Poses:
     """Place n sensors on an object as `touch` does, with the normal that the parameters ask for."""
     if parameters.normal == "face" and faces is not None:
@@ -146,10 +147,7 @@ def _join(parts: Sequence[Touches]) -> Touches:
 
 
 def contact_states(
-    heights: NDArray[np.float64],
-    sizes: NDArray[np.float64],
-    blocked: NDArray[np.bool_],
-    parameters: SensorParameters,
+    heights: Floats, sizes: Floats, blocked: Booleans, parameters: SensorParameters
 ) -> NDArray[np.str_]:
     """Name the state (n,) of each touch, one of `tables.CONTACT_STATES`: the first that holds, in this order.
 
@@ -200,7 +198,7 @@ def _feel_batch(
     )
 
 
-def stretch(signal: NDArray[np.float64], least_span: float) -> NDArray[np.float64]:
+def stretch(signal: Floats, least_span: float) -> Floats:
     """Stretch each image (n, r, r) to [0, 1], one whose span is below the least only as far as that allows.
 
     The largest value of each becomes 1, its least 0 or, for nearly flat images, nearer to 1; an

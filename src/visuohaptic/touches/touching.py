@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
@@ -79,7 +78,7 @@ def touch_tables(
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
-    ranks: NDArray[np.int64] | None = None,
+    ranks: Integers | None = None,
 ) -> tuple[pa.Table, pa.Table]:
     """Touch an object at its probing locations, if there are any, as `touch_locations` does.
 
@@ -96,7 +95,7 @@ def touch_tables(
     return _touch_table(fixations, felt, numbers), log
 
 
-def _touch_table(fixations: pa.Table, felt: Touches, ranks: NDArray[np.int64]) -> pa.Table:
+def _touch_table(fixations: pa.Table, felt: Touches, ranks: Integers) -> pa.Table:
     columns: dict[str, object] = {
         name: fixations.column(name) for name in (*TOUCHES.keys, *POINT_NAMES)
     }
