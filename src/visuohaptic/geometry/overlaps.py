@@ -69,13 +69,21 @@ def _candidates(surface: Surface, cells: Floats) -> Iterator[tuple[Integers, Int
     order = np.argsort(low, kind="stable")
     faces, low, high = faces[order], low[order], high[order]
     follow = np.searchsorted(low, high, side="right") - np.arange(len(low)) - 1
-    ends = np.cumsum(follow)
-    for part in np.split(np.arange(len(low)), np.flatnonzero(np.diff(ends // _PAIRS)) + 1):
-        first = np.repeat(part, follow[part])
-        step = np.arange(len(first)) - np.repeat(
-            ends[part] - follow[part] - ends[part[0]] + follow[part[0]], follow[part]
-        )
-        yield faces[first], faces[first + 1 + step]
+    for part in in_parts(np.arange(len(low)), follow, _PAIRS):
+        first, second = paired(part, part + 1, follow[part])
+        yield faces[first], faces[second]
+
+
+def in_parts(rows: Integers, counts: Integers, most: int) -> list[Integers]:
+    """Divide rows wherever their counts, added up, pass a multiple of `most`."""
+    ends = np.cumsum(counts, dtype=np.int64) // most
+    return np.split(rows, np.flatnonzero(np.diff(ends)) + 1)
+
+
+def paired(rows: Integers, starts: Integers, counts: Integers) -> tuple[Integers, Integers]:
+    """Give each row as often as it counts, beside whole numbers from its start on."""
+    firsts = np.repeat(starts - np.cumsum(counts) + counts, counts)
+    return np.repeat(rows, counts), firsts + np.arange(len(firsts))
 
 
 def _lying_on_each_other(

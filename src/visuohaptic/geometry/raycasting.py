@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.nearest import nearest_on
-from visuohaptic.geometry.overlaps import overlapping_faces
+from visuohaptic.geometry.overlaps import in_parts, overlapping_faces, paired
 from visuohaptic.geometry.scenes import SCENES, Scene, installed_package
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import dot
@@ -244,9 +244,9 @@ class RayCaster:
             return
         corners, starts, faces = self._faces_at
         pairs = np.unique(np.stack([rays, corners[candidates[rays, which], corner]]), axis=1)
-        many = starts[pairs[1] + 1] - starts[pairs[1]]
-        firsts = np.repeat(starts[pairs[1]] - np.cumsum(many) + many, many)
-        yield np.repeat(pairs[0], many), faces[firsts + np.arange(many.sum())]
+        starts, ends = starts[pairs[1]], starts[pairs[1] + 1]
+        met, places = paired(pairs[0], starts, ends - starts)
+        yield met, faces[places]
 
     @cached_property
     def _twins(self) -> tuple[Integers, Integers]:
@@ -261,11 +261,9 @@ class RayCaster:
             return
         counts = np.where(met == MISS, 0, starts[met + 1] - starts[met])
         rays = np.flatnonzero(counts)
-        ends = np.cumsum(counts[rays], dtype=np.int64) // _PAIRS
-        for part in np.split(rays, np.flatnonzero(np.diff(ends)) + 1):
-            many = counts[part]
-            firsts = np.repeat(starts[met[part]] - np.cumsum(many) + many, many)
-            yield np.repeat(part, many), twins[firsts + np.arange(many.sum())]
+        for part in in_parts(rays, counts[rays], _PAIRS):
+            again, places = paired(part, starts[met[part]], counts[part])
+            yield again, twins[places]
 
     def _narrow_pairs(self, origins: Floats, directions: Floats) -> Pairs:
         """Give rays and the narrow faces that they come near to, some pairs at a time."""
@@ -274,8 +272,7 @@ class RayCaster:
         rays = _as_float32(origins, directions)
         counts = self._around_narrow.count_crossings(rays)
         near = np.flatnonzero(counts)
-        ends = np.cumsum(counts[near], dtype=np.int64) // _PAIRS
-        for part in np.split(near, np.flatnonzero(np.diff(ends)) + 1):
+        for part in in_parts(near, counts[near], _PAIRS):
             if not len(part):
                 continue
             which, met = self._around_narrow.crossings(rays[part])

@@ -69,7 +69,7 @@ def acquire_touches(
 ) -> Touched:
     """Touch an object at those of its probing locations that `choose_places` gives."""
     places, ranks = choose_places(subject.caster, fixations, sensor, wanted)
-    return Touched(*touch_tables(subject.caster, places, sensor, scene, seed, ranks))
+    return touch_tables(subject.caster, places, sensor, scene, seed, ranks)
 
 
 def touch_tables(
@@ -79,7 +79,7 @@ def touch_tables(
     scene: Scene,
     seed: int,
     ranks: Integers | None = None,
-) -> tuple[pa.Table, pa.Table]:
+) -> Touched:
     """Touch an object at its probing locations, if there are any, as `touch_locations` does.
 
     Gives n rows of `tables.TOUCHES`, in the order of `fixations`, and of `tables.EFFECTS` one for each
@@ -87,12 +87,12 @@ def touch_tables(
     ``touch`` says.
     """
     if not fixations.num_rows:
-        return TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table()
+        return Touched(TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table())
     felt = touch_locations(caster, fixations, sensor, scene, seed)
     first = fixations.slice(0, 1).to_pylist()[0]
     log = effect_table(key_of(first), first["viewpoint"], scene.preset, felt.effects)
     numbers = fixations.column("touch").to_numpy() if ranks is None else ranks
-    return _touch_table(fixations, felt, numbers), log
+    return Touched(_touch_table(fixations, felt, numbers), log)
 
 
 def _touch_table(fixations: pa.Table, felt: Touches, ranks: Integers) -> pa.Table:

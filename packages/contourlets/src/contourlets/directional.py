@@ -10,12 +10,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .filters import LadderStep
+from .images import Floats
 from .lattice import DirectionalTables, Stage
-
-Floats = NDArray[np.floating[Any]]
 
 
 def _convolve(x: Floats, taps: tuple[float, ...], axis: int) -> Floats:

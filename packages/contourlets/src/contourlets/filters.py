@@ -8,11 +8,9 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .errors import FilterError
-
-Array = NDArray[np.float64]
+from .images import Array
 
 _NINE = [0.037828455506995, -0.023849465019380, -0.11062440441842, 0.37740285561265]
 _SEVEN = [-0.064538882628938, -0.040689417609558, 0.41809227322221]

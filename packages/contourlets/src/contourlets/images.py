@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import ImageError
 
+Array = NDArray[np.float64]
 Floats = NDArray[np.floating[Any]]
 _Real = TypeVar("_Real", bound=np.floating[Any])
 

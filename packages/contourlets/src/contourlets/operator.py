@@ -13,13 +13,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
 from .errors import LevelsError
-from .images import check_images, exponents, scale
+from .images import Floats, check_images, exponents, scale
 from .transform import Coefficients, Contourlet
-
-Floats = NDArray[np.floating[Any]]
 
 BLOCK_IMAGES = 32
 """Rows of every matrix product."""

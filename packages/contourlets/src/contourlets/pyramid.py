@@ -12,12 +12,10 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .filters import PyramidFilters
+from .images import Array, Floats
 from .lattice import Extension, Indices
-
-Floats = NDArray[np.floating[Any]]
 
 
 def fold_indices(index: Indices, size: int, extension: Extension, *, odd: bool) -> Indices:
@@ -90,14 +88,14 @@ def _weigh_adjoint(y: Floats, table: Indices, taps: list[float], axis: int, size
     return total
 
 
-def _down(x: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+def _down(x: Floats, taps: Array, extension: Extension) -> Floats:
     for axis in (0, 1):
         table = _analysis_table(x.shape[axis], len(taps), extension)
         x = _weigh(x, table, taps.tolist(), axis)
     return x
 
 
-def _up(c: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+def _up(c: Floats, taps: Array, extension: Extension) -> Floats:
     for axis in (0, 1):
         shape = list(c.shape)
         shape[axis] *= 2
@@ -112,7 +110,7 @@ def _up(c: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
     return c
 
 
-def _down_adjoint(c: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+def _down_adjoint(c: Floats, taps: Array, extension: Extension) -> Floats:
     for axis in (1, 0):
         size = 2 * c.shape[axis]
         table = _analysis_table(size, len(taps), extension)
@@ -120,7 +118,7 @@ def _down_adjoint(c: Floats, taps: NDArray[np.float64], extension: Extension) ->
     return c
 
 
-def _up_adjoint(x: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+def _up_adjoint(x: Floats, taps: Array, extension: Extension) -> Floats:
     for axis in (1, 0):
         head: tuple[Any, ...] = (slice(None),) * axis
         size = x.shape[axis]
