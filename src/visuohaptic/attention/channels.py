@@ -15,12 +15,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Booleans, Integers, Plane
 from .errors import AttentionError
 from .parameters import CHANNELS, AttentionParameters
 from .plain_filters import plain_kernel
 from .pyramid import (
     GOES_ON,
-    Plane,
     blur,
     enlarge,
     filled,
@@ -87,9 +87,7 @@ class WorkingView:
     curvature: Plane
 
 
-def prepare_view(
-    colour: NDArray[np.float32], mask: NDArray[np.bool_], curvature: NDArray[np.float32]
-) -> WorkingView:
+def prepare_view(colour: Plane, mask: Booleans, curvature: Plane) -> WorkingView:
     """Resample a view to the working image, of `pyramid.WORKING_SIZE`.
 
     Colour (h, w, 3) is float32, the object's mask (h, w) bool, and curvature (h, w) float32, per
@@ -116,10 +114,7 @@ def prepare_view(
 
 
 def reasons_to_skip(
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    curvature: NDArray[np.float32],
-    parameters: AttentionParameters,
+    colour: Plane, mask: Booleans, curvature: Plane, parameters: AttentionParameters
 ) -> dict[str, str]:
     """Give the channels that a view, as `prepare_view` takes it, does not need, and why.
 
@@ -304,9 +299,7 @@ def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> li
     return planes
 
 
-def _dull_channels(
-    colour: NDArray[np.float32], mask: NDArray[np.bool_], curvature: NDArray[np.float32]
-) -> dict[str, str]:
+def _dull_channels(colour: Plane, mask: Booleans, curvature: Plane) -> dict[str, str]:
     if not mask.any():
         return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
     inside = mask.view(np.uint8)
@@ -390,10 +383,7 @@ def _box(planes: Plane) -> Plane:
 
 
 def _cast_votes(
-    places: NDArray[np.int64],
-    steps: NDArray[np.float32],
-    votes: tuple[Plane, Plane],
-    shape: tuple[int, ...],
+    places: Integers, steps: Plane, votes: tuple[Plane, Plane], shape: tuple[int, ...]
 ) -> list[Plane]:
     """Count votes for the point ahead of each place minus those behind it, as absolute values."""
     # A margin holds the votes for points outside the image.

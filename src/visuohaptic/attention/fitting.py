@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Booleans, Floats, Integers, Plane
 from .errors import AttentionError
 from .parameters import CHANNELS, ChannelWeights
 
@@ -23,9 +23,9 @@ class Example:
     """
 
     object_name: str
-    conspicuity: dict[str, NDArray[np.float32]]
-    mask: NDArray[np.bool_]
-    places: NDArray[np.int64]
+    conspicuity: dict[str, Plane]
+    mask: Booleans
+    places: Integers
 
 
 def fit_weights(
@@ -73,14 +73,14 @@ def fit_weights(
     return ChannelWeights(**dict(zip(CHANNELS, weights.tolist(), strict=True)))
 
 
-def _stacked_maps(example: Example) -> NDArray[np.float64]:
+def _stacked_maps(example: Example) -> Floats:
     nothing = np.zeros(example.mask.shape, dtype=np.float32)
     return np.stack(
         [example.conspicuity.get(name, nothing)[example.mask] for name in CHANNELS]
     ).astype(np.float64)
 
 
-def _density(example: Example, spread: float) -> NDArray[np.float64]:
+def _density(example: Example, spread: float) -> Floats:
     points = np.zeros(example.mask.shape)
     np.add.at(points, (example.places[:, 0], example.places[:, 1]), 1.0)
     smooth = cv2.GaussianBlur(

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Booleans, Floats, Integers, Plane
 from .channels import prepare_view, reasons_to_skip
 from .errors import AttentionError
 from .parameters import CHANNELS, AttentionParameters
 from .plain_filters import plain_filters
-from .pyramid import Plane
 from .saliency import conspicuity_maps, on_view, saliency_map
 from .scanpath import Scanpath, scan
 from .term_registry import TERMS
@@ -34,22 +34,22 @@ class Attention:
     others did not run.
     """
 
-    saliency: NDArray[np.float32]
-    conspicuity: dict[str, NDArray[np.float32]]
+    saliency: Plane
+    conspicuity: dict[str, Plane]
     skipped: dict[str, str]
     scanpath: Scanpath
 
 
 @plain_filters()
 def attend(
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    face: NDArray[np.int64],
-    curvature: NDArray[np.float32],
+    colour: Plane,
+    mask: Booleans,
+    point: Floats,
+    normal: Floats,
+    face: Integers,
+    curvature: Plane,
     parameters: AttentionParameters,
-    eye: NDArray[np.float64] | None = None,
+    eye: Floats | None = None,
 ) -> list[Attention]:
     """Compute saliency and fixations for each of n views; each depends on its own view only.
 
@@ -71,12 +71,12 @@ def attend(
 
 @plain_filters()
 def feature_planes(
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    curvature: NDArray[np.float32],
-    eye: NDArray[np.float64],
+    colour: Plane,
+    mask: Booleans,
+    point: Floats,
+    normal: Floats,
+    curvature: Plane,
+    eye: Floats,
     parameters: AttentionParameters,
 ) -> tuple[dict[str, Plane], Plane]:
     """Give all that saliency is a weighted sum of, for one view, to fit weights to.
@@ -96,13 +96,13 @@ def feature_planes(
 
 def _attend_view(
     parameters: AttentionParameters,
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    face: NDArray[np.int64],
-    curvature: NDArray[np.float32],
-    eye: NDArray[np.float64] | None,
+    colour: Plane,
+    mask: Booleans,
+    point: Floats,
+    normal: Floats,
+    face: Integers,
+    curvature: Plane,
+    eye: Floats | None,
 ) -> Attention:
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     channels = tuple(name for name in CHANNELS if name not in skipped)
@@ -120,9 +120,7 @@ def _attend_view(
     )
 
 
-def _check_eyes(
-    eye: NDArray[np.float64] | None, views: int, parameters: AttentionParameters
-) -> None:
+def _check_eyes(eye: Floats | None, views: int, parameters: AttentionParameters) -> None:
     if eye is None:
         if parameters.is_exponential:
             raise AttentionError("a term has a weight and no eye is given; terms need the eye.")
@@ -133,12 +131,7 @@ def _check_eyes(
 
 
 def _check_views(
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    face: NDArray[np.int64],
-    curvature: NDArray[np.float32],
+    colour: Plane, mask: Booleans, point: Floats, normal: Floats, face: Integers, curvature: Plane
 ) -> None:
     if mask.ndim != 3 or mask.dtype != np.bool_:
         raise AttentionError(

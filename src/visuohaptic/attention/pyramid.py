@@ -13,11 +13,11 @@ large part of the object and makes a mirrored view look different.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+
+from .arrays import Plane
 
 WORKING_SIZE = 128
 # Share of a pixel below which it counts as empty; rounding of float32 averages stays below.
@@ -27,8 +27,6 @@ NOTHING_BEYOND = cv2.BORDER_CONSTANT
 GOES_ON = cv2.BORDER_REPLICATE
 
 _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)
-
-Plane: TypeAlias = NDArray[np.float32]
 
 
 def to_working_size(plane: Plane) -> Plane:

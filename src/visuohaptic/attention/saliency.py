@@ -11,12 +11,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Booleans, Plane
 from .channels import Stack, WorkingView, feature_stacks
 from .parameters import CHANNELS, AttentionParameters
 from .plain_filters import plain_kernel
 from .pyramid import (
     WORKING_SIZE,
-    Plane,
     enlarge,
     from_map_size,
     quads,
@@ -80,9 +80,7 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
     return total
 
 
-def on_view(
-    plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTER_LINEAR
-) -> NDArray[np.float32]:
+def on_view(plane: Plane, mask: Booleans, interpolation: int = cv2.INTER_LINEAR) -> Plane:
     """Resample a map (MAP_SIZE, MAP_SIZE) to the pixels (h, w) of its view, and set the background to zero."""
     large = from_map_size(plane, (mask.shape[0], mask.shape[1]), interpolation)
     return cv2.copyTo(large, mask.view(np.uint8))
@@ -136,10 +134,7 @@ def _scales(certainties: list[Plane], parameters: AttentionParameters) -> dict[i
 
 
 def _promoted_stack(
-    stack: Stack,
-    scales: list[_Scale],
-    window: tuple[slice, slice],
-    parameters: AttentionParameters,
+    stack: Stack, scales: list[_Scale], window: tuple[slice, slice], parameters: AttentionParameters
 ) -> tuple[Plane, Plane]:
     """Add up the promoted maps of each plane of a stack, and give the largest value of any map."""
     # Presence of a feature stands out, absence does not (search asymmetry, Treisman & Gormley 1988):

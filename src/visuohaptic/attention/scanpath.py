@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Booleans, Floats, Integers, Plane
 from .parameters import AttentionParameters
 from .plain_filters import plain_filters
 
@@ -35,12 +35,12 @@ class Scanpath:
     fixations were asked for; k is smaller if no pixel was left outside the foci.
     """
 
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    points: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    saliency: NDArray[np.float64]
+    rows: Integers
+    columns: Integers
+    points: Floats
+    normals: Floats
+    faces: Integers
+    saliency: Floats
     asked: int
 
     @property
@@ -56,11 +56,11 @@ class Scanpath:
 
 @plain_filters()
 def scan(
-    saliency: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    face: NDArray[np.int64],
+    saliency: Plane,
+    mask: Booleans,
+    point: Floats,
+    normal: Floats,
+    face: Integers,
     parameters: AttentionParameters,
 ) -> Scanpath:
     """Find the fixations on a saliency map (h, w), float32, 0 to 1, among the pixels of a mask.
@@ -91,14 +91,12 @@ def scan(
     )
 
 
-def _winners(
-    drive: NDArray[np.float32], places: NDArray[np.float32], parameters: AttentionParameters
-) -> NDArray[np.int64]:
+def _winners(drive: Plane, places: Plane, parameters: AttentionParameters) -> Integers:
     drive = drive.copy()
     winners: list[int] = []
     while len(winners) < parameters.fixations and drive.max(initial=CLOSED) > CLOSED:
         winner = _winner(drive, places)
-        distance: NDArray[np.float32] = np.sqrt(_squared_distances(places, places[:, winner]))
+        distance: Plane = np.sqrt(_squared_distances(places, places[:, winner]))
         near = np.flatnonzero(distance <= 1.0 + parameters.inhibition_falloff)
         distance, faded = distance[near], drive[near]
         closed = (distance <= 1.0) | (faded == CLOSED)
@@ -110,7 +108,7 @@ def _winners(
     return np.array(winners, dtype=np.int64)
 
 
-def _winner(drive: NDArray[np.float32], places: NDArray[np.float32]) -> int:
+def _winner(drive: Plane, places: Plane) -> int:
     """Give the largest; if others tie with it, the largest within the focus of the first in row order."""
     tied = np.flatnonzero(drive >= drive.max() - TIE)
     near = tied[_squared_distances(places[:, tied], places[:, tied[0]]) <= 1.0]
@@ -118,23 +116,19 @@ def _winner(drive: NDArray[np.float32], places: NDArray[np.float32]) -> int:
     return int(near[np.argmax(largest)])
 
 
-def _squared_distances(
-    places: NDArray[np.float32], centre: NDArray[np.float32]
-) -> NDArray[np.float32]:
+def _squared_distances(places: Plane, centre: Plane) -> Plane:
     total = np.zeros(places.shape[1], dtype=np.float32)
     for axis, middle in zip(places, centre, strict=True):
         total += (axis - middle) ** 2
     return total
 
 
-def _release(progress: NDArray[np.float32]) -> NDArray[np.float32]:
+def _release(progress: Plane) -> Plane:
     step = np.clip(progress, 0.0, 1.0)
     return step * step * (3.0 - 2.0 * step)
 
 
-def _off_outline(
-    mask: NDArray[np.bool_],
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
+def _off_outline(mask: Booleans) -> tuple[Integers, Integers, Plane]:
     """Give the rows and columns off the outline, near the middle of thin parts, and their distances from it."""
     inside = mask.view(np.uint8)
     left, top, width, height = cv2.boundingRect(inside)

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Booleans, Floats, Plane
 from .parameters import AttentionParameters
-from .pyramid import NOTHING_BEYOND, Plane, filled, reciprocal, reduce, to_working_size
+from .pyramid import NOTHING_BEYOND, filled, reciprocal, reduce, to_working_size
 from .term_registry import TERMS
 
 # A grid cell counts as seen if so much of it shows the object.
@@ -29,21 +29,16 @@ class SeenSurface:
     `protrusions` keeps what `protrusion` found, by its reach, as two terms use each.
     """
 
-    point: NDArray[np.float32]
-    normal: NDArray[np.float32]
+    point: Plane
+    normal: Plane
     certainty: Plane
     facing: Plane
-    sight: NDArray[np.float32]
+    sight: Plane
     cell: float
     protrusions: dict[float, Plane] = field(default_factory=dict, repr=False)
 
 
-def prepare_surface(
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    eye: NDArray[np.float64],
-) -> SeenSurface:
+def prepare_surface(mask: Booleans, point: Floats, normal: Floats, eye: Floats) -> SeenSurface:
     """Bring what a view shows of a surface to the maps' grid, by normalised convolution as in `pyramid`.
 
     Takes what `attend` takes, for one view.
@@ -136,14 +131,12 @@ def visible_share(seen: SeenSurface, reach: float) -> Plane:
     return _smooth(seen.certainty, reach / 1.5 / seen.cell)
 
 
-def _smooth(planes: NDArray[np.float32], deviation: float) -> NDArray[np.float32]:
+def _smooth(planes: Plane, deviation: float) -> Plane:
     deviation = max(deviation, 0.5)
     return cv2.GaussianBlur(planes, (0, 0), deviation, borderType=NOTHING_BEYOND)
 
 
-def _cell_width(
-    points: NDArray[np.float32], seen: NDArray[np.bool_], sight: NDArray[np.float32]
-) -> float:
+def _cell_width(points: Plane, seen: Booleans, sight: Plane) -> float:
     """Measure the median distance, across the line of sight, of cells side by side."""
     both = seen[:, 1:] & seen[:, :-1]
     step = (points[:, 1:] - points[:, :-1])[both]
