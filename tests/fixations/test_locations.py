@@ -93,21 +93,17 @@ def test_fewer_touches_are_the_first_of_more(caster, strategy):
     assert few.equals(many.slice(0, 3 + SPARE))
 
 
-def test_random_probing_anywhere_is_what_random_probing_was(caster):
-    """Earlier figures come from these draws: uniform by area, by a generator named random."""
+def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caster):
+    """Earlier figures come from these draws, by a generator named random."""
     one = looks_of(caster)[1]
     generator = spawn_generator(3, "random", "box/brick", 1)
     expected = face_outwards(caster, draw_by_area(caster.surface, 6, generator))
-    table = locate(one, "random_anywhere", ATTENTION, 3).slice(0, 6)
+    reached, anywhere = (locate(one, name, ATTENTION, 3) for name in ("random", "random_anywhere"))
+    table = anywhere.slice(0, 6)
     np.testing.assert_array_equal(matrix(table, ["x", "y", "z"]), expected.points)
     normals = matrix(table, ["normal_x", "normal_y", "normal_z"])
     np.testing.assert_array_equal(normals, expected.normals)
     assert set(table.column("chance").to_pylist()) == {"random"}
-
-
-def test_random_probing_anywhere_draws_what_random_probing_draws(caster):
-    one = looks_of(caster)[0]
-    reached, anywhere = (locate(one, name, ATTENTION, 3) for name in ("random", "random_anywhere"))
     names = ["strategy", "unreachable"]
     assert reached.drop_columns(names).equals(anywhere.drop_columns(names))
     assert set(reached.column("unreachable").to_pylist()) == {"replace"}
