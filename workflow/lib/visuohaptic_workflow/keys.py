@@ -68,7 +68,7 @@ def read_record(path: str | Path) -> dict[str, Any]:
     """Read a record; an empty one where it is missing, or is none."""
     try:
         record = json.loads(Path(path).read_text(encoding="utf-8"))
-        return record if {"key", "parts", "tables"} <= record.keys() else {}
+        return record if {"key", "parts", "tables", "log"} <= record.keys() else {}
     except (OSError, ValueError, AttributeError):
         return {}
 
