@@ -43,7 +43,8 @@ class Views:
     interpolated unit normal on the side of the camera, object frame, zero on the background; `face`
     (n, h, w), int64, is -1 there. `curvature` (n, h, w), float32, is the curvedness of the surface,
     at least 0, zero on the background. `lit` (n, h, w) says whether no cast shadow falls on the
-    pixel; true where none is simulated or needed. The touches of the `effects` are views.
+    pixel; true where none is simulated or needed. In the records of `effects` a view counts as a
+    touch.
     """
 
     colour: NDArray[np.float32]
@@ -139,7 +140,7 @@ def colour_views(
 
 
 def light_direction(camera: Camera, parameters: RenderingParameters) -> Floats:
-    """Give the unit vector (3,), object frame, towards the light, which is infinitely far and fixed to the camera."""
+    """Give the unit vector (3,), object frame, towards the light of a camera, which is infinitely far."""
     angles = [parameters.light_azimuth_degrees, parameters.light_elevation_degrees]
     (aside, rise), (ahead, level) = sin_cos(np.radians(angles))
     right, up, back = camera.axes

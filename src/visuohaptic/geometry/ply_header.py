@@ -19,7 +19,7 @@ _END = re.compile(rb"^end_header[ \t]*\r?(\n|$)", re.MULTILINE)
 
 @dataclass(frozen=True)
 class PlyHeader:
-    """A header of `length` bytes, and the bytes that the `rows` of all elements take at least."""
+    """A header of `length` bytes: whether text follows, how many rows of all elements, and their least bytes."""
 
     ascii: bool
     rows: int

@@ -85,8 +85,8 @@ class Hits:
 class RayCaster:
     """A surface prepared for rays; `bounds` (2, 3) are the lower and upper corner of its bounding box.
 
-    Keep it near the origin and near unit size, for faces are found in float32. `package` is the one
-    of `scenes.SCENES` that casts the rays, or else the first one that is installed.
+    Keep it near the origin and near unit size, for faces are found in float32. Of `scenes.SCENES`
+    the one that is named by `package` casts the rays, or else the first one that is installed.
     """
 
     def __init__(self, surface: Surface, package: str | None = None) -> None:
@@ -114,12 +114,13 @@ class RayCaster:
     ) -> Hits:
         """Cast rays (n, 3) and give the first hit of each, the same bits on every x86-64 processor.
 
-        Doubtful is a ray that meets its face so near an edge or vertex, or so grazing, that float32
-        may have taken the wrong face; and all that `suspects` names, such as a miss between hits:
-        it takes the distances (n,) of the first cast and gives further doubtful rays (n,), bool.
-        These are settled in float64. Every ray is compared in float64 with the faces that are too
-        narrow for float32, if the surface has such. A ray's hit is independent of what else is in
-        the batch as far as `suspects` is.
+        Origins and directions are in the frame and unit of the surface's vertices. Doubtful is a
+        ray that meets its face so near an edge or vertex, or so grazing, that float32 may have
+        taken the wrong face; and all that `suspects` names, such as a miss between hits: it takes
+        the distances (n,) of the first cast and gives further doubtful rays (n,), bool. These are
+        settled in float64. Every ray is compared in float64 with the faces that are too narrow for
+        float32, if the surface has such. A ray's hit is independent of what else is in the batch as
+        far as `suspects` is.
         """
         hits, doubtful = self._cast(origins, directions)
         if suspects is not None:

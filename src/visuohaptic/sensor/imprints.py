@@ -46,7 +46,7 @@ class Poses:
 
 
 def stand_on(points: Floats, normals: Floats, orientation: Orientation = "upright") -> Poses:
-    """Place sensors on points (n, 3) of a surface with outward unit normals (n, 3), turned as `column_axes` says."""
+    """Place sensors on points (n, 3) with outward unit normals (n, 3), turned as `column_axes` says."""
     columns = column_axes(normals, orientation)
     return Poses(points, normals, columns, row_axes(normals, columns))
 

@@ -149,7 +149,7 @@ def _join(parts: Sequence[Touches]) -> Touches:
 def contact_states(
     heights: Floats, sizes: Floats, blocked: Booleans, parameters: SensorParameters
 ) -> NDArray[np.str_]:
-    """Name the state (n,) of each touch, one of `tables.CONTACT_STATES`: the first that holds, in this order.
+    """Name the state (n,) of each touch, of `tables.CONTACT_STATES`: the first of these that holds.
 
     ``blocked``: something else of the object is in the way of the approaching sensor.
     ``at_minimum``: the object still penetrates, and the sensor may shrink no further. ``partial``:
@@ -199,7 +199,7 @@ def _feel_batch(
 
 
 def stretch(signal: Floats, least_span: float) -> Floats:
-    """Stretch each image (n, r, r) to [0, 1], one whose span is below the least only as far as that allows.
+    """Stretch each image (n, r, r) to [0, 1], one of a smaller span than the least only as far as that allows.
 
     The largest value of each becomes 1, its least 0 or, for nearly flat images, nearer to 1; an
     image of zeros stays.

@@ -20,7 +20,7 @@ from visuohaptic.tables.schema import matrix, names_of
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is wanted of each sequence of touches, at most so many; the other fields are as in section `probing`."""
+    """How many touches a sequence has at most, and which, as section `probing` of the parameters says."""
 
     touches: int
     unreachable: Literal["replace", "keep"] = "replace"

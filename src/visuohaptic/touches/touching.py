@@ -53,7 +53,7 @@ def random_fields(fixations: pa.Table, seed: int) -> RandomFields:
 
 
 class Touched(NamedTuple):
-    """The tables of the second phase, as `touch_tables` gives them."""
+    """The tables of the second phase."""
 
     touches: pa.Table
     effects: pa.Table
