@@ -174,35 +174,71 @@ def packed(files, method=zipfile.ZIP_DEFLATED):
     return stream.getvalue()
 
 
-def as_3mf(points, faces):
-    vertices = "".join(
-        '<vertex x="{!r}" y="{!r}" z="{!r}"/>'.format(*map(float, p)) for p in points
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+BUILD = '<build><item objectid="1"/></build>'
+
+
+def object_of(shape, number=1):
+    return f'<object id="{number}">{shape}</object>'
+
+
+def model(resources, build=BUILD, before=""):
+    return (
+        f'{before}<model unit="millimeter" xmlns="{CORE}" xmlns:p="{PRODUCTION}">'
+        f"<resources>{resources}</resources>{build}</model>"
     )
-    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*face) for face in faces)
-    text = (
-        '<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">'
-        f'<resources><object id="1" type="model"><mesh><vertices>{vertices}</vertices><triangles>'
-        f"{triangles}</triangles></mesh></object></resources>"
-        '<build><item objectid="1"/></build></model>'
-    )
+
+
+def three_mf(text):
     return packed({"3D/3dmodel.model": text})
 
 
-def as_dae(points, faces, kind="polylist"):
-    numbers = " ".join(repr(float(number)) for number in np.ravel(points))
-    texts = [" ".join(map(str, face)) for face in faces]
-    shape = '<input semantic="VERTEX" source="#v" offset="0"/>'
-    if kind == "polylist":
-        shape += f"<vcount>{' '.join(str(len(face)) for face in faces)}</vcount>"
-        texts = [" ".join(texts)]
-    shape += "".join(f"<p>{text}</p>" for text in texts)
-    return f"""<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="s">
-<float_array id="a" count="{3 * len(points)}">{numbers}</float_array><technique_common>
-<accessor source="#a" count="{len(points)}" stride="3"><param name="X" type="float"/>
+def as_3mf(points, faces):
+    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*map(float, p)) for p in points)
+    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*face) for face in faces)
+    shape = f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles>"
+    return three_mf(model(object_of(f"<mesh>{shape}</mesh>")))
+
+
+COLLADA = "http://www.collada.org/2005/11/COLLADASchema"
+GEOMETRY = """<geometry id="g"><mesh>
+<source id="s"><float_array id="a" count="{numbers}">{points}</float_array><technique_common>
+<accessor source="#a" count="{count}" stride="3"><param name="X" type="float"/>
 <param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
-<{kind} count="{len(faces)}">{shape}</{kind}></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="w"><node id="n"><instance_geometry url="#g"/></node>
-</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene>
-</COLLADA>""".encode()
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>{shape}</mesh></geometry>"""
+PLACED = '<node id="n"><instance_geometry url="#g"/></node>'
+
+
+def shape_of(tag, rest, count=1):
+    vertices = '<input semantic="VERTEX" source="#v" offset="0"/>'
+    return f'<{tag} count="{count}">{vertices}{rest}</{tag}>'
+
+
+TRIANGLES = shape_of("triangles", "<p>0 1 2</p>")
+
+
+def collada(
+    shape=TRIANGLES, scene=PLACED, nodes="", before="", points=((0, 0, 0), (1, 0, 0), (0, 1, 0))
+):
+    written = " ".join(repr(float(number)) for number in np.ravel(points))
+    geometry = GEOMETRY.format(
+        numbers=3 * len(points), points=written, count=len(points), shape=shape
+    )
+    return (
+        f'{before}<COLLADA xmlns="{COLLADA}" version="1.4.1"><asset><up_axis>Y_UP</up_axis></asset>'
+        f"<library_geometries>{geometry}</library_geometries>"
+        f"<library_nodes>{nodes}</library_nodes>"
+        f'<library_visual_scenes><visual_scene id="w">{scene}</visual_scene></library_visual_scenes>'
+        '<scene><instance_visual_scene url="#w"/></scene></COLLADA>'
+    )
+
+
+def as_dae(points, faces, kind="polylist"):
+    texts = [" ".join(map(str, face)) for face in faces]
+    rest = ""
+    if kind == "polylist":
+        rest = f"<vcount>{' '.join(str(len(face)) for face in faces)}</vcount>"
+        texts = [" ".join(texts)]
+    rest += "".join(f"<p>{text}</p>" for text in texts)
+    return collada(shape_of(kind, rest, len(faces)), points=points).encode()
