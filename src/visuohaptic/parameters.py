@@ -300,23 +300,11 @@ def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParame
 def as_parameters(
     values: ExperimentParameters | Mapping[str, Any] | None,
 ) -> ExperimentParameters:
-    """Give parameters as a caller in Python names them.
+    """Give parameters as a caller in Python names them, checked.
 
-    Parameters
-    ----------
-    values : ExperimentParameters or mapping, optional
-        A mapping has sections as in ``params.yaml``, dotted names such as
-        ``"sensor.resolution"``, or both; what it leaves out takes its default.
-
-    Returns
-    -------
-    ExperimentParameters
-        The checked parameters.
-
-    Raises
-    ------
-    ParameterError
-        If a name is unknown or given twice, or a value not allowed.
+    A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or
+    both; what it leaves out takes its default. Raises `ParameterError` if a name is unknown or
+    given twice, or a value not allowed.
     """
     load_installed()
     if values is None:

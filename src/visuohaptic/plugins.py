@@ -55,14 +55,8 @@ class Entry(Protocol):
 class PlugIn:
     """A plug-in that was loaded.
 
-    Attributes
-    ----------
-    source : str
-        Its file, as an absolute path, or its module.
-    homes : frozenset of str
-        The modules that hold what it registered.
-    package : str, optional
-        The installed package that brings it.
+    `source` is its file, as an absolute path, or its module; `homes` are the modules that hold what
+    it registered, and `package` is the installed package that brings it, if any.
     """
 
     source: str
@@ -110,19 +104,10 @@ def register(entry: Entry) -> None:
 
 
 def load_files(files: object, folder: str | Path = ".") -> None:
-    """Run the files of plug-ins that ``plugins`` names, each once in a process.
+    """Run the files of plug-ins that ``plugins`` names, below a folder, each once in a process.
 
-    Parameters
-    ----------
-    files : sequence of str
-        Files of Python, relative to `folder`.
-    folder : path
-        The folder of the parameters that name them.
-
-    Raises
-    ------
-    PlugInError
-        If they are no list of names, or one is missing, fails, or registers nothing.
+    Raises `PlugInError` if they are no list of names, or one is missing, fails, or registers
+    nothing.
     """
     if isinstance(files, str) or not isinstance(files, Sequence):
         raise PlugInError(f"plugins is {files!r}; a list of files of Python is needed.")

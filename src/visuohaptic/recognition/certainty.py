@@ -42,13 +42,7 @@ class SequenceClassifier(Protocol):
 class Landmarks:
     """Where the training objects lie.
 
-    Attributes
-    ----------
-    objects : numpy.ndarray
-        Shape (r, q), float64: the mean over each training object's sequences, among the projected
-        descriptors.
-    touches : KnownTouches
-        Their touches.
+    `objects` (r, q) are the means over each object's sequences, among the projected descriptors.
     """
 
     objects: NDArray[np.float64]
@@ -59,9 +53,10 @@ class Landmarks:
     ) -> NDArray[np.float64]:
         """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
 
-        `projected` are its sequences, shape (n, p), and `scores` what they score, shape (n, c). The signs
-        are the distance from the nearest training object, the negative of the highest mean score of a
-        class, and the distance of its touches from the nearest object's as sets, `nearest`.
+        `projected` are its sequences, shape (n, p), and `scores` what they score, shape (n, c). The
+        signs are the distance from the nearest training object, the negative of the highest mean
+        score of a class, and the distance of its touches from the nearest object's as sets,
+        `nearest`.
         """
         seen = projected[:, : self.objects.shape[1]]
         distance = np.linalg.norm(self.objects - seen.mean(axis=0), axis=1).min()
@@ -72,18 +67,11 @@ class Landmarks:
 class Certainty:
     """What an answer gives beside its probabilities.
 
-    Attributes
-    ----------
-    candidates : numpy.ndarray
-        Shape (c,), bool: the prediction set, which is made to hold the class of an object of a known class
-        in the stated share of cases; it may be empty.
-    strangeness : float
-        Between 0 and 1: the share of known objects, this one counted among them, that are no stranger
-        than it.
-    unknown : bool
-        Whether the object is stranger than the stated share of the known ones.
-    evidence : float
-        By which objects are compared: larger is stranger.
+    `candidates` (c,) is the prediction set, which is made to hold the class of an object of a known
+    class in the stated share of cases; it may be empty. `strangeness`, 0 to 1, is the share of
+    known objects, this one counted among them, that are no stranger than it; `unknown` says whether
+    it is stranger than the stated share of them. Objects are compared by `evidence`: larger is
+    stranger.
     """
 
     candidates: NDArray[np.bool_]
@@ -96,18 +84,10 @@ class Certainty:
 class Calibration:
     """Training objects, each predicted without itself, from bags of several sizes.
 
-    Attributes
-    ----------
-    views : numpy.ndarray
-        Shape (k,), int64: sequences in a bag, ascending.
-    labels : numpy.ndarray
-        Shape (n,), int64: the objects' classes.
-    nonconformity : numpy.ndarray
-        Shape (k, n), float64: 1 - probability of the true class.
-    evidence : numpy.ndarray
-        Shape (k, n, e), float64: as `Landmarks.evidence` gives it.
-    landmarks : Landmarks
-        Of all training objects, in the projection of the final fit.
+    `views` (k,) are the sequences in a bag, ascending, and `labels` (n,) the objects' classes.
+    `nonconformity` (k, n) is 1 - probability of the true class, and `evidence` (k, n, e) what
+    `Landmarks.evidence` gives. `landmarks` are of all training objects, in the projection of the
+    final fit.
     """
 
     views: NDArray[np.int64]
@@ -126,23 +106,9 @@ class Calibration:
     ) -> Certainty:
         """Compare a bag with the training objects.
 
-        Parameters
-        ----------
-        classifier : SequenceClassifier
-            The final fit.
-        projected : numpy.ndarray
-            Shape (n, p), float64: the bag's sequences.
-        touches : numpy.ndarray
-            Shape (m, k), float64: all its touches.
-        probabilities : numpy.ndarray
-            Shape (c,), float64: the answer for the bag.
-        coverage : float
-            The stated share.
-
-        Returns
-        -------
-        Certainty
-            By bags of as many sequences, or of the next smaller number.
+        Their bags are of as many sequences, or of the next smaller number. `classifier` is the
+        final fit, `projected` (n, p) are the bag's sequences, `touches` (m, k) all its touches, and
+        `probabilities` (c,) the answer for it; `coverage` is the stated share.
         """
         size = self._size(len(projected))
         nearest = self.landmarks.touches.nearest(touches)
@@ -185,9 +151,9 @@ class Calibration:
     ) -> NDArray[np.float64]:
         """Give the conformal p value of each class by its nonconformity, (c,) to (c,).
 
-        It is the share of known objects, this one counted among them, that their class fits no better. A
-        class with enough objects of its own for the coverage is compared with these, so that the coverage
-        is that of its own objects; the others are compared with all.
+        It is the share of known objects, this one counted among them, that their class fits no
+        better. A class with enough objects of its own for the coverage is compared with these, so
+        that the coverage is that of its own objects; the others are compared with all.
         """
         same = self.labels[:, None] == np.arange(len(nonconformity))
         compared = same | (same.sum(axis=0) < least_objects(coverage))
@@ -215,23 +181,10 @@ def fit_calibration(
 ) -> Calibration | None:
     """Classify every training object without itself, from bags of each size.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        The s training sequences.
-    described : numpy.ndarray
-        Shape (s, d), float64: their descriptors.
-    parameters : RecognitionParameters
-        Of one classifier of pipeline `best`.
-    projection : Projection
-        Of the final fit.
-    generator : numpy.random.Generator
-        Deals the objects over folds.
-
-    Returns
-    -------
-    Calibration or None
-        None where no class has a second object. An object whose class has no other is left out.
+    `described` (s, d) are the descriptors of the sequences, `parameters` those of one classifier of
+    pipeline `best`, and `projection` is that of the final fit; the generator deals the objects over
+    folds. An object whose class has no other is left out; gives None where no class has a second
+    one.
     """
     best, labels = parameters.best, sequences.labels
     rows: dict[int, tuple[int, NDArray[np.float64], NDArray[np.float64]]] = {}
@@ -271,12 +224,8 @@ def hold_out_objects(
 ) -> Iterator[tuple[NDArray[np.bool_], list[int]]]:
     """Deal the training objects over folds, each of which is predicted without itself.
 
-    Yields
-    ------
-    train : numpy.ndarray
-        Shape (s,), bool: the sequences of the other folds, of two classes at least.
-    objects : list of int
-        The objects of the fold whose class is among those, at least one.
+    Yields which sequences train, (s,), those of the other folds, of two classes at least; and the
+    objects of the fold whose class is among those, at least one.
     """
     labels, owners = sequences.labels, sequences.object_index
     members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
@@ -359,25 +308,11 @@ def bag_evidence(
     distances: TouchDistances,
     touches: NDArray[np.int64],
 ) -> NDArray[np.float64]:
-    """Give the evidence of bags of an object's sequences.
+    """Give the evidence (k, e) of k bags of an object's sequences.
 
-    Parameters
-    ----------
-    marks : Landmarks
-        Of other objects.
-    projected, scores : numpy.ndarray
-        Shape (n, p) and (n, c), float64: the sequences and what they score.
-    bags : sequence of numpy.ndarray
-        Places of the k bags' sequences.
-    distances : TouchDistances
-        Of the object's touches.
-    touches : numpy.ndarray
-        Shape (n, t), int64: the places among them of each sequence's touches.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (k, e), float64.
+    The sequences are `projected`, (n, p), and have `scores`, (n, c); `bags` are their places.
+    `marks` are of other objects. `distances` are those of the object's touches, and `touches` (n,
+    t) the places among them of each sequence's.
     """
     found = []
     for bag in bags:

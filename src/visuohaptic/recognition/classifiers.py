@@ -142,34 +142,12 @@ def fit_classifier(
     labels: NDArray[np.int64],
     generator: np.random.Generator,
 ) -> Fit:
-    """Fit one classifier.
+    """Fit a classifier on training features (n, d) and classes (n,).
 
-    Parameters
-    ----------
-    name : str
-        One of `CLASSIFIERS`.
-    parameters : ClassifierParameters
-        Its settings.
-    features : numpy.ndarray
-        Shape (n, d), float64: the training features.
-    labels : numpy.ndarray
-        Shape (n,), int64: the training classes.
-    generator : numpy.random.Generator
-        Gives the seed of those that draw, such as the decision tree, which breaks ties by it.
-
-    Returns
-    -------
-    object
-        The fitted classifier.
-    str or None
-        What it needed to be fitted, such as regularised covariances.
-
-    Raises
-    ------
-    RegistryError
-        If there is no such classifier.
-    RecognitionError
-        If a discriminant has nothing to take a covariance of.
+    Also gives a note on what it needed, if anything, such as regularised covariances. The generator
+    gives the seed of those that draw, such as the decision tree, which breaks ties by it. Raises
+    `RegistryError` if there is no such classifier, and `RecognitionError` if a discriminant has
+    nothing to take a covariance of.
     """
     return CLASSIFIERS[name].fit(parameters, features, labels, draw_seed(generator))
 

@@ -20,24 +20,11 @@ Target = Literal["own_variances", "mean_variance"]
 def regularised_covariance(
     deviations: NDArray[np.float64], shrinkage: Shrinkage, target: Target, floor: float
 ) -> NDArray[np.float64]:
-    """Estimate a covariance that can't be singular.
+    """Estimate a covariance (d, d) that can't be singular, of deviations (n, d) from the mean.
 
-    Parameters
-    ----------
-    deviations : numpy.ndarray
-        Shape (n, d), float64: differences of rows from their mean.
-    shrinkage : float or "ledoit_wolf"
-        Amount, or how to find it.
-    target : str
-        ``own_variances`` shrinks the correlations towards none, each feature keeping its variance;
-        ``mean_variance`` shrinks towards one variance in every direction.
-    floor : float
-        Added to every variance, for rows that do not vary at all.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (d, d), float64.
+    Target ``own_variances`` shrinks the correlations towards none, each feature keeping its
+    variance; ``mean_variance`` shrinks towards one variance in every direction. `floor` is added to
+    every variance, for rows that do not vary at all.
     """
     if target == "mean_variance":
         found = _shrunk(deviations, shrinkage)
@@ -66,8 +53,8 @@ def ledoit_wolf_shrinkage(
     """Find how much to shrink the covariance, (d, d), of deviations from the mean, (n, d).
 
     The expected squared error of the shrunk covariance is least (O. Ledoit and M. Wolf, "A
-    well-conditioned estimator for large-dimensional covariance matrices", J. Multivariate Analysis 88,
-    2004, section 3.2).
+    well-conditioned estimator for large-dimensional covariance matrices", J. Multivariate Analysis
+    88, 2004, section 3.2).
     """
     count, columns = deviations.shape
     mean_variance = np.trace(covariance) / columns

@@ -24,18 +24,11 @@ LEAST_SIZE = 1e-6
 
 @dataclass(frozen=True)
 class WaveBasis:
-    """Plane waves over the six numbers of a pose.
+    """Plane waves over the six numbers of a pose: directions (6, w) and phases (w,), radians.
 
-    Their means over a sequence are the kernel mean embedding of its poses in a
-    Gaussian kernel (A. Rahimi and B. Recht, "Random features for large-scale kernel
-    machines", NIPS 2007): two sequences of touches that lie alike have like means.
-
-    Attributes
-    ----------
-    directions : numpy.ndarray
-        Shape (6, w), float64.
-    phases : numpy.ndarray
-        Shape (w,), float64, radians.
+    Their means over a sequence are the kernel mean embedding of its poses in a Gaussian kernel (A.
+    Rahimi and B. Recht, "Random features for large-scale kernel machines", NIPS 2007): two
+    sequences of touches that lie alike have like means.
     """
 
     directions: NDArray[np.float64]
@@ -43,20 +36,7 @@ class WaveBasis:
 
 
 def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> WaveBasis:
-    """Draw waves for a Gaussian kernel of `wave_length` over positions.
-
-    Parameters
-    ----------
-    parameters : BestParameters
-        Number and length of the waves, weight of the normals.
-    generator : numpy.random.Generator
-        Random seed.
-
-    Returns
-    -------
-    WaveBasis
-        The waves.
-    """
+    """Draw waves for a Gaussian kernel of `wave_length` over positions."""
     weights = np.array([1, 1, 1, *[parameters.normal_weight] * 3]) / parameters.wave_length
     directions = generator.normal(size=(6, parameters.waves)) * weights[:, None]
     return WaveBasis(directions, generator.uniform(0, 2 * np.pi, size=parameters.waves))
@@ -68,29 +48,11 @@ def describe_sequences(
     waves: WaveBasis,
     parameters: BestParameters,
 ) -> NDArray[np.float64]:
-    """Describe sequences by statistics over their touches and relations between these.
+    """Describe sequences (s, t, k) by statistics and relations of their touches: (s, d).
 
-    Parameters
-    ----------
-    features : numpy.ndarray
-        Shape (s, t, k), float64.
-    names : sequence of str
-        The k columns: the pose, and of ``contourlet_…``, ``imprint_…``,
-        ``sensor_size`` and ``contact_…`` what there is.
-    waves : WaveBasis
-        Waves of the embedding.
-    parameters : BestParameters
-        Which cues.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, d), float64, each row from its own sequence alone.
-
-    Raises
-    ------
-    RecognitionError
-        If a column of the pose is missing or no cue has a column.
+    The k columns are the pose, and of ``contourlet_…``, ``imprint_…``, ``sensor_size`` and
+    ``contact_…`` what there is. Each row is from its own sequence alone. Raises `RecognitionError`
+    if a column of the pose is missing or no cue has a column.
     """
     missing = [name for name in POSE if name not in names]
     if missing:
@@ -124,19 +86,11 @@ def statistics(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def pose_coordinates(
     points: NDArray[np.float64], normals: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Give each touch's pose in the object's frame, mirrored, and free of azimuth.
+    """Give each touch's pose in the object's frame, mirrored, and free of azimuth: (s, t, 16).
 
-    Parameters
-    ----------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, t, 16), float64: the pose; the magnitudes of x, z and the normal's three
-        components; distance from the upright axis and from the centre, and how far the
-        normal points away from the centre, away from the axis, and around it.
+    Of points and normals, (s, t, 3) each: the pose; the magnitudes of x, z and the normal's three
+    components; distance from the upright axis and from the centre, and how far the normal points
+    away from the centre, away from the axis, and around it.
     """
     axial = np.hypot(points[..., 0], points[..., 2])
     radius = np.linalg.norm(points, axis=-1)
@@ -154,18 +108,10 @@ def pose_coordinates(
 def azimuth_free_coordinates(
     points: NDArray[np.float64], normals: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Turn each touch about the upright axis into the plane of x and y, and mirror it to one side.
+    """Turn touches about the upright axis into the plane of x and y, and mirror them to one side.
 
-    Parameters
-    ----------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64.
-
-    Returns
-    -------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64: distance from the axis, height, 0; the normal's part away from
-        the axis, upwards, and the size of that around it.
+    Points and normals (s, t, 3) become distance from the axis, height, 0; and the normal's part
+    away from the axis, upwards, and the size of that around it.
     """
     axial = np.hypot(points[..., 0], points[..., 2])
     way = points[..., ::2] / np.maximum(axial, LEAST_SIZE)[..., None]
@@ -187,20 +133,12 @@ def _describe_azimuth_free(
 def describe_relations(
     points: NDArray[np.float64], normals: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Describe how the touches of a sequence lie to one another.
+    """Describe how the touches of a sequence lie to one another: (s, 27).
 
-    Parameters
-    ----------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, 27), float64: statistics over all pairs of distance, height and level
-        distance, the normals' cosine, and the sum and difference of the angles between
-        normals and the line that joins the two; then the three principal extents of the
-        points. A single touch has no pair, and zeros.
+    Of points and normals, (s, t, 3) each: statistics over all pairs of distance, height and level
+    distance, the normals' cosine, and the sum and difference of the angles between normals and the
+    line that joins the two; then the three principal extents of the points. A single touch has no
+    pair, and zeros.
     """
     touches = points.shape[1]
     centred = points - points.mean(axis=1, keepdims=True)
@@ -231,19 +169,9 @@ def describe_relations(
 def embed_poses(
     points: NDArray[np.float64], normals: NDArray[np.float64], waves: WaveBasis
 ) -> NDArray[np.float64]:
-    """Give the mean of each wave over a sequence's poses, left and right being alike.
+    """Give the mean of each of w waves over a sequence's poses, left and right being alike.
 
-    Parameters
-    ----------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64.
-    waves : WaveBasis
-        The w waves.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, w), float64, within ± sqrt(2).
+    Points and normals (s, t, 3) become (s, w), within ± sqrt(2).
     """
     pose = np.concatenate([points, normals], axis=-1)
     pose[..., [0, 3]] = np.abs(pose[..., [0, 3]])

@@ -29,13 +29,7 @@ FEATURES_MADE_OF = 1.0
 
 @dataclass(frozen=True)
 class Standardiser:
-    """Shift and scale of k columns; a column that was constant becomes 0, as its scale is infinite.
-
-    Attributes
-    ----------
-    mean, scale : numpy.ndarray
-        Shape (k,), float64.
-    """
+    """Shift and scale of k columns; a column that was constant becomes 0, as its scale is infinite."""
 
     mean: NDArray[np.float64]
     scale: NDArray[np.float64]
@@ -60,18 +54,7 @@ class SequenceEncoder:
     feature_scaling: Standardiser
 
     def encode(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give the features of sequences.
-
-        Parameters
-        ----------
-        sequences : numpy.ndarray
-            Shape (s, t, k), float64.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (s, m * (1 + levels) * 3), float64, scaled; m numbers are left of a touch.
-        """
+        """Give the scaled features of sequences: (s, t, k) to (s, m * (1 + levels) * 3)."""
         return self.feature_scaling.apply(self._unscaled(sequences))
 
     def reduce(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -107,12 +90,8 @@ class ReductionMemory:
     """Maps by a hash of what they were fitted on and how, so that none is fitted twice.
 
     Readings of the paper differ mostly in what follows the map. A remembered map leaves the random
-    generator as fitting it would, so it changes no number.
-
-    Attributes
-    ----------
-    most : int
-        Maps that are remembered at once; the oldest go first.
+    generator as fitting it would, so it changes no number. At most `most` are remembered at once;
+    the oldest go first.
     """
 
     most: int = 1000
@@ -166,28 +145,11 @@ def fit_sequence_encoder(
     generator: np.random.Generator,
     memory: ReductionMemory | None = None,
 ) -> SequenceEncoder:
-    """Fit touch scaling, map and feature scaling.
+    """Fit touch scaling, map and feature scaling on training sequences (s, t, k), and no others.
 
-    Parameters
-    ----------
-    sequences : numpy.ndarray
-        Shape (s, t, k), float64: the training sequences and no others.
-    parameters : RecognitionParameters
-        Every choice on the way.
-    generator : numpy.random.Generator
-        For the online map's order of touches; the batch map takes nothing from it.
-    memory : ReductionMemory, optional
-        Holds maps of other calls; it changes no number.
-
-    Returns
-    -------
-    SequenceEncoder
-        The fitted encoder.
-
-    Raises
-    ------
-    RecognitionError
-        If no feature varies over the training touches, or a setting does not fit.
+    The generator is for the online map's order of touches; the batch map takes nothing from it.
+    `memory` holds maps of other calls; it changes no number. Raises `RecognitionError` if no
+    feature varies over the training touches, or a setting does not fit.
     """
     touches = sequences.reshape(-1, sequences.shape[-1])
     if not np.ptp(touches, axis=0).any():
@@ -213,10 +175,9 @@ def fit_standardiser(
 ) -> Standardiser:
     """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
 
-    A column counts as constant when its deviation is rounding noise beside its
-    largest value, or beside `made_of`, the size of what columns are computed from. It is
-    0 from then on; rounding, which differs between processors, would otherwise get the
-    weight of a feature.
+    A column counts as constant when its deviation is rounding noise beside its largest value, or
+    beside `made_of`, the size of what columns are computed from. It is 0 from then on; rounding,
+    which differs between processors, would otherwise get the weight of a feature.
     """
     if scaling == "none":
         return _identity(rows.shape[1])

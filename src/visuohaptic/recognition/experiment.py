@@ -54,18 +54,10 @@ PAPER_FEATURES = (*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
 
 @dataclass(frozen=True)
 class Answer:
-    """What one classifier predicted in one split.
+    """What one classifier predicted in one split: the class of each test sequence, (n,).
 
-    Attributes
-    ----------
-    classifier : str
-        The classifier.
-    predicted : numpy.ndarray
-        Shape (n,), int64: the class predicted for each test sequence.
-    note : str or None
-        What the classifier needed to be fitted.
-    ballots : Ballots or None
-        What is known of the test sequences, where the pipeline gives probabilities.
+    `note` says what the classifier needed to be fitted; there are `ballots` of the test sequences
+    where the pipeline gives probabilities.
     """
 
     classifier: ClassifierName
@@ -79,33 +71,13 @@ def run_pipeline(
 ) -> tuple[pa.Table, pa.Table]:
     """Train and test every split, classifier and repeat on one strategy's features.
 
-    Everything that is fitted (scalings, map, classifier) sees the training
-    sequences of its split alone.
-
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy; their order changes nothing.
-    parameters : RecognitionParameters
-        Every choice on the way.
-    seed : int
-        The experiment's seed. The splits, and the generator of each, depend on
-        it and not on the strategy, so strategies compare in pairs.
-    pipeline : str
-        Which pipeline.
-
-    Returns
-    -------
-    scores : pyarrow.Table
-        `tables.SCORES`, a row for each classifier, split and repeat. A classifier that can't be
-        fitted in a split has no row at all; the log says why.
-    predictions : pyarrow.Table
-        `tables.PREDICTIONS`, a row for each tested sequence of each.
-
-    Raises
-    ------
-    RecognitionError
-        If the features don't allow the experiment; the sentence says why.
+    Gives rows of `tables.SCORES` and of `tables.PREDICTIONS`. Everything that is fitted (scalings,
+    map, classifier) sees the training sequences of its split alone. The order of rows changes
+    nothing. The splits, and the generator of each, depend on the experiment's seed and not on the
+    strategy, so strategies compare in pairs. Scores have a row for each classifier, split and
+    repeat, predictions one for each tested sequence of each; a classifier that can't be fitted in a
+    split has no row at all, and the log says why. Raises `RecognitionError` if the features don't
+    allow the experiment.
     """
     strategy = features.column("strategy")[0].as_py() if len(features) else ""
     sequences = gather_pipeline(features, parameters, pipeline, seed)
@@ -184,8 +156,8 @@ def gather_pipeline(
     """Gather the columns that a pipeline uses from rows of one strategy.
 
     ``paper`` takes the paper's 22 features; ``best`` also columns ``imprint_…``, ``sensor_size``
-    and ``contact_state`` where there are any. The seed is for a shuffled order. Raises `RecognitionError` if there is no such
-    pipeline, or the features don't allow it.
+    and ``contact_state`` where there are any. The seed is for a shuffled order. Raises
+    `RecognitionError` if there is no such pipeline, or the features don't allow it.
     """
     bands = _described(features)
     features = turn_objects(features, parameters.protocol.turns)
@@ -251,8 +223,8 @@ def run_paper_split(
 ) -> Iterator[Answer]:
     """Fit the paper's pipeline on a split's training sequences and classify its test sequences.
 
-    The test sequences are only encoded and classified. `memory` holds maps of other runs; it changes no
-    number. Yields an answer for each classifier that can be fitted.
+    The test sequences are only encoded and classified. `memory` holds maps of other runs; it
+    changes no number. Yields an answer for each classifier that can be fitted.
     """
     labels = sequences.labels[split.train]
     encoder = fit_sequence_encoder(sequences.features[split.train], parameters, generator, memory)

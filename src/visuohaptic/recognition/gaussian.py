@@ -31,18 +31,10 @@ its covariance."""
 class GaussianClassifier:
     """Classes with a normal density each.
 
-    Attributes
-    ----------
-    classes_ : numpy.ndarray
-        Shape (k,), int64: the classes, ascending.
-    means : numpy.ndarray
-        Shape (k, d), float64.
-    directions : numpy.ndarray
-        Shape (k, d, d), or (1, d, d) where all classes share them: a deviation from the mean times
-        these has the squared Mahalanobis distance as its squared length.
-    offsets : numpy.ndarray
-        Shape (k,), float64: logarithms of each class's share of the training rows, less half the
-        logarithm of its covariance's determinant.
+    A deviation from one of `means` (k, d) times its `directions`, (k, d, d), or (1, d, d) where all
+    classes share them, has the squared Mahalanobis distance as its squared length. `offsets` (k,)
+    are logarithms of each class's share of the training rows, less half the logarithm of its
+    covariance's determinant.
     """
 
     classes_: NDArray[np.int64]
@@ -78,16 +70,9 @@ class GaussianClassifier:
 def fit_naive_bayes(
     features: NDArray[np.float64], labels: NDArray[np.int64], smoothing: float
 ) -> GaussianClassifier:
-    """Fit densities whose features are independent.
+    """Fit densities whose features are independent, of features (n, d) and labels (n,).
 
-    Parameters
-    ----------
-    features : numpy.ndarray
-        Shape (n, d), float64.
-    labels : numpy.ndarray
-        Shape (n,), int64.
-    smoothing : float
-        Share of the features' largest variance that is added to each variance.
+    `smoothing` is the share of the features' largest variance that is added to each variance.
     """
     floor = smoothing * float(features.var(axis=0).max())
 
@@ -131,8 +116,8 @@ def fit_pseudo_quadratic_discriminant(
 ) -> GaussianClassifier:
     """Fit the covariance of every class on the directions of its variance alone.
 
-    Directions in which a class does not vary are left out, and its determinant is the product of the
-    other variances; covariances divide by n - 1. That is how Matlab's documentation describes
+    Directions in which a class does not vary are left out, and its determinant is the product of
+    the other variances; covariances divide by n - 1. That is how Matlab's documentation describes
     `pseudoquadratic`; its code was not read.
     """
     return _fit_each(

@@ -27,18 +27,9 @@ class Interval:
 
 @dataclass(frozen=True)
 class PairedComparison:
-    """A mean difference between two treatments of the same objects.
+    """A mean difference, first less second, between two treatments of the same objects.
 
-    Attributes
-    ----------
-    difference : Interval
-        First minus second.
-    p_value : float
-        Two-sided, of the sign-change test.
-    objects : int
-        Objects compared.
-    exact : bool
-        Whether all sign changes were taken.
+    The p value is two-sided; `exact` says whether all sign changes were taken.
     """
 
     difference: Interval
@@ -65,30 +56,13 @@ def object_interval(
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
-    """Give the weighted mean over objects with its bootstrap interval.
+    """Give the mean of values of objects (o,), of positive weights (o,), with its bootstrap interval.
 
-    Objects are drawn with replacement from all, not class by class, so the
-    interval also holds how classes differ. The percentiles are those of the
-    expanded percentile interval, which makes up for the bootstrap's narrowness
-    with few objects (T. Hesterberg, "What teachers should know about the
-    bootstrap", The American Statistician 69(4), 2015): with n objects the tails
-    are Phi(-sqrt(n / (n - 1)) t), t the Student quantile with n - 1 degrees.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Shape (o,), float64: a value an object.
-    weights : numpy.ndarray
-        Shape (o,), float64: each object's weight, positive.
-    parameters : IntervalParameters
-        Confidence and number of samples.
-    generator : numpy.random.Generator
-        Draws the samples.
-
-    Returns
-    -------
-    Interval
-        The interval; of a single object it is NaN on both ends.
+    Objects are drawn with replacement from all, not class by class, so the interval also holds how
+    classes differ. The percentiles are those of the expanded percentile interval, which makes up
+    for the bootstrap's narrowness with few objects (T. Hesterberg, "What teachers should know about
+    the bootstrap", The American Statistician 69(4), 2015): with n objects the tails are Phi(-sqrt(n
+    / (n - 1)) t), t the Student quantile with n - 1 degrees. Of a single object both ends are NaN.
     """
     return object_intervals(values[:, None], weights, parameters, generator)[0]
 
@@ -99,20 +73,7 @@ def object_intervals(
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> list[Interval]:
-    """Give several figures of the same objects with their intervals, over the same samples.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Shape (o, k), float64: each object's value of each figure.
-    weights, parameters, generator
-        As in `object_interval`.
-
-    Returns
-    -------
-    list of Interval
-        Of each figure, as `object_interval` gives it alone.
-    """
+    """Give k figures (o, k) of objects as `object_interval` gives each, over the same samples."""
     means = weights @ values / weights.sum()
     if len(values) < 2:
         return [Interval(float(mean), float("nan"), float("nan")) for mean in means]
@@ -134,16 +95,6 @@ def rate_interval(
 
     Where every object has the same share of 0 or of 1, resampling gives an interval of no length;
     its open end is then the exact binomial limit for so many objects.
-
-    Parameters
-    ----------
-    values, weights, parameters, generator
-        As in `object_interval`; values are 0 to 1.
-
-    Returns
-    -------
-    Interval
-        The interval; of a single object within 0 and 1 it is NaN on both ends.
     """
     found = object_interval(values, weights, parameters, generator)
     limit = exact_limit(len(values), parameters.confidence)
@@ -160,21 +111,10 @@ def difference_interval(
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
-    """Give the mean paired difference of shares, with exact limits where no object differs.
+    """Give the mean paired difference of shares (o,), first less second, as `object_interval` does.
 
-    Parameters
-    ----------
-    first, second : numpy.ndarray
-        Shape (o,), float64: a share an object under each treatment.
-    weights, parameters, generator
-        As in `object_interval`.
-
-    Returns
-    -------
-    Interval
-        Of the first less the second. Where all objects have the same share under both, so many
-        objects can't exclude that others differ: the ends are plus and minus the exact binomial
-        limit.
+    Where all objects have the same share under both, so many objects can't exclude that others
+    differ: the ends are plus and minus the exact binomial limit.
     """
     found = object_interval(first - second, weights, parameters, generator)
     limit = exact_limit(len(first), parameters.confidence)
@@ -184,7 +124,8 @@ def difference_interval(
 def exact_limit(objects: int, confidence: float) -> float:
     """Give the largest rate that no event among so many objects leaves possible.
 
-    The upper end of the exact binomial interval (C. Clopper and E. Pearson, Biometrika 26(4), 1934).
+    The upper end of the exact binomial interval (C. Clopper and E. Pearson, Biometrika 26(4),
+    1934).
     """
     return float(1 - ((1 - confidence) / 2) ** (1 / objects))
 
@@ -195,25 +136,9 @@ def balanced_interval(
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
-    """Give the mean over classes of the mean over each class's objects, with its interval.
+    """Give the mean over classes of the mean over each class's objects, as `object_interval` does.
 
-    As `object_interval`; a class that a sample does not hold is left out of it.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Shape (o,), float64: a value an object.
-    classes : numpy.ndarray
-        Shape (o,), int64: each object's class.
-    parameters : IntervalParameters
-        Confidence and number of samples.
-    generator : numpy.random.Generator
-        Draws the samples.
-
-    Returns
-    -------
-    Interval
-        The interval; of a single object it is NaN on both ends.
+    A class that a sample does not hold is left out of it.
     """
     member = (classes[:, None] == np.unique(classes)).astype(np.float64)
     mean = float(np.mean(values @ member / member.sum(axis=0)))
@@ -249,27 +174,10 @@ def compare_paired(
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> PairedComparison:
-    """Compare two treatments of the same objects.
+    """Compare values (o,) of the same objects, of positive weights (o,), under two treatments.
 
-    The p value is the share of sign changes of the objects' differences whose
-    mean is at least as far from 0: all of them where they fit, else a sample that
-    counts the observed one.
-
-    Parameters
-    ----------
-    first, second : numpy.ndarray
-        Shape (o,), float64: a value an object under each treatment.
-    weights : numpy.ndarray
-        Shape (o,), float64: each object's weight, positive.
-    parameters : IntervalParameters
-        Confidence, bootstrap samples and most sign changes.
-    generator : numpy.random.Generator
-        Draws samples.
-
-    Returns
-    -------
-    PairedComparison
-        The mean difference, its interval and the p value.
+    The p value is the share of sign changes of the objects' differences whose mean is at least as
+    far from 0: all of them where they fit, else a sample that counts the observed one.
     """
     interval = difference_interval(first, second, weights, parameters, generator)
     parts = (first - second) * weights / weights.sum()
@@ -286,18 +194,7 @@ def compare_paired(
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Adjust p values for their number (S. Holm, Scand. J. Statist. 6:65-70, 1979).
-
-    Parameters
-    ----------
-    p_values : sequence of float
-        One a hypothesis.
-
-    Returns
-    -------
-    list of float
-        Adjusted p values in the same order, at most 1.
-    """
+    """Adjust p values for their number, to 1 at most (S. Holm, Scand. J. Statist. 6:65-70, 1979)."""
     adjusted = [0.0] * len(p_values)
     largest = 0.0
     for rank, place in enumerate(sorted(range(len(p_values)), key=lambda k: p_values[k])):

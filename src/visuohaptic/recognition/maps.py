@@ -54,14 +54,7 @@ class Map:
 
 @dataclass(frozen=True)
 class FeatureGroups:
-    """Weighted sums of features.
-
-    Attributes
-    ----------
-    weights : numpy.ndarray
-        Shape (k, m), float64: columns average the features of one group; an
-        empty group's column is zero.
-    """
+    """Weighted sums of features: a column of `weights` (k, m) averages a group, or is zero."""
 
     weights: Rows
 

@@ -81,18 +81,10 @@ class _Part:
 class ModelAnswer:
     """What a model says of one object.
 
-    Attributes
-    ----------
-    probabilities : dict of str to float
-        Of each class, the likeliest first.
-    candidates : tuple of str or None
-        The prediction set, the likeliest first; None, as all that follows, without a calibration.
-    strangeness : float or None
-        Share of the training objects' kind that is less strange, between 0 and 1.
-    unknown : bool or None
-        Whether the object is of no class that the model knows.
-    coverage : float or None
-        The share of objects of known classes that the set and the word unknown are right about.
+    Class probabilities and prediction set have the likeliest class first. Without a calibration all
+    but `probabilities` is None. `strangeness` is the share of known objects that are less strange,
+    0 to 1; `coverage` is the share of objects of known classes that the set and the word unknown
+    are right about.
     """
 
     probabilities: dict[str, float]
@@ -106,33 +98,11 @@ class ModelAnswer:
 class RecognitionModel:
     """Everything needed to classify an object from its touches.
 
-    Attributes
-    ----------
-    pipeline, strategy, classifier : str
-        How it works, and whose touches it learnt from.
-    classes : tuple of str
-        The c classes.
-    feature_names : tuple of str
-        The k numbers of a touch, in order.
-    touches : int
-        Touches a sequence.
-    objects : tuple of (str, str)
-        The objects it learnt, as (class, name).
-    parameters : RecognitionParameters
-        What it was trained with.
-    versions : mapping of str to str
-        Versions of the packages that trained it.
-    encoder : SequenceEncoder or SequenceDescriber
-        From touches to what the classifier sees.
-    tuned : TunedClassifier
-        The classifier.
-    calibration : Calibration or None
-        Training objects, each predicted without itself; None in pipeline `paper`, and where no class has a
-        second object.
-    short : mapping of int to ShortClassifier
-        What classifies sequences of fewer touches, by their number; empty where none was wanted.
-    touching : str or None
-        The parameters with which its touches were made, as JSON, where they are known.
+    `objects` are those that it learnt, as (class, name), `touches` those of a sequence, and
+    `feature_names` the k numbers of a touch in order. `calibration` holds training objects that
+    were each predicted without themselves; it is None in pipeline `paper`, and where no class has a
+    second object. `short` holds what classifies sequences of fewer touches, by their number.
+    `touching` is JSON: the parameters with which its touches were made, where they are known.
     """
 
     pipeline: str
@@ -151,26 +121,12 @@ class RecognitionModel:
     touching: str | None = None
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
-        """Classify one object from all its touches together, however many there are.
+        """Give one object's class probabilities, the likeliest first, from all its touches together.
 
-        A viewpoint with more touches than the model's sequences have counts as several sequences; one
-        with fewer as a short one.
-
-        Parameters
-        ----------
-        features : pyarrow.Table
-            Rows of `tables.FEATURES` of one object and strategy.
-
-        Returns
-        -------
-        dict of str to float
-            Probability of each class, the likeliest first.
-
-        Raises
-        ------
-        RecognitionError
-            If the table lacks a feature, or there is no touch, or, in pipeline `paper`, no viewpoint
-            has as many touches as the model needs.
+        `features` has rows of `tables.FEATURES` of one object and strategy, however many. A
+        viewpoint with more touches than the model's sequences have counts as several sequences; one
+        with fewer as a short one. Raises `RecognitionError` if the table lacks a feature, or there
+        is no touch, or, in pipeline `paper`, no viewpoint has as many touches as the model needs.
         """
         return self.answer(features).probabilities
 
@@ -259,30 +215,9 @@ def fit_model(
     parameters: RecognitionParameters,
     seed: int,
 ) -> RecognitionModel:
-    """Train on every object of a table.
+    """Train pipeline ``paper`` or ``best`` on every object of a table of features of one strategy.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy.
-    pipeline : str
-        ``paper`` or ``best``.
-    classifier : str
-        One classifier.
-    parameters : RecognitionParameters
-        Every choice that is not made inside.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    RecognitionModel
-        The model.
-
-    Raises
-    ------
-    RecognitionError
-        If the features don't allow it.
+    Raises `RecognitionError` if the features don't allow it.
     """
     from threadpoolctl import threadpool_limits
 

@@ -13,21 +13,10 @@ NeighbourWeights = Literal["uniform", "distance"]
 
 @dataclass(frozen=True)
 class NearestNeighbours:
-    """Training rows that vote; of rows as far away as the last neighbour the first ones do.
+    """Training rows (n, d) that vote; of rows as far away as the last neighbour the first ones do.
 
-    Attributes
-    ----------
-    classes_ : numpy.ndarray
-        Shape (c,), int64: the classes, ascending.
-    rows : numpy.ndarray
-        Shape (n, d), float64: the training rows.
-    members : numpy.ndarray
-        Shape (n, c), float64: 1 for the class of each, 0 for the others.
-    neighbours : int
-        How many vote.
-    weighting : str
-        Whether votes count alike, ``uniform``, or by the inverse of the ``distance``; where some rows
-        are not away at all, these alone.
+    `members` (n, c) is 1 for the class of each row, 0 for the others. With weighting ``distance``
+    votes count by its inverse; where some rows are not away at all, these alone.
     """
 
     classes_: NDArray[np.int64]

@@ -32,16 +32,9 @@ LEAST_PROBABILITY = 1e-4
 
 @dataclass(frozen=True)
 class BagClassifier:
-    """A linear discriminant of bags.
+    """A linear discriminant of bags of the classes `trained` (k,).
 
-    Attributes
-    ----------
-    coefficients : numpy.ndarray
-        Shape (q, k), float64, each row with mean 0.
-    intercepts : numpy.ndarray
-        Shape (k,), float64, with mean 0.
-    trained : numpy.ndarray
-        Shape (k,), int64: the classes of the training bags.
+    The rows of `coefficients` (q, k), and `intercepts` (k,), have mean 0.
     """
 
     coefficients: NDArray[np.float64]
@@ -57,19 +50,12 @@ class BagClassifier:
 
 @dataclass(frozen=True)
 class Combination:
-    """How the two answers for a bag become one.
+    """How the two answers for a bag become one, where training had the `known` (c,) classes.
 
-    Attributes
-    ----------
-    scales : tuple of float
-        What the classifier's log probabilities and the bag classifier's scores are divided by: their
-        deviations over held-out bags, the latter by the weight of bags.
-    views : numpy.ndarray
-        Shape (k,), float64: numbers of sequences, ascending; the mean of those that share a temperature.
-    temperatures : numpy.ndarray
-        Shape (k,), float64: by what the sum is divided for bags of so many.
-    known : numpy.ndarray
-        Shape (c,), bool: the classes that training had.
+    `scales` are what the classifier's log probabilities and the bag classifier's scores are divided
+    by: their deviations over held-out bags, the latter by the weight of bags. The sum is divided by
+    `temperatures` (k,), for bags of so many `views` (k,), ascending: the mean of the numbers of
+    sequences that share a temperature.
     """
 
     scales: tuple[float, float]
@@ -83,19 +69,9 @@ class Combination:
         mean_scores: NDArray[np.float64],
         counts: NDArray[np.int64],
     ) -> NDArray[np.float64]:
-        """Give the class probabilities of bags.
+        """Give class probabilities (m, c) of bags by both answers' means over their sequences, (m, c).
 
-        Parameters
-        ----------
-        mean_probabilities, mean_scores : numpy.ndarray
-            Shape (m, c) each, float64: means over each bag's sequences of both answers.
-        counts : numpy.ndarray
-            Shape (m,), int64: sequences of each bag.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (m, c), float64.
+        `counts` (m,) are the sequences of each bag.
         """
         summed = add_standardised(mean_probabilities, mean_scores, self.scales)
         places = np.log(np.maximum(counts, 1))
@@ -107,14 +83,8 @@ class Combination:
 class Ballots:
     """What is known of n sequences, for one answer for any of them together.
 
-    Attributes
-    ----------
-    probabilities : numpy.ndarray
-        Shape (n, c), float64: by the classifier.
-    scores : numpy.ndarray or None
-        Shape (n, c), float64: by the bag classifier; None where there is none.
-    combination : Combination or None
-        Present with `scores`.
+    `probabilities` (n, c) are the classifier's and `scores` (n, c) the bag classifier's, which have
+    a `combination`; both are None where there is none.
     """
 
     probabilities: NDArray[np.float64]
@@ -126,17 +96,9 @@ class Ballots:
         return self._answer(self.probabilities, self.scores, np.ones(len(self.probabilities)))
 
     def together(self, members: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Give the class probabilities of bags.
+        """Give the class probabilities (m, c) of bags; `members` (m, n) are their sequences.
 
-        Parameters
-        ----------
-        members : numpy.ndarray
-            Shape (m, n), bool: which sequences are in each bag; none of them is empty.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (m, c), float64. Without a bag classifier these are mean probabilities.
+        No bag is empty. Without a bag classifier these are mean probabilities.
         """
         counts = members.sum(axis=1)
         # Sums first: those of whole votes are exact, so that a tie is one.
@@ -160,12 +122,8 @@ class Ballots:
 class Bags:
     """Bags of sequences.
 
-    Attributes
-    ----------
-    places : numpy.ndarray
-        Int64: the places of the first bag's sequences, then of the second's, …
-    counts : numpy.ndarray
-        Shape (m,), int64: sequences of each bag.
+    `places` are those of the first bag's sequences, then of the second's, …; `counts` (m,) says how
+    many each has.
     """
 
     places: NDArray[np.int64]
@@ -189,21 +147,11 @@ class Bags:
 
 
 def spread_choices(total: int, count: int) -> NDArray[np.int64]:
-    """Choose `count` of `total` places, evenly spread over a ring, in every way.
+    """Choose `count` of `total` places, evenly spread over a ring, in every way: (k, count).
 
-    Parameters
-    ----------
-    total : int
-        Places on the ring.
-    count : int
-        How many to choose, 1 to `total`.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (k, count), int64, each row ascending: the first choice turned on by one place after
-        another, none twice. Each place is in as many of them as any other; the first
-        ceil(total / count) choices have every place, once each where `count` divides `total`.
+    Rows are ascending. The first choice is turned on by one place after another, none twice. Each
+    place is in as many of them as any other; the first ceil(total / count) choices have every
+    place, once each where `count` divides `total`.
     """
     steps = np.arange(count) * total // count
     turns = np.arange(total // math.gcd(total, count))
@@ -214,19 +162,9 @@ def spread_bags(owners: NDArray[np.int64], sizes: Sequence[int]) -> Bags:
     """Choose bags of every size among each object's sequences, evenly spread over its views.
 
     The bags of a size have every sequence of the object, once each where the size divides their
-    number; else some are in two bags.
-
-    Parameters
-    ----------
-    owners : numpy.ndarray
-        Shape (n,), int64: the object of each sequence; an object's sequences in the order of views.
-    sizes : sequence of int
-        Sequences in a bag. A size beyond what an object has becomes all of its sequences.
-
-    Returns
-    -------
-    Bags
-        By object, then by size, none twice.
+    number; else some are in two bags. `owners` (n,) is the object of each sequence, an object's in
+    the order of views. A size beyond what an object has becomes all of its sequences. Bags are by
+    object, then by size, none twice.
     """
     places, counts = [], []
     for owner in np.unique(owners):
@@ -262,26 +200,9 @@ def fit_bag_classifier(
     owners: NDArray[np.int64],
     sizes: Sequence[int],
 ) -> BagClassifier:
-    """Fit the linear discriminant of bags of training sequences.
+    """Fit the linear discriminant of bags of sequences (n, q), of classes and objects (n,).
 
-    Parameters
-    ----------
-    projected : numpy.ndarray
-        Shape (n, q), float64: the training sequences.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: class and object of each.
-    sizes : sequence of int
-        Sequences in a bag.
-
-    Returns
-    -------
-    BagClassifier
-        The classifier.
-
-    Raises
-    ------
-    RecognitionError
-        If there is nothing to take a covariance of.
+    Raises `RecognitionError` if there is nothing to take a covariance of.
     """
     bags = spread_bags(owners, sizes)
     rows, classes = bags.means(projected), labels[bags.first]
@@ -310,18 +231,9 @@ def _common_covariance(
 class HeldOutBags:
     """Bags of held-out sequences as the bag classifier scores them, for combinations with any classifier.
 
-    Attributes
-    ----------
-    bags : Bags or None
-        The m bags; None where nothing was held out.
-    scores : numpy.ndarray
-        Shape (m, c), float64: means over each bag's sequences.
-    labels, owners : numpy.ndarray
-        Shape (m,), int64: their classes and objects.
-    known : numpy.ndarray
-        Shape (c,), bool: the classes that all training objects have.
-    weight : float
-        How much more the bag classifier counts than the other.
+    Without held-out sequences `bags` is None. `scores` (m, c) are means over each bag's sequences,
+    `labels` and `owners` (m,) the bags' classes and objects; `known` (c,) says which classes all
+    training objects have, and `weight` how much more the bag classifier counts than the other.
     """
 
     bags: Bags | None
@@ -332,21 +244,12 @@ class HeldOutBags:
     weight: float
 
     def combine(self, probabilities: NDArray[np.float64]) -> Combination:
-        """Fit the scales and temperatures of a combination.
+        """Fit a combination with what a classifier says of the held-out sequences, (n, c).
 
-        A temperature that rests on few objects would be an accident of these. So from the largest number
-        of sequences down, numbers are taken together until half of the objects have bags of them, and
-        share a temperature; those that remain at the lower end share the one above.
-
-        Parameters
-        ----------
-        probabilities : numpy.ndarray
-            Shape (n, c), float64: what a classifier says of the held-out sequences.
-
-        Returns
-        -------
-        Combination
-            Without held-out sequences, scales and temperature are 1.
+        A temperature that rests on few objects would be an accident of these. So from the largest
+        number of sequences down, numbers are taken together until half of the objects have bags of
+        them, and share a temperature; those that remain at the lower end share the one above.
+        Without held-out sequences, scales and temperature are 1.
         """
         known, bags = self.known, self.bags
         if bags is None:
@@ -402,26 +305,9 @@ def hold_out_bags(
     known: NDArray[np.bool_],
     weight: float,
 ) -> HeldOutBags:
-    """Divide held-out sequences into bags.
+    """Divide held-out sequences, of classes and objects (n,), into bags; n may be 0.
 
-    Parameters
-    ----------
-    scores : numpy.ndarray
-        Shape (n, c), float64: what the bag classifier says of sequences of objects that it did not
-        learn; n may be 0.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: their classes and objects.
-    sizes : sequence of int
-        Sequences in a bag.
-    known : numpy.ndarray
-        Shape (c,), bool: the classes that all training objects have.
-    weight : float
-        How much more the bag classifier counts than the other.
-
-    Returns
-    -------
-    HeldOutBags
-        The bags.
+    `scores` (n, c) are what the bag classifier says of them, whose objects it did not learn.
     """
     if not len(labels):
         return HeldOutBags(None, scores, labels, owners, known, weight)
@@ -442,8 +328,8 @@ def pool_answers(
 ) -> NDArray[np.float64]:
     """Give the weighted geometric mean of answers, shape (c,) each: a logarithmic opinion pool.
 
-    It is no surer than the surest of them: that they agree counts for nothing, as views of an object err
-    alike. A single answer stays as it is.
+    It is no surer than the surest of them: that they agree counts for nothing, as views of an
+    object err alike. A single answer stays as it is.
     """
     if len(answers) == 1:
         return answers[0]
@@ -462,8 +348,8 @@ def best_temperature(
 ) -> tuple[float, float]:
     """Find the temperature of `TEMPERATURES` with the least mean log loss, and that loss in nats.
 
-    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64. `doubt` is
-    the share of the truth that is spread over all classes.
+    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64.
+    `doubt` is the share of the truth that is spread over all classes.
     """
     relative = scores - scores.max(axis=1, keepdims=True)
     true = (1 - doubt) * relative[np.arange(len(labels)), labels] + doubt * relative.mean(axis=1)

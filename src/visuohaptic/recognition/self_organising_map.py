@@ -18,32 +18,13 @@ from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
 
 @dataclass(frozen=True)
 class SelfOrganisingMap:
-    """A fitted map of u units with k weights each on a lattice of a axes.
-
-    Attributes
-    ----------
-    weights : numpy.ndarray
-        Shape (u, k), float64.
-    positions : numpy.ndarray
-        Shape (u, a), float64: each unit's place on the lattice.
-    """
+    """A fitted map of u units with weights (u, k) at positions (u, a) of a lattice of a axes."""
 
     weights: NDArray[np.float64]
     positions: NDArray[np.float64]
 
     def distances(self, touches: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give the Euclidean distance of n touches to the u units.
-
-        Parameters
-        ----------
-        touches : numpy.ndarray
-            Shape (n, k), float64.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n, u), float64.
-        """
+        """Give the Euclidean distances of touches (n, k) to the units, (n, u)."""
         squares = np.square(touches[:, None, :] - self.weights[None, :, :])
         return np.sqrt(squares.sum(axis=-1))
 
@@ -83,27 +64,12 @@ def fit_batch_map(
     positions: NDArray[np.float64],
     parameters: SelfOrganisingMapParameters,
 ) -> SelfOrganisingMap:
-    """Fit a map, all touches at once in each pass.
+    """Fit a map on touches (n, k), all at once in each pass; `positions` (u, a) are the lattice.
 
-    Each unit becomes the mean of the touches, weighted by a Gaussian of the
-    lattice distance to the touch's nearest unit. The radius shrinks
-    geometrically over the ordering passes and then stays; training ends when no
-    touch changes its nearest unit. Units start along the touches' principal
+    Each unit becomes the mean of the touches, weighted by a Gaussian of the lattice distance to the
+    touch's nearest unit. The radius shrinks geometrically over the ordering passes and then stays;
+    training ends when no touch changes its nearest unit. Units start along the touches' principal
     components, so nothing is random.
-
-    Parameters
-    ----------
-    touches : numpy.ndarray
-        Shape (n, k), float64.
-    positions : numpy.ndarray
-        Shape (u, a), float64: the lattice.
-    parameters : SelfOrganisingMapParameters
-        Radii and passes.
-
-    Returns
-    -------
-    SelfOrganisingMap
-        The map.
     """
     weights = _principal_weights(touches, positions)
     squares = np.square(positions[:, None, :] - positions[None, :, :]).sum(axis=-1)
@@ -126,28 +92,9 @@ def fit_online_map(
     parameters: SelfOrganisingMapParameters,
     generator: np.random.Generator,
 ) -> SelfOrganisingMap:
-    """Fit a map touch by touch with MiniSom, in random order.
+    """Fit a map touch by touch, (n, k), with MiniSom, in random order.
 
-    Parameters
-    ----------
-    touches : numpy.ndarray
-        Shape (n, k), float64.
-    positions : numpy.ndarray
-        Shape (u, 1) or (u, 2), float64: the lattice.
-    parameters : SelfOrganisingMapParameters
-        First radius, learning rate and passes.
-    generator : numpy.random.Generator
-        Seeds the order of the touches.
-
-    Returns
-    -------
-    SelfOrganisingMap
-        The map.
-
-    Raises
-    ------
-    RecognitionError
-        If the lattice has more than two axes.
+    Raises `RecognitionError` if the lattice has more than two axes.
     """
     from minisom import MiniSom
 

@@ -19,22 +19,10 @@ from visuohaptic.tables.schema import matrix
 
 @dataclass(frozen=True)
 class TouchSequences:
-    """s sequences of t touches with k features each, of o objects in c classes.
+    """s sequences of t touches with k features each, (s, t, k), of o objects in c classes.
 
-    Attributes
-    ----------
-    features : numpy.ndarray
-        Shape (s, t, k), float64.
-    feature_names : tuple of str
-        The k features' names.
-    objects : tuple of (str, str)
-        The o objects as (class, name), sorted.
-    classes : tuple of str
-        The c classes, sorted.
-    object_index : numpy.ndarray
-        Shape (s,), int64: each sequence's place in `objects`.
-    viewpoint : numpy.ndarray
-        Shape (s,), int64.
+    `objects`, as (class, name), and `classes` are sorted; `object_index` (s,) is each sequence's
+    place in `objects`.
     """
 
     features: NDArray[np.float64]
@@ -67,27 +55,11 @@ class TouchSequences:
 def gather_sequences(
     features: pa.Table, feature_names: Sequence[str], touches: int | None
 ) -> TouchSequences:
-    """Gather the touches of one strategy into sequences.
+    """Gather the touches of one strategy, rows in any order, into sequences.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy, in any order.
-    feature_names : sequence of str
-        The k columns to take.
-    touches : int or None
-        How many touches of each sequence to take, the first ones; None for all.
-
-    Returns
-    -------
-    TouchSequences
-        Sorted by class, object and viewpoint.
-
-    Raises
-    ------
-    RecognitionError
-        If there are no rows or more than one strategy, a sequence lacks a
-        touch, or a feature is not finite.
+    These are sorted by class, object and viewpoint. Takes the first so many touches of each; None
+    takes all. Raises `RecognitionError` if there are no rows or more than one strategy, a column is
+    missing, a sequence lacks a touch, or a feature is not finite.
     """
     _check_columns(features, feature_names)
     keys = ["class", "object", "viewpoint", "touch"]
@@ -132,27 +104,13 @@ def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
 def gather_any(
     features: pa.Table, feature_names: Sequence[str], touches: int
 ) -> list[NDArray[np.float64]]:
-    """Gather all touches of one object into sequences of at most so many touches.
+    """Gather all touches of one object and strategy into sequences of at most so many touches.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one object and one strategy, in any order.
-    feature_names : sequence of str
-        The k columns to take.
-    touches : int
-        Touches of a whole sequence. A viewpoint with more gives several, the last of which begins among the
-        touches of the one before it where fewer than that remain; a viewpoint with fewer gives a short one.
-
-    Returns
-    -------
-    list of numpy.ndarray
-        Shape (s, t, k) each, float64: all sequences of one length, the longest first.
-
-    Raises
-    ------
-    RecognitionError
-        If there is more than one object or strategy, a column is missing, or a feature is not finite.
+    Rows are in any order. Gives all sequences of one length together, (s, t, k), the longest first.
+    A viewpoint with more touches gives several, the last of which begins among the touches of the
+    one before it where fewer than that remain; a viewpoint with fewer gives a short one. Raises
+    `RecognitionError` if there is more than one object or strategy, a column is missing, or a
+    feature is not finite.
     """
     _check_columns(features, feature_names)
     features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
@@ -185,8 +143,8 @@ def first_touches(features: pa.Table, touches: int) -> pa.Table:
 def turn_objects(features: pa.Table, turns: str) -> pa.Table:
     """Turn the poses of each object's touches, ``vertical`` or ``any``, by a rotation of its own.
 
-    The rotation is drawn by the object's key alone: it is the same for every seed, repeat, strategy and
-    pipeline, so that these are compared on the same turned objects. Every other column stays.
+    The rotation is drawn by the object's key alone: it is the same for every seed, repeat, strategy
+    and pipeline, so that these are compared on the same turned objects. Every other column stays.
     """
     from scipy.spatial.transform import Rotation
 
@@ -320,21 +278,9 @@ def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, 
     """Leave out the viewpoints that show too little of a slender object for a whole sequence.
 
     A viewpoint is left out for all strategies where one of them lacks touches, so that strategies
-    are compared on the same.
-
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`, of any strategies.
-    touches : int or None
-        Touches of a whole sequence; None takes as many as the longest has.
-
-    Returns
-    -------
-    pyarrow.Table
-        The rows of the other viewpoints; the same table where none is left out.
-    tuple of str
-        A sentence for each object with such viewpoints.
+    are compared on the same. Without a number of touches a whole sequence has as many as the
+    longest. Also gives a sentence for each object with such viewpoints; where none is left out, the
+    table is the same.
     """
     owner = ["class", "object", "viewpoint"]
     counts = features.group_by([*owner, "strategy"]).aggregate([("touch", "count")])

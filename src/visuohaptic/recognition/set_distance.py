@@ -23,14 +23,8 @@ POSE_CUES = frozenset({"pose", "embedding"})
 class KnownTouches:
     """The touches of known objects.
 
-    Attributes
-    ----------
-    weights : numpy.ndarray
-        Shape (k,), float64: what each feature of a touch is multiplied by.
-    touches : numpy.ndarray
-        Shape (m, k), float32: weighted touches, object by object.
-    starts : numpy.ndarray
-        Shape (r,), int64: the place of each object's first touch.
+    `weights` (k,) are what each feature of a touch is multiplied by, `touches` (m, k) the weighted
+    touches, float32, object by object, and `starts` (r,) the place of each object's first touch.
     """
 
     weights: NDArray[np.float64]
@@ -38,15 +32,10 @@ class KnownTouches:
     starts: NDArray[np.int64]
 
     def nearest(self, touches: NDArray[np.float64]) -> float:
-        """Give the distance of an object from the nearest known one.
+        """Give the distance of an object, by all its touches (n, k), from the nearest known one.
 
-        The distance of two sets is the mean distance of a touch from the nearest of the other set, both
-        ways (the symmetric Chamfer distance: H. G. Barrow et al., IJCAI 1977).
-
-        Parameters
-        ----------
-        touches : numpy.ndarray
-            Shape (n, k), float64: all touches of the object.
+        The distance of two sets is the mean distance of a touch from the nearest of the other set,
+        both ways (the symmetric Chamfer distance: H. G. Barrow et al., IJCAI 1977).
         """
         return self.distances(touches).nearest(slice(None))
 
@@ -61,16 +50,10 @@ class KnownTouches:
 
 @dataclass(frozen=True)
 class TouchDistances:
-    """Distances of the n touches of an object from m known ones, of r objects.
+    """Distances (n, m), float32, of the n touches of an object from m known ones, of r objects.
 
-    Attributes
-    ----------
-    found : numpy.ndarray
-        Shape (n, m), float32.
-    there : numpy.ndarray
-        Shape (n, r), float32: from the nearest touch of each known object.
-    starts : numpy.ndarray
-        Shape (r,), int64: as in `KnownTouches`.
+    `there` (n, r) are those from the nearest touch of each known object; `starts` (r,) are as in
+    `KnownTouches`.
     """
 
     found: NDArray[np.float32]
@@ -88,18 +71,8 @@ class TouchDistances:
 def keep_touches(sequences: TouchSequences, cues: Collection[str]) -> KnownTouches:
     """Keep the touches of training objects.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        Of the training objects. All features but pose are standardised, and count together as much as a
-        unit normal.
-    cues : collection of str
-        Cues of pipeline `best`; without one of `POSE_CUES` pose counts nothing.
-
-    Returns
-    -------
-    KnownTouches
-        All touches.
+    All features but pose are standardised, and count together as much as a unit normal. `cues` are
+    those of pipeline `best`; without one of `POSE_CUES` pose counts nothing.
     """
     names, touches = sequences.feature_names, sequences.features
     count = len(names)

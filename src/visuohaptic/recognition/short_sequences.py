@@ -51,22 +51,10 @@ Described = Mapping[int, NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class ShortClassifier:
-    """What classifies sequences of one length.
+    """What classifies sequences of one length, c classes.
 
-    Attributes
-    ----------
-    scaling : Standardiser
-        Of the d descriptors of this length.
-    projection : Projection
-        Of all lengths.
-    bags : BagClassifier
-        Of all lengths.
-    classes : int
-        Number c of classes.
-    combination : Combination
-        Temperatures of this length.
-    calibration : Calibration or None
-        Training objects, each predicted without itself; None where no class has a second object.
+    `scaling`, `combination` and `calibration` are of this length, `projection` and `bags` of all
+    lengths. `calibration` is None where no class has a second object.
     """
 
     scaling: Standardiser
@@ -100,23 +88,10 @@ def fit_short_classifiers(
     best: BestParameters,
     generator: np.random.Generator,
 ) -> dict[int, ShortClassifier]:
-    """Fit a classifier for each length.
+    """Fit a classifier for each length of `described`.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        For training, of all their touches.
-    described : mapping of int to numpy.ndarray
-        Shape (s, d) each, float64: the same by their first touches.
-    best : BestParameters
-        Bags, components, folds.
-    generator : numpy.random.Generator
-        Deals the objects over folds.
-
-    Returns
-    -------
-    dict of int to ShortClassifier
-        By number of touches; empty without bags, or where no covariance can be taken of them.
+    `sequences` are the same training sequences with all their touches; the generator deals the
+    objects over folds. Gives none without bags, or where no covariance can be taken of them.
     """
     if not described or not best.bags:
         return {}

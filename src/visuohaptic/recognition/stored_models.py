@@ -75,20 +75,10 @@ _PARAMETERS: Mapping[str, type[BaseModel]] = {
 
 
 def save_model(model: RecognitionModel, path: str | Path) -> None:
-    """Write a model with skops, whole or not at all.
+    """Write a model with skops, whole or not at all; the folder is made where missing.
 
-    Parameters
-    ----------
-    model : RecognitionModel
-        The model.
-    path : path
-        The file, such as ``recogniser.skops``; its folder is made where missing.
-
-    Raises
-    ------
-    RecognitionError
-        If the classifier can't be saved so that loading is safe: scikit-learn follows
-        a decision tree's stored indices unchecked.
+    Raises `RecognitionError` if the classifier can't be saved so that loading is safe: scikit-learn
+    follows a decision tree's stored indices unchecked.
     """
     import skops.io
 
@@ -104,24 +94,12 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
 
 
 def load_model(path: str | Path) -> RecognitionModel:
-    """Read a model; a file that would bring code of its own is refused.
+    """Read what `save_model` wrote; a file that would bring code of its own is refused.
 
-    Parameters
-    ----------
-    path : path
-        What `save_model` wrote.
-
-    Returns
-    -------
-    RecognitionModel
-        The model.
-
-    Raises
-    ------
-    RecognitionError
-        If the file can't be read, is larger than `LARGEST_BYTES`, holds other types than NumPy's and
-        scikit-learn's, is no whole model of this package, or gives no probabilities for a sequence of
-        touches because its arrays don't belong together or hold what is no number.
+    Raises `RecognitionError` if the file can't be read, is larger than `LARGEST_BYTES`, holds other
+    types than NumPy's and scikit-learn's, is no whole model of this package, or gives no
+    probabilities for a sequence of touches because its arrays don't belong together or hold what is
+    no number.
     """
     import skops.io
     from skops.io.exceptions import UntrustedTypesFoundException

@@ -42,14 +42,9 @@ METHOD = {
 
 @dataclass(frozen=True)
 class Confusion:
-    """Confusion matrix: how often sequences of each class were predicted as each class.
+    """How often sequences of each of c classes, sorted, were predicted as each class.
 
-    Attributes
-    ----------
-    classes : tuple of str
-        The c classes, sorted.
-    counts : numpy.ndarray
-        Shape (c, c), int64: true class by row, predicted class by column.
+    `counts` (c, c) has the true class by row, the predicted one by column.
     """
 
     classes: tuple[str, ...]
@@ -74,34 +69,17 @@ def summarise(
     parameters: IntervalParameters | None = None,
     seed: int = 0,
 ) -> dict[str, Any]:
-    """Give every headline figure of recognition.
+    """Give every headline figure of recognition, in types that JSON has.
 
-    Parameters
-    ----------
-    scores : pyarrow.Table
-        `tables.SCORES` of any pipelines and strategies.
-    predictions : pyarrow.Table
-        `tables.PREDICTIONS` of the same.
-    parameters : IntervalParameters or None
-        Resampling; None takes the defaults.
-    seed : int
-        The experiment's seed, for the resampling.
-
-    Returns
-    -------
-    dict
-        ``method`` (what each figure means), ``results[pipeline][strategy][classifier]``
-        (``accuracy``, ``object_accuracy``, ``balanced_accuracy`` and each of
-        ``class_accuracy`` with ``mean``, ``low``, ``high``; ``by_object``, each object's accuracy and its
-        weight in the mean; ``splits``, ``repeats``, ``objects``, ``sequences``, ``notes``), and
-        ``comparisons[pipeline][classifier][other strategy]`` (fixation minus the
-        other: ``difference``, ``p_value``, ``objects``, ``exact``). JSON-able; an
-        end of an interval that does not exist is None.
-
-    Raises
-    ------
-    RecognitionError
-        If scores and predictions are not of the same experiment.
+    Scores and predictions are of any pipelines and strategies. ``method`` says what each figure
+    means. ``results[pipeline][strategy][classifier]`` has ``accuracy``, ``object_accuracy``,
+    ``balanced_accuracy`` and each of ``class_accuracy`` with ``mean``, ``low``, ``high``;
+    ``by_object``, each object's accuracy and its weight in the mean; ``splits``, ``repeats``,
+    ``objects``, ``sequences``, ``notes``. ``comparisons[pipeline][classifier][other strategy]`` has
+    fixation minus the other: ``difference``, ``p_value``, ``objects``, ``exact``. An end of an
+    interval that does not exist is None. Without parameters resampling takes the defaults; its seed
+    is the experiment's. Raises `RecognitionError` if scores and predictions are not of the same
+    experiment.
     """
     parameters = parameters or IntervalParameters()
     cells = _cells(predictions)

@@ -16,21 +16,9 @@ KernelName = Literal["linear", "poly", "rbf"]
 class SupportVectorMachine:
     """Machines that tell two classes apart, one for each pair of k classes.
 
-    Attributes
-    ----------
-    classes_ : numpy.ndarray
-        Shape (k,), int64: the classes, ascending.
-    vectors : numpy.ndarray
-        Shape (s, d), float64: the support vectors of all pairs.
-    weights : numpy.ndarray
-        Shape (s, p), float64: what each counts in each of the p = k (k - 1) / 2 pairs, which are in
-        the order 0 and 1, 0 and 2, …, 1 and 2, …
-    intercepts : numpy.ndarray
-        Shape (p,), float64.
-    kernel : str
-        ``linear``, ``poly`` of the third degree, or ``rbf``.
-    scale : float
-        What the kernel multiplies products, or squared distances, by.
+    `vectors` (s, d) are the support vectors of all pairs, and `weights` (s, p) what each counts in
+    each of the p = k (k - 1) / 2 pairs, which are in the order 0 and 1, 0 and 2, …, 1 and 2, … The
+    kernel multiplies products, or squared distances, by `scale`; ``poly`` is of the third degree.
     """
 
     classes_: NDArray[np.int64]
@@ -84,18 +72,10 @@ class SupportVectorMachine:
 def fit_support_vector_machine(
     features: NDArray[np.float64], labels: NDArray[np.int64], kernel: KernelName, penalty: float
 ) -> SupportVectorMachine:
-    """Train every pair of classes.
+    """Train every pair of classes on features (n, d) and labels (n,).
 
-    Parameters
-    ----------
-    features : numpy.ndarray
-        Shape (n, d), float64.
-    labels : numpy.ndarray
-        Shape (n,), int64.
-    kernel : str
-        The kernel; its scale is 1 / (d × the variance of all features).
-    penalty : float
-        Penalty C of a margin violation.
+    `penalty` is C, that of a margin violation; the kernel's scale is 1 / (d × the variance of all
+    features).
     """
     from sklearn.svm import SVC
 

@@ -25,32 +25,10 @@ from visuohaptic.seeds import spawn_generator
 class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     """Classify objects from descriptors of sequences of touches, such as `touch_descriptors` gives.
 
-    A row is a sequence; `groups` says which rows are of one object. Everything is chosen and calibrated
-    by folds of whole objects.
-
-    Parameters
-    ----------
-    classifier : str
-        One of `CLASSIFIERS`; a linear discriminant of bags of rows answers beside it.
-    parameters : RecognitionParameters or None
-        All else; None for the defaults.
-    random_state : int, RandomState or None
-        Deals the objects over folds.
-
-    Attributes
-    ----------
-    classes_ : numpy.ndarray
-        The classes, sorted.
-    n_features_in_ : int
-        Columns of the training rows.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> rows = np.random.default_rng(0).normal(size=(40, 6)) + np.repeat([[0.0], [3.0]], 20, axis=0)
-    >>> fitted = TouchClassifier(random_state=0).fit(rows, np.repeat(["cup", "lamp"], 20))
-    >>> fitted.predict([[3.0] * 6]).tolist()
-    ['lamp']
+    A row is a sequence; `groups` says which rows are of one object. Everything is chosen and
+    calibrated by folds of whole objects, which `random_state` deals. `classifier` is one of
+    `CLASSIFIERS`; a linear discriminant of bags of rows answers beside it. After `fit`, `classes_`
+    are sorted.
     """
 
     def __init__(
@@ -64,28 +42,10 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self.random_state = random_state
 
     def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
-        """Train.
+        """Train on rows (n, d) of classes (n,); without groups (n,) each row is an object of its own.
 
-        Parameters
-        ----------
-        X : array_like
-            Shape (n, d).
-        y : array_like
-            Shape (n,): classes.
-        groups : array_like, optional
-            Shape (n,): the object of each row; without it each row is an object of its own.
-
-        Returns
-        -------
-        TouchClassifier
-            Itself.
-
-        Raises
-        ------
-        ValueError
-            If rows, classes or groups are not usable.
-        RecognitionError
-            If no row differs from another.
+        Raises `ValueError` if rows, classes or groups are not usable, and `RecognitionError` if no
+        row differs from another.
         """
         rows, y = validate_data(self, X, y, dtype=np.float64)
         check_classification_targets(y)
@@ -121,21 +81,9 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     def predict_objects(
         self, X: ArrayLike, groups: ArrayLike
     ) -> tuple[NDArray[Any], NDArray[np.float64]]:
-        """Give the objects, sorted, and the class probabilities of each from all its rows together.
+        """Give the objects (m,) and their class probabilities (m, c), from all rows of each.
 
-        Parameters
-        ----------
-        X : array_like
-            Shape (n, d).
-        groups : array_like
-            Shape (n,): the object of each row.
-
-        Returns
-        -------
-        objects : numpy.ndarray
-            Shape (m,).
-        probabilities : numpy.ndarray
-            Shape (m, c), float64.
+        Objects are sorted; `groups` (n,) is the object of each row of `X`, (n, d).
         """
         objects, codes = np.unique(np.asarray(groups), return_inverse=True)
         ballots = self._ballots(X)
@@ -154,28 +102,11 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 def touch_descriptors(
     features: pa.Table, parameters: RecognitionParameters | None = None, seed: int = 2018
 ) -> tuple[NDArray[np.float64], NDArray[np.str_], NDArray[np.str_]]:
-    """Give what `TouchClassifier` takes from a table of features.
+    """Give what `TouchClassifier` takes: descriptors (s, d), classes (s,) and objects (s,).
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy, whole sequences.
-    parameters : RecognitionParameters, optional
-        Touches, cues and waves.
-    seed : int
-        Draws the waves; the same for training and test.
-
-    Returns
-    -------
-    descriptors : numpy.ndarray
-        Shape (s, d), float64.
-    classes, objects : numpy.ndarray
-        Shape (s,): of each sequence.
-
-    Raises
-    ------
-    RecognitionError
-        If the features don't allow it.
+    `features` are rows of `tables.FEATURES` of one strategy, whole sequences. The seed draws the
+    waves and is the same for training and test. Raises `RecognitionError` if the features don't
+    allow it.
     """
     chosen = parameters or RecognitionParameters()
     if not features.num_rows:

@@ -44,15 +44,7 @@ REMEMBERED_SEQUENCES = 20_000
 
 @dataclass(frozen=True)
 class Projection:
-    """Standardised descriptors, projected on their principal components.
-
-    Attributes
-    ----------
-    scaling : Standardiser
-        Of the d descriptors.
-    components : numpy.ndarray
-        Shape (d, q), float64, orthonormal columns.
-    """
+    """Standardised descriptors, projected on principal components: orthonormal columns (d, q)."""
 
     scaling: Standardiser
     components: NDArray[np.float64]
@@ -64,24 +56,11 @@ class Projection:
 
 @dataclass(frozen=True)
 class TunedClassifier:
-    """A fitted classifier that gives probabilities.
+    """A classifier, fitted on all training sequences, that gives probabilities of c classes.
 
-    Attributes
-    ----------
-    estimator : object
-        The classifier, fitted on all training sequences.
-    parameters : ClassifierParameters
-        With what.
-    temperature : float
-        What its scores are divided by before they become probabilities.
-    classes : int
-        Number c of classes; one that training lacked has probability 0.
-    setting : str
-        What was chosen, such as ``svm_penalty 10``.
-    bags : BagClassifier or None
-        The classifier of bags that answers beside it.
-    combination : Combination or None
-        How both answers become one; present with `bags`.
+    Its scores are divided by `temperature` before they become probabilities; a class that training
+    lacked has probability 0. `setting` says what was chosen, such as ``svm_penalty 10``. Where
+    `bags`, a classifier of bags, answers beside it, `combination` says how both answers become one.
     """
 
     estimator: Any
@@ -115,18 +94,8 @@ class TunedClassifier:
 class FoldFits:
     """What was fitted on the training sequences of one inner fold.
 
-    Attributes
-    ----------
-    projection : Projection
-        Fitted on them.
-    train : numpy.ndarray
-        Shape (n, q), float64: the sequences, projected.
-    labels : numpy.ndarray
-        Shape (n,), int64.
-    bags : BagClassifier or None
-        Fitted on bags of them.
-    classifiers : dict
-        Fitted classifiers by name and settings.
+    They are `train` (n, q), projected, of classes `labels` (n,); `bags` was fitted on bags of them;
+    fitted classifiers are by name and settings.
     """
 
     projection: Projection
@@ -159,14 +128,10 @@ class InnerFold:
 class FitMemory:
     """Fits by a hash of their training data, so that none is made twice.
 
-    With three objects a class, most inner folds of the 81 splits train on the same objects
-    as an inner fold of another split. The key is the training data itself, so a fit can't be
-    confused with another.
-
-    Parameters
-    ----------
-    sequences : int
-        Training sequences that are remembered at once, over all folds; the oldest go first.
+    With three objects a class, most inner folds of the 81 splits train on the same objects as an
+    inner fold of another split. The key is the training data itself, so a fit can't be confused
+    with another. So many training sequences are remembered at once, over all folds; the oldest go
+    first.
     """
 
     def __init__(self, sequences: int = REMEMBERED_SEQUENCES) -> None:
@@ -218,25 +183,11 @@ def fit_shared(
     owners: NDArray[np.int64],
     parameters: BestParameters,
 ) -> tuple[Projection, NDArray[np.float64], BagClassifier | None]:
-    """Fit what all classifiers share: the projection, and the classifier of bags.
+    """Fit what all classifiers share on training descriptors (n, d) of classes and objects (n,).
 
-    Parameters
-    ----------
-    descriptors : numpy.ndarray
-        Shape (n, d), float64: the training sequences.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: their classes and objects.
-    parameters : BestParameters
-        Components and bags.
-
-    Returns
-    -------
-    Projection
-        Of as many components as the classifier of bags sees; the others see the first of them.
-    numpy.ndarray
-        Shape (n, p), float64: the sequences, projected.
-    BagClassifier or None
-        None where no bags are wanted or no covariance can be taken of them.
+    These are the projection, of as many components as the classifier of bags sees, the others see
+    the first of them; the sequences projected by it, (n, p); and the classifier of bags, None where
+    no bags are wanted or no covariance can be taken of them.
     """
     most = max(parameters.components, parameters.bag_components if parameters.bags else 0)
     projection = fit_projection(descriptors, most)
@@ -288,24 +239,10 @@ def make_inner_folds(
 ) -> list[InnerFold]:
     """Hold out folds of whole training objects, each with a projection of the others.
 
-    Parameters
-    ----------
-    descriptors : numpy.ndarray
-        Shape (n, d), float64: the training descriptors.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: class and object of each training sequence.
-    parameters : BestParameters
-        Folds and components.
-    generator : numpy.random.Generator
-        Deals the objects.
-    memory : FitMemory, optional
-        Fits of other splits of the same run; it changes no number.
-
-    Returns
-    -------
-    list of InnerFold
-        None where every class has a single training object. A held-out sequence whose
-        class the fold's training lacks is left out.
+    There is none where every class has a single training object. A held-out sequence whose class
+    the fold's training lacks is left out. `descriptors` are (n, d), `labels` and `owners` (n,)
+    class and object of each. `memory` holds fits of other splits of the same run; it changes no
+    number.
     """
     classes = np.unique(labels)
     members = [np.unique(owners[labels == place]).tolist() for place in classes]
@@ -338,37 +275,13 @@ def fit_tuned_classifier(
 ) -> tuple[TunedClassifier, str | None]:
     """Choose a classifier's setting and temperature by the inner folds, then fit it.
 
-    The setting with the least log loss over the held-out sequences wins, each at its
-    own best temperature (C. Guo et al., "On calibration of modern neural networks",
-    ICML 2017); the simpler one where two are equal, or where there is no inner fold.
-
-    Parameters
-    ----------
-    name : str
-        Which classifier.
-    parameters : ClassifierParameters
-        Settings that the grid does not vary.
-    projected : numpy.ndarray
-        Shape (n, q), float64: all training sequences, projected.
-    labels : numpy.ndarray
-        Shape (n,), int64: their classes.
-    folds : sequence of InnerFold
-        Held-out training objects.
-    classes : int
-        Number of classes, also those that training lacks.
-    generator : numpy.random.Generator
-        Breaks ties between splits of the decision tree.
-    bags : BagClassifier, optional
-        Fitted on all training sequences; it answers beside the classifier.
-    held_out : HeldOutBags, optional
-        Of the inner folds, where there is a classifier of bags.
-
-    Returns
-    -------
-    TunedClassifier
-        The classifier.
-    str or None
-        What it needed to be fitted.
+    Also gives a note on what it needed. The setting with the least log loss over the held-out
+    sequences wins, each at its own best temperature (C. Guo et al., "On calibration of modern
+    neural networks", ICML 2017); the simpler one where two are equal, or where there is no inner
+    fold. `parameters` hold what the grid does not vary, `projected` (n, q) and `labels` (n,) all
+    training sequences; `classes` counts also those that training lacks. `bags`, fitted on all
+    training sequences, answers beside the classifier, and `held_out` are its answers of the inner
+    folds.
     """
     parameters = parameters.model_copy(
         update={"discriminant_target": "mean_variance", "discriminant_regularisation": "always"}
@@ -398,34 +311,13 @@ def fit_best_classifiers(
     generator: np.random.Generator,
     memory: FitMemory | None = None,
 ) -> tuple[Projection, list[tuple[ClassifierName, TunedClassifier, str | None]]]:
-    """Fit the projection and every classifier of pipeline `best` on training objects.
+    """Fit the projection and every classifier of pipeline `best`.
 
-    Parameters
-    ----------
-    descriptors : numpy.ndarray
-        Shape (n, d), float64: the training sequences' descriptors, and no others.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: their classes and objects.
-    classes : int
-        Number of classes, also those that training lacks.
-    parameters : RecognitionParameters
-        Classifiers and what is not chosen inside.
-    generator : numpy.random.Generator
-        For the inner folds and the classifiers.
-    memory : FitMemory, optional
-        Fits of other splits of the same run; it changes no number.
-
-    Returns
-    -------
-    Projection
-        Fitted on all of them.
-    list of (str, TunedClassifier, str or None)
-        Each classifier's name, its fit, and what it needed; without those that can't be fitted.
-
-    Raises
-    ------
-    RecognitionError
-        If no descriptor varies over the training sequences, or no classifier can be fitted.
+    `descriptors` (n, d) are those of the training sequences, and no others; `labels` and `owners`
+    (n,) are their classes and objects; `classes` counts also those that training lacks. `memory`
+    holds fits of other splits of the same run; it changes no number. Gives each classifier's name,
+    its fit, and what it needed; without those that can't be fitted. Raises `RecognitionError` if no
+    descriptor varies over the training sequences, or no classifier can be fitted.
     """
     if not np.ptp(descriptors, axis=0).any():
         raise RecognitionError(
@@ -458,21 +350,10 @@ def fit_best_classifiers(
 def class_scores(
     estimator: Any, projected: NDArray[np.float64], classes: int
 ) -> NDArray[np.float64]:
-    """Give a score a class: log probabilities, or what a support vector machine decides by.
+    """Give a score a class, (n, q) to (n, c): log probabilities, or what a support vector machine has.
 
-    Parameters
-    ----------
-    estimator : object
-        A fitted classifier of int labels below `classes`.
-    projected : numpy.ndarray
-        Shape (n, q), float64.
-    classes : int
-        Number c of classes.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, c), float64, finite; `LEAST_SCORE` for a class it was not trained with.
+    `estimator` was fitted on int labels below `classes`; a class that it was not trained with has
+    `LEAST_SCORE`. All are finite.
     """
     if hasattr(estimator, "predict_log_proba"):
         with np.errstate(divide="ignore"):  # a tree's leaf may hold a single class

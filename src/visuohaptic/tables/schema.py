@@ -23,22 +23,10 @@ _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
 @dataclass(frozen=True)
 class Column:
-    """One column: what it holds and what it may hold.
+    """One column: its name, its exact type, what it means in a few words, and what it may hold.
 
-    Attributes
-    ----------
-    name : str
-        The column's name.
-    dtype : pyarrow.DataType
-        Its exact type.
-    description : str
-        What it means, in a few words.
-    unit : str
-        Unit or frame of reference; empty for plain counts and names.
-    minimum, maximum : float or None
-        Closed range of every value (of every element, for lists).
-    nullable : bool
-        Whether a value may be missing.
+    `unit` is a unit or a frame of reference, empty for plain counts and names; `minimum` and
+    `maximum` are the closed range of every value (of every element, for lists).
     """
 
     name: str
