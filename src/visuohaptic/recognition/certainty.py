@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import Ballots, spread_bags
 from visuohaptic.recognition.sequences import TouchSequences
@@ -28,13 +28,13 @@ class SequenceClassifier(Protocol):
     """What classifies sequences: projected descriptors (n, p) become scores and ballots of c classes."""
 
     @property
-    def trained(self) -> NDArray[np.int64]:
+    def trained(self) -> Integers:
         """The classes that training had."""
 
-    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+    def scores(self, projected: Floats) -> Floats:
         """Give scores, shape (n, c)."""
 
-    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+    def ballots(self, projected: Floats) -> Ballots:
         """Give what is known of them, for one answer for any of them together."""
 
 
@@ -45,12 +45,10 @@ class Landmarks:
     `objects` (r, q) are the means over each object's sequences, among the projected descriptors.
     """
 
-    objects: NDArray[np.float64]
+    objects: Floats
     touches: KnownTouches
 
-    def evidence(
-        self, projected: NDArray[np.float64], scores: NDArray[np.float64], nearest: float
-    ) -> NDArray[np.float64]:
+    def evidence(self, projected: Floats, scores: Floats, nearest: float) -> Floats:
         """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
 
         `projected` are its sequences, shape (n, p), and `scores` what they score, shape (n, c). The
@@ -74,7 +72,7 @@ class Certainty:
     stranger.
     """
 
-    candidates: NDArray[np.bool_]
+    candidates: Flags
     strangeness: float
     unknown: bool
     evidence: float
@@ -90,18 +88,18 @@ class Calibration:
     final fit.
     """
 
-    views: NDArray[np.int64]
-    labels: NDArray[np.int64]
-    nonconformity: NDArray[np.float64]
-    evidence: NDArray[np.float64]
+    views: Integers
+    labels: Integers
+    nonconformity: Floats
+    evidence: Floats
     landmarks: Landmarks
 
     def assess(
         self,
         classifier: SequenceClassifier,
-        projected: NDArray[np.float64],
-        touches: NDArray[np.float64],
-        probabilities: NDArray[np.float64],
+        projected: Floats,
+        touches: Floats,
+        probabilities: Floats,
         coverage: float,
     ) -> Certainty:
         """Compare a bag with the training objects.
@@ -122,12 +120,8 @@ class Calibration:
         return Certainty(candidates, 1 - share, share <= _least_share(coverage), float(strange))
 
     def prediction_set(
-        self,
-        probabilities: NDArray[np.float64],
-        trained: NDArray[np.int64],
-        sequences: int,
-        coverage: float,
-    ) -> NDArray[np.bool_]:
+        self, probabilities: Floats, trained: Integers, sequences: int, coverage: float
+    ) -> Flags:
         """Choose the classes whose p value is above 1 - coverage, shape (c,), of those that training had.
 
         `probabilities` are the answer for a bag of so many sequences, shape (c,).
@@ -140,15 +134,12 @@ class Calibration:
         """Give the place of the bags to compare with: of as many sequences, or the next smaller number."""
         return max(int(np.searchsorted(self.views, sequences, side="right")) - 1, 0)
 
-    def strangeness(self, size: int, evidence: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strangeness(self, size: int, evidence: Floats) -> Floats:
         """Add all signs, (..., e), each divided by its deviation over the training objects."""
         spread = self.evidence[size].std(axis=0)
-        added: NDArray[np.float64] = (evidence / np.where(spread > 0, spread, 1)).sum(axis=-1)
-        return added
+        return (evidence / np.where(spread > 0, spread, 1)).sum(axis=-1)
 
-    def p_values(
-        self, size: int, nonconformity: NDArray[np.float64], coverage: float
-    ) -> NDArray[np.float64]:
+    def p_values(self, size: int, nonconformity: Floats, coverage: float) -> Floats:
         """Give the conformal p value of each class by its nonconformity, (c,) to (c,).
 
         It is the share of known objects, this one counted among them, that their class fits no
@@ -158,8 +149,7 @@ class Calibration:
         same = self.labels[:, None] == np.arange(len(nonconformity))
         compared = same | (same.sum(axis=0) < least_objects(coverage))
         no_better = compared & (self.nonconformity[size][:, None] >= nonconformity)
-        shares: NDArray[np.float64] = (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
-        return shares
+        return (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
 
 
 def least_objects(coverage: float) -> int:
@@ -174,7 +164,7 @@ def _least_share(coverage: float) -> float:
 
 def fit_calibration(
     sequences: TouchSequences,
-    described: NDArray[np.float64],
+    described: Floats,
     parameters: RecognitionParameters,
     projection: Projection,
     generator: np.random.Generator,
@@ -187,7 +177,7 @@ def fit_calibration(
     one.
     """
     best, labels = parameters.best, sequences.labels
-    rows: dict[int, tuple[int, NDArray[np.float64], NDArray[np.float64]]] = {}
+    rows: dict[int, tuple[int, Floats, Floats]] = {}
     for train, objects in hold_out_objects(sequences, best.calibration_folds, generator):
         known = sequences.take(train)
         own, fits = fit_best_classifiers(
@@ -221,7 +211,7 @@ def fit_calibration(
 
 def hold_out_objects(
     sequences: TouchSequences, folds: int, generator: np.random.Generator
-) -> Iterator[tuple[NDArray[np.bool_], list[int]]]:
+) -> Iterator[tuple[Flags, list[int]]]:
     """Deal the training objects over folds, each of which is predicted without itself.
 
     Yields which sequences train, (s,), those of the other folds, of two classes at least; and the
@@ -240,9 +230,7 @@ def hold_out_objects(
 
 
 def gather_calibration(
-    rows: Sequence[tuple[int, NDArray[np.float64], NDArray[np.float64]]],
-    landmarks: Landmarks,
-    best: BestParameters,
+    rows: Sequence[tuple[int, Floats, Floats]], landmarks: Landmarks, best: BestParameters
 ) -> Calibration:
     """Gather class, nonconformity (k,) and evidence (k, e) of each training object."""
     labels, nonconformity, evidence = zip(*rows, strict=True)
@@ -255,16 +243,12 @@ def gather_calibration(
     )
 
 
-def object_means(
-    projected: NDArray[np.float64], owners: NDArray[np.int64], best: BestParameters
-) -> NDArray[np.float64]:
+def object_means(projected: Floats, owners: Integers, best: BestParameters) -> Floats:
     """Give the mean over each object's sequences (n, p) of the components that classifiers see."""
     return spread_bags(owners, (len(owners),)).means(projected[:, : best.components])
 
 
-def object_distances(
-    known: KnownTouches, touches: NDArray[np.float64]
-) -> tuple[TouchDistances, NDArray[np.int64]]:
+def object_distances(known: KnownTouches, touches: Floats) -> tuple[TouchDistances, Integers]:
     """Give the distances of one object's touches (n, t, k), and the places (n, t) among them."""
     places = np.arange(touches.shape[0] * touches.shape[1]).reshape(touches.shape[:2])
     every = touches.reshape(-1, touches.shape[2])
@@ -282,7 +266,7 @@ def bag_sizes(best: BestParameters) -> tuple[int, ...]:
     return tuple(sorted(best.bags)) or (1,)
 
 
-def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[NDArray[np.int64]]:
+def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[Integers]:
     """Give places of one bag of each size among an object's sequences.
 
     Which of its bags of a size it is takes turns with the object's number.
@@ -294,7 +278,7 @@ def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[NDArray[n
     return chosen
 
 
-def classify_bags(ballots: Ballots, bags: Sequence[NDArray[np.int64]]) -> NDArray[np.float64]:
+def classify_bags(ballots: Ballots, bags: Sequence[Integers]) -> Floats:
     """Give the answers for bags of an object's n sequences, shape (k, c)."""
     places = np.arange(len(ballots.probabilities))
     return np.array([ballots.together(np.isin(places, bag)[None])[0] for bag in bags])
@@ -302,12 +286,12 @@ def classify_bags(ballots: Ballots, bags: Sequence[NDArray[np.int64]]) -> NDArra
 
 def bag_evidence(
     marks: Landmarks,
-    projected: NDArray[np.float64],
-    scores: NDArray[np.float64],
-    bags: Sequence[NDArray[np.int64]],
+    projected: Floats,
+    scores: Floats,
+    bags: Sequence[Integers],
     distances: TouchDistances,
-    touches: NDArray[np.int64],
-) -> NDArray[np.float64]:
+    touches: Integers,
+) -> Floats:
     """Give the evidence (k, e) of k bags of an object's sequences.
 
     The sequences are `projected`, (n, p), and have `scores`, (n, c); `bags` are their places.

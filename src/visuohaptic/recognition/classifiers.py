@@ -18,7 +18,8 @@ from visuohaptic.registry import Registry
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import NDArray
+
+    from visuohaptic.recognition.arrays import Floats, Integers
 
 Fit = tuple[Any, str | None]
 """A fitted classifier, and a note on its fit, such as another setting."""
@@ -48,7 +49,7 @@ class Classifier:
 
     name: str
     label: str
-    fit: Callable[[ClassifierParameters, NDArray[np.float64], NDArray[np.int64], int], Fit]
+    fit: Callable[[ClassifierParameters, Floats, Integers, int], Fit]
     grid: Mapping[str, Sequence[Any]]
     deterministic: bool = False
 
@@ -72,12 +73,7 @@ class Classifier:
             To be registered. Pipeline `best` tries no settings of it.
         """
 
-        def fit(
-            _: ClassifierParameters,
-            features: NDArray[np.float64],
-            labels: NDArray[np.int64],
-            seed: int,
-        ) -> Fit:
+        def fit(_: ClassifierParameters, features: Floats, labels: Integers, seed: int) -> Fit:
             from sklearn.base import clone
 
             found = clone(estimator)
@@ -138,8 +134,8 @@ class ClassifierParameters(BaseModel):
 def fit_classifier(
     name: str,
     parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
+    features: Floats,
+    labels: Integers,
     generator: np.random.Generator,
 ) -> Fit:
     """Fit a classifier on training features (n, d) and classes (n,).
@@ -157,9 +153,7 @@ def draw_seed(generator: np.random.Generator) -> int:
     return int(generator.integers(2**31))
 
 
-def check_spread(
-    name: ClassifierName, features: NDArray[np.float64], labels: NDArray[np.int64]
-) -> None:
+def check_spread(name: ClassifierName, features: Floats, labels: Integers) -> None:
     """Refuse features, shape (n, d), of classes, shape (n,), that have nothing to take a covariance of."""
     import numpy as np
 
@@ -178,10 +172,7 @@ def check_spread(
 
 
 def _fit_k_nearest_neighbours(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
 ) -> Fit:
     from visuohaptic.recognition.neighbours import fit_nearest_neighbours
 
@@ -194,10 +185,7 @@ def _fit_k_nearest_neighbours(
 
 
 def _fit_support_vector_machine(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
 ) -> Fit:
     from visuohaptic.recognition.support_vectors import fit_support_vector_machine
 
@@ -207,10 +195,7 @@ def _fit_support_vector_machine(
 
 
 def _fit_decision_tree(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    seed: int,
+    parameters: ClassifierParameters, features: Floats, labels: Integers, seed: int
 ) -> Fit:
     from sklearn.tree import DecisionTreeClassifier
 
@@ -223,10 +208,7 @@ def _fit_decision_tree(
 
 
 def _fit_quadratic_discriminant(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
 ) -> Fit:
     """Fit plain covariances if any; where one is singular, shrink all, so that classes compare."""
     from visuohaptic.recognition import gaussian
@@ -244,10 +226,7 @@ def _fit_quadratic_discriminant(
 
 
 def _fit_naive_bayes(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
 ) -> Fit:
     from visuohaptic.recognition.gaussian import fit_naive_bayes
 
@@ -255,10 +234,7 @@ def _fit_naive_bayes(
 
 
 def _fit_linear_discriminant(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
 ) -> Fit:
     from visuohaptic.recognition.gaussian import fit_linear_discriminant
 
@@ -267,10 +243,7 @@ def _fit_linear_discriminant(
 
 
 def _fit_logistic_regression(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
 ) -> Fit:
     from sklearn.linear_model import LogisticRegression
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.recognition.arrays import Floats
 
 VARIANCE_FLOOR = 1e-6
 """Least variance of a regularised covariance, as a share of the features' mean variance."""
@@ -18,8 +19,8 @@ Target = Literal["own_variances", "mean_variance"]
 
 
 def regularised_covariance(
-    deviations: NDArray[np.float64], shrinkage: Shrinkage, target: Target, floor: float
-) -> NDArray[np.float64]:
+    deviations: Floats, shrinkage: Shrinkage, target: Target, floor: float
+) -> Floats:
     """Estimate a covariance (d, d) that can't be singular, of deviations (n, d) from the mean.
 
     Target ``own_variances`` shrinks the correlations towards none, each feature keeping its
@@ -35,21 +36,19 @@ def regularised_covariance(
     return found + floor * np.eye(len(found))
 
 
-def variance_floor(features: NDArray[np.float64]) -> float:
+def variance_floor(features: Floats) -> float:
     """Give the least variance of features, shape (n, d), that a regularised covariance has."""
     return VARIANCE_FLOOR * float(features.var(axis=0).mean())
 
 
-def shrink(covariance: NDArray[np.float64], shrinkage: float) -> NDArray[np.float64]:
+def shrink(covariance: Floats, shrinkage: float) -> Floats:
     """Shrink towards one variance in every direction."""
-    shrunk: NDArray[np.float64] = (1.0 - shrinkage) * covariance
+    shrunk: Floats = (1.0 - shrinkage) * covariance
     shrunk += shrinkage * (np.trace(covariance) / len(covariance)) * np.eye(len(covariance))
     return shrunk
 
 
-def ledoit_wolf_shrinkage(
-    deviations: NDArray[np.float64], covariance: NDArray[np.float64]
-) -> float:
+def ledoit_wolf_shrinkage(deviations: Floats, covariance: Floats) -> float:
     """Find how much to shrink the covariance, (d, d), of deviations from the mean, (n, d).
 
     The expected squared error of the shrunk covariance is least (O. Ledoit and M. Wolf, "A
@@ -65,7 +64,7 @@ def ledoit_wolf_shrinkage(
     return float(error / dispersion) if error > 0 else 0.0
 
 
-def _shrunk(deviations: NDArray[np.float64], shrinkage: Shrinkage) -> NDArray[np.float64]:
+def _shrunk(deviations: Floats, shrinkage: Shrinkage) -> Floats:
     plain = deviations.T @ deviations / len(deviations)
     if shrinkage == "ledoit_wolf":
         return shrink(plain, ledoit_wolf_shrinkage(deviations, plain))

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.encoding import ROUNDING
 from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.tables.phases import KINESTHETIC_FEATURES
@@ -31,8 +31,8 @@ class WaveBasis:
     sequences of touches that lie alike have like means.
     """
 
-    directions: NDArray[np.float64]
-    phases: NDArray[np.float64]
+    directions: Floats
+    phases: Floats
 
 
 def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> WaveBasis:
@@ -43,11 +43,8 @@ def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> Wa
 
 
 def describe_sequences(
-    features: NDArray[np.float64],
-    names: Sequence[str],
-    waves: WaveBasis,
-    parameters: BestParameters,
-) -> NDArray[np.float64]:
+    features: Floats, names: Sequence[str], waves: WaveBasis, parameters: BestParameters
+) -> Floats:
     """Describe sequences (s, t, k) by statistics and relations of their touches: (s, d).
 
     The k columns are the pose, and of ``contourlet_…``, ``imprint_…``, ``sensor_size`` and
@@ -77,15 +74,13 @@ def describe_sequences(
     return described
 
 
-def statistics(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def statistics(values: Floats) -> Floats:
     """Give mean, standard deviation, minimum and maximum over touches: (s, t, k) to (s, 4 k)."""
     parts = (values.mean(axis=1), values.std(axis=1), values.min(axis=1), values.max(axis=1))
     return np.concatenate(parts, axis=1)
 
 
-def pose_coordinates(
-    points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def pose_coordinates(points: Floats, normals: Floats) -> Floats:
     """Give each touch's pose in the object's frame, mirrored, and free of azimuth: (s, t, 16).
 
     Of points and normals, (s, t, 3) each: the pose; the magnitudes of x, z and the normal's three
@@ -105,9 +100,7 @@ def pose_coordinates(
     )
 
 
-def azimuth_free_coordinates(
-    points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def azimuth_free_coordinates(points: Floats, normals: Floats) -> tuple[Floats, Floats]:
     """Turn touches about the upright axis into the plane of x and y, and mirror them to one side.
 
     Points and normals (s, t, 3) become distance from the axis, height, 0; and the normal's part
@@ -121,18 +114,14 @@ def azimuth_free_coordinates(
     return placed, np.stack([away, normals[..., 1], around], axis=-1)
 
 
-def _describe_azimuth_free(
-    points: NDArray[np.float64], normals: NDArray[np.float64], waves: WaveBasis
-) -> NDArray[np.float64]:
+def _describe_azimuth_free(points: Floats, normals: Floats, waves: WaveBasis) -> Floats:
     placed, turned = azimuth_free_coordinates(points, normals)
     coordinates = np.concatenate([placed[..., :2], turned], axis=-1)
     embedded = embed_poses(placed, turned, waves)
     return np.concatenate([statistics(coordinates), embedded], axis=1)
 
 
-def describe_relations(
-    points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def describe_relations(points: Floats, normals: Floats) -> Floats:
     """Describe how the touches of a sequence lie to one another: (s, 27).
 
     Of points and normals, (s, t, 3) each: statistics over all pairs of distance, height and level
@@ -166,9 +155,7 @@ def describe_relations(
     return np.concatenate([statistics(np.stack(pairs, axis=-1)), extents], axis=1)
 
 
-def embed_poses(
-    points: NDArray[np.float64], normals: NDArray[np.float64], waves: WaveBasis
-) -> NDArray[np.float64]:
+def embed_poses(points: Floats, normals: Floats, waves: WaveBasis) -> Floats:
     """Give the mean of each of w waves over a sequence's poses, left and right being alike.
 
     Points and normals (s, t, 3) become (s, w), within ± sqrt(2).
@@ -178,14 +165,12 @@ def embed_poses(
     return np.sqrt(2) * np.cos(pose @ waves.directions + waves.phases).mean(axis=1)
 
 
-def _columns(
-    features: NDArray[np.float64], names: Sequence[str], prefix: str
-) -> NDArray[np.float64]:
+def _columns(features: Floats, names: Sequence[str], prefix: str) -> Floats:
     places = [place for place, name in enumerate(names) if name.startswith(prefix)]
     return features[:, :, places]
 
 
-def _describe_sensor(features: NDArray[np.float64], names: Sequence[str]) -> NDArray[np.float64]:
+def _describe_sensor(features: Floats, names: Sequence[str]) -> Floats:
     size = np.log(np.maximum(_columns(features, names, "sensor_size"), LEAST_SIZE))
     states = _columns(features, names, "contact_").mean(axis=1)
     return np.concatenate([statistics(size), states], axis=1)

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.parameters import (
     RecognitionParameters,
@@ -31,14 +31,14 @@ FEATURES_MADE_OF = 1.0
 class Standardiser:
     """Shift and scale of k columns; a column that was constant becomes 0, as its scale is infinite."""
 
-    mean: NDArray[np.float64]
-    scale: NDArray[np.float64]
+    mean: Floats
+    scale: Floats
 
-    def apply(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def apply(self, rows: Floats) -> Floats:
         """Standardise rows, shape (..., k)."""
         return (rows - self.mean) / self.scale
 
-    def sizes(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def sizes(self, rows: Floats) -> Floats:
         """Give the size of what `apply` computes its numbers from, which their rounding goes by."""
         return (np.abs(rows) + np.abs(self.mean)) / self.scale
 
@@ -53,11 +53,11 @@ class SequenceEncoder:
     sequence_parameters: SequenceParameters
     feature_scaling: Standardiser
 
-    def encode(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+    def encode(self, sequences: Floats) -> Floats:
         """Give the scaled features of sequences: (s, t, k) to (s, m * (1 + levels) * 3)."""
         return self.feature_scaling.apply(self._unscaled(sequences))
 
-    def reduce(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+    def reduce(self, sequences: Floats) -> Floats:
         """Reduce each touch to m numbers: (s, t, k) to (s, t, m).
 
         Features of a group may cancel each other, and touches that are alike have distances from a
@@ -72,7 +72,7 @@ class SequenceEncoder:
         sizes = entry.sizes(self.reduction, self.touch_scaling.sizes(touches))
         return _without_rounding(reduced, sizes.reshape(reduced.shape))
 
-    def _unscaled(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _unscaled(self, sequences: Floats) -> Floats:
         return sequence_features(self.reduce(sequences), self.sequence_parameters)
 
 
@@ -98,10 +98,7 @@ class ReductionMemory:
     _held: OrderedDict[bytes, TouchReduction] = field(default_factory=OrderedDict)
 
     def reduction(
-        self,
-        touches: NDArray[np.float64],
-        parameters: RecognitionParameters,
-        generator: np.random.Generator,
+        self, touches: Floats, parameters: RecognitionParameters, generator: np.random.Generator
     ) -> TouchReduction:
         """Give what `fit_reduction` gives; it is called only where it is new."""
         key = _digest(touches, parameters, generator)
@@ -116,9 +113,7 @@ class ReductionMemory:
 
 
 def fit_reduction(
-    touches: NDArray[np.float64],
-    parameters: RecognitionParameters,
-    generator: np.random.Generator,
+    touches: Floats, parameters: RecognitionParameters, generator: np.random.Generator
 ) -> TouchReduction:
     """Fit touch scaling and map on the training touches, shape (n, k), float64."""
     scaling = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
@@ -128,9 +123,7 @@ def fit_reduction(
 
 
 def _digest(
-    touches: NDArray[np.float64],
-    parameters: RecognitionParameters,
-    generator: np.random.Generator,
+    touches: Floats, parameters: RecognitionParameters, generator: np.random.Generator
 ) -> bytes:
     settings = parameters.self_organising_map.model_dump()
     entry = MAPS[settings["output"]]
@@ -140,7 +133,7 @@ def _digest(
 
 
 def fit_sequence_encoder(
-    sequences: NDArray[np.float64],
+    sequences: Floats,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
     memory: ReductionMemory | None = None,
@@ -170,9 +163,7 @@ def fit_sequence_encoder(
     return replace(unscaled, feature_scaling=feature_scaling)
 
 
-def fit_standardiser(
-    rows: NDArray[np.float64], scaling: Scaling, made_of: float | NDArray[np.float64] = 0.0
-) -> Standardiser:
+def fit_standardiser(rows: Floats, scaling: Scaling, made_of: float | Floats = 0.0) -> Standardiser:
     """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
 
     A column counts as constant when its deviation is rounding noise beside its largest value, or
@@ -190,9 +181,7 @@ def _identity(columns: int) -> Standardiser:
     return Standardiser(np.zeros(columns), np.ones(columns))
 
 
-def _without_rounding(
-    sequences: NDArray[np.float64], sizes: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _without_rounding(sequences: Floats, sizes: Floats) -> Floats:
     """Give sequences that are constant but for rounding one value, 0 if that is rounding of `sizes`."""
     noise = ROUNDING * sizes.max(axis=1, keepdims=True)
     middle = sequences.mean(axis=1, keepdims=True)

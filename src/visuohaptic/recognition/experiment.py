@@ -16,6 +16,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.encoding import ReductionMemory, fit_sequence_encoder
@@ -61,7 +62,7 @@ class Answer:
     """
 
     classifier: ClassifierName
-    predicted: NDArray[np.int64]
+    predicted: Integers
     note: str | None
     ballots: Ballots | None = None
 
@@ -246,7 +247,7 @@ def run_paper_split(
 
 def run_best_split(
     sequences: TouchSequences,
-    described: NDArray[np.float64],
+    described: Floats,
     split: Split,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
@@ -335,9 +336,7 @@ class _Record:
         return build_table(PREDICTIONS, columns)
 
 
-def _vote(
-    owners: NDArray[np.int64], answer: Answer, true_class: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _vote(owners: Integers, answer: Answer, true_class: Integers) -> tuple[Integers, Floats]:
     """Give the class voted for each sequence's object (-1 without probabilities), and credits."""
     if answer.ballots is None:
         _, credit = vote_credit(owners, answer.predicted, true_class)

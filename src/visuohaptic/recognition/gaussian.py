@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.covariance import (
     Shrinkage,
     Target,
@@ -22,7 +22,7 @@ from visuohaptic.recognition.covariance import (
 LEAST_PLAIN_VARIANCE = 1e-4
 """A class that varies less than this in some direction has a covariance that counts as singular."""
 
-Whitening = tuple[NDArray[np.float64], float]
+Whitening = tuple[Floats, float]
 """Directions (d, d), by which deviations of one class get unit variances, and the log determinant of
 its covariance."""
 
@@ -37,46 +37,42 @@ class GaussianClassifier:
     covariance's determinant.
     """
 
-    classes_: NDArray[np.int64]
-    means: NDArray[np.float64]
-    directions: NDArray[np.float64]
-    offsets: NDArray[np.float64]
+    classes_: Integers
+    means: Floats
+    directions: Floats
+    offsets: Floats
 
     @property
     def n_features_in_(self) -> int:
         """How many features a row has."""
         return self.means.shape[1]
 
-    def decision_function(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def decision_function(self, rows: Floats) -> Floats:
         """Give the logarithm of each class's density times its share, but for a constant: (n, d) to (n, k)."""
         deviations = (rows - self.means[:, None]) @ self.directions
         distances = np.einsum("knd,knd->nk", deviations, deviations)
-        found: NDArray[np.float64] = self.offsets - distances / 2
-        return found
+        return self.offsets - distances / 2
 
-    def predict_log_proba(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def predict_log_proba(self, rows: Floats) -> Floats:
         """Give the logarithm of each class's probability: (n, d) to (n, k)."""
         found = self.decision_function(rows)
         found -= found.max(axis=1, keepdims=True)
         found -= np.log(np.exp(found).sum(axis=1, keepdims=True))
         return found
 
-    def predict(self, rows: NDArray[np.float64]) -> NDArray[np.int64]:
+    def predict(self, rows: Floats) -> Integers:
         """Give the class of the highest score: (n, d) to (n,)."""
-        found: NDArray[np.int64] = self.classes_[self.decision_function(rows).argmax(axis=1)]
-        return found
+        return self.classes_[self.decision_function(rows).argmax(axis=1)]
 
 
-def fit_naive_bayes(
-    features: NDArray[np.float64], labels: NDArray[np.int64], smoothing: float
-) -> GaussianClassifier:
+def fit_naive_bayes(features: Floats, labels: Integers, smoothing: float) -> GaussianClassifier:
     """Fit densities whose features are independent, of features (n, d) and labels (n,).
 
     `smoothing` is the share of the features' largest variance that is added to each variance.
     """
     floor = smoothing * float(features.var(axis=0).max())
 
-    def whiten(deviations: NDArray[np.float64]) -> Whitening:
+    def whiten(deviations: Floats) -> Whitening:
         variances = np.square(deviations).mean(axis=0) + floor
         return np.diag(1 / np.sqrt(variances)), float(np.log(variances).sum())
 
@@ -84,10 +80,7 @@ def fit_naive_bayes(
 
 
 def fit_quadratic_discriminant(
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    shrinkage: Shrinkage,
-    target: Target,
+    features: Floats, labels: Integers, shrinkage: Shrinkage, target: Target
 ) -> GaussianClassifier:
     """Fit a regularised covariance of every class, of features (n, d) and labels (n,)."""
     floor = variance_floor(features)
@@ -98,9 +91,7 @@ def fit_quadratic_discriminant(
     )
 
 
-def fit_plain_discriminant(
-    features: NDArray[np.float64], labels: NDArray[np.int64]
-) -> GaussianClassifier | None:
+def fit_plain_discriminant(features: Floats, labels: Integers) -> GaussianClassifier | None:
     """Fit the covariance of every class as it is; None where one is singular."""
     _, counts = np.unique(labels, return_counts=True)
     if counts.min() <= features.shape[1]:
@@ -111,9 +102,7 @@ def fit_plain_discriminant(
     return fitted if is_whole else None
 
 
-def fit_pseudo_quadratic_discriminant(
-    features: NDArray[np.float64], labels: NDArray[np.int64]
-) -> GaussianClassifier:
+def fit_pseudo_quadratic_discriminant(features: Floats, labels: Integers) -> GaussianClassifier:
     """Fit the covariance of every class on the directions of its variance alone.
 
     Directions in which a class does not vary are left out, and its determinant is the product of
@@ -126,7 +115,7 @@ def fit_pseudo_quadratic_discriminant(
 
 
 def fit_linear_discriminant(
-    features: NDArray[np.float64], labels: NDArray[np.int64], shrinkage: float
+    features: Floats, labels: Integers, shrinkage: float
 ) -> GaussianClassifier:
     """Fit one covariance of all classes, shrunk towards one variance, of features (n, d) and labels (n,)."""
     classes, places, counts = np.unique(labels, return_inverse=True, return_counts=True)
@@ -140,9 +129,7 @@ def fit_linear_discriminant(
 
 
 def _fit_each(
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    whiten: Callable[[NDArray[np.float64]], Whitening],
+    features: Floats, labels: Integers, whiten: Callable[[Floats], Whitening]
 ) -> GaussianClassifier:
     classes, counts = np.unique(labels, return_counts=True)
     means = _means(features, labels, classes)
@@ -154,20 +141,18 @@ def _fit_each(
     return GaussianClassifier(classes, means, np.stack(directions), offsets)
 
 
-def _means(
-    features: NDArray[np.float64], labels: NDArray[np.int64], classes: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _means(features: Floats, labels: Integers, classes: Integers) -> Floats:
     return np.stack([features[labels == name].mean(axis=0) for name in classes])
 
 
-def _whiten(covariance: NDArray[np.float64]) -> Whitening:
+def _whiten(covariance: Floats) -> Whitening:
     """Whiten by the Cholesky factor of a covariance that is not singular."""
     factor = np.linalg.cholesky(covariance)
     directions = np.linalg.inv(factor).T
     return directions, 2 * float(np.log(np.diagonal(factor)).sum())
 
 
-def _principal(deviations: NDArray[np.float64], count: int) -> Whitening:
+def _principal(deviations: Floats, count: int) -> Whitening:
     """Whiten on the directions in which deviations, (n, d), vary; their squares are divided by `count`."""
     _, scales, found = np.linalg.svd(deviations, full_matrices=False)
     spread = scales / np.sqrt(count)

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.parameters import IntervalParameters
 
 
@@ -43,18 +43,13 @@ def plain_interval(interval: Interval) -> dict[str, float | None]:
     return {name: None if np.isnan(value) else value for name, value in vars(interval).items()}
 
 
-def resample_objects(
-    objects: int, samples: int, generator: np.random.Generator
-) -> NDArray[np.int64]:
+def resample_objects(objects: int, samples: int, generator: np.random.Generator) -> Integers:
     """Draw bootstrap samples: how often each object is in each, shape (samples, objects)."""
     return generator.multinomial(objects, np.full(objects, 1 / objects), size=samples)
 
 
 def object_interval(
-    values: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
+    values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
 ) -> Interval:
     """Give the mean of values of objects (o,), of positive weights (o,), with its bootstrap interval.
 
@@ -68,10 +63,7 @@ def object_interval(
 
 
 def object_intervals(
-    values: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
+    values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
 ) -> list[Interval]:
     """Give k figures (o, k) of objects as `object_interval` gives each, over the same samples."""
     means = weights @ values / weights.sum()
@@ -86,10 +78,7 @@ def object_intervals(
 
 
 def rate_interval(
-    values: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
+    values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
 ) -> Interval:
     """Give a mean of shares as `object_interval` does, with exact limits at 0 and at 1.
 
@@ -105,9 +94,9 @@ def rate_interval(
 
 
 def difference_interval(
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    first: Floats,
+    second: Floats,
+    weights: Floats,
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
@@ -131,8 +120,8 @@ def exact_limit(objects: int, confidence: float) -> float:
 
 
 def balanced_interval(
-    values: NDArray[np.float64],
-    classes: NDArray[np.int64],
+    values: Floats,
+    classes: Integers,
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
@@ -152,7 +141,7 @@ def balanced_interval(
     return _around(mean, means, len(values), parameters.confidence)
 
 
-def _around(mean: float, means: NDArray[np.float64], objects: int, confidence: float) -> Interval:
+def _around(mean: float, means: Floats, objects: int, confidence: float) -> Interval:
     """Give a mean with the expanded percentiles of its bootstrap means, shape (samples,)."""
     tail = expanded_tail(objects, confidence)
     low, high = np.quantile(means, [tail, 1 - tail])
@@ -168,9 +157,9 @@ def expanded_tail(objects: int, confidence: float) -> float:
 
 
 def compare_paired(
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    first: Floats,
+    second: Floats,
+    weights: Floats,
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> PairedComparison:

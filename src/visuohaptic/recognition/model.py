@@ -9,10 +9,10 @@ from importlib.metadata import version
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from visuohaptic import __version__
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.certainty import (
     Calibration,
     SequenceClassifier,
@@ -53,11 +53,11 @@ class SequenceDescriber:
     parameters: BestParameters
     projection: Projection
 
-    def encode(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+    def encode(self, sequences: Floats) -> Floats:
         """Give what the classifier sees: (s, t, k) to (s, q)."""
         return self.projection.apply(self.describe(sequences))
 
-    def describe(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+    def describe(self, sequences: Floats) -> Floats:
         """Describe them alone: (s, t, k) to (s, d)."""
         return describe_sequences(sequences, self.names, self.waves, self.parameters)
 
@@ -68,13 +68,12 @@ class _Part:
 
     classifier: SequenceClassifier
     calibration: Calibration | None
-    encoded: NDArray[np.float64]
-    touches: NDArray[np.float64]
+    encoded: Floats
+    touches: Floats
 
-    def answer(self) -> NDArray[np.float64]:
+    def answer(self) -> Floats:
         everything = np.ones((1, len(self.encoded)), dtype=bool)
-        found: NDArray[np.float64] = self.classifier.ballots(self.encoded).together(everything)[0]
-        return found
+        return self.classifier.ballots(self.encoded).together(everything)[0]
 
 
 @dataclass(frozen=True)
@@ -169,7 +168,7 @@ class RecognitionModel:
                 raise ValueError(f"no probabilities of {len(self.classes)} classes")
 
     def _parts(self, features: pa.Table) -> list[_Part]:
-        by_length: dict[int, list[NDArray[np.float64]]] = {}
+        by_length: dict[int, list[Floats]] = {}
         for sequences in self._sequences(features):
             length = self._length_for(sequences.shape[1])
             by_length.setdefault(length, []).append(sequences)
@@ -181,7 +180,7 @@ class RecognitionModel:
         ratios[self.touches] = max(self.touches, touches) / min(self.touches, touches)
         return min(ratios, key=lambda length: ratios[length])
 
-    def _part(self, length: int, sequences: list[NDArray[np.float64]]) -> _Part:
+    def _part(self, length: int, sequences: list[Floats]) -> _Part:
         touches = np.concatenate([part.reshape(-1, part.shape[2]) for part in sequences])
         if length in self.short and isinstance(self.encoder, SequenceDescriber):
             short = self.short[length]
@@ -190,7 +189,7 @@ class RecognitionModel:
         encoded = np.concatenate([self.encoder.encode(part) for part in sequences])
         return _Part(self.tuned, self.calibration, encoded, touches)
 
-    def _sequences(self, features: pa.Table) -> list[NDArray[np.float64]]:
+    def _sequences(self, features: pa.Table) -> list[Floats]:
         """Give all sequences of one object, shape (s, t, k) for each length t."""
         if not features.num_rows:
             raise RecognitionError("There is no touch; an object is classified from one touch on.")

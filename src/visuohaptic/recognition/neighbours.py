@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
 
 NeighbourWeights = Literal["uniform", "distance"]
 
@@ -19,9 +20,9 @@ class NearestNeighbours:
     votes count by its inverse; where some rows are not away at all, these alone.
     """
 
-    classes_: NDArray[np.int64]
-    rows: NDArray[np.float64]
-    members: NDArray[np.float64]
+    classes_: Integers
+    rows: Floats
+    members: Floats
     neighbours: int
     weighting: NeighbourWeights
 
@@ -30,28 +31,25 @@ class NearestNeighbours:
         """How many features a row has."""
         return self.rows.shape[1]
 
-    def predict_proba(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def predict_proba(self, rows: Floats) -> Floats:
         """Give each class's share of the votes: (m, d) to (m, c)."""
         from scipy.spatial.distance import cdist
 
         distances = cdist(rows, self.rows, "sqeuclidean")
         votes = (self._nearest(distances) * self._weights(distances)) @ self.members
-        found: NDArray[np.float64] = votes / votes.sum(axis=1, keepdims=True)
-        return found
+        return votes / votes.sum(axis=1, keepdims=True)
 
-    def predict(self, rows: NDArray[np.float64]) -> NDArray[np.int64]:
+    def predict(self, rows: Floats) -> Integers:
         """Give the class of the most votes, the first of several: (m, d) to (m,)."""
-        found: NDArray[np.int64] = self.classes_[self.predict_proba(rows).argmax(axis=1)]
-        return found
+        return self.classes_[self.predict_proba(rows).argmax(axis=1)]
 
-    def _nearest(self, distances: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _nearest(self, distances: Floats) -> Flags:
         last = np.partition(distances, self.neighbours - 1, axis=1)[:, [self.neighbours - 1]]
         nearer, as_far = distances < last, distances == last
         missing = self.neighbours - nearer.sum(axis=1, keepdims=True)
-        found: NDArray[np.bool_] = nearer | (as_far & (np.cumsum(as_far, axis=1) <= missing))
-        return found
+        return nearer | (as_far & (np.cumsum(as_far, axis=1) <= missing))
 
-    def _weights(self, squared_distances: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _weights(self, squared_distances: Floats) -> Floats:
         if self.weighting == "uniform":
             return np.ones(1)
         at_place = squared_distances == 0
@@ -61,10 +59,7 @@ class NearestNeighbours:
 
 
 def fit_nearest_neighbours(
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    neighbours: int,
-    weighting: NeighbourWeights,
+    features: Floats, labels: Integers, neighbours: int, weighting: NeighbourWeights
 ) -> NearestNeighbours:
     """Keep training features, (n, d), and their classes, (n,); at most all of them vote."""
     classes = np.unique(labels)

@@ -16,6 +16,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.classifiers import ClassifierParameters, check_spread
 from visuohaptic.recognition.covariance import shrink, variance_floor
 from visuohaptic.recognition.encoding import ROUNDING
@@ -37,11 +38,11 @@ class BagClassifier:
     The rows of `coefficients` (q, k), and `intercepts` (k,), have mean 0.
     """
 
-    coefficients: NDArray[np.float64]
-    intercepts: NDArray[np.float64]
-    trained: NDArray[np.int64]
+    coefficients: Floats
+    intercepts: Floats
+    trained: Integers
 
-    def scores(self, projected: NDArray[np.float64], classes: int) -> NDArray[np.float64]:
+    def scores(self, projected: Floats, classes: int) -> Floats:
         """Give a score a class, 0 for one that training lacked: (n, q) to (n, classes)."""
         found = np.zeros((len(projected), classes))
         found[:, self.trained] = projected @ self.coefficients + self.intercepts
@@ -59,16 +60,13 @@ class Combination:
     """
 
     scales: tuple[float, float]
-    views: NDArray[np.float64]
-    temperatures: NDArray[np.float64]
-    known: NDArray[np.bool_]
+    views: Floats
+    temperatures: Floats
+    known: Flags
 
     def probabilities(
-        self,
-        mean_probabilities: NDArray[np.float64],
-        mean_scores: NDArray[np.float64],
-        counts: NDArray[np.int64],
-    ) -> NDArray[np.float64]:
+        self, mean_probabilities: Floats, mean_scores: Floats, counts: Integers
+    ) -> Floats:
         """Give class probabilities (m, c) of bags by both answers' means over their sequences, (m, c).
 
         `counts` (m,) are the sequences of each bag.
@@ -87,15 +85,15 @@ class Ballots:
     a `combination`; both are None where there is none.
     """
 
-    probabilities: NDArray[np.float64]
-    scores: NDArray[np.float64] | None = None
+    probabilities: Floats
+    scores: Floats | None = None
     combination: Combination | None = None
 
-    def alone(self) -> NDArray[np.float64]:
+    def alone(self) -> Floats:
         """Give the class probabilities of each sequence by itself, shape (n, c)."""
         return self._answer(self.probabilities, self.scores, np.ones(len(self.probabilities)))
 
-    def together(self, members: NDArray[np.bool_]) -> NDArray[np.float64]:
+    def together(self, members: Flags) -> Floats:
         """Give the class probabilities (m, c) of bags; `members` (m, n) are their sequences.
 
         No bag is empty. Without a bag classifier these are mean probabilities.
@@ -108,11 +106,8 @@ class Ballots:
         return self._answer(probabilities, scores, counts)
 
     def _answer(
-        self,
-        probabilities: NDArray[np.float64],
-        scores: NDArray[np.float64] | None,
-        counts: NDArray[np.generic],
-    ) -> NDArray[np.float64]:
+        self, probabilities: Floats, scores: Floats | None, counts: NDArray[np.generic]
+    ) -> Floats:
         if scores is None or self.combination is None:
             return probabilities
         return self.combination.probabilities(probabilities, scores, counts.astype(np.int64))
@@ -126,27 +121,27 @@ class Bags:
     many each has.
     """
 
-    places: NDArray[np.int64]
-    counts: NDArray[np.int64]
+    places: Integers
+    counts: Integers
 
     @property
-    def first(self) -> NDArray[np.int64]:
+    def first(self) -> Integers:
         """The place of each bag's first sequence, shape (m,)."""
         return self.places[np.cumsum(self.counts) - self.counts]
 
-    def means(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def means(self, rows: Floats) -> Floats:
         """Take the mean over each bag of rows (n, q), shape (m, q)."""
         from scipy.sparse import csr_array
 
         shares = np.repeat(1 / self.counts, self.counts)
         starts = np.concatenate([[0], np.cumsum(self.counts)])
-        means: NDArray[np.float64] = (
+        means: Floats = (
             csr_array((shares, self.places, starts), (len(self.counts), len(rows))) @ rows
         )
         return means
 
 
-def spread_choices(total: int, count: int) -> NDArray[np.int64]:
+def spread_choices(total: int, count: int) -> Integers:
     """Choose `count` of `total` places, evenly spread over a ring, in every way: (k, count).
 
     Rows are ascending. The first choice is turned on by one place after another, none twice. Each
@@ -158,7 +153,7 @@ def spread_choices(total: int, count: int) -> NDArray[np.int64]:
     return np.sort((steps + turns[:, None]) % total, axis=1)
 
 
-def spread_bags(owners: NDArray[np.int64], sizes: Sequence[int]) -> Bags:
+def spread_bags(owners: Integers, sizes: Sequence[int]) -> Bags:
     """Choose bags of every size among each object's sequences, evenly spread over its views.
 
     The bags of a size have every sequence of the object, once each where the size divides their
@@ -176,7 +171,7 @@ def spread_bags(owners: NDArray[np.int64], sizes: Sequence[int]) -> Bags:
 
 
 @cache
-def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[Integers, Integers]:
     """Give places and counts of the bags of one object with so many sequences."""
     bags = []
     for size in sorted({min(size, total) for size in sizes}):
@@ -185,20 +180,15 @@ def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[NDArray[np.int64],
 
 
 def add_standardised(
-    mean_probabilities: NDArray[np.float64],
-    mean_scores: NDArray[np.float64],
-    scales: tuple[float, float],
-) -> NDArray[np.float64]:
+    mean_probabilities: Floats, mean_scores: Floats, scales: tuple[float, float]
+) -> Floats:
     """Add log probabilities and scores, (m, c) each, divided by their deviations."""
     logs = np.log(np.maximum(mean_probabilities, LEAST_PROBABILITY))
     return logs / scales[0] + mean_scores / scales[1]
 
 
 def fit_bag_classifier(
-    projected: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    sizes: Sequence[int],
+    projected: Floats, labels: Integers, owners: Integers, sizes: Sequence[int]
 ) -> BagClassifier:
     """Fit the linear discriminant of bags of sequences (n, q), of classes and objects (n,).
 
@@ -218,9 +208,7 @@ def fit_bag_classifier(
     )
 
 
-def _common_covariance(
-    rows: NDArray[np.float64], deviations: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _common_covariance(rows: Floats, deviations: Floats) -> Floats:
     """Give the classes' mean covariance, as classifier `linear_discriminant` shrinks it: (n, q) each to (q, q)."""
     pooled = deviations.T @ deviations / len(rows)
     shrunk = shrink(pooled, ClassifierParameters().linear_shrinkage)
@@ -237,13 +225,13 @@ class HeldOutBags:
     """
 
     bags: Bags | None
-    scores: NDArray[np.float64]
-    labels: NDArray[np.int64]
-    owners: NDArray[np.int64]
-    known: NDArray[np.bool_]
+    scores: Floats
+    labels: Integers
+    owners: Integers
+    known: Flags
     weight: float
 
-    def combine(self, probabilities: NDArray[np.float64]) -> Combination:
+    def combine(self, probabilities: Floats) -> Combination:
         """Fit a combination with what a classifier says of the held-out sequences, (n, c).
 
         A temperature that rests on few objects would be an accident of these. So from the largest
@@ -271,7 +259,7 @@ class HeldOutBags:
         return _deviation(self.scores[:, self.known])
 
     @cached_property
-    def _places(self) -> NDArray[np.int64]:
+    def _places(self) -> Integers:
         """The place of each bag's class among those that are known."""
         return (np.cumsum(self.known) - 1)[self.labels]
 
@@ -282,7 +270,7 @@ class HeldOutBags:
         return 1 / (len(np.unique(self.owners)) + 2)
 
     @cached_property
-    def _alike(self) -> list[NDArray[np.bool_]]:
+    def _alike(self) -> list[Flags]:
         """Which bags share each temperature, by ascending numbers of sequences."""
         counts = np.zeros(0, dtype=np.int64) if self.bags is None else self.bags.counts
         enough = len(np.unique(self.owners)) / 2
@@ -298,11 +286,11 @@ class HeldOutBags:
 
 
 def hold_out_bags(
-    scores: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
+    scores: Floats,
+    labels: Integers,
+    owners: Integers,
     sizes: Sequence[int],
-    known: NDArray[np.bool_],
+    known: Flags,
     weight: float,
 ) -> HeldOutBags:
     """Divide held-out sequences, of classes and objects (n,), into bags; n may be 0.
@@ -317,15 +305,13 @@ def hold_out_bags(
     )
 
 
-def _deviation(scores: NDArray[np.float64]) -> float:
+def _deviation(scores: Floats) -> float:
     """Give the deviation of scores (m, k) from the mean of their row; 1 where it is rounding."""
     found = float((scores - scores.mean(axis=1, keepdims=True)).std())
     return found if found > ROUNDING * np.abs(scores).max() else 1.0
 
 
-def pool_answers(
-    answers: Sequence[NDArray[np.float64]], weights: Sequence[float]
-) -> NDArray[np.float64]:
+def pool_answers(answers: Sequence[Floats], weights: Sequence[float]) -> Floats:
     """Give the weighted geometric mean of answers, shape (c,) each: a logarithmic opinion pool.
 
     It is no surer than the surest of them: that they agree counts for nothing, as views of an
@@ -337,15 +323,13 @@ def pool_answers(
     return softmax(shares @ np.log(np.maximum(answers, np.exp(LEAST_SCORE))))
 
 
-def softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+def softmax(scores: Floats) -> Floats:
     """Turn scores into probabilities along the last axis."""
     weights = np.exp(scores - scores.max(axis=-1, keepdims=True))
     return weights / weights.sum(axis=-1, keepdims=True)
 
 
-def best_temperature(
-    scores: NDArray[np.float64], labels: NDArray[np.int64], doubt: float = 0.0
-) -> tuple[float, float]:
+def best_temperature(scores: Floats, labels: Integers, doubt: float = 0.0) -> tuple[float, float]:
     """Find the temperature of `TEMPERATURES` with the least mean log loss, and that loss in nats.
 
     `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64.

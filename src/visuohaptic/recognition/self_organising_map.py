@@ -10,9 +10,9 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
 
 
@@ -20,22 +20,22 @@ from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
 class SelfOrganisingMap:
     """A fitted map of u units with weights (u, k) at positions (u, a) of a lattice of a axes."""
 
-    weights: NDArray[np.float64]
-    positions: NDArray[np.float64]
+    weights: Floats
+    positions: Floats
 
-    def distances(self, touches: NDArray[np.float64]) -> NDArray[np.float64]:
+    def distances(self, touches: Floats) -> Floats:
         """Give the Euclidean distances of touches (n, k) to the units, (n, u)."""
         squares = np.square(touches[:, None, :] - self.weights[None, :, :])
         return np.sqrt(squares.sum(axis=-1))
 
-    def nearest(self, touches: NDArray[np.float64]) -> NDArray[np.int64]:
+    def nearest(self, touches: Floats) -> Integers:
         """Give the nearest unit of n touches, shape (n,); the first one where two are as near."""
         return _nearest(touches, self.weights)
 
 
 def fit_map(
-    rows: NDArray[np.float64],
-    positions: NDArray[np.float64],
+    rows: Floats,
+    positions: Floats,
     parameters: SelfOrganisingMapParameters,
     generator: np.random.Generator,
 ) -> SelfOrganisingMap:
@@ -46,23 +46,21 @@ def fit_map(
 
 
 def fit_line(
-    rows: NDArray[np.float64], settings: SelfOrganisingMapParameters, generator: np.random.Generator
+    rows: Floats, settings: SelfOrganisingMapParameters, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     """Fit a map whose units lie on a line."""
     return fit_map(rows, line(settings.outputs), settings, generator)
 
 
 def fit_lattice(
-    rows: NDArray[np.float64], settings: SelfOrganisingMapParameters, generator: np.random.Generator
+    rows: Floats, settings: SelfOrganisingMapParameters, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     """Fit a map whose units lie on a lattice, an axis an output."""
     return fit_map(rows, lattice(settings.outputs, settings.lattice_levels), settings, generator)
 
 
 def fit_batch_map(
-    touches: NDArray[np.float64],
-    positions: NDArray[np.float64],
-    parameters: SelfOrganisingMapParameters,
+    touches: Floats, positions: Floats, parameters: SelfOrganisingMapParameters
 ) -> SelfOrganisingMap:
     """Fit a map on touches (n, k), all at once in each pass; `positions` (u, a) are the lattice.
 
@@ -87,8 +85,8 @@ def fit_batch_map(
 
 
 def fit_online_map(
-    touches: NDArray[np.float64],
-    positions: NDArray[np.float64],
+    touches: Floats,
+    positions: Floats,
     parameters: SelfOrganisingMapParameters,
     generator: np.random.Generator,
 ) -> SelfOrganisingMap:
@@ -118,25 +116,23 @@ def fit_online_map(
     return SelfOrganisingMap(som.get_weights().reshape(-1, touches.shape[1]).copy(), positions)
 
 
-def line(units: int) -> NDArray[np.float64]:
+def line(units: int) -> Floats:
     """Give the places of units in a row, shape (units, 1)."""
     return np.arange(units, dtype=np.float64)[:, None]
 
 
-def lattice(axes: int, levels: int) -> NDArray[np.float64]:
+def lattice(axes: int, levels: int) -> Floats:
     """Give the places of a lattice's units, shape (levels ** axes, axes)."""
     return np.array(list(itertools.product(range(levels), repeat=axes)), dtype=np.float64)
 
 
-def _shrinking_radii(parameters: SelfOrganisingMapParameters) -> NDArray[np.float64]:
+def _shrinking_radii(parameters: SelfOrganisingMapParameters) -> Floats:
     return np.geomspace(
         parameters.initial_radius, parameters.final_radius, parameters.ordering_epochs
     )
 
 
-def _principal_weights(
-    touches: NDArray[np.float64], positions: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _principal_weights(touches: Floats, positions: Floats) -> Floats:
     """Lay the lattice's axes along the touches' principal components, ± 1 sd long."""
     centre = touches.mean(axis=0)
     _, scales, directions = np.linalg.svd(touches - centre, full_matrices=False)
@@ -150,18 +146,15 @@ def _principal_weights(
     return centre + (along * scales) @ directions
 
 
-def _nearest(touches: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.int64]:
+def _nearest(touches: Floats, weights: Floats) -> Integers:
     # |x - w|² without |x|², which is the same for every unit.
     scores = np.square(weights).sum(axis=1) - 2 * (touches @ weights.T)
     return np.argmin(scores, axis=1)
 
 
 def _weighted_means(
-    touches: NDArray[np.float64],
-    winners: NDArray[np.int64],
-    neighbourhood: NDArray[np.float64],
-    previous: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    touches: Floats, winners: Integers, neighbourhood: Floats, previous: Floats
+) -> Floats:
     won = np.eye(len(neighbourhood))[winners]
     sums, counts = won.T @ touches, won.sum(axis=0)
     share = (neighbourhood @ counts)[:, None]

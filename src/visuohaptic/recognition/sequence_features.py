@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.parameters import SequenceParameters
 
 STATISTICS = ("standard_deviation", "root_mean_square", "skewness")
@@ -14,9 +14,7 @@ CONSTANT_TOLERANCE = 1e-12
 """A sequence whose standard deviation is at most this share of its rms counts as constant."""
 
 
-def sequence_features(
-    sequences: NDArray[np.float64], parameters: SequenceParameters
-) -> NDArray[np.float64]:
+def sequence_features(sequences: Floats, parameters: SequenceParameters) -> Floats:
     """Summarise sequences (s, t, m) by themselves and by the levels of their wavelet transform.
 
     Gives (s, m * (1 + levels) * 3) numbers, in the order of `feature_names`: with the paper's
@@ -43,9 +41,7 @@ def feature_names(outputs: int, parameters: SequenceParameters) -> tuple[str, ..
     )
 
 
-def wavelet_levels(
-    signals: NDArray[np.float64], parameters: SequenceParameters
-) -> list[NDArray[np.float64]]:
+def wavelet_levels(signals: Floats, parameters: SequenceParameters) -> list[Floats]:
     """Decompose signals (..., t) along their last axis, one array a level, the finest first.
 
     Five touches are shorter than the transform wants (db2 recommends no level at all), so what lies
@@ -69,9 +65,7 @@ def wavelet_levels(
     return kept
 
 
-def without_rounding(
-    levels: NDArray[np.float64], signals: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def without_rounding(levels: Floats, signals: Floats) -> Floats:
     """Set a level's coefficients (..., k) to 0 where all are rounding beside their signal (..., t).
 
     Details of a constant sequence are 0 but for rounding, whose skewness is as large as any.
@@ -81,7 +75,7 @@ def without_rounding(
     return np.where(rounding, 0.0, levels)
 
 
-def summarise_signals(signals: NDArray[np.float64], correction: int) -> NDArray[np.float64]:
+def summarise_signals(signals: Floats, correction: int) -> Floats:
     """Give standard deviation, rms and skewness along the last axis: (..., t) to (..., 3), finite.
 
     The standard deviation divides by t - correction (by t where t is 1). Skewness is m3 / m2 ** 1.5

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import CONTACT_STATES, key_of, owners_of
 from visuohaptic.tables.schema import matrix
@@ -25,24 +25,24 @@ class TouchSequences:
     place in `objects`.
     """
 
-    features: NDArray[np.float64]
+    features: Floats
     feature_names: tuple[str, ...]
     objects: tuple[tuple[str, str], ...]
     classes: tuple[str, ...]
-    object_index: NDArray[np.int64]
-    viewpoint: NDArray[np.int64]
+    object_index: Integers
+    viewpoint: Integers
 
     @property
-    def class_of_object(self) -> NDArray[np.int64]:
+    def class_of_object(self) -> Integers:
         """Each object's place in `classes`, shape (o,)."""
         return np.array([self.classes.index(name) for name, _ in self.objects], dtype=np.int64)
 
     @property
-    def labels(self) -> NDArray[np.int64]:
+    def labels(self) -> Integers:
         """Each sequence's class as its place in `classes`, shape (s,)."""
         return self.class_of_object[self.object_index]
 
-    def take(self, sequences: NDArray[np.bool_]) -> TouchSequences:
+    def take(self, sequences: Flags) -> TouchSequences:
         """Take some sequences, of which shape (s,) is true; objects and classes keep their places."""
         return replace(
             self,
@@ -101,9 +101,7 @@ def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
     return replace(sequences, features=np.reshape(features, sequences.features.shape))
 
 
-def gather_any(
-    features: pa.Table, feature_names: Sequence[str], touches: int
-) -> list[NDArray[np.float64]]:
+def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -> list[Floats]:
     """Gather all touches of one object and strategy into sequences of at most so many touches.
 
     Rows are in any order. Gives all sequences of one length together, (s, t, k), the longest first.
@@ -122,7 +120,7 @@ def gather_any(
         )
     _check_finite(values, feature_names, owners, features.column("touch").to_numpy())
     _, starts = np.unique(features.column("viewpoint").to_numpy(), return_index=True)
-    by_length: dict[int, list[NDArray[np.float64]]] = {}
+    by_length: dict[int, list[Floats]] = {}
     for part in np.split(values, starts[1:]):
         for place in range(0, len(part), touches):
             first = max(min(place, len(part) - touches), 0)
@@ -208,10 +206,7 @@ def _check_columns(features: pa.Table, feature_names: Sequence[str]) -> None:
 
 
 def _check_touches(
-    owners: list[tuple[str, str]],
-    viewpoint: NDArray[np.int64],
-    touch: NDArray[np.int64],
-    length: int,
+    owners: list[tuple[str, str]], viewpoint: Integers, touch: Integers, length: int
 ) -> None:
     """Refuse a sequence that is not 0, 1 … length - 1, each once."""
     change = np.ones(len(touch), dtype=bool)
@@ -232,10 +227,7 @@ def _check_touches(
 
 
 def _check_finite(
-    values: NDArray[np.float64],
-    names: Sequence[str],
-    owners: Sequence[tuple[str, str]],
-    touch: NDArray[np.int64],
+    values: Floats, names: Sequence[str], owners: Sequence[tuple[str, str]], touch: Integers
 ) -> None:
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.encoding import fit_standardiser
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES
@@ -27,11 +28,11 @@ class KnownTouches:
     touches, float32, object by object, and `starts` (r,) the place of each object's first touch.
     """
 
-    weights: NDArray[np.float64]
+    weights: Floats
     touches: NDArray[np.float32]
-    starts: NDArray[np.int64]
+    starts: Integers
 
-    def nearest(self, touches: NDArray[np.float64]) -> float:
+    def nearest(self, touches: Floats) -> float:
         """Give the distance of an object, by all its touches (n, k), from the nearest known one.
 
         The distance of two sets is the mean distance of a touch from the nearest of the other set,
@@ -39,7 +40,7 @@ class KnownTouches:
         """
         return self.distances(touches).nearest(slice(None))
 
-    def distances(self, touches: NDArray[np.float64]) -> TouchDistances:
+    def distances(self, touches: Floats) -> TouchDistances:
         """Give the distances of touches, (n, k), from all known ones, for any choice among them."""
         from sklearn.metrics.pairwise import euclidean_distances
 
@@ -58,9 +59,9 @@ class TouchDistances:
 
     found: NDArray[np.float32]
     there: NDArray[np.float32]
-    starts: NDArray[np.int64]
+    starts: Integers
 
-    def nearest(self, chosen: slice | NDArray[np.int64]) -> float:
+    def nearest(self, chosen: slice | Integers) -> float:
         """Give what `KnownTouches.nearest` does, from the chosen touches alone."""
         there = self.there[chosen].mean(axis=0, dtype=np.float64)
         counts = np.diff(np.append(self.starts, self.found.shape[1]))

@@ -16,9 +16,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.certainty import (
     Calibration,
     Landmarks,
@@ -45,7 +45,7 @@ from visuohaptic.recognition.tuning import Projection, fit_projection
 
 logger = logging.getLogger(__name__)
 
-Described = Mapping[int, NDArray[np.float64]]
+Described = Mapping[int, Floats]
 """Descriptors (n, d) of the same sequences by their first touches: so many, float64."""
 
 
@@ -65,19 +65,19 @@ class ShortClassifier:
     calibration: Calibration | None = None
 
     @property
-    def trained(self) -> NDArray[np.int64]:
+    def trained(self) -> Integers:
         """The classes that training had."""
         return self.bags.trained
 
-    def encode(self, descriptors: NDArray[np.float64]) -> NDArray[np.float64]:
+    def encode(self, descriptors: Floats) -> Floats:
         """Project descriptors, (n, d) to (n, p)."""
         return self.projection.apply(self.scaling.apply(descriptors))
 
-    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+    def scores(self, projected: Floats) -> Floats:
         """Give a score a class, (n, p) to (n, c)."""
         return self.bags.scores(projected, self.classes)
 
-    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+    def ballots(self, projected: Floats) -> Ballots:
         """Give what is known of n sequences, (n, p), for one answer for any of them together."""
         return _ballots(self.scores(projected), self.combination)
 
@@ -119,8 +119,8 @@ class _HeldOut:
     """What training objects score without themselves: (s, c) and, by object, (k, e) of each length."""
 
     owners: list[int]
-    scores: dict[int, NDArray[np.float64]]
-    evidence: dict[int, dict[int, NDArray[np.float64]]]
+    scores: dict[int, Floats]
+    evidence: dict[int, dict[int, Floats]]
 
 
 def _name_held_out(
@@ -208,7 +208,7 @@ def _calibration_rows(
     length: int,
     combination: Combination,
     best: BestParameters,
-) -> list[tuple[int, NDArray[np.float64], NDArray[np.float64]]]:
+) -> list[tuple[int, Floats, Floats]]:
     """Give what `gather_calibration` takes, of one length."""
     rows, classes = [], sequences.class_of_object
     for place in held_out.owners:
@@ -220,6 +220,6 @@ def _calibration_rows(
     return rows
 
 
-def _ballots(scores: NDArray[np.float64], combination: Combination) -> Ballots:
+def _ballots(scores: Floats, combination: Combination) -> Ballots:
     """Let the discriminant answer alone: beside it all classes are as likely."""
     return Ballots(np.full(scores.shape, 1 / scores.shape[1]), scores, combination)

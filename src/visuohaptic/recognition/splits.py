@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Flags, Integers
 from visuohaptic.recognition.parameters import Protocol, ProtocolParameters
 from visuohaptic.recognition.sequences import TouchSequences
 
@@ -20,8 +20,8 @@ class Split:
     """One division of the sequences: its number, from 0, and the places of either part, ascending."""
 
     number: int
-    train: NDArray[np.int64]
-    test: NDArray[np.int64]
+    train: Integers
+    test: Integers
 
 
 def make_splits(
@@ -165,5 +165,5 @@ def _viewpoint_splits(sequences: TouchSequences, folds: int) -> list[Split]:
     return [_split(number, fold == number) for number in range(folds)]
 
 
-def _split(number: int, tested: NDArray[np.bool_]) -> Split:
+def _split(number: int, tested: Flags) -> Split:
     return Split(number, np.flatnonzero(~tested), np.flatnonzero(tested))

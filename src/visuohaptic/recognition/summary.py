@@ -11,6 +11,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.intervals import (
     balanced_interval,
     compare_paired,
@@ -48,7 +49,7 @@ class Confusion:
     """
 
     classes: tuple[str, ...]
-    counts: NDArray[np.int64]
+    counts: Integers
 
 
 @dataclass(frozen=True)
@@ -56,11 +57,11 @@ class _ObjectFigures:
     """Values an object over every split and repeat that tested it."""
 
     objects: tuple[tuple[str, str], ...]
-    classes: NDArray[np.int64]
-    weights: NDArray[np.float64]
-    vote_weights: NDArray[np.float64]
-    accuracy: NDArray[np.float64]
-    vote: NDArray[np.float64]
+    classes: Integers
+    weights: Floats
+    vote_weights: Floats
+    accuracy: Floats
+    vote: Floats
 
 
 def summarise(
@@ -167,8 +168,8 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
     run, tested = np.divmod(test, len(objects))
     share = sequences / np.bincount(run, weights=sequences)[run]
     object_share = 1.0 / np.bincount(run)[run]
-    weights: NDArray[np.float64] = np.bincount(tested, weights=share).astype(np.float64)
-    vote_weights: NDArray[np.float64] = np.bincount(tested, weights=object_share).astype(np.float64)
+    weights: Floats = np.bincount(tested, weights=share).astype(np.float64)
+    vote_weights: Floats = np.bincount(tested, weights=object_share).astype(np.float64)
     return _ObjectFigures(
         objects,
         true_class,
@@ -181,11 +182,11 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
 
 def _vote_credit(
     rows: pa.Table,
-    test: NDArray[np.int64],
-    predicted: NDArray[np.int64],
-    true_class: NDArray[np.int64],
+    test: Integers,
+    predicted: Integers,
+    true_class: Integers,
     names: NDArray[np.str_],
-) -> NDArray[np.float64]:
+) -> Floats:
     """Give each test's credit: by the soft vote where there is one, else by majority."""
     if rows.column("voted").null_count:
         return vote_credit(test, predicted, true_class)[1]

@@ -7,7 +7,8 @@ from itertools import combinations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.recognition.arrays import Floats, Integers
 
 KernelName = Literal["linear", "poly", "rbf"]
 
@@ -21,10 +22,10 @@ class SupportVectorMachine:
     kernel multiplies products, or squared distances, by `scale`; ``poly`` is of the third degree.
     """
 
-    classes_: NDArray[np.int64]
-    vectors: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    intercepts: NDArray[np.float64]
+    classes_: Integers
+    vectors: Floats
+    weights: Floats
+    intercepts: Floats
     kernel: KernelName
     scale: float
 
@@ -33,7 +34,7 @@ class SupportVectorMachine:
         """How many features a row has."""
         return self.vectors.shape[1]
 
-    def decision_function(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def decision_function(self, rows: Floats) -> Floats:
         """Give a score a class, (n, d) to (n, k): the pairs that it wins, and less than one half for by how much.
 
         Of two classes these are the distances from the border, with both signs.
@@ -42,27 +43,23 @@ class SupportVectorMachine:
         if len(self.classes_) == 2:
             return np.hstack([pairs, -pairs])
         votes, margins = self._votes(pairs), pairs @ self._signs
-        found: NDArray[np.float64] = votes + margins / (3 * (np.abs(margins) + 1))
-        return found
+        return votes + margins / (3 * (np.abs(margins) + 1))
 
-    def predict(self, rows: NDArray[np.float64]) -> NDArray[np.int64]:
+    def predict(self, rows: Floats) -> Integers:
         """Give the class that wins most pairs, the first of several: (n, d) to (n,)."""
-        found: NDArray[np.int64] = self.classes_[self._votes(self._pairs(rows)).argmax(axis=1)]
-        return found
+        return self.classes_[self._votes(self._pairs(rows)).argmax(axis=1)]
 
-    def _pairs(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _pairs(self, rows: Floats) -> Floats:
         """Give the decision of each pair, positive for its first class: (n, d) to (n, p)."""
         values = _KERNELS[self.kernel](rows, self.vectors, self.scale)
-        found: NDArray[np.float64] = values @ self.weights + self.intercepts
-        return found
+        return values @ self.weights + self.intercepts
 
-    def _votes(self, pairs: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _votes(self, pairs: Floats) -> Floats:
         won = np.where(pairs > 0, 1.0, -1.0)
-        found: NDArray[np.float64] = np.maximum(won[:, :, None] * self._signs, 0).sum(axis=1)
-        return found
+        return np.maximum(won[:, :, None] * self._signs, 0).sum(axis=1)
 
     @property
-    def _signs(self) -> NDArray[np.float64]:
+    def _signs(self) -> Floats:
         """Whether a class is the first (1), the second (-1) or none of a pair, shape (p, k)."""
         first, second = _places_of_pairs(len(self.classes_))
         own = np.eye(len(self.classes_))
@@ -70,7 +67,7 @@ class SupportVectorMachine:
 
 
 def fit_support_vector_machine(
-    features: NDArray[np.float64], labels: NDArray[np.int64], kernel: KernelName, penalty: float
+    features: Floats, labels: Integers, kernel: KernelName, penalty: float
 ) -> SupportVectorMachine:
     """Train every pair of classes on features (n, d) and labels (n,).
 
@@ -99,26 +96,20 @@ def fit_support_vector_machine(
     )
 
 
-def _places_of_pairs(classes: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _places_of_pairs(classes: int) -> tuple[Integers, Integers]:
     first, second = np.array(list(combinations(range(classes), 2))).T
     return first, second
 
 
-def _linear(
-    rows: NDArray[np.float64], vectors: NDArray[np.float64], _: float
-) -> NDArray[np.float64]:
+def _linear(rows: Floats, vectors: Floats, _: float) -> Floats:
     return rows @ vectors.T
 
 
-def _polynomial(
-    rows: NDArray[np.float64], vectors: NDArray[np.float64], scale: float
-) -> NDArray[np.float64]:
+def _polynomial(rows: Floats, vectors: Floats, scale: float) -> Floats:
     return (scale * (rows @ vectors.T)) ** 3
 
 
-def _radial(
-    rows: NDArray[np.float64], vectors: NDArray[np.float64], scale: float
-) -> NDArray[np.float64]:
+def _radial(rows: Floats, vectors: Floats, scale: float) -> Floats:
     squares = np.square(rows).sum(axis=1)[:, None] + np.square(vectors).sum(axis=1)
     return np.exp(-scale * np.maximum(squares - 2 * (rows @ vectors.T), 0))
 

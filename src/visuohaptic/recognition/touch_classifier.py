@@ -13,6 +13,7 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.certainty import one_classifier
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import gather_pipeline
@@ -69,7 +70,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         )
         return self
 
-    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:
+    def predict_proba(self, X: ArrayLike) -> Floats:
         """Give the class probabilities of each row by itself: (n, d) to (n, c)."""
         return self._ballots(X).alone()
 
@@ -78,9 +79,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         found = self.predict_proba(X)
         return self.classes_[found.argmax(axis=1)]
 
-    def predict_objects(
-        self, X: ArrayLike, groups: ArrayLike
-    ) -> tuple[NDArray[Any], NDArray[np.float64]]:
+    def predict_objects(self, X: ArrayLike, groups: ArrayLike) -> tuple[NDArray[Any], Floats]:
         """Give the objects (m,) and their class probabilities (m, c), from all rows of each.
 
         Objects are sorted; `groups` (n,) is the object of each row of `X`, (n, d).
@@ -101,7 +100,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
 def touch_descriptors(
     features: pa.Table, parameters: RecognitionParameters | None = None, seed: int = 2018
-) -> tuple[NDArray[np.float64], NDArray[np.str_], NDArray[np.str_]]:
+) -> tuple[Floats, NDArray[np.str_], NDArray[np.str_]]:
     """Give what `TouchClassifier` takes: descriptors (s, d), classes (s,) and objects (s,).
 
     `features` are rows of `tables.FEATURES` of one strategy, whole sequences. The seed draws the
@@ -122,7 +121,7 @@ def touch_descriptors(
     )
 
 
-def _codes_of(groups: ArrayLike | None, count: int) -> NDArray[np.int64]:
+def _codes_of(groups: ArrayLike | None, count: int) -> Integers:
     if groups is None:
         return np.arange(count, dtype=np.int64)
     _, codes = np.unique(np.asarray(groups), return_inverse=True)

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.classifiers import (
     CLASSIFIERS,
     ClassifierName,
@@ -47,9 +47,9 @@ class Projection:
     """Standardised descriptors, projected on principal components: orthonormal columns (d, q)."""
 
     scaling: Standardiser
-    components: NDArray[np.float64]
+    components: Floats
 
-    def apply(self, descriptors: NDArray[np.float64]) -> NDArray[np.float64]:
+    def apply(self, descriptors: Floats) -> Floats:
         """Project descriptors: (n, d) to (n, q)."""
         return self.scaling.apply(descriptors) @ self.components
 
@@ -72,17 +72,16 @@ class TunedClassifier:
     combination: Combination | None = None
 
     @property
-    def trained(self) -> NDArray[np.int64]:
+    def trained(self) -> Integers:
         """The classes that training had."""
-        known: NDArray[np.int64] = self.estimator.classes_
-        return known
+        return self.estimator.classes_
 
-    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+    def scores(self, projected: Floats) -> Floats:
         """Give the classifier's scores, (n, p) to (n, c); it takes the first columns."""
         seen = projected[:, : self.estimator.n_features_in_]
         return class_scores(self.estimator, seen, self.classes)
 
-    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+    def ballots(self, projected: Floats) -> Ballots:
         """Give what is known of n sequences, (n, p), for one answer for any of them together."""
         found = softmax(self.scores(projected) / self.temperature)
         if self.bags is None:
@@ -99,8 +98,8 @@ class FoldFits:
     """
 
     projection: Projection
-    train: NDArray[np.float64]
-    labels: NDArray[np.int64]
+    train: Floats
+    labels: Integers
     bags: BagClassifier | None = None
     classifiers: dict[tuple[ClassifierName, ClassifierParameters], Any] = field(
         default_factory=dict
@@ -115,12 +114,12 @@ class InnerFold:
     """
 
     fits: FoldFits
-    projected: NDArray[np.float64]
-    held_out_labels: NDArray[np.int64]
-    held_out_owners: NDArray[np.int64]
+    projected: Floats
+    held_out_labels: Integers
+    held_out_owners: Integers
 
     @property
-    def held_out(self) -> NDArray[np.float64]:
+    def held_out(self) -> Floats:
         """What classifiers see of the held-out sequences, (m, q)."""
         return self.projected[:, : self.fits.train.shape[1]]
 
@@ -139,11 +138,7 @@ class FitMemory:
         self._held: OrderedDict[bytes, FoldFits] = OrderedDict()
 
     def fits(
-        self,
-        descriptors: NDArray[np.float64],
-        labels: NDArray[np.int64],
-        owners: NDArray[np.int64],
-        parameters: BestParameters,
+        self, descriptors: Floats, labels: Integers, owners: Integers, parameters: BestParameters
     ) -> FoldFits:
         """Give the fits on sequences, (n, d), (n,) and (n,); a projection is fitted where new."""
         settings = (parameters.components, parameters.bags, parameters.bag_components)
@@ -162,7 +157,7 @@ class FitMemory:
         return sum(len(fits.labels) for fits in self._held.values())
 
 
-def fit_projection(descriptors: NDArray[np.float64], components: int) -> Projection:
+def fit_projection(descriptors: Floats, components: int) -> Projection:
     """Fit scaling and principal components of training descriptors (n, d), float64.
 
     There are at most `components`; directions without variance are left out.
@@ -178,11 +173,8 @@ def fit_projection(descriptors: NDArray[np.float64], components: int) -> Project
 
 
 def fit_shared(
-    descriptors: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    parameters: BestParameters,
-) -> tuple[Projection, NDArray[np.float64], BagClassifier | None]:
+    descriptors: Floats, labels: Integers, owners: Integers, parameters: BestParameters
+) -> tuple[Projection, Floats, BagClassifier | None]:
     """Fit what all classifiers share on training descriptors (n, d) of classes and objects (n,).
 
     These are the projection, of as many components as the classifier of bags sees, the others see
@@ -202,9 +194,7 @@ def fit_shared(
     return projection, projected, bags
 
 
-def _principal_directions(
-    rows: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _principal_directions(rows: Floats) -> tuple[Floats, Floats]:
     """Give singular values, descending, and right singular vectors as rows, of (n, d)."""
     if len(rows) < rows.shape[1]:
         return _directions_of_few(rows)
@@ -213,9 +203,7 @@ def _principal_directions(
     return np.sqrt(np.maximum(squares[::-1], 0)), vectors[:, ::-1].T
 
 
-def _directions_of_few(
-    rows: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _directions_of_few(rows: Floats) -> tuple[Floats, Floats]:
     """Give the same of fewer rows than columns: by the Gram matrix, where rounding can't be taken for spread."""
     squares, vectors = np.linalg.eigh(rows @ rows.T)
     spread = np.sqrt(np.maximum(squares[::-1], 0))
@@ -230,9 +218,9 @@ def _directions_of_few(
 
 
 def make_inner_folds(
-    descriptors: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
+    descriptors: Floats,
+    labels: Integers,
+    owners: Integers,
     parameters: BestParameters,
     generator: np.random.Generator,
     memory: FitMemory | None = None,
@@ -265,8 +253,8 @@ def make_inner_folds(
 def fit_tuned_classifier(
     name: ClassifierName,
     parameters: ClassifierParameters,
-    projected: NDArray[np.float64],
-    labels: NDArray[np.int64],
+    projected: Floats,
+    labels: Integers,
     folds: Sequence[InnerFold],
     classes: int,
     generator: np.random.Generator,
@@ -303,9 +291,9 @@ def fit_tuned_classifier(
 
 
 def fit_best_classifiers(
-    descriptors: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
+    descriptors: Floats,
+    labels: Integers,
+    owners: Integers,
     classes: int,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
@@ -347,9 +335,7 @@ def fit_best_classifiers(
     return projection, fits
 
 
-def class_scores(
-    estimator: Any, projected: NDArray[np.float64], classes: int
-) -> NDArray[np.float64]:
+def class_scores(estimator: Any, projected: Floats, classes: int) -> Floats:
     """Give a score a class, (n, q) to (n, c): log probabilities, or what a support vector machine has.
 
     `estimator` was fitted on int labels below `classes`; a class that it was not trained with has
@@ -375,7 +361,7 @@ def _held_out_scores(
     folds: Sequence[InnerFold],
     classes: int,
     generator: np.random.Generator,
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+) -> tuple[Floats, Integers]:
     """Give the scores (m, c) and classes (m,) of all held-out sequences."""
     scores = [np.zeros((0, classes))]
     labels = [np.zeros(0, dtype=np.int64)]
@@ -386,9 +372,7 @@ def _held_out_scores(
     return np.concatenate(scores), np.concatenate(labels)
 
 
-def _hold_out_bags(
-    folds: Sequence[InnerFold], best: BestParameters, known: NDArray[np.bool_]
-) -> HeldOutBags:
+def _hold_out_bags(folds: Sequence[InnerFold], best: BestParameters, known: Flags) -> HeldOutBags:
     """Score the held-out sequences of all folds, or none where a fold lacks a classifier of bags."""
     scored = [(fold, fold.fits.bags) for fold in folds if fold.fits.bags is not None]
     scores = [np.zeros((0, len(known)))]
@@ -425,10 +409,7 @@ def _fit_in_fold(
 
 
 def _digest(
-    descriptors: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    settings: tuple[Any, ...],
+    descriptors: Floats, labels: Integers, owners: Integers, settings: tuple[Any, ...]
 ) -> bytes:
     content = hashlib.blake2b(repr((descriptors.shape, settings)).encode())
     for array in (descriptors, labels, owners):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.recognition.arrays import Floats, Integers
 
 
 def vote_credit(
-    owners: NDArray[np.int64], predicted: NDArray[np.int64], true_class: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    owners: Integers, predicted: Integers, true_class: Integers
+) -> tuple[Integers, Floats]:
     """Give the objects' credits in a majority vote of their sequences.
 
     First come the objects that have sequences, (m,), ascending, then their credits (m,). An object
