@@ -6,7 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from visuohaptic.recognition.arrays import Floats
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 
 VARIANCE_FLOOR = 1e-6
 """Least variance of a regularised covariance, as a share of the features' mean variance."""
@@ -41,11 +42,28 @@ def variance_floor(features: Floats) -> float:
     return VARIANCE_FLOOR * float(features.var(axis=0).mean())
 
 
-def shrink(covariance: Floats, shrinkage: float) -> Floats:
-    """Shrink towards one variance in every direction."""
-    shrunk: Floats = (1.0 - shrinkage) * covariance
-    shrunk += shrinkage * (np.trace(covariance) / len(covariance)) * np.eye(len(covariance))
-    return shrunk
+def class_means(rows: Floats, labels: Integers, classes: Integers) -> Floats:
+    """Give the mean of each class's rows: (n, d) to (k, d)."""
+    return np.stack([rows[labels == name].mean(axis=0) for name in classes])
+
+
+def check_spread(name: str, features: Floats, labels: Integers) -> None:
+    """Refuse features (n, d) of classes (n,) that have nothing to take a covariance of.
+
+    `name` is the discriminant, which the `RecognitionError` names.
+    """
+    _, counts = np.unique(labels, return_counts=True)
+    lonely = counts.min() < 2 if name == "quadratic_discriminant" else counts.max() < 2
+    if lonely:
+        raise RecognitionError(
+            f"{name} takes covariances and the smallest class has {counts.min()} training sequence; "
+            "at least 2 are needed."
+        )
+    if not np.ptp(features, axis=0).any():
+        raise RecognitionError(
+            f"{name} takes covariances and all {len(labels)} training sequences are alike; "
+            "features that vary are needed."
+        )
 
 
 def ledoit_wolf_shrinkage(deviations: Floats, covariance: Floats) -> float:
@@ -65,7 +83,10 @@ def ledoit_wolf_shrinkage(deviations: Floats, covariance: Floats) -> float:
 
 
 def _shrunk(deviations: Floats, shrinkage: Shrinkage) -> Floats:
+    """Shrink the covariance of deviations towards one variance in every direction."""
     plain = deviations.T @ deviations / len(deviations)
     if shrinkage == "ledoit_wolf":
-        return shrink(plain, ledoit_wolf_shrinkage(deviations, plain))
-    return shrink(plain, shrinkage)
+        shrinkage = ledoit_wolf_shrinkage(deviations, plain)
+    shrunk: Floats = (1.0 - shrinkage) * plain
+    shrunk += shrinkage * (np.trace(plain) / len(plain)) * np.eye(len(plain))
+    return shrunk

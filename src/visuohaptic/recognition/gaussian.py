@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
 from visuohaptic.recognition.covariance import (
-    Shrinkage,
-    Target,
+    check_spread,
+    class_means,
     regularised_covariance,
     variance_floor,
 )
@@ -65,30 +66,42 @@ class GaussianClassifier:
         return self.classes_[self.decision_function(rows).argmax(axis=1)]
 
 
-def fit_naive_bayes(features: Floats, labels: Integers, smoothing: float) -> GaussianClassifier:
-    """Fit densities whose features are independent, of features (n, d) and labels (n,).
-
-    `smoothing` is the share of the features' largest variance that is added to each variance.
-    """
-    floor = smoothing * float(features.var(axis=0).max())
+def fit_naive_bayes(
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
+    """Fit densities whose features are independent, of features (n, d) and labels (n,)."""
+    floor = parameters.bayes_smoothing * float(features.var(axis=0).max())
 
     def whiten(deviations: Floats) -> Whitening:
         variances = np.square(deviations).mean(axis=0) + floor
         return np.diag(1 / np.sqrt(variances)), float(np.log(variances).sum())
 
-    return _fit_each(features, labels, whiten)
+    return _fit_each(features, labels, whiten), None
 
 
 def fit_quadratic_discriminant(
-    features: Floats, labels: Integers, shrinkage: Shrinkage, target: Target
-) -> GaussianClassifier:
-    """Fit a regularised covariance of every class, of features (n, d) and labels (n,)."""
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
+    """Fit a covariance of every class, of features (n, d) and labels (n,).
+
+    Plain ones if any; where one is singular, all are shrunk, so that classes compare. Raises
+    `RecognitionError` if there is nothing to take a covariance of.
+    """
+    check_spread("quadratic_discriminant", features, labels)
+    if parameters.discriminant_regularisation == "pseudo_inverse":
+        return fit_pseudo_quadratic_discriminant(features, labels), None
+    always = parameters.discriminant_regularisation == "always"
+    if not always and (plain := fit_plain_discriminant(features, labels)):
+        return plain, None
+    shrinkage, target = parameters.discriminant_shrinkage, parameters.discriminant_target
     floor = variance_floor(features)
-    return _fit_each(
+    shrunk = _fit_each(
         features,
         labels,
         lambda deviations: _whiten(regularised_covariance(deviations, shrinkage, target, floor)),
     )
+    amount = "Ledoit-Wolf shrinkage" if shrinkage == "ledoit_wolf" else f"shrinkage {shrinkage:g}"
+    return shrunk, None if always else f"singular covariance: {amount} of every class"
 
 
 def fit_plain_discriminant(features: Floats, labels: Integers) -> GaussianClassifier | None:
@@ -115,34 +128,38 @@ def fit_pseudo_quadratic_discriminant(features: Floats, labels: Integers) -> Gau
 
 
 def fit_linear_discriminant(
-    features: Floats, labels: Integers, shrinkage: float
-) -> GaussianClassifier:
-    """Fit one covariance of all classes, shrunk towards one variance, of features (n, d) and labels (n,)."""
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
+    """Fit one covariance of all classes, shrunk towards one variance.
+
+    Of features (n, d) and labels (n,). Raises `RecognitionError` if there is nothing to take a
+    covariance of.
+    """
+    check_spread("linear_discriminant", features, labels)
     classes, places, counts = np.unique(labels, return_inverse=True, return_counts=True)
-    means = _means(features, labels, classes)
-    deviations = features - means[places]
+    means = class_means(features, labels, classes)
     covariance = regularised_covariance(
-        deviations, shrinkage, "mean_variance", variance_floor(features)
+        features - means[places],
+        parameters.linear_shrinkage,
+        "mean_variance",
+        variance_floor(features),
     )
     directions, _ = _whiten(covariance)
-    return GaussianClassifier(classes, means, directions[None], np.log(counts / len(labels)))
+    offsets = np.log(counts / len(labels))
+    return GaussianClassifier(classes, means, directions[None], offsets), None
 
 
 def _fit_each(
     features: Floats, labels: Integers, whiten: Callable[[Floats], Whitening]
 ) -> GaussianClassifier:
     classes, counts = np.unique(labels, return_counts=True)
-    means = _means(features, labels, classes)
+    means = class_means(features, labels, classes)
     found = [
         whiten(features[labels == name] - mean) for name, mean in zip(classes, means, strict=True)
     ]
     directions, determinants = zip(*found, strict=True)
     offsets = np.log(counts / len(labels)) - np.array(determinants) / 2
     return GaussianClassifier(classes, means, np.stack(directions), offsets)
-
-
-def _means(features: Floats, labels: Integers, classes: Integers) -> Floats:
-    return np.stack([features[labels == name].mean(axis=0) for name in classes])
 
 
 def _whiten(covariance: Floats) -> Whitening:

@@ -8,8 +8,7 @@ from typing import Literal
 import numpy as np
 
 from visuohaptic.recognition.arrays import Flags, Floats, Integers
-
-NeighbourWeights = Literal["uniform", "distance"]
+from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,7 @@ class NearestNeighbours:
     rows: Floats
     members: Floats
     neighbours: int
-    weighting: NeighbourWeights
+    weighting: Literal["uniform", "distance"]
 
     @property
     def n_features_in_(self) -> int:
@@ -59,9 +58,13 @@ class NearestNeighbours:
 
 
 def fit_nearest_neighbours(
-    features: Floats, labels: Integers, neighbours: int, weighting: NeighbourWeights
-) -> NearestNeighbours:
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
     """Keep training features, (n, d), and their classes, (n,); at most all of them vote."""
     classes = np.unique(labels)
     members = (labels[:, None] == classes).astype(np.float64)
-    return NearestNeighbours(classes, features, members, min(neighbours, len(labels)), weighting)
+    count = min(parameters.neighbours, len(labels))
+    found = NearestNeighbours(classes, features, members, count, parameters.neighbour_weights)
+    if count == parameters.neighbours:
+        return found, None
+    return found, f"{count} neighbours, for there are no more training sequences"

@@ -17,8 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.recognition.arrays import Flags, Floats, Integers
-from visuohaptic.recognition.classifiers import ClassifierParameters, check_spread
-from visuohaptic.recognition.covariance import shrink, variance_floor
+from visuohaptic.recognition.classifiers import ClassifierParameters
+from visuohaptic.recognition.covariance import (
+    check_spread,
+    class_means,
+    regularised_covariance,
+    variance_floor,
+)
 from visuohaptic.recognition.encoding import ROUNDING
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
@@ -198,21 +203,18 @@ def fit_bag_classifier(
     rows, classes = bags.means(projected), labels[bags.first]
     check_spread("linear_discriminant", rows, classes)
     trained, places, counts = np.unique(classes, return_inverse=True, return_counts=True)
-    means = np.stack([rows[places == place].mean(axis=0) for place in range(len(trained))])
-    coefficients = np.linalg.solve(_common_covariance(rows, rows - means[places]), means.T)
+    means = class_means(rows, classes, trained)
+    shrinkage = ClassifierParameters().linear_shrinkage
+    covariance = regularised_covariance(
+        rows - means[places], shrinkage, "mean_variance", variance_floor(rows)
+    )
+    coefficients = np.linalg.solve(covariance, means.T)
     intercepts = np.log(counts / len(rows)) - np.einsum("kq,qk->k", means, coefficients) / 2
     return BagClassifier(
         coefficients - coefficients.mean(axis=1, keepdims=True),
         intercepts - intercepts.mean(),
         trained,
     )
-
-
-def _common_covariance(rows: Floats, deviations: Floats) -> Floats:
-    """Give the classes' mean covariance, as classifier `linear_discriminant` shrinks it: (n, q) each to (q, q)."""
-    pooled = deviations.T @ deviations / len(rows)
-    shrunk = shrink(pooled, ClassifierParameters().linear_shrinkage)
-    return shrunk + variance_floor(rows) * np.eye(len(shrunk))
 
 
 @dataclass(frozen=True)

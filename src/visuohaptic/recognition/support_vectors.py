@@ -9,8 +9,7 @@ from typing import Literal
 import numpy as np
 
 from visuohaptic.recognition.arrays import Floats, Integers
-
-KernelName = Literal["linear", "poly", "rbf"]
+from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
 
 
 @dataclass(frozen=True)
@@ -26,7 +25,7 @@ class SupportVectorMachine:
     vectors: Floats
     weights: Floats
     intercepts: Floats
-    kernel: KernelName
+    kernel: Literal["linear", "poly", "rbf"]
     scale: float
 
     @property
@@ -67,18 +66,17 @@ class SupportVectorMachine:
 
 
 def fit_support_vector_machine(
-    features: Floats, labels: Integers, kernel: KernelName, penalty: float
-) -> SupportVectorMachine:
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
     """Train every pair of classes on features (n, d) and labels (n,).
 
-    `penalty` is C, that of a margin violation; the kernel's scale is 1 / (d × the variance of all
-    features).
+    The kernel's scale is 1 / (d × the variance of all features).
     """
     from sklearn.svm import SVC
 
-    variance = float(features.var())
+    kernel, variance = parameters.svm_kernel, float(features.var())
     scale = 1 / (features.shape[1] * variance) if variance else 1.0
-    trained = SVC(kernel=kernel, C=penalty, gamma=scale).fit(features, labels)
+    trained = SVC(kernel=kernel, C=parameters.svm_penalty, gamma=scale).fit(features, labels)
     first, second = _places_of_pairs(len(trained.classes_))
     owners = np.repeat(np.arange(len(trained.classes_)), trained.n_support_)
     # Row j - 1 of libsvm's coefficients is, for vectors of class i, for the pair of i and j.
@@ -86,7 +84,7 @@ def fit_support_vector_machine(
     weights += np.where(owners[:, None] == second, trained.dual_coef_.T[:, first], 0.0)
     # Of two classes scikit-learn turns the signs.
     sign = -1.0 if len(trained.classes_) == 2 else 1.0
-    return SupportVectorMachine(
+    found = SupportVectorMachine(
         trained.classes_,
         trained.support_vectors_,
         sign * weights,
@@ -94,6 +92,7 @@ def fit_support_vector_machine(
         kernel,
         scale,
     )
+    return found, None
 
 
 def _places_of_pairs(classes: int) -> tuple[Integers, Integers]:
