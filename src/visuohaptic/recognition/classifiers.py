@@ -7,12 +7,14 @@ names and settings can be checked without.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import logging
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from visuohaptic.errors import RecognitionError
 from visuohaptic.functions import Function
 from visuohaptic.registry import Registry
 
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
 
     from visuohaptic.recognition.arrays import Floats, Integers
 
+logger = logging.getLogger(__name__)
+
+Fitted = TypeVar("Fitted")
 Fit = tuple[Any, str | None]
 """A fitted classifier, and a note on its fit, such as another setting."""
 
@@ -146,6 +151,27 @@ def fit_classifier(
     nothing to take a covariance of.
     """
     return CLASSIFIERS[name].fit(parameters, features, labels, draw_seed(generator))
+
+
+def fit_each(
+    names: Iterable[ClassifierName], fit: Callable[[ClassifierName], Fitted]
+) -> Iterator[tuple[ClassifierName, Fitted]]:
+    """Fit classifiers one by one; those that can't be fitted are left out, and the log says why.
+
+    Raises the last one's `RecognitionError` if none can be fitted.
+    """
+    failed, fitted = None, False
+    for name in names:
+        try:
+            found = fit(name)
+        except RecognitionError as error:
+            logger.warning("%s is left out: %s", name, error)
+            failed = error
+            continue
+        fitted = True
+        yield name, found
+    if failed is not None and not fitted:
+        raise failed
 
 
 def draw_seed(generator: np.random.Generator) -> int:

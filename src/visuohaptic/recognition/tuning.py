@@ -20,6 +20,7 @@ from visuohaptic.recognition.classifiers import (
     ClassifierParameters,
     draw_seed,
     fit_classifier,
+    fit_each,
 )
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
@@ -317,22 +318,13 @@ def fit_best_classifiers(
     seen = np.ascontiguousarray(projected[:, : parameters.best.components])
     known = np.isin(np.arange(classes), labels)
     held_out = None if bags is None else _hold_out_bags(folds, parameters.best, known)
-    fits = []
-    failed = None
-    for name in parameters.best.classifiers:
-        try:
-            fitted, note = fit_tuned_classifier(
-                name, parameters.classifier, seen, labels, folds, classes, generator,
-                bags, held_out,
-            )  # fmt: skip
-        except RecognitionError as error:
-            logger.warning("%s is left out: %s", name, error)
-            failed = error
-            continue
-        fits.append((name, fitted, note))
-    if failed is not None and not fits:
-        raise failed
-    return projection, fits
+    fits = fit_each(
+        parameters.best.classifiers,
+        lambda name: fit_tuned_classifier(
+            name, parameters.classifier, seen, labels, folds, classes, generator, bags, held_out
+        ),
+    )
+    return projection, [(name, fitted, note) for name, (fitted, note) in fits]
 
 
 def class_scores(estimator: Any, projected: Floats, classes: int) -> Floats:
