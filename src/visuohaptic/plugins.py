@@ -18,7 +18,7 @@ from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from visuohaptic.errors import PlugInError, VisuohapticError
 
@@ -43,14 +43,6 @@ _KINDS = {
 """What holds the entries of each class, and adds one."""
 
 
-class Entry(Protocol):
-    """An entry of a registry."""
-
-    @property
-    def name(self) -> str:
-        """What parameters and tables call it."""
-
-
 @dataclass(frozen=True)
 class PlugIn:
     """A plug-in that was loaded.
@@ -73,7 +65,7 @@ _loaded: dict[str, PlugIn] = {}
 _at_work: list[tuple[str, set[str]]] = []
 
 
-def register(entry: Entry) -> None:
+def register(entry: object) -> None:
     """Add an entry of your own, which parameters can name from then on.
 
     Parameters

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
+from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of, share
 
 OBJECT_KEYS = (
     Column("class", TEXT, "class of the object"),
@@ -66,28 +66,17 @@ TOUCH_KEYS = (
     Column("touch", COUNT, "place in the sequence, 0 first", minimum=0),
 )
 
-POINT = tuple(
-    Column(axis, REAL, f"probing location, {axis}", "object frame, unit sphere", -1.0001, 1.0001)
-    for axis in "xyz"
-)
 
-NORMAL = tuple(
-    Column(f"normal_{axis}", REAL, f"outward unit normal, {axis}", "object frame", -1.0001, 1.0001)
-    for axis in "xyz"
-)
-
-TANGENT = tuple(
-    Column(
-        f"tangent_{axis}",
-        REAL,
-        f"the imprint's +column axis, {axis}",
-        "object frame",
-        -1.0001,
-        1.0001,
+def _vector(prefix: str, description: str, frame: str) -> tuple[Column, ...]:
+    return tuple(
+        Column(f"{prefix}{axis}", REAL, f"{description}, {axis}", frame, -1.0001, 1.0001)
+        for axis in "xyz"
     )
-    for axis in "xyz"
-)
 
+
+POINT = _vector("", "probing location", "object frame, unit sphere")
+NORMAL = _vector("normal_", "outward unit normal", "object frame")
+TANGENT = _vector("tangent_", "the imprint's +column axis", "object frame")
 POINT_NAMES, NORMAL_NAMES, TANGENT_NAMES = map(names_of, (POINT, NORMAL, TANGENT))
 
 SENSOR_SIZE = Column("sensor_size", REAL, "edge of the sensor's square", "object radii", 0)
@@ -257,10 +246,8 @@ SCORES = Schema(
     "scores",
     (
         *SCORE_KEYS,
-        Column("accuracy", REAL, "share of test sequences correctly classified", "1", 0, 1),
-        Column(
-            "object_accuracy", REAL, "share of test objects correctly classified by vote", "1", 0, 1
-        ),
+        share("accuracy", "share of test sequences correctly classified"),
+        share("object_accuracy", "share of test objects correctly classified by vote"),
         Column("sequences", COUNT, "test sequences", minimum=1),
         Column(
             "note",

@@ -68,6 +68,21 @@ COUNT = pa.int32()
 REAL = pa.float64()
 
 
+def share(name: str, description: str, *, nullable: bool = False) -> Column:
+    """Make a column of numbers from 0 to 1."""
+    return Column(name, REAL, description, "1", 0, 1, nullable)
+
+
+def difference(name: str, description: str) -> tuple[Column, ...]:
+    """Make the columns of a difference of two shares and of its interval's ends, which may be missing."""
+    texts = {
+        name: description,
+        f"{name}_low": "lower end of its interval",
+        f"{name}_high": "upper end of its interval",
+    }
+    return tuple(Column(one, REAL, text, "1", -1, 1, nullable=True) for one, text in texts.items())
+
+
 def names_of(columns: Iterable[Column]) -> tuple[str, ...]:
     """Give the names of columns."""
     return tuple(column.name for column in columns)
