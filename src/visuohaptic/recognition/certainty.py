@@ -180,18 +180,10 @@ def fit_calibration(
     rows: dict[int, tuple[int, Floats, Floats]] = {}
     for train, objects in hold_out_objects(sequences, best.calibration_folds, generator):
         known = sequences.take(train)
-        own, fits = fit_best_classifiers(
-            described[train],
-            labels[train],
-            known.object_index,
-            len(known.classes),
-            parameters,
-            generator,
-        )
-        tuned = fits[0][1]
-        means = object_means(own.apply(described[train]), known.object_index, best)
-        known_touches = keep_touches(known, best.cues)
-        marks = Landmarks(means, known_touches)
+        training = (described[train], known.labels, known.object_index, len(known.classes))
+        own, [(_, tuned, _)] = fit_best_classifiers(*training, parameters, generator)
+        touches = keep_touches(known, best.cues)
+        marks = landmarks_of(own.apply(described[train]), known.object_index, touches, best)
         for place in objects:
             one = sequences.object_index == place
             label = int(labels[one][0])
@@ -199,13 +191,13 @@ def fit_calibration(
             bags = turn_bags(len(projected), place, best)
             probabilities = classify_bags(tuned.ballots(projected), bags)
             scores = tuned.scores(projected)
-            distances, places = object_distances(known_touches, sequences.features[one])
-            found = bag_evidence(marks, projected, scores, bags, distances, places)
+            distances = touches.distances(sequences.features[one])
+            found = bag_evidence(marks, projected, scores, bags, distances)
             rows[place] = (label, 1 - probabilities[:, label], found)
     if not rows:
         return None
-    means = object_means(projection.apply(described), sequences.object_index, best)
-    landmarks = Landmarks(means, keep_touches(sequences, best.cues))
+    touches = keep_touches(sequences, best.cues)
+    landmarks = landmarks_of(projection.apply(described), sequences.object_index, touches, best)
     return gather_calibration([rows[place] for place in sorted(rows)], landmarks, best)
 
 
@@ -243,16 +235,12 @@ def gather_calibration(
     )
 
 
-def object_means(projected: Floats, owners: Integers, best: BestParameters) -> Floats:
-    """Give the mean over each object's sequences (n, p) of the components that classifiers see."""
-    return spread_bags(owners, (len(owners),)).means(projected[:, : best.components])
-
-
-def object_distances(known: KnownTouches, touches: Floats) -> tuple[TouchDistances, Integers]:
-    """Give the distances of one object's touches (n, t, k), and the places (n, t) among them."""
-    places = np.arange(touches.shape[0] * touches.shape[1]).reshape(touches.shape[:2])
-    every = touches.reshape(-1, touches.shape[2])
-    return known.distances(every), places
+def landmarks_of(
+    projected: Floats, owners: Integers, touches: KnownTouches, best: BestParameters
+) -> Landmarks:
+    """Give landmarks by sequences (n, p), projected, and their objects (n,), with their touches."""
+    seen = projected[:, : best.components]
+    return Landmarks(spread_bags(owners, (len(owners),)).means(seen), touches)
 
 
 def one_classifier(parameters: RecognitionParameters, classifier: str) -> RecognitionParameters:
@@ -290,16 +278,17 @@ def bag_evidence(
     scores: Floats,
     bags: Sequence[Integers],
     distances: TouchDistances,
-    touches: Integers,
+    length: int | None = None,
 ) -> Floats:
     """Give the evidence (k, e) of k bags of an object's sequences.
 
     The sequences are `projected`, (n, p), and have `scores`, (n, c); `bags` are their places.
-    `marks` are of other objects. `distances` are those of the object's touches, and `touches` (n,
-    t) the places among them of each sequence's.
+    `marks` are of other objects. `distances` are those of the sequences' touches (n, t), of which
+    the first `length` count, or all.
     """
-    found = []
-    for bag in bags:
-        nearest = distances.nearest(touches[bag].ravel())
-        found.append(marks.evidence(projected[bag], scores[bag], nearest))
-    return np.array(found)
+    return np.array(
+        [
+            marks.evidence(projected[bag], scores[bag], distances.nearest(np.s_[bag, :length]))
+            for bag in bags
+        ]
+    )

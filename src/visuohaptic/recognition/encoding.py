@@ -55,7 +55,8 @@ class SequenceEncoder:
 
     def encode(self, sequences: Floats) -> Floats:
         """Give the scaled features of sequences: (s, t, k) to (s, m * (1 + levels) * 3)."""
-        return self.feature_scaling.apply(self._unscaled(sequences))
+        reduced = self.reduce(sequences)
+        return self.feature_scaling.apply(sequence_features(reduced, self.sequence_parameters))
 
     def reduce(self, sequences: Floats) -> Floats:
         """Reduce each touch to m numbers: (s, t, k) to (s, t, m).
@@ -71,9 +72,6 @@ class SequenceEncoder:
             return reduced
         sizes = entry.sizes(self.reduction, self.touch_scaling.sizes(touches))
         return _without_rounding(reduced, sizes.reshape(reduced.shape))
-
-    def _unscaled(self, sequences: Floats) -> Floats:
-        return sequence_features(self.reduce(sequences), self.sequence_parameters)
 
 
 @dataclass(frozen=True)

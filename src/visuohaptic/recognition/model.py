@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -222,12 +223,9 @@ def fit_model(
 
     sequences = gather_pipeline(features, parameters, pipeline, seed)
     check_two_classes(sequences)
-    fitters: dict[str, Callable[..., _Fit]] = {
-        "paper": _fit_paper,
-        "best": _fit_best,
-    }
+    fit = {"paper": _fit_paper, "best": _fit_best}[pipeline]
     with threadpool_limits(limits=1):
-        fit = fitters[pipeline](sequences, classifier, parameters, seed)
+        fitted = fit(sequences, classifier, parameters, seed)
     return RecognitionModel(
         pipeline=pipeline,
         strategy=features.column("strategy")[0].as_py(),
@@ -238,21 +236,8 @@ def fit_model(
         objects=sequences.objects,
         parameters=parameters,
         versions=_versions(),
-        encoder=fit.encoder,
-        tuned=fit.tuned,
-        calibration=fit.calibration,
-        short=fit.short,
+        **fitted,
     )
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """What a pipeline fits, as in `RecognitionModel`."""
-
-    encoder: SequenceEncoder | SequenceDescriber
-    tuned: TunedClassifier
-    calibration: Calibration | None = None
-    short: Mapping[int, ShortClassifier] = field(default_factory=dict)
 
 
 def _fit_paper(
@@ -260,7 +245,7 @@ def _fit_paper(
     classifier: ClassifierName,
     parameters: RecognitionParameters,
     seed: int,
-) -> _Fit:
+) -> dict[str, Any]:
     generator = spawn_generator(seed, "recognition", "model", "paper")
     encoder = fit_sequence_encoder(sequences.features, parameters, generator)
     fitted, _ = fit_classifier(
@@ -271,7 +256,7 @@ def _fit_paper(
         generator,
     )
     tuned = TunedClassifier(fitted, parameters.classifier, 1.0, len(sequences.classes), "")
-    return _Fit(encoder, tuned)
+    return {"encoder": encoder, "tuned": tuned}
 
 
 def _fit_best(
@@ -279,7 +264,7 @@ def _fit_best(
     classifier: ClassifierName,
     parameters: RecognitionParameters,
     seed: int,
-) -> _Fit:
+) -> dict[str, Any]:
     generator = spawn_generator(seed, "recognition", "model", "best")
     waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
     names = sequences.feature_names
@@ -300,7 +285,7 @@ def _fit_best(
         spawn_generator(seed, "recognition", "model", "short"),
     )
     describer = SequenceDescriber(waves, names, parameters.best, projection)
-    return _Fit(describer, tuned, calibration, short)
+    return {"encoder": describer, "tuned": tuned, "calibration": calibration, "short": short}
 
 
 def _versions() -> dict[str, str]:

@@ -76,7 +76,8 @@ class Combination:
 
         `counts` (m,) are the sequences of each bag.
         """
-        summed = add_standardised(mean_probabilities, mean_scores, self.scales)
+        logs = np.log(np.maximum(mean_probabilities, LEAST_PROBABILITY))
+        summed = logs / self.scales[0] + mean_scores / self.scales[1]
         places = np.log(np.maximum(counts, 1))
         temperature = np.exp(np.interp(places, np.log(self.views), np.log(self.temperatures)))
         return softmax(np.where(self.known, summed / temperature[:, None], LEAST_SCORE))
@@ -182,14 +183,6 @@ def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[Integers, Integers
     for size in sorted({min(size, total) for size in sizes}):
         bags += list(spread_choices(total, size)[: math.ceil(total / size)])
     return np.concatenate(bags), np.array([len(bag) for bag in bags])
-
-
-def add_standardised(
-    mean_probabilities: Floats, mean_scores: Floats, scales: tuple[float, float]
-) -> Floats:
-    """Add log probabilities and scores, (m, c) each, divided by their deviations."""
-    logs = np.log(np.maximum(mean_probabilities, LEAST_PROBABILITY))
-    return logs / scales[0] + mean_scores / scales[1]
 
 
 def fit_bag_classifier(

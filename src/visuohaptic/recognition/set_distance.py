@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,22 +39,24 @@ class KnownTouches:
         The distance of two sets is the mean distance of a touch from the nearest of the other set,
         both ways (the symmetric Chamfer distance: H. G. Barrow et al., IJCAI 1977).
         """
-        return self.distances(touches).nearest(slice(None))
+        return self.distances(touches).nearest(...)
 
     def distances(self, touches: Floats) -> TouchDistances:
-        """Give the distances of touches, (n, k), from all known ones, for any choice among them."""
+        """Give the distances of touches, (..., k), from all known ones, for any choice among them."""
         from sklearn.metrics.pairwise import euclidean_distances
 
-        found = euclidean_distances((touches * self.weights).astype(np.float32), self.touches)
+        every = touches.reshape(-1, touches.shape[-1])
+        found = euclidean_distances((every * self.weights).astype(np.float32), self.touches)
         there = np.minimum.reduceat(found, self.starts, axis=1)
-        return TouchDistances(found, there, self.starts)
+        shape = (*touches.shape[:-1], -1)
+        return TouchDistances(found.reshape(shape), there.reshape(shape), self.starts)
 
 
 @dataclass(frozen=True)
 class TouchDistances:
-    """Distances (n, m), float32, of the n touches of an object from m known ones, of r objects.
+    """Distances (..., m), float32, of an object's touches from m known ones, of r objects.
 
-    `there` (n, r) are those from the nearest touch of each known object; `starts` (r,) are as in
+    `there` (..., r) are those from the nearest touch of each known object; `starts` (r,) are as in
     `KnownTouches`.
     """
 
@@ -61,11 +64,12 @@ class TouchDistances:
     there: NDArray[np.float32]
     starts: Integers
 
-    def nearest(self, chosen: slice | Integers) -> float:
-        """Give what `KnownTouches.nearest` does, from the chosen touches alone."""
-        there = self.there[chosen].mean(axis=0, dtype=np.float64)
-        counts = np.diff(np.append(self.starts, self.found.shape[1]))
-        closest = self.found[chosen].min(axis=0).astype(np.float64)
+    def nearest(self, chosen: Any) -> float:
+        """Give what `KnownTouches.nearest` does, from the touches of an index alone."""
+        there = self.there[chosen].reshape(-1, len(self.starts)).mean(axis=0, dtype=np.float64)
+        known = self.found.shape[-1]
+        counts = np.diff(np.append(self.starts, known))
+        closest = self.found[chosen].reshape(-1, known).min(axis=0).astype(np.float64)
         return float((there + np.add.reduceat(closest, self.starts) / counts).min() / 2)
 
 

@@ -21,13 +21,11 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.certainty import (
     Calibration,
-    Landmarks,
     bag_evidence,
     classify_bags,
     gather_calibration,
     hold_out_objects,
-    object_distances,
-    object_means,
+    landmarks_of,
     turn_bags,
 )
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
@@ -103,12 +101,12 @@ def fit_short_classifiers(
         return {}
     if not held_out.owners:
         return found
-    known_touches = keep_touches(sequences, best.cues)
+    touches = keep_touches(sequences, best.cues)
     for length, classifier in found.items():
         combination = _combine(sequences, held_out, length, classifier, best)
         rows = _calibration_rows(sequences, held_out, length, combination, best)
         projected = classifier.encode(described[length])
-        marks = Landmarks(object_means(projected, sequences.object_index, best), known_touches)
+        marks = landmarks_of(projected, sequences.object_index, touches, best)
         calibration = gather_calibration(rows, marks, best)
         found[length] = replace(classifier, combination=combination, calibration=calibration)
     return found
@@ -140,23 +138,20 @@ def _name_held_out(
         known = sequences.take(train)
         parts = {length: rows[train] for length, rows in described.items()}
         fits = _fit(known, parts, best)
-        known_touches = keep_touches(known, best.cues)
+        touches = keep_touches(known, best.cues)
         marks = {
-            length: Landmarks(
-                object_means(classifier.encode(parts[length]), known.object_index, best),
-                known_touches,
-            )
-            for length, classifier in fits.items()
+            length: landmarks_of(fit.encode(parts[length]), known.object_index, touches, best)
+            for length, fit in fits.items()
         }
         for place in objects:
             one = owners == place
             bags = turn_bags(int(one.sum()), place, best)
-            distances, places = object_distances(known_touches, sequences.features[one])
+            distances = touches.distances(sequences.features[one])
             for length, classifier in fits.items():
                 projected = classifier.encode(described[length][one])
                 scores = found.scores[length][one] = classifier.scores(projected)
                 found.evidence[length][place] = bag_evidence(
-                    marks[length], projected, scores, bags, distances, places[:, :length]
+                    marks[length], projected, scores, bags, distances, length
                 )
     found.owners.sort()
     return found

@@ -39,11 +39,13 @@ FORMAT = "visuohaptic recognition model 7"
 LARGEST_BYTES = 2**30
 """A model file that unpacks to more is refused; one of 142 objects has some megabytes."""
 
-_PARTS: Mapping[str, type] = {
+_PARTS: Mapping[str, Any] = {
     part.__name__: part
     for part in (
         BagClassifier,
+        BestParameters,
         Calibration,
+        ClassifierParameters,
         Combination,
         FeatureGroups,
         GaussianClassifier,
@@ -52,24 +54,17 @@ _PARTS: Mapping[str, type] = {
         NearestNeighbours,
         Projection,
         RecognitionModel,
+        RecognitionParameters,
         SelfOrganisingMap,
+        SelfOrganisingMapParameters,
         SequenceDescriber,
         SequenceEncoder,
+        SequenceParameters,
         ShortClassifier,
         Standardiser,
         SupportVectorMachine,
         TunedClassifier,
         WaveBasis,
-    )
-}
-_PARAMETERS: Mapping[str, type[BaseModel]] = {
-    part.__name__: part
-    for part in (
-        BestParameters,
-        ClassifierParameters,
-        RecognitionParameters,
-        SelfOrganisingMapParameters,
-        SequenceParameters,
     )
 }
 
@@ -167,7 +162,7 @@ def _restored(state: Any) -> Any:
     if not isinstance(state, dict):
         return state
     if "parameters" in state and "values" in state:
-        return _PARAMETERS[state["parameters"]].model_validate_json(state["values"])
+        return _PARTS[state["parameters"]].model_validate_json(state["values"])
     if "keys" in state:
         return dict(zip(state["keys"], map(_restored, state["values"]), strict=True))
     own = {name: _restored(one) for name, one in state.items() if name != "part"}
