@@ -128,15 +128,20 @@ def test_one_sequence_an_object_runs():
     assert notes == {"4 neighbours, for there are no more training sequences"}
 
 
-@pytest.mark.parametrize("pipeline", ["paper", "best"])
-def test_a_classifier_that_can_not_be_fitted_is_a_gap_and_said(pipeline, caplog):
-    names = ("k_nearest_neighbours", "quadratic_discriminant", "naive_bayes")
-    chosen = SMALL.model_copy(
-        update={"classifiers": names, "best": SMALL.best.model_copy(update={"classifiers": names})}
+def run_few_sequences(names, pipeline):
+    """Run classifiers on classes of a single training sequence."""
+    chosen = RecognitionParameters(
+        protocol=SMALL.protocol, classifiers=names, best={"classifiers": names}
     )
     objects = (2, 2) if pipeline == "paper" else (3, 3)
     table = features_table(objects=objects, viewpoints=1)
-    scores, predictions = recognition.run_pipeline(table, chosen, 1, pipeline)
+    return recognition.run_pipeline(table, chosen, 1, pipeline)
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "best"])
+def test_a_classifier_that_can_not_be_fitted_is_a_gap_and_said(pipeline, caplog):
+    names = ("k_nearest_neighbours", "quadratic_discriminant", "naive_bayes")
+    scores, predictions = run_few_sequences(names, pipeline)
     for found in (scores, predictions):
         assert set(found["classifier"].to_pylist()) == {"k_nearest_neighbours", "naive_bayes"}
     assert "quadratic_discriminant is left out: quadratic_discriminant takes cov" in caplog.text
@@ -144,13 +149,8 @@ def test_a_classifier_that_can_not_be_fitted_is_a_gap_and_said(pipeline, caplog)
 
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_where_no_classifier_can_be_fitted_the_reason_is_given(pipeline):
-    names = ("quadratic_discriminant",)
-    chosen = SMALL.model_copy(
-        update={"classifiers": names, "best": SMALL.best.model_copy(update={"classifiers": names})}
-    )
-    objects = (2, 2) if pipeline == "paper" else (3, 3)
     with pytest.raises(RecognitionError, match="at least 2 are needed"):
-        recognition.run_pipeline(features_table(objects=objects, viewpoints=1), chosen, 1, pipeline)
+        run_few_sequences(("quadratic_discriminant",), pipeline)
 
 
 def test_constant_feature_changes_no_answer():

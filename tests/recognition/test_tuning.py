@@ -16,12 +16,7 @@ from visuohaptic.recognition.classifiers import (
     ClassifierParameters,
 )
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import (
-    LEAST_SCORE,
-    TEMPERATURES,
-    best_temperature,
-    softmax,
-)
+from visuohaptic.recognition.pooling import LEAST_SCORE, softmax
 from visuohaptic.recognition.tuning import (
     class_scores,
     fit_projection,
@@ -87,25 +82,6 @@ def test_without_a_second_object_a_class_the_simplest_setting_is_taken():
     )  # fmt: skip
     assert tuned.setting == "svm_penalty 1.0"
     assert tuned.temperature == 1
-
-
-def test_temperature_of_calibrated_scores_is_one_and_of_doubled_ones_two():
-    generator = np.random.default_rng(1)
-    scores = 2 * generator.normal(size=(20000, 3))
-    probabilities = softmax(scores)
-    labels = (generator.random((20000, 1)) > probabilities.cumsum(axis=1)).sum(axis=1)
-    step = TEMPERATURES[1] / TEMPERATURES[0]
-    for factor in (0.5, 1.0, 2.0):
-        _, temperature = best_temperature(factor * scores, labels)
-        assert factor / step <= temperature <= factor * step
-
-
-def test_loss_at_the_best_temperature_is_the_log_loss():
-    generator = np.random.default_rng(2)
-    scores, labels = generator.normal(size=(50, 4)), generator.integers(4, size=50)
-    loss, temperature = best_temperature(scores, labels)
-    named = softmax(scores / temperature)[np.arange(50), labels]
-    assert loss == pytest.approx(-np.log(named).mean())
 
 
 @pytest.mark.parametrize("name", CLASSIFIERS.names)
