@@ -18,6 +18,7 @@ from visuohaptic.recognition.classifiers import (
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import LEAST_SCORE, softmax
 from visuohaptic.recognition.tuning import (
+    FoldFits,
     class_scores,
     fit_projection,
     fit_tuned_classifier,
@@ -77,8 +78,8 @@ def test_without_a_second_object_a_class_the_simplest_setting_is_taken():
     )
     assert folds == []
     tuned, _ = fit_tuned_classifier(
-        "support_vector_machine", ClassifierParameters(), descriptors, labels, folds, 2,
-        np.random.default_rng(0),
+        "support_vector_machine", ClassifierParameters(), FoldFits(None, descriptors, labels), folds,
+        2, np.random.default_rng(0),
     )  # fmt: skip
     assert tuned.setting == "svm_penalty 1.0"
     assert tuned.temperature == 1
@@ -90,14 +91,14 @@ def test_every_classifier_gives_probabilities_also_of_a_class_it_never_saw(name)
     generator = np.random.default_rng(0)
     folds = make_inner_folds(descriptors, labels, owners, BestParameters(), generator)
     tuned, _ = fit_tuned_classifier(
-        name, ClassifierParameters(), descriptors, labels * 2, [], 3, generator
+        name, ClassifierParameters(), FoldFits(None, descriptors, labels * 2), [], 3, generator
     )
     probabilities = tuned.ballots(descriptors).alone()
     np.testing.assert_allclose(probabilities.sum(axis=1), 1)
     assert probabilities[:, 1].max() < 1e-9
     assert len(folds) == 2
     tuned, _ = fit_tuned_classifier(
-        name, ClassifierParameters(), descriptors, labels, folds, 2, generator
+        name, ClassifierParameters(), FoldFits(None, descriptors, labels), folds, 2, generator
     )
     assert (tuned.ballots(descriptors).alone().argmax(axis=1) == labels).mean() > 0.9
 
@@ -147,7 +148,12 @@ def test_a_new_classifier_counts_as_random_until_its_entry_says_otherwise(monkey
     folds = make_inner_folds(rows, labels, owners, BestParameters(), np.random.default_rng(0))
     for seed in range(2):
         fit_tuned_classifier(
-            "new", ClassifierParameters(), rows, labels, folds, 3, np.random.default_rng(seed)
+            "new",
+            ClassifierParameters(),
+            FoldFits(None, rows, labels),
+            folds,
+            3,
+            np.random.default_rng(seed),
         )
     # Both folds and all rows, each time with a seed of its own.
     assert len(set(drawn)) == 6

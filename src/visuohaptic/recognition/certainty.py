@@ -9,7 +9,7 @@ which learnt from more; so the coverage is not guaranteed, and `studies.certaint
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -20,7 +20,7 @@ from visuohaptic.recognition.parameters import BestParameters, RecognitionParame
 from visuohaptic.recognition.pooling import Ballots, spread_bags
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.set_distance import KnownTouches, TouchDistances, keep_touches
-from visuohaptic.recognition.splits import grouped_folds
+from visuohaptic.recognition.splits import hold_out_objects
 from visuohaptic.recognition.tuning import Projection, fit_best_classifiers
 
 
@@ -178,7 +178,9 @@ def fit_calibration(
     """
     best, labels = parameters.best, sequences.labels
     rows: dict[int, tuple[int, Floats, Floats]] = {}
-    for train, objects in hold_out_objects(sequences, best.calibration_folds, generator):
+    for train, objects in hold_out_objects(
+        labels, sequences.object_index, best.calibration_folds, generator
+    ):
         known = sequences.take(train)
         training = (described[train], known.labels, known.object_index, len(known.classes))
         own, [(_, tuned, _)] = fit_best_classifiers(*training, parameters, generator)
@@ -199,26 +201,6 @@ def fit_calibration(
     touches = keep_touches(sequences, best.cues)
     landmarks = landmarks_of(projection.apply(described), sequences.object_index, touches, best)
     return gather_calibration([rows[place] for place in sorted(rows)], landmarks, best)
-
-
-def hold_out_objects(
-    sequences: TouchSequences, folds: int, generator: np.random.Generator
-) -> Iterator[tuple[Flags, list[int]]]:
-    """Deal the training objects over folds, each of which is predicted without itself.
-
-    Yields which sequences train, (s,), those of the other folds, of two classes at least; and the
-    objects of the fold whose class is among those, at least one.
-    """
-    labels, owners = sequences.labels, sequences.object_index
-    members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
-    if max(len(objects) for objects in members) < 2:
-        return
-    for objects in grouped_folds(members, folds, generator):
-        train = ~np.isin(owners, objects)
-        classes = np.unique(labels[train])
-        known = [place for place in objects if labels[owners == place][0] in classes]
-        if known and len(classes) > 1:
-            yield train, known
 
 
 def gather_calibration(

@@ -24,7 +24,6 @@ from visuohaptic.recognition.certainty import (
     bag_evidence,
     classify_bags,
     gather_calibration,
-    hold_out_objects,
     landmarks_of,
     turn_bags,
 )
@@ -39,6 +38,7 @@ from visuohaptic.recognition.pooling import (
 )
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.set_distance import keep_touches
+from visuohaptic.recognition.splits import hold_out_objects
 from visuohaptic.recognition.tuning import Projection, fit_projection
 
 logger = logging.getLogger(__name__)
@@ -133,7 +133,9 @@ def _name_held_out(
     found = _HeldOut(
         [], {length: np.zeros(shape) for length in described}, {length: {} for length in described}
     )
-    for train, objects in hold_out_objects(sequences, best.calibration_folds, generator):
+    for train, objects in hold_out_objects(
+        sequences.labels, owners, best.calibration_folds, generator
+    ):
         found.owners.extend(objects)
         known = sequences.take(train)
         parts = {length: rows[train] for length, rows in described.items()}

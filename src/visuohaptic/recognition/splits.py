@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -145,6 +145,26 @@ def grouped_folds(
         for turn, place in enumerate(generator.permutation(len(objects))):
             dealt[order[turn % folds]].append(objects[place])
     return [tuple(sorted(objects)) for objects in dealt]
+
+
+def hold_out_objects(
+    labels: Integers, owners: Integers, folds: int, generator: np.random.Generator
+) -> Iterator[tuple[Flags, list[int]]]:
+    """Deal training objects over folds, each of which is predicted without itself.
+
+    `labels` and `owners` (n,) are classes and objects of the training sequences. Yields which of
+    these the other folds have, (n,), of two classes at least; and the objects of the fold whose
+    class is among those, at least one. There is no fold where no class has a second object.
+    """
+    members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
+    if max(len(objects) for objects in members) < 2:
+        return
+    for objects in grouped_folds(members, folds, generator):
+        train = ~np.isin(owners, objects)
+        classes = np.unique(labels[train])
+        known = [place for place in objects if labels[owners == place][0] in classes]
+        if known and len(classes) > 1:
+            yield train, known
 
 
 def _turns(objects: Sequence[int], count: int, generator: np.random.Generator) -> list[int]:

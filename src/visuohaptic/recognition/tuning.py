@@ -35,7 +35,7 @@ from visuohaptic.recognition.pooling import (
     hold_out_bags,
     softmax,
 )
-from visuohaptic.recognition.splits import grouped_folds
+from visuohaptic.recognition.splits import hold_out_objects
 
 logger = logging.getLogger(__name__)
 
@@ -92,10 +92,11 @@ class TunedClassifier:
 
 @dataclass(frozen=True)
 class FoldFits:
-    """What was fitted on the training sequences of one inner fold.
+    """What was fitted on training sequences, and is the same for all classifiers.
 
-    They are `train` (n, q), projected, of classes `labels` (n,); `bags` was fitted on bags of them;
-    fitted classifiers are by name and settings.
+    They are `train` (n, q), projected, of classes `labels` (n,). The projection has as many
+    components as `bags` sees, the classifier of bags; the others see the first of them. Fitted
+    classifiers are by name and settings.
     """
 
     projection: Projection
@@ -144,14 +145,11 @@ class FitMemory:
         """Give the fits on sequences, (n, d), (n,) and (n,); a projection is fitted where new."""
         settings = (parameters.components, parameters.bags, parameters.bag_components)
         key = _digest(descriptors, labels, owners, settings)
-        if key in self._held:
-            self._held.move_to_end(key)
-            return self._held[key]
-        projection, projected, bags = fit_shared(descriptors, labels, owners, parameters)
-        seen = np.ascontiguousarray(projected[:, : parameters.components])
-        self._held[key] = FoldFits(projection, seen, labels, bags)
-        while len(self._held) > 1 and self._remembered() > self._most:
-            self._held.popitem(last=False)
+        if key not in self._held:
+            self._held[key] = fit_shared(descriptors, labels, owners, parameters)
+            while len(self._held) > 1 and self._remembered() > self._most:
+                self._held.popitem(last=False)
+        self._held.move_to_end(key)
         return self._held[key]
 
     def _remembered(self) -> int:
@@ -175,24 +173,21 @@ def fit_projection(descriptors: Floats, components: int) -> Projection:
 
 def fit_shared(
     descriptors: Floats, labels: Integers, owners: Integers, parameters: BestParameters
-) -> tuple[Projection, Floats, BagClassifier | None]:
+) -> FoldFits:
     """Fit what all classifiers share on training descriptors (n, d) of classes and objects (n,).
 
-    These are the projection, of as many components as the classifier of bags sees, the others see
-    the first of them; the sequences projected by it, (n, p); and the classifier of bags, None where
-    no bags are wanted or no covariance can be taken of them.
+    There is no classifier of bags where none are wanted or no covariance can be taken of them.
     """
     most = max(parameters.components, parameters.bag_components if parameters.bags else 0)
-    projection = fit_projection(descriptors, most)
+    projection, bags = fit_projection(descriptors, most), None
     projected = projection.apply(descriptors)
-    if not parameters.bags:
-        return projection, projected, None
-    try:
-        bags = fit_bag_classifier(projected, labels, owners, parameters.bags)
-    except RecognitionError as error:
-        logger.warning("the classifier of bags is left out: %s", error)
-        bags = None
-    return projection, projected, bags
+    if parameters.bags:
+        try:
+            bags = fit_bag_classifier(projected, labels, owners, parameters.bags)
+        except RecognitionError as error:
+            logger.warning("the classifier of bags is left out: %s", error)
+    seen = np.ascontiguousarray(projected[:, : parameters.components])
+    return FoldFits(projection, seen, labels, bags)
 
 
 def _principal_directions(rows: Floats) -> tuple[Floats, Floats]:
@@ -233,19 +228,11 @@ def make_inner_folds(
     class and object of each. `memory` holds fits of other splits of the same run; it changes no
     number.
     """
-    classes = np.unique(labels)
-    members = [np.unique(owners[labels == place]).tolist() for place in classes]
-    if max(len(objects) for objects in members) < 2:
-        return []
     memory = memory or FitMemory()
     folds = []
-    for objects in grouped_folds(members, parameters.inner_folds, generator):
-        held_out = np.isin(owners, objects)
-        known = np.isin(labels, labels[~held_out])
-        if len(np.unique(labels[~held_out])) < 2 or not np.any(held_out & known):
-            continue
-        fits = memory.fits(descriptors[~held_out], labels[~held_out], owners[~held_out], parameters)
-        tested = held_out & known
+    for train, objects in hold_out_objects(labels, owners, parameters.inner_folds, generator):
+        fits = memory.fits(descriptors[train], labels[train], owners[train], parameters)
+        tested = np.isin(owners, objects)
         projected = fits.projection.apply(descriptors[tested])
         folds.append(InnerFold(fits, projected, labels[tested], owners[tested]))
     return folds
@@ -254,12 +241,10 @@ def make_inner_folds(
 def fit_tuned_classifier(
     name: ClassifierName,
     parameters: ClassifierParameters,
-    projected: Floats,
-    labels: Integers,
+    fits: FoldFits,
     folds: Sequence[InnerFold],
     classes: int,
     generator: np.random.Generator,
-    bags: BagClassifier | None = None,
     held_out: HeldOutBags | None = None,
 ) -> tuple[TunedClassifier, str | None]:
     """Choose a classifier's setting and temperature by the inner folds, then fit it.
@@ -267,10 +252,9 @@ def fit_tuned_classifier(
     Also gives a note on what it needed. The setting with the least log loss over the held-out
     sequences wins, each at its own best temperature (C. Guo et al., "On calibration of modern
     neural networks", ICML 2017); the simpler one where two are equal, or where there is no inner
-    fold. `parameters` hold what the grid does not vary, `projected` (n, q) and `labels` (n,) all
-    training sequences; `classes` counts also those that training lacks. `bags`, fitted on all
-    training sequences, answers beside the classifier, and `held_out` are its answers of the inner
-    folds.
+    fold. `parameters` hold what the grid does not vary; `classes` counts also those that training
+    lacks. `fits` are those on all training sequences, whose classifier of bags answers beside this
+    one, and `held_out` its answers of the inner folds.
     """
     parameters = parameters.model_copy(
         update={"discriminant_target": "mean_variance", "discriminant_regularisation": "always"}
@@ -278,17 +262,19 @@ def fit_tuned_classifier(
     trials = []
     for setting in _settings(name):
         tried = parameters.model_copy(update=setting)
-        scores, labels_there = _held_out_scores(name, tried, folds, classes, generator)
-        loss, temperature = best_temperature(scores, labels_there) if folds else (0.0, 1.0)
+        scores, labels = _held_out_scores(name, tried, folds, classes, generator)
+        loss, temperature = best_temperature(scores, labels) if folds else (0.0, 1.0)
         trials.append((loss, temperature, setting, scores))
     _, temperature, setting, scores = min(trials, key=lambda trial: trial[0])
     chosen = parameters.model_copy(update=setting)
-    fitted, note = fit_classifier(name, chosen, projected, labels, generator)
+    fitted, note = fit_classifier(name, chosen, fits.train, fits.labels, generator)
     words = ", ".join(f"{key} {value}" for key, value in setting.items())
     combination = None
-    if bags is not None and held_out is not None:
+    if held_out is not None:
         combination = held_out.combine(softmax(scores / temperature))
-    return TunedClassifier(fitted, chosen, temperature, classes, words, bags, combination), note
+    return TunedClassifier(
+        fitted, chosen, temperature, classes, words, fits.bags, combination
+    ), note
 
 
 def fit_best_classifiers(
@@ -314,17 +300,16 @@ def fit_best_classifiers(
             "the classes can't be distinguished."
         )
     folds = make_inner_folds(descriptors, labels, owners, parameters.best, generator, memory)
-    projection, projected, bags = fit_shared(descriptors, labels, owners, parameters.best)
-    seen = np.ascontiguousarray(projected[:, : parameters.best.components])
+    fits = fit_shared(descriptors, labels, owners, parameters.best)
     known = np.isin(np.arange(classes), labels)
-    held_out = None if bags is None else _hold_out_bags(folds, parameters.best, known)
-    fits = fit_each(
+    held_out = None if fits.bags is None else _hold_out_bags(folds, parameters.best, known)
+    found = fit_each(
         parameters.best.classifiers,
         lambda name: fit_tuned_classifier(
-            name, parameters.classifier, seen, labels, folds, classes, generator, bags, held_out
+            name, parameters.classifier, fits, folds, classes, generator, held_out
         ),
     )
-    return projection, [(name, fitted, note) for name, (fitted, note) in fits]
+    return fits.projection, [(name, fitted, note) for name, (fitted, note) in found]
 
 
 def class_scores(estimator: Any, projected: Floats, classes: int) -> Floats:
