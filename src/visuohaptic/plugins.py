@@ -109,13 +109,17 @@ def load_files(files: object, folder: str | Path = ".") -> None:
             _load_file(path, str(file))
 
 
+@cache
 def load_installed() -> None:
     """Import the plug-ins of installed packages, once in a process.
 
     Raises `PlugInError` if one can't be imported. A process that was handed its plug-ins has them.
     """
-    if GIVEN not in os.environ:
-        _load_installed()
+    from importlib.metadata import entry_points
+
+    for one in () if GIVEN in os.environ else entry_points(group=GROUP):
+        if one.module not in _loaded:
+            _import_module(one.module, one.dist.name if one.dist else one.module)
 
 
 def loaded() -> tuple[PlugIn, ...]:
@@ -189,15 +193,6 @@ def _load_file(path: str, name: str) -> None:
         # Data classes and pickles look it up there.
         sys.modules[module] = module_from_spec(spec)
         spec.loader.exec_module(sys.modules[module])
-
-
-@cache
-def _load_installed() -> None:
-    from importlib.metadata import entry_points
-
-    for one in entry_points(group=GROUP):
-        if one.module not in _loaded:
-            _import_module(one.module, one.dist.name if one.dist else one.module)
 
 
 def _import_module(module: str, package: str) -> None:
