@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -13,7 +12,7 @@ import pyarrow.compute as pc
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.tables.phases import CONTACT_STATES, key_of, owners_of
+from visuohaptic.tables.phases import CONTACT_STATES, key_of, keys_of, owners_of
 from visuohaptic.tables.schema import matrix
 
 
@@ -62,20 +61,18 @@ def gather_sequences(
     missing, a sequence lacks a touch, or a feature is not finite.
     """
     _check_columns(features, feature_names)
-    keys = ["class", "object", "viewpoint", "touch"]
-    features = features.sort_by([(key, "ascending") for key in keys])
-    touch = features.column("touch").to_numpy()
+    keys = [(name, "ascending") for name in ("class", "object", "viewpoint", "touch")]
+    features = features.sort_by(keys)
     if touches is not None:
-        features = features.filter(pa.array(touch < touches))
-        touch = touch[touch < touches]
-    owners = owners_of(features)
-    viewpoint = features.column("viewpoint").to_numpy().astype(np.int64)
-    if not len(touch):
+        features = features.filter(pc.less(features.column("touch"), touches))
+    if not features.num_rows:
         raise RecognitionError("The features hold no touches; at least two objects are needed.")
-    length = int(touch.max()) + 1 if touches is None else touches
-    _check_touches(owners, viewpoint, touch, length)
-    values = matrix(features, feature_names)
-    _check_finite(values, feature_names, owners, touch)
+    length = pc.max(features.column("touch")).as_py() + 1 if touches is None else touches
+    of_sequence = features.group_by([name for name, _ in keys[:3]], use_threads=False)
+    found = of_sequence.aggregate([("touch", "list")]).sort_by(keys[:3])
+    _check_touches(found, length)
+    values = _finite_matrix(features, feature_names)
+    owners = owners_of(found)
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}
     return TouchSequences(
@@ -83,8 +80,8 @@ def gather_sequences(
         feature_names=tuple(feature_names),
         objects=objects,
         classes=tuple(sorted({name for name, _ in objects})),
-        object_index=np.array([places[owner] for owner in owners[::length]], dtype=np.int64),
-        viewpoint=viewpoint[::length],
+        object_index=np.array([places[owner] for owner in owners], dtype=np.int64),
+        viewpoint=found.column("viewpoint").to_numpy().astype(np.int64),
     )
 
 
@@ -112,13 +109,12 @@ def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -
     """
     _check_columns(features, feature_names)
     features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
-    values, owners = matrix(features, feature_names), owners_of(features)
-    objects = sorted({"/".join(owner) for owner in owners})
+    objects = sorted(set(keys_of(features).to_pylist()))
     if len(objects) > 1:
         raise RecognitionError(
             f"The touches are of {', '.join(objects[:3])}; one object is allowed at a time."
         )
-    _check_finite(values, feature_names, owners, features.column("touch").to_numpy())
+    values = _finite_matrix(features, feature_names)
     _, starts = np.unique(features.column("viewpoint").to_numpy(), return_index=True)
     by_length: dict[int, list[Floats]] = {}
     for part in np.split(values, starts[1:]):
@@ -148,7 +144,7 @@ def turn_objects(features: pa.Table, turns: str) -> pa.Table:
 
     if turns == "none":
         return features
-    owners = np.array(["/".join(owner) for owner in owners_of(features)])
+    owners = np.array(keys_of(features).to_pylist())
     found = {}
     for key in np.unique(owners):
         generator = spawn_generator(0, "turns", key)
@@ -205,37 +201,28 @@ def _check_columns(features: pa.Table, feature_names: Sequence[str]) -> None:
         raise RecognitionError(f"The features lack the columns {', '.join(missing)}.")
 
 
-def _check_touches(
-    owners: list[tuple[str, str]], viewpoint: Integers, touch: Integers, length: int
-) -> None:
-    """Refuse a sequence that is not 0, 1 … length - 1, each once."""
-    change = np.ones(len(touch), dtype=bool)
-    change[1:] = [before != after for before, after in itertools.pairwise(owners)]
-    change[1:] |= viewpoint[1:] != viewpoint[:-1]
-    starts = np.flatnonzero(change)
-    counts = np.diff(np.append(starts, len(touch)))
-    misplaced = touch != np.arange(len(touch)) - np.repeat(starts, counts)
-    wrong = np.flatnonzero((counts != length) | np.logical_or.reduceat(misplaced, starts))
-    if not len(wrong):
-        return
-    start = starts[wrong[0]]
-    found = touch[start : start + counts[wrong[0]]].tolist()
-    raise RecognitionError(
-        f"{'/'.join(owners[start])}, viewpoint {viewpoint[start]}, has the touches {found}; "
-        f"each of 0 to {length - 1}, once, is needed."
-    )
+def _check_touches(sequences: pa.Table, length: int) -> None:
+    """Refuse a sequence whose touches are not 0, 1 … length - 1, each once."""
+    for row in sequences.to_pylist():
+        if row["touch_list"] != list(range(length)):
+            raise RecognitionError(
+                f"{key_of(row)}, viewpoint {row['viewpoint']}, has the touches {row['touch_list']}; "
+                f"each of 0 to {length - 1}, once, is needed."
+            )
 
 
-def _check_finite(
-    values: Floats, names: Sequence[str], owners: Sequence[tuple[str, str]], touch: Integers
-) -> None:
+def _finite_matrix(features: pa.Table, names: Sequence[str]) -> Floats:
+    """Give columns side by side, (n, k), and refuse what is no finite number."""
+    values = matrix(features, names)
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
-        row, feature = bad[0]
+        row, feature = bad[0].tolist()
+        (touch,) = features.slice(row, 1).to_pylist()
         raise RecognitionError(
-            f"{'/'.join(owners[row])} has {names[feature]} = {values[row, feature]} at touch "
-            f"{touch[row]}; only finite numbers are allowed."
+            f"{key_of(touch)} has {names[feature]} = {values[row, feature]} at touch "
+            f"{touch['touch']}; only finite numbers are allowed."
         )
+    return values
 
 
 def classes_of_two(features: pa.Table) -> pa.Table:
