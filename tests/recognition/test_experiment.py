@@ -1,7 +1,5 @@
 """The paper's pipeline from table to tables."""
 
-from collections import Counter
-
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -20,7 +18,6 @@ from visuohaptic.recognition.sequences import shuffle_touches
 from visuohaptic.tables.phases import PREDICTIONS
 from visuohaptic.tables.schema import check_table
 
-OF_A_SEQUENCE = ("class", "object", "viewpoint")
 SMALL = RecognitionParameters(
     protocol=ProtocolParameters(protocol="leave_one_object_a_class_out", maximum_splits=4)
 )
@@ -202,19 +199,6 @@ def test_other_protocols_run_and_repeat(protocol):
     assert scores.num_rows == 4
     assert predictions.num_rows == 2 * 12 * 4
     check_table(PREDICTIONS, predictions)
-
-
-def test_by_default_more_objects_than_the_papers_are_each_tested_three_times():
-    parameters = RecognitionParameters(classifiers=("naive_bayes",))
-    table = features_table(objects=(4, 3, 3, 3), viewpoints=2)
-    scores, predictions = recognition.run_pipeline(table, parameters, 1)
-    assert scores.num_rows == 4 * 3
-    tests = Counter(zip(*(predictions[name].to_pylist() for name in OF_A_SEQUENCE), strict=True))
-    assert set(tests.values()) == {3}
-    assert len(tests) == 13 * 2
-    cell = recognition.summarise(scores, predictions)["results"]["paper"]["fixation"]["naive_bayes"]
-    assert (cell["splits"], cell["repeats"], cell["objects"]) == (12, 1, 13)
-    assert cell["accuracy"]["mean"] == pytest.approx(scores["accuracy"].to_numpy().mean())
 
 
 def test_best_pipeline_votes_by_probability_and_says_how_sure_it_is():
