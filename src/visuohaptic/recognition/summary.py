@@ -25,6 +25,8 @@ from visuohaptic.tables.phases import owners_of
 
 REFERENCE_STRATEGY = "fixation"
 
+_CELL = ["pipeline", "strategy", "classifier"]
+
 METHOD = {
     "accuracy": "mean over splits of the share of test sequences correctly classified",
     "object_accuracy": "mean over splits of the share of test objects correctly classified by a "
@@ -84,10 +86,7 @@ def summarise(
     """
     parameters = parameters or IntervalParameters()
     cells = _cells(predictions)
-    scored = {
-        (row["pipeline"], row["strategy"], row["classifier"])
-        for row in _distinct(scores, ["pipeline", "strategy", "classifier"])
-    }
+    scored = {tuple(row.values()) for row in _distinct(scores, _CELL)}
     if scored != set(cells):
         raise RecognitionError(
             f"Scores and predictions differ in {sorted(scored ^ set(cells))[0]}; both must come "
@@ -129,11 +128,8 @@ def select(table: pa.Table, **values: object) -> pa.Table:
 
 
 def _cells(predictions: pa.Table) -> dict[tuple[str, str, str], pa.Table]:
-    names = ["pipeline", "strategy", "classifier"]
-    return {
-        tuple(row[name] for name in names): select(predictions, **row)
-        for row in _distinct(predictions, names)
-    }
+    rows = _distinct(predictions, _CELL)
+    return {tuple(row.values()): select(predictions, **row) for row in rows}
 
 
 def _distinct(table: pa.Table, names: list[str]) -> list[dict[str, Any]]:
