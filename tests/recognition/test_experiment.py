@@ -44,12 +44,8 @@ def test_81_splits_of_five_classifiers_are_scored_and_every_answer_kept():
 
 def test_features_without_a_class_in_them_give_chance():
     table = features_table(viewpoints=8, separation=0.0, objects=(4, 4))
-    labels = np.array(table.column("class").to_pylist())
-    scores, _ = recognition.run_pipeline(
-        with_column(table, "class", labels),
-        RecognitionParameters(classifiers=("support_vector_machine", "decision_tree")),
-        1,
-    )
+    two = RecognitionParameters(classifiers=("support_vector_machine", "decision_tree"))
+    scores, _ = recognition.run_pipeline(table, two, 1)
     # 8 objects of 8 sequences each, which are not independent: three standard errors are .3 at most.
     assert abs(scores.column("accuracy").to_numpy().mean() - 0.5) < 0.3
 
