@@ -91,8 +91,8 @@ CONTACT_STATE = Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked
 
 VIEWS = Schema(
     "views",
+    VIEW_KEYS,
     (
-        *VIEW_KEYS,
         Column("eye_x", REAL, "camera centre, x", "object frame"),
         Column("eye_y", REAL, "camera centre, y", "object frame"),
         Column("eye_z", REAL, "camera centre, z", "object frame"),
@@ -108,7 +108,6 @@ VIEWS = Schema(
             "distinct_fixations", COUNT, "fixations found before the view was exhausted", minimum=0
         ),
     ),
-    names_of(VIEW_KEYS),
 )
 
 SPARE = 16
@@ -116,8 +115,8 @@ SPARE = 16
 
 FIXATIONS = Schema(
     "fixations",
+    TOUCH_KEYS,
     (
-        *TOUCH_KEYS,
         Column("pixel_row", COUNT, "row in the view, 0 at the top", "pixel", 0, nullable=True),
         Column(
             "pixel_column", COUNT, "column in the view, 0 at the left", "pixel", 0, nullable=True
@@ -142,13 +141,12 @@ FIXATIONS = Schema(
         ),
         Column("chance", TEXT, "the strategy whose random numbers it has"),
     ),
-    names_of(TOUCH_KEYS),
 )
 
 TOUCHES = Schema(
     "touches",
+    TOUCH_KEYS,
     (
-        *TOUCH_KEYS,
         Column(
             "image",
             pa.list_(pa.float32()),
@@ -171,19 +169,16 @@ TOUCHES = Schema(
         *NORMAL,
         *TANGENT,
     ),
-    names_of(TOUCH_KEYS),
-)
-
-EFFECT_KEYS = (
-    *OBJECT_KEYS,
-    Column("first_viewpoint", COUNT, "first viewpoint of the job", minimum=0),
-    Column("effect", TEXT, "what may be simulated"),
 )
 
 EFFECTS = Schema(
     "effects",
     (
-        *EFFECT_KEYS,
+        *OBJECT_KEYS,
+        Column("first_viewpoint", COUNT, "first viewpoint of the job", minimum=0),
+        Column("effect", TEXT, "what may be simulated"),
+    ),
+    (
         Column(
             "scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"
         ),
@@ -194,7 +189,6 @@ EFFECTS = Schema(
         Column("runs", COUNT, "touches or views that it was simulated for", minimum=0),
         Column("seconds", REAL, "time spent on it; differs from run to run", "s of processor", 0),
     ),
-    names_of(EFFECT_KEYS),
 )
 
 CONTOURLET_FEATURES = tuple(f"contourlet_{band:02d}" for band in range(1, 17))
@@ -219,8 +213,8 @@ KINESTHETIC_FEATURES = (*POINT_NAMES, *NORMAL_NAMES)
 
 FEATURES = Schema(
     "features",
+    TOUCH_KEYS,
     (
-        *TOUCH_KEYS,
         *(
             Column(name, REAL, "standard deviation of one directional sub-band")
             for name in CONTOURLET_FEATURES
@@ -231,21 +225,24 @@ FEATURES = Schema(
         CONTACT_STATE,
         *(Column(name, REAL, description) for name, description in IMPRINT_FEATURES.items()),
     ),
-    names_of(TOUCH_KEYS),
 )
 
-SCORE_KEYS = (
+CELL_KEYS = (
     Column("pipeline", TEXT, "how features become an answer"),
     Column("strategy", TEXT, "how the probing locations were chosen"),
     Column("classifier", TEXT, "the classifier"),
+)
+
+SCORE_KEYS = (
+    *CELL_KEYS,
     Column("split", COUNT, "number of the train and test split", minimum=0),
     Column("seed", COUNT, "repeat of everything that is random in training", minimum=0),
 )
 
 SCORES = Schema(
     "scores",
+    SCORE_KEYS,
     (
-        *SCORE_KEYS,
         share("accuracy", "share of test sequences correctly classified"),
         share("object_accuracy", "share of test objects correctly classified by vote"),
         Column("sequences", COUNT, "test sequences", minimum=1),
@@ -256,15 +253,12 @@ SCORES = Schema(
             nullable=True,
         ),
     ),
-    names_of(SCORE_KEYS),
 )
-
-PREDICTION_KEYS = (*SCORE_KEYS, *VIEW_KEYS)
 
 PREDICTIONS = Schema(
     "predictions",
+    (*SCORE_KEYS, *VIEW_KEYS),
     (
-        *PREDICTION_KEYS,
         Column("predicted", TEXT, "the class that the classifier predicted"),
         Column(
             "probability",
@@ -282,7 +276,6 @@ PREDICTIONS = Schema(
             nullable=True,
         ),
     ),
-    names_of(PREDICTION_KEYS),
 )
 
 PHASES = (VIEWS, FIXATIONS, TOUCHES, EFFECTS, FEATURES, SCORES, PREDICTIONS)

@@ -40,11 +40,21 @@ class Column:
 
 @dataclass(frozen=True)
 class Schema:
-    """A table's name, its columns in order, and the columns that identify a row."""
+    """A table's name, the columns that identify a row, and the others, in order."""
 
     name: str
-    columns: tuple[Column, ...]
-    keys: tuple[str, ...]
+    key_columns: tuple[Column, ...]
+    others: tuple[Column, ...]
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """All columns, those that identify a row first."""
+        return (*self.key_columns, *self.others)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The names of the columns that identify a row."""
+        return names_of(self.key_columns)
 
     @property
     def arrow(self) -> pa.Schema:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pyarrow as pa
 
-from visuohaptic.tables.phases import OBJECT_KEYS
+from visuohaptic.tables.phases import CELL_KEYS, OBJECT_KEYS
 from visuohaptic.tables.schema import (
     COUNT,
     REAL,
@@ -14,19 +14,18 @@ from visuohaptic.tables.schema import (
     Column,
     Schema,
     difference,
-    names_of,
     share,
-)
-
-EFFECT_INFLUENCE_KEYS = (
-    Column("scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"),
-    Column("effect", TEXT, "what may be simulated"),
 )
 
 EFFECT_INFLUENCE = Schema(
     "effect_influence",
     (
-        *EFFECT_INFLUENCE_KEYS,
+        Column(
+            "scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"
+        ),
+        Column("effect", TEXT, "what may be simulated"),
+    ),
+    (
         Column("touches", COUNT, "touches measured; views, for effects of the view", minimum=1),
         Column("needed", COUNT, "of them, those that needed the effect", minimum=0),
         Column("seconds", REAL, "time spent on it under the scene's own mode", "s of processor", 0),
@@ -39,13 +38,6 @@ EFFECT_INFLUENCE = Schema(
             nullable=True,
         ),
     ),
-    names_of(EFFECT_INFLUENCE_KEYS),
-)
-
-CELL_KEYS = (
-    Column("pipeline", TEXT, "how features become an answer"),
-    Column("strategy", TEXT, "how the probing locations were chosen"),
-    Column("classifier", TEXT, "the classifier"),
 )
 
 STUDY_KEYS = (
@@ -67,9 +59,8 @@ TESTED_KEYS = (
 
 STUDY = Schema(
     "study",
+    (*STUDY_KEYS, *TESTED_KEYS),
     (
-        *STUDY_KEYS,
-        *TESTED_KEYS,
         Column(
             "sequences", COUNT, "test sequences; 1 where viewpoints vote", minimum=1, nullable=True
         ),
@@ -77,13 +68,12 @@ STUDY = Schema(
         SECONDS,
         ERROR,
     ),
-    names_of((*STUDY_KEYS, *TESTED_KEYS)),
 )
 
 STUDY_FIGURES = Schema(
     "study_figures",
+    STUDY_KEYS,
     (
-        *STUDY_KEYS,
         Column("title", TEXT, "what the study is about"),
         Column("place", COUNT, "place of the condition in its study", minimum=0),
         share("accuracy", "share of test sequences correctly classified", nullable=True),
@@ -102,13 +92,12 @@ STUDY_FIGURES = Schema(
         SECONDS,
         ERROR,
     ),
-    names_of(STUDY_KEYS),
 )
 
 TOUCHES_NEEDED = Schema(
     "touches_needed",
+    CELL_KEYS,
     (
-        *CELL_KEYS,
         share("level", "the accuracy to be reached"),
         Column(
             "touches",
@@ -139,16 +128,6 @@ TOUCHES_NEEDED = Schema(
         share("p_value", "two-sided, sign changes over objects", nullable=True),
         Column("objects", COUNT, "objects compared", minimum=1),
     ),
-    names_of(CELL_KEYS),
-)
-
-CERTAINTY_KEYS = (
-    Column("strategy", TEXT, "whose touches"),
-    Column("classifier", TEXT, "classifier of pipeline best"),
-    Column("left_out", TEXT, "the class that the model does not know"),
-    Column("class", TEXT, "class of the tested object"),
-    Column("object", TEXT, "name of the tested object"),
-    Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
 )
 
 STATED_COVERAGES = tuple(range(50, 100, 5))
@@ -157,7 +136,14 @@ STATED_COVERAGES = tuple(range(50, 100, 5))
 CERTAINTY = Schema(
     "certainty",
     (
-        *CERTAINTY_KEYS,
+        Column("strategy", TEXT, "whose touches"),
+        Column("classifier", TEXT, "classifier of pipeline best"),
+        Column("left_out", TEXT, "the class that the model does not know"),
+        Column("class", TEXT, "class of the tested object"),
+        Column("object", TEXT, "name of the tested object"),
+        Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
+    ),
+    (
         Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
         Column("correct", pa.bool_(), "whether the likeliest class is its own"),
         Column("covered", pa.bool_(), "whether the prediction set holds its class"),
@@ -174,24 +160,6 @@ CERTAINTY = Schema(
         Column("evidence", REAL, "by which objects are compared: larger is stranger"),
         Column("unknown", pa.bool_(), "whether the object is called unknown"),
     ),
-    names_of(CERTAINTY_KEYS),
-)
-
-LOOKING_KEYS = (
-    Column("sight", TEXT, "how well the eye saw"),
-    Column(
-        "answer",
-        TEXT,
-        "by which senses: the view, the outline, touch, product or side by side of view and touch, or stopping: the product where the rule stops",
-    ),
-    Column("strategy", TEXT, "how the places to touch were chosen; none without touches"),
-    Column("touches", COUNT, "touches of a trial, at most", minimum=0),
-    Column(
-        "budget", REAL, "of the rule that stops: mean time of its rehearsals", "s", 0, nullable=True
-    ),
-    *OBJECT_KEYS,
-    Column("split", COUNT, "number of the split", minimum=0),
-    Column("repeat", COUNT, "number of the repeat", minimum=0),
 )
 
 CONFIDENCE_BINS = 10
@@ -200,7 +168,27 @@ CONFIDENCE_BINS = 10
 LOOKING = Schema(
     "looking",
     (
-        *LOOKING_KEYS,
+        Column("sight", TEXT, "how well the eye saw"),
+        Column(
+            "answer",
+            TEXT,
+            "by which senses: the view, the outline, touch, product or side by side of view and touch, or stopping: the product where the rule stops",
+        ),
+        Column("strategy", TEXT, "how the places to touch were chosen; none without touches"),
+        Column("touches", COUNT, "touches of a trial, at most", minimum=0),
+        Column(
+            "budget",
+            REAL,
+            "of the rule that stops: mean time of its rehearsals",
+            "s",
+            0,
+            nullable=True,
+        ),
+        *OBJECT_KEYS,
+        Column("split", COUNT, "number of the split", minimum=0),
+        Column("repeat", COUNT, "number of the repeat", minimum=0),
+    ),
+    (
         Column("trials", COUNT, "viewpoints that were tested", minimum=1),
         share("accuracy", "share of them that is correctly classified"),
         Column("seconds", REAL, "mean time that the robot took, without computing", "s", 0),
@@ -210,22 +198,19 @@ LOOKING = Schema(
             "in each tenth of the probability of the class: sum over trials of correct (0, 1) less that probability",
         ),
     ),
-    names_of(LOOKING_KEYS),
-)
-
-EVALUATION_KEYS = (
-    Column("strategy", TEXT, "whose touches, those that the model learnt from"),
-    Column("classifier", TEXT, "classifier of pipeline best"),
-    Column("class", TEXT, "class of the object"),
-    Column("object", TEXT, "name of the object, which the model has not learnt"),
-    Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
-    Column("bag", COUNT, "which of the evenly spread choices of so many viewpoints", minimum=0),
 )
 
 EVALUATION = Schema(
     "evaluation",
     (
-        *EVALUATION_KEYS,
+        Column("strategy", TEXT, "whose touches, those that the model learnt from"),
+        Column("classifier", TEXT, "classifier of pipeline best"),
+        Column("class", TEXT, "class of the object"),
+        Column("object", TEXT, "name of the object, which the model has not learnt"),
+        Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
+        Column("bag", COUNT, "which of the evenly spread choices of so many viewpoints", minimum=0),
+    ),
+    (
         Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
         Column("correct", pa.bool_(), "whether the likeliest class is its own"),
         Column("covered", pa.bool_(), "whether the prediction set holds its class"),
@@ -234,7 +219,6 @@ EVALUATION = Schema(
         share("stated", "stated coverage of the prediction set"),
         Column("learnt", COUNT, "objects that the model learnt", minimum=2),
     ),
-    names_of(EVALUATION_KEYS),
 )
 
 COST_KEYS = (
@@ -260,18 +244,17 @@ COST_TIMED = (
 
 COST_SECONDS = Schema(
     "cost_seconds",
+    COST_TIMED,
     (
-        *COST_TIMED,
         Column("seconds", REAL, "run time of one recognition", "s", 0),
         *(Column(name, REAL, text, "s", 0) for name, text in COST_PARTS),
     ),
-    names_of(COST_TIMED),
 )
 
 COST = Schema(
     "cost",
+    COST_KEYS,
     (
-        *COST_KEYS,
         Column("place", COUNT, "place along the family's line", minimum=0),
         Column("touches", COUNT, "touches from each viewpoint", minimum=1),
         Column("viewpoints", COUNT, "viewpoints that vote", minimum=1),
@@ -317,7 +300,6 @@ COST = Schema(
             minimum=0,
         ),
     ),
-    names_of(COST_KEYS),
 )
 
 STUDIES = (
