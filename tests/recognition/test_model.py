@@ -110,12 +110,6 @@ def test_a_small_file_that_unpacks_to_a_large_one_is_refused_before_it_is_unpack
         recognition.load_model(path)
 
 
-def test_features_that_lack_a_column_are_refused():
-    model = recognition.fit_model(TABLE, "best", "naive_bayes", PARAMETERS, 1)
-    with pytest.raises(RecognitionError, match="lack the columns contourlet_04"):
-        model.recognise(TABLE.drop_columns(["contourlet_04"]))
-
-
 def test_single_class_can_not_be_learnt():
     with pytest.raises(RecognitionError, match="one class"):
         recognition.fit_model(features_table(objects=(3,)), "best", "naive_bayes", PARAMETERS, 1)

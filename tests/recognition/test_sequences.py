@@ -80,8 +80,9 @@ def test_empty_table_and_missing_column_are_refused():
     table = features_table(objects=(1, 1))
     with pytest.raises(RecognitionError):
         gather_sequences(table.slice(0, 0), PAPER_FEATURES, 5)
-    with pytest.raises(RecognitionError, match="lack the columns contourlet_02"):
-        gather_sequences(table.drop_columns(["contourlet_02"]), PAPER_FEATURES, 5)
+    for gather in (gather_sequences, gather_any):
+        with pytest.raises(RecognitionError, match="lack the columns contourlet_02"):
+            gather(table.drop_columns(["contourlet_02"]), PAPER_FEATURES, 5)
 
 
 def test_objects_with_the_same_touches_are_found():

@@ -54,10 +54,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         if len(self.classes_) < 2:
             raise ValueError("There is one class; at least two are needed to distinguish them.")
         owners = _codes_of(groups, len(rows))
-        crossing = [
-            owner for owner in np.unique(owners) if len(np.unique(labels[owners == owner])) > 1
-        ]
-        if crossing:
+        if len(np.unique([owners, labels], axis=1).T) > len(np.unique(owners)):
             raise ValueError("A group holds rows of two classes; an object has one.")
         seed = check_random_state(self.random_state).randint(2**31)
         self.projection_, [(_, self.tuned_, _)] = fit_best_classifiers(
