@@ -9,7 +9,6 @@ from phases_by_files import run_phases
 
 from visuohaptic.attention.scanpath import INWARD, TIE
 from visuohaptic.geometry.subject import Subject
-from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
@@ -17,7 +16,6 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT, PHASES, after, everywhere, run
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, SPARE, TOUCHES
-from visuohaptic.tables.schema import matrix
 from visuohaptic.touches.choosing import touched_places
 
 RING = {
@@ -111,18 +109,6 @@ def test_every_viewpoint_and_strategy_gives_its_sequence(tables):
     assert set(table.column("strategy").to_pylist()) == {"fixation", "random"}
 
 
-def test_probing_locations_lie_on_the_surface_with_normals_towards_the_free_side(folder, tables):
-    table, surface = tables["fixations"], read_surface(folder / "torus.ply")
-    points, normals = matrix(table, POINT_NAMES), matrix(table, NORMAL_NAMES)
-    corners = surface.triangles[table.column("face").to_numpy()]
-    plane = surface.face_normals[table.column("face").to_numpy()]
-    np.testing.assert_allclose(np.einsum("nk,nk->n", points - corners[:, 0], plane), 0, atol=1e-6)
-    tube = points / np.linalg.norm(points[:, :2], axis=1, keepdims=True)
-    ring_radius = 1 / 1.4
-    outwards = points - ring_radius * np.column_stack([tube[:, 0], tube[:, 1], np.zeros(len(tube))])
-    assert (np.einsum("nk,nk->n", normals, outwards) > 0).all()
-
-
 def test_fixations_were_looked_at_and_random_points_were_not(tables):
     frame = tables["fixations"].to_pandas()
     looked = frame[frame.strategy == "fixation"]
@@ -139,13 +125,6 @@ def test_a_block_of_viewpoints_gives_what_all_of_them_give(folder, tables):
     part = look(folder, [1], name="part")["fixations"].to_pandas()
     expected = whole[whole.viewpoint == 1].reset_index(drop=True)
     assert part.equals(expected)
-
-
-def test_another_seed_moves_random_points_and_no_fixation(folder, tables):
-    whole = tables["fixations"].to_pandas()
-    other = look(folder, [0, 1, 2], seed=8)["fixations"].to_pandas()
-    same = (whole[["x", "y", "z"]] == other[["x", "y", "z"]]).all(axis=1)
-    assert (same == (whole.strategy == "fixation")).all()
 
 
 def test_views_are_pictures_and_say_what_ran(tables):
