@@ -4,13 +4,12 @@ import json
 import os
 import subprocess
 import sys
-from importlib.metadata import distribution
+import tomllib
 from pathlib import Path
 
 import pytest
 import trimesh
-from packaging.requirements import Requirement
-from source_folders import PYTHONPATH
+from source_folders import PYTHONPATH, link_installed
 
 from visuohaptic import optional_packages
 from visuohaptic.errors import MissingPackageError
@@ -20,31 +19,12 @@ from visuohaptic.report.measured_runs import read_measured_run
 ROOT = Path(__file__).parents[1]
 
 
-def core_distributions():
-    """Give the distributions that `pip install visuohaptic` brings."""
-    import tomllib
-
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    waiting, found = list(project["dependencies"]), {}
-    while waiting:
-        requirement = Requirement(waiting.pop())
-        marker = requirement.marker
-        wanted = marker is None or marker.evaluate({"extra": ""})
-        if requirement.name.lower() in {*found, "contourlets"} or not wanted:
-            continue
-        found[requirement.name.lower()] = distribution(requirement.name)
-        waiting += found[requirement.name.lower()].requires or []
-    return found.values()
-
-
 @pytest.fixture(scope="module")
 def core(tmp_path_factory):
     """A folder that holds the packages of the core, and no others."""
     folder = tmp_path_factory.mktemp("core")
-    for found in core_distributions():
-        for top in {file.parts[0] for file in found.files or [] if ".." not in file.parts}:
-            if top != "__pycache__" and not (folder / top).exists():
-                (folder / top).symlink_to(found.locate_file(top))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    link_installed(project["dependencies"], folder, known=["contourlets"])
     return folder
 
 

@@ -44,6 +44,23 @@ def test_what_is_dumped_reads_back():
         ({"workflow": {"views_per_job": "many"}}, "workflow.views_per_job is 'many'"),
         ({"sensor": {"smallest_size": 1.0}}, "smallest_size is 1.0; at most largest_size"),
         ({"seed": -1, "senser": {}}, "seed is -1.*; senser is no parameter"),
+        (
+            {"probing": {"strategies": ["random", "random"]}},
+            "probing.strategies names random 2 times; once is allowed",
+        ),
+        ({"recognition": {"pipelines": ["best", "best"]}}, "recognition.pipelines names best 2"),
+        (
+            {"recognition": {"classifiers": ["naive_bayes"] * 3}},
+            "recognition.classifiers names naive_bayes 3 times",
+        ),
+        ({"cost": {"touches": [1, 1]}}, "cost.touches names 1 2 times"),
+        ({"viewpoints": {"count": 100000}}, "viewpoints.count is 100000: .* less than or equal"),
+        (
+            {"viewpoints": {"count": 1000, "elevations_degrees": [0, 10, 20, 30, 40]}},
+            "viewpoints.count is 1000 and viewpoints.elevations_degrees has 5 rings: 5000",
+        ),
+        ({"rendering": {"resolution": 10000}}, "rendering.resolution is 10000: .* 4096"),
+        ({"cost": {"view_resolutions": [99999]}}, "cost.view_resolutions.0 is 99999"),
     ],
 )
 def test_each_fault_is_named(values, sentence):
@@ -72,61 +89,32 @@ def test_parameters_are_read_without_the_libraries_of_the_phases():
     assert output == "[]\n"
 
 
+REFUSED_TOUCHES = "recognition.touches is {} and attention.fixations is {}: a view"
+REFUSED_RESOLUTION = "sensor.resolution is {}, and features takes 16 directional bands"
+
+
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        (
-            {"probing": {"strategies": ["random", "random"]}},
-            "probing.strategies names random 2 times; once is allowed",
+        *(
+            ({"recognition.touches": touches, "attention.fixations": fixations},
+             REFUSED_TOUCHES.format(touches, fixations))
+            for touches, fixations in ((8, 5), (5, 3))
         ),
-        ({"recognition": {"pipelines": ["best", "best"]}}, "recognition.pipelines names best 2"),
-        (
-            {"recognition": {"classifiers": ["naive_bayes"] * 3}},
-            "recognition.classifiers names naive_bayes 3 times",
+        *(
+            ({"sensor.resolution": resolution}, REFUSED_RESOLUTION.format(resolution))
+            for resolution in (2, 12, 34)
         ),
-        ({"cost": {"touches": [1, 1]}}, "cost.touches names 1 2 times"),
-        ({"viewpoints": {"count": 100000}}, "viewpoints.count is 100000: .* less than or equal"),
-        (
-            {"viewpoints": {"count": 1000, "elevations_degrees": [0, 10, 20, 30, 40]}},
-            "viewpoints.count is 1000 and viewpoints.elevations_degrees has 5 rings: 5000",
-        ),
-        ({"rendering": {"resolution": 10000}}, "rendering.resolution is 10000: .* 4096"),
-        ({"cost": {"view_resolutions": [99999]}}, "cost.view_resolutions.0 is 99999"),
     ],
-)
-def test_sections_are_checked_against_each_other(values, sentence):
-    with pytest.raises(ParameterError, match=sentence):
-        ExperimentParameters.from_mapping(values)
-
-
-@pytest.mark.parametrize(("touches", "fixations"), [(8, 5), (5, 3)])
-def test_more_touches_than_fixations_are_refused_before_a_run(touches, fixations):
-    chosen = parameters.check_parameters(
-        {"recognition": {"touches": touches}, "attention": {"fixations": fixations}}, "p"
-    )
-    sentence = f"p: recognition.touches is {touches} and attention.fixations is {fixations}: a view"
-    with pytest.raises(ParameterError, match=sentence):
-        parameters.check_run(chosen, "p")
-
-
-@pytest.mark.parametrize("resolution", [2, 12, 34])
-def test_resolutions_that_the_contourlets_refuse_are_refused_before_a_run(resolution):
-    chosen = parameters.check_parameters({"sensor": {"resolution": resolution}}, "p")
-    sentence = f"p: sensor.resolution is {resolution}, and features takes 16 directional bands"
-    with pytest.raises(ParameterError, match=sentence):
-        parameters.check_run(chosen, "p")
+)  # fmt: skip
+def test_what_would_fail_is_refused_before_a_run(values, sentence):
+    with pytest.raises(ParameterError, match=f"^p: {sentence}"):
+        parameters.check_run(parameters.as_parameters(values), "p")
 
 
 @pytest.mark.parametrize("resolution", [3, 8, 16, 33, 256])
 def test_resolutions_that_the_contourlets_take_are_allowed(resolution):
-    import numpy as np
-
-    from visuohaptic.features.describing import describe_imprints
-    from visuohaptic.features.parameters import FeatureParameters
-
-    parameters.check_run(parameters.check_parameters({"sensor": {"resolution": resolution}}, "p"))
-    imprint = np.random.default_rng(0).random((1, resolution, resolution), dtype=np.float32)
-    assert describe_imprints(imprint, FeatureParameters()).shape == (1, parameters.DIRECTIONS)
+    parameters.check_run(parameters.as_parameters({"sensor.resolution": resolution}))
 
 
 def test_the_multiple_is_that_of_the_contourlets():

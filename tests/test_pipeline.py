@@ -9,15 +9,13 @@ from phases_by_files import run_phases
 
 from visuohaptic.attention.scanpath import INWARD, TIE
 from visuohaptic.geometry.subject import Subject
-from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT, PHASES, after, everywhere, run
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
-from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, SPARE, TOUCHES, VIEWS
-from visuohaptic.tables.schema import matrix, read_table
+from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, SPARE, TOUCHES
 from visuohaptic.touches.choosing import touched_places
 
 RING = {
@@ -34,11 +32,9 @@ def ring(**changes):
 
 
 def look(folder, viewpoints, name="other", **changes):
-    """Look at the ring; write the tables into a folder beside."""
-    there = folder / name
-    mesh = folder / "torus.ply"
-    run_phases("ring/torus", mesh, there, ring(**changes), viewpoints, OF_OBJECT[:1])
-    return read_table(FIXATIONS, there / "fixations.parquet")
+    """Look at the ring; write the tables into a folder beside, and give them."""
+    mesh, there = folder / "torus.ply", folder / name
+    return run_phases("ring/torus", mesh, there, ring(**changes), viewpoints, OF_OBJECT[:1])
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +43,12 @@ def folder(tmp_path_factory):
     trimesh.creation.torus(1, 0.4).export(folder / "torus.obj")
     mesh = folder / "torus.ply"
     make_mesh("ring/torus", Model("ring", "torus"), folder / "torus.obj", mesh, MeshParameters())
-    run_phases("ring/torus", mesh, folder, ring())
     return folder
+
+
+@pytest.fixture(scope="module")
+def tables(folder):
+    return run_phases("ring/torus", folder / "torus.ply", folder, ring())
 
 
 def test_a_phase_takes_what_a_phase_before_it_gives():
@@ -71,97 +71,66 @@ def test_a_strategy_is_chosen_from_its_registry_alone():
     assert chosen == {"visuohaptic.fixations.probing": modules}
 
 
-def test_a_run_in_memory_gives_the_tables_of_a_run_by_files(folder):
+def test_a_run_in_memory_gives_the_tables_of_a_run_by_files(folder, tables):
     subject = Subject.of_mesh("ring/torus", folder / "torus.ply", range(3))
     found = run(subject, ring())
-    for schema in (FIXATIONS, TOUCHES, FEATURES):
-        assert found[schema.name].equals(read_table(schema, folder / f"{schema.name}.parquet"))
+    for name in ("fixations", "touches", "features"):
+        assert found[name].equals(tables[name])
 
 
-def test_a_run_goes_on_behind_the_tables_that_are_known(folder):
-    subject = Subject("ring/torus", None)
-    whole = {
-        name: read_table(schema, folder / f"{name}.parquet")
-        for name, schema in (("touches", TOUCHES),)
-    }
-    assert [phase.name for phase in after(whole)] == ["features"]
-    found = run(subject, ring(), whole)
-    assert found["features"].equals(read_table(FEATURES, folder / "features.parquet"))
+def test_a_run_goes_on_behind_the_tables_that_are_known(tables):
+    known = {"touches": tables["touches"]}
+    assert [phase.name for phase in after(known)] == ["features"]
+    found = run(Subject("ring/torus", None), ring(), known)
+    assert found["features"].equals(tables["features"])
 
 
-def test_every_probing_location_is_touched_where_everywhere_is_asked_for(folder):
+def test_every_probing_location_is_touched_where_everywhere_is_asked_for(folder, tables):
     subject = Subject.of_mesh("ring/torus", folder / "torus.ply")
-    located = read_table(FIXATIONS, folder / "fixations.parquet").slice(0, 4 + SPARE)
+    located = tables["fixations"].slice(0, 4 + SPARE)
     changed = ring(probing={"when_exhausted": "begin_again"})
     found = run(subject, everywhere(changed, located), {"fixations": located})
     assert found["touches"].num_rows == located.num_rows
 
 
-def test_what_a_job_is_given_says_what_a_run_in_memory_takes(folder):
+def test_what_a_job_is_given_says_what_a_run_in_memory_takes():
     parameters = ring(scene={"preset": "worn_fsr"})
     for phase in OF_OBJECT:
         written = phase.work.checked(phase.written_values(parameters))
         assert written == phase.work.checked(phase.values(parameters))
 
 
-def test_every_viewpoint_and_strategy_gives_its_sequence(folder):
-    table = read_table(FIXATIONS, folder / "fixations.parquet")
-    frame = table.to_pandas()
-    found = frame.groupby(["viewpoint", "strategy"]).touch.agg(["count", "max"])
+def test_every_viewpoint_and_strategy_gives_its_sequence(tables):
+    table = tables["fixations"]
+    found = table.to_pandas().groupby(["viewpoint", "strategy"]).touch.agg(["count", "max"])
     assert len(found) == 3 * 2
     assert (found["count"] == found["max"] + 1).all()
     assert found["count"].between(4, 4 + SPARE).all()
     assert set(table.column("strategy").to_pylist()) == {"fixation", "random"}
 
 
-def test_probing_locations_lie_on_the_surface_with_normals_towards_the_free_side(folder):
-    table = read_table(FIXATIONS, folder / "fixations.parquet")
-    surface = read_surface(folder / "torus.ply")
-    points, normals = (
-        matrix(table, ("x", "y", "z")),
-        matrix(table, ("normal_x", "normal_y", "normal_z")),
-    )
-    corners = surface.triangles[table.column("face").to_numpy()]
-    plane = surface.face_normals[table.column("face").to_numpy()]
-    np.testing.assert_allclose(np.einsum("nk,nk->n", points - corners[:, 0], plane), 0, atol=1e-6)
-    tube = points / np.linalg.norm(points[:, :2], axis=1, keepdims=True)
-    ring_radius = 1 / 1.4
-    outwards = points - ring_radius * np.column_stack([tube[:, 0], tube[:, 1], np.zeros(len(tube))])
-    assert (np.einsum("nk,nk->n", normals, outwards) > 0).all()
-
-
-def test_fixations_were_looked_at_and_random_points_were_not(folder):
-    frame = read_table(FIXATIONS, folder / "fixations.parquet").to_pandas()
+def test_fixations_were_looked_at_and_random_points_were_not(tables):
+    frame = tables["fixations"].to_pandas()
     looked = frame[frame.strategy == "fixation"]
     assert looked.saliency.notna().all()
     # Within the tie window the first pixel wins, or the one farther from the outline.
     first = looked.groupby("viewpoint").saliency.first()
     np.testing.assert_allclose(first, 1, rtol=TIE + INWARD)
-    assert (
-        frame[frame.strategy == "random"][["pixel_row", "pixel_column", "saliency"]]
-        .isna()
-        .all(axis=None)
-    )
+    blind = frame[frame.strategy == "random"]
+    assert blind[["pixel_row", "pixel_column", "saliency"]].isna().all(axis=None)
 
 
-def test_a_block_of_viewpoints_gives_what_all_of_them_give(folder):
-    whole = read_table(FIXATIONS, folder / "fixations.parquet").to_pandas()
-    part = look(folder, [1], name="part").to_pandas()
+def test_a_block_of_viewpoints_gives_what_all_of_them_give(folder, tables):
+    whole = tables["fixations"].to_pandas()
+    part = look(folder, [1], name="part")["fixations"].to_pandas()
     expected = whole[whole.viewpoint == 1].reset_index(drop=True)
     assert part.equals(expected)
 
 
-def test_another_seed_moves_random_points_and_no_fixation(folder):
-    whole = read_table(FIXATIONS, folder / "fixations.parquet").to_pandas()
-    other = look(folder, [0, 1, 2], seed=8).to_pandas()
-    same = (whole[["x", "y", "z"]] == other[["x", "y", "z"]]).all(axis=1)
-    assert (same == (whole.strategy == "fixation")).all()
-
-
-def test_views_are_pictures_and_say_what_ran(folder):
+def test_views_are_pictures_and_say_what_ran(tables):
     import cv2
 
-    rows = read_table(VIEWS, folder / "views.parquet").to_pylist()
+    rows = tables["views"].to_pylist()
     assert len(rows) == 3
     for row in rows:
         view = cv2.imdecode(np.frombuffer(row["view"], np.uint8), cv2.IMREAD_UNCHANGED)
@@ -175,25 +144,16 @@ def test_views_are_pictures_and_say_what_ran(folder):
         assert "colour" in skipped
 
 
-def test_touches_and_features_keep_the_keys_of_the_fixations(folder):
-    touches = read_table(TOUCHES, folder / "touches.parquet")
-    fixations = touched_places(read_table(FIXATIONS, folder / "fixations.parquet"), touches)
-    assert touches.num_rows == 3 * 2 * 4
-    for schema, name in ((TOUCHES, "touches"), (FEATURES, "features")):
-        table = read_table(schema, folder / f"{name}.parquet")
-        for key in schema.keys:
-            assert table.column(key).equals(fixations.column(key))
+def test_touches_keep_the_keys_of_the_fixations_and_features_keys_place_and_normal(tables):
+    fixations = touched_places(tables["fixations"], tables["touches"])
+    assert tables["touches"].num_rows == 3 * 2 * 4
+    assert tables["touches"].select(TOUCHES.keys).equals(fixations.select(TOUCHES.keys))
+    kept = [*TOUCHES.keys, *POINT_NAMES, *NORMAL_NAMES]
+    assert tables["features"].select(kept).equals(tables["touches"].select(kept))
 
 
-def test_features_hold_place_and_normal_as_touched(folder):
-    touches = read_table(TOUCHES, folder / "touches.parquet")
-    features = read_table(FEATURES, folder / "features.parquet")
-    for name in ("x", "y", "z", "normal_x", "normal_y", "normal_z"):
-        assert features.column(name).equals(touches.column(name))
-
-
-def test_the_books_of_the_effects_count_every_touch(folder):
-    rows = read_table(EFFECTS, folder / "effects/touches.parquet").to_pylist()
+def test_the_books_of_the_effects_count_every_touch(tables):
+    rows = tables["effects/touches"].to_pylist()
     assert all(row["touches"] == 24 >= row["needed"] for row in rows)
     ran = {row["effect"] for row in rows if row["runs"]}
     # The plain scene needs geometry alone.
@@ -201,8 +161,8 @@ def test_the_books_of_the_effects_count_every_touch(folder):
     assert all(row["reason"] for row in rows)
 
 
-def test_the_books_of_the_view_count_every_view(folder):
-    rows = read_table(EFFECTS, folder / "effects/views.parquet").to_pylist()
+def test_the_books_of_the_view_count_every_view(tables):
+    rows = tables["effects/views"].to_pylist()
     books = {row["effect"]: row for row in rows}
     assert set(books) == set(VISUAL_EFFECTS)
     assert {row["touches"] for row in rows} == {3}
@@ -211,21 +171,19 @@ def test_the_books_of_the_view_count_every_view(folder):
     assert {name for name, row in books.items() if row["runs"]} == {"shading"}
 
 
-def test_the_eye_looks_without_shading_where_the_scene_says_so(folder):
-    shaded = read_table(VIEWS, folder / "views.parquet").column("view").to_pylist()
-    look(folder, [0, 1, 2], name="flat", scene={"effects": {"shading": "never"}})
-    flat = read_table(VIEWS, folder / "flat/views.parquet").column("view").to_pylist()
-    assert all(one != other for one, other in zip(shaded, flat, strict=True))
+def test_the_eye_looks_without_shading_where_the_scene_says_so(folder, tables):
+    flat = look(folder, [0, 1, 2], name="flat", scene={"effects": {"shading": "never"}})
+    pairs = zip(tables["views"]["view"], flat["views"]["view"], strict=True)
+    assert all(shaded != other for shaded, other in pairs)
 
 
-def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder):
-    mesh = folder / "torus.ply"
+def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder, tables):
+    subject, known = (
+        Subject.of_mesh("ring/torus", folder / "torus.ply"),
+        {"fixations": tables["fixations"]},
+    )
     one, two, three = (
-        run(
-            Subject.of_mesh("ring/torus", mesh),
-            ring(seed=seed, scene={"preset": "worn_fsr"}),
-            {"fixations": read_table(FIXATIONS, folder / "fixations.parquet")},
-        )["touches"]
+        run(subject, ring(seed=seed, scene={"preset": "worn_fsr"}), known)["touches"]
         for seed in (7, 7, 8)
     )
     assert one.equals(two)

@@ -23,16 +23,12 @@ MAP = 'Map("mine", "mine", None, None)'
 pytestmark = pytest.mark.slow
 
 
-def run(*command, folder=None, path="", **variables):
+def run(*command, folder=None, path=""):
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([PYTHONPATH, str(path)])}
     return subprocess.run(
-        [sys.executable, *command],
-        cwd=folder,
-        env={**environment, **variables},
-        capture_output=True,
-        text=True,
+        [sys.executable, *command], cwd=folder, env=environment, capture_output=True, text=True,
         check=False,
-    )
+    )  # fmt: skip
 
 
 def printed(code, **options):
@@ -114,17 +110,8 @@ def test_the_command_takes_the_plug_ins_of_the_parameters_that_it_is_given(tmp_p
     (tmp_path / "closest.py").write_text((EXAMPLES / "closest.py").read_text())
     (tmp_path / "params.yaml").write_text("plugins: [closest.py]\n")
     start = "from visuohaptic.cli.main import main; main()"
-    asked = (
-        "-c",
-        start,
-        "touch",
-        "../cube.obj",
-        "--viewpoints",
-        "1",
-        "--json",
-        "--strategy",
-        "closest",
-    )
+    words = "touch ../cube.obj --viewpoints 1 --json --strategy closest"
+    asked = ("-c", start, *words.split())
     refused = run(*asked, folder=tmp_path / "other")
     assert refused.returncode == 2
     assert "'closest' is no strategy of touch" in refused.stderr

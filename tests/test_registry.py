@@ -1,7 +1,5 @@
 """Names of variants: what is allowed, and what becomes of any other."""
 
-import subprocess
-import sys
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -86,12 +84,3 @@ def test_a_name_of_the_package_or_of_another_plug_in_is_not_replaced(name):
     with pytest.raises(RegistryError, match=f"'{name}' can't name a nut; .* each name once"):
         nuts.add(Fruit(name, 2), "b.py")
     assert nuts[name].seeds == 1
-
-
-def test_names_are_known_without_heavy_libraries():
-    folders = ("fixations", "features", "recognition", "attention", "scene")
-    modules = ", ".join(f"visuohaptic.{folder}.parameters" for folder in folders)
-    heavy = {"numpy", "pyarrow", "sklearn", "cv2", "scipy", "trimesh"}
-    code = f"import sys, {modules}; print(*({heavy} & set(sys.modules)))"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == ""

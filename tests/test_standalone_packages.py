@@ -6,11 +6,11 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from importlib.metadata import distribution
 from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
+from source_folders import link_installed
 
 ROOT = Path(__file__).parents[1]
 ATTENTION = ROOT / "src/visuohaptic/attention"
@@ -65,23 +65,6 @@ def requirements_of(folder, extras):
     optional = project.get("optional-dependencies", {})
     lines = [*project["dependencies"], *(line for extra in extras for line in optional[extra])]
     return {line for line in lines if Requirement(line).name != project["name"]}
-
-
-def link_installed(requirements, folder):
-    """Link the distributions that are required, and those that they require, into a folder."""
-    waiting, linked = [Requirement(line) for line in requirements], set()
-    while waiting:
-        requirement = waiting.pop()
-        if requirement.name in linked or (
-            requirement.marker and not requirement.marker.evaluate({"extra": ""})
-        ):
-            continue
-        linked.add(requirement.name)
-        installed = distribution(requirement.name)
-        waiting += map(Requirement, installed.requires or [])
-        for top in {file.parts[0] for file in installed.files} - {"..", "__pycache__"}:
-            if not (folder / top).exists():
-                (folder / top).symlink_to(installed.locate_file(top))
 
 
 @pytest.fixture

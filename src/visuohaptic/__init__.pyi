@@ -23,30 +23,4 @@ from .recognition.evaluating import evaluate as evaluate
 from .recognition.maps import Map as Map
 from .sensor.planner import Effect as Effect
 
-__all__ = [
-    "Channel",
-    "Classifier",
-    "Descriptor",
-    "Effect",
-    "Evaluation",
-    "Exploration",
-    "FileFrame",
-    "Map",
-    "Pressed",
-    "Recogniser",
-    "Recognition",
-    "Strategy",
-    "TouchableObject",
-    "VisuohapticError",
-    "evaluate",
-    "example",
-    "load",
-    "press",
-    "read_parameters",
-    "read_poses",
-    "read_recogniser",
-    "register",
-    "touch",
-    "write_poses",
-]
 __version__: str

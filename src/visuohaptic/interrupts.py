@@ -18,12 +18,8 @@ CLEAR_LINE = "\r\033[K"
 def act_at_interrupt(act: Callable[[int], None]) -> None:
     """Let another thread take Ctrl-C, in place of the main thread, which sees nothing of it.
 
-    Processes that are started from now on take no interrupt until they unblock it.
-
-    Parameters
-    ----------
-    act : callable of int
-        What that thread does after the first interrupt; `wait_for_interrupt` of what it is given waits for the next.
+    After the first interrupt it calls `act`; `wait_for_interrupt` of what that is given waits for
+    the next. Processes that are started from now on take no interrupt until they unblock it.
     """
     interrupts, notes = os.pipe()
     os.set_blocking(notes, False)

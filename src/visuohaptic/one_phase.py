@@ -33,20 +33,11 @@ def run_files(
 ) -> None:
     """Take the objects of some files through one phase.
 
-    Parameters
-    ----------
-    work : Function
-        Takes a `Subject`, its rows of each input, and the arguments; gives an object with a table for
-        each output.
-    arguments : mapping of str
-        Parameters of the phase, of built-in types.
-    meshes : mapping of str to path
-        Mesh files by `class/name`; may be empty where the phase needs none.
-    inputs, outputs : mapping of str to path
-        Files by the names of their tables. Without inputs each object has its mesh alone, and one
-        that was set aside has no rows.
-    viewpoints : sequence of int
-        Numbers of the viewpoints, for a phase that looks.
+    `work` takes a `Subject`, its rows of each input, and the arguments, of built-in types; it gives
+    an object with a table for each output. `meshes` are mesh files by `class/name`, none where the
+    phase needs none; `inputs` and `outputs` are files by the names of their tables. Without inputs
+    each object has its mesh alone, and one that was set aside has no rows. `viewpoints` are
+    numbers, for a phase that looks.
     """
     checked = work.checked(arguments)
     parts = {name: [SCHEMAS[name].arrow.empty_table()] for name in outputs}

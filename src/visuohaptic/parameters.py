@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -33,6 +34,22 @@ MOST_VIEWPOINTS = 4096
 DIRECTIONS = 16
 IMPRINT_MULTIPLE = 8
 """What an even resolution must be a multiple of, for so many directional bands (packages/contourlets)."""
+
+
+_WITHOUT_REPEATS = (
+    "probing.strategies",
+    "recognition.pipelines",
+    "recognition.classifiers",
+    "recognition.best.classifiers",
+    "recognition.best.cues",
+    "cost.touches",
+    "cost.viewpoints",
+    "cost.imprint_resolutions",
+    "cost.view_resolutions",
+    "cost.frontier_touches",
+    "cost.frontier_viewpoints",
+    "cost.budgets",
+)
 
 
 class WorkflowParameters(BaseModel):
@@ -153,36 +170,23 @@ class ExperimentParameters(BaseModel):
         return self
 
     @classmethod
-    def from_mapping(cls, values: Mapping[str, object]) -> Self:
+    def from_mapping(cls, values: Mapping[str, object], source: str = "params.yaml") -> Self:
         """Check sections and their values as a YAML or JSON file gives them.
 
-        Raises `ParameterError`, which gives each unknown name or wrong value with its path.
+        Raises `ParameterError`, which names the source, and each unknown name or wrong value with
+        its path.
         """
         try:
             return cls.model_validate(dict(values))
         except ValidationError as error:
             found = "; ".join(_sentence(problem) for problem in error.errors())
-            raise ParameterError(f"params.yaml: {found}.") from None
+            raise ParameterError(f"{source}: {found}.") from None
 
 
 def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
     """Find lists of names or settings that hold one twice: tables would have its rows twice."""
-    recognition, cost = parameters.recognition, parameters.cost
-    lists: dict[str, Sequence[object]] = {
-        "probing.strategies": parameters.probing.strategies,
-        "recognition.pipelines": recognition.pipelines,
-        "recognition.classifiers": recognition.classifiers,
-        "recognition.best.classifiers": recognition.best.classifiers,
-        "recognition.best.cues": recognition.best.cues,
-        "cost.touches": cost.touches,
-        "cost.viewpoints": cost.viewpoints,
-        "cost.imprint_resolutions": cost.imprint_resolutions,
-        "cost.view_resolutions": cost.view_resolutions,
-        "cost.frontier_touches": cost.frontier_touches,
-        "cost.frontier_viewpoints": cost.frontier_viewpoints,
-        "cost.budgets": cost.budgets,
-    }
-    for name, values in lists.items():
+    for name in _WITHOUT_REPEATS:
+        values = attrgetter(name)(parameters)
         if len(set(values)) < len(values):
             [(twice, count)] = Counter(values).most_common(1)
             yield f"{name} names {twice} {count} times; once is allowed"
@@ -289,34 +293,18 @@ def check_config(given: str) -> None:
 
 
 def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParameters:
-    """Check values as `ExperimentParameters.from_mapping` does; its errors name the source."""
-    try:
-        return ExperimentParameters.from_mapping(values)
-    except ParameterError as error:
-        found = str(error).removeprefix("params.yaml: ")
-        raise ParameterError(f"{source}: {found}") from None
+    """Check values of a source, as `ExperimentParameters.from_mapping` does."""
+    return ExperimentParameters.from_mapping(values, source)
 
 
 def as_parameters(
     values: ExperimentParameters | Mapping[str, Any] | None,
 ) -> ExperimentParameters:
-    """Give parameters as a caller in Python names them.
+    """Give parameters as a caller in Python names them, checked.
 
-    Parameters
-    ----------
-    values : ExperimentParameters or mapping, optional
-        A mapping has sections as in ``params.yaml``, dotted names such as
-        ``"sensor.resolution"``, or both; what it leaves out takes its default.
-
-    Returns
-    -------
-    ExperimentParameters
-        The checked parameters.
-
-    Raises
-    ------
-    ParameterError
-        If a name is unknown or given twice, or a value not allowed.
+    A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or
+    both; what it leaves out takes its default. Raises `ParameterError` if a name is unknown or
+    given twice, or a value not allowed.
     """
     load_installed()
     if values is None:

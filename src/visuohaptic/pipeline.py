@@ -33,25 +33,13 @@ VIEWPOINTS_AT_ONCE = 8
 class Phase:
     """One step of the experiment.
 
-    Attributes
-    ----------
-    name : str
-        Also of its rule, of its stage of DVC and of the folder of its records.
-    doing : str
-        What its jobs say.
-    work : Function
-        What does it. For a phase with a `verb`: takes a `Subject`, one table for each that is read,
-        and the arguments; gives an object with a table for each that is written.
-    arguments : mapping of str to Sources
-        Parameters that decide what its tables hold.
-    reads : tuple of str
-        Tables of the run; ``meshes`` are files.
-    writes : mapping of str to str
-        Folders below results/, by table.
-    verb : str or None
-        What is done with one object at a time; None for a phase that takes all objects or other files.
-    chooses : mapping of str to Function
-        Registries whose entries are chosen by parameters; code of those not chosen is none of its.
+    `name` is also that of its rule, of its stage of DVC and of the folder of its records; its jobs
+    say `doing`. `work` does it: for a phase with a `verb`, which is what is done with one object at
+    a time, it takes a `Subject`, one table for each that is read, and the arguments, and gives an
+    object with a table for each that is written. `arguments` are parameters that decide what its
+    tables hold. `reads` are tables of the run; ``meshes`` are files. `writes` are folders below
+    results/, by table. `chooses` are registries whose entries are chosen by parameters; code of
+    those not chosen is none of its.
     """
 
     name: str
@@ -195,20 +183,9 @@ def phase(name: str) -> Phase:
 def run(subject: Subject, parameters: ExperimentParameters, tables: Tables | None = None) -> Tables:
     """Take one object through the phases: look, touch, describe.
 
-    Parameters
-    ----------
-    subject : Subject
-        The object, and its viewpoints.
-    parameters : ExperimentParameters
-        Everything else.
-    tables : dict of str to pyarrow.Table, optional
-        What is known of the object: it goes on behind the last of these. Without them it is looked at.
-
-    Returns
-    -------
-    dict of str to pyarrow.Table
-        `tables`, and of each later phase what the next ones read, and ``features``; the same
-        as the workflow writes.
+    `tables` are what is known of the object: it goes on behind the last of these; without them it
+    is looked at. Gives these, and of each later phase what the next ones read, and ``features``;
+    the same as the workflow writes.
     """
     if tables:
         return _go_on(subject, parameters, tables)

@@ -18,7 +18,7 @@ from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from visuohaptic.errors import PlugInError, VisuohapticError
 
@@ -43,26 +43,12 @@ _KINDS = {
 """What holds the entries of each class, and adds one."""
 
 
-class Entry(Protocol):
-    """An entry of a registry."""
-
-    @property
-    def name(self) -> str:
-        """What parameters and tables call it."""
-
-
 @dataclass(frozen=True)
 class PlugIn:
     """A plug-in that was loaded.
 
-    Attributes
-    ----------
-    source : str
-        Its file, as an absolute path, or its module.
-    homes : frozenset of str
-        The modules that hold what it registered.
-    package : str, optional
-        The installed package that brings it.
+    `source` is its file, as an absolute path, or its module; `homes` are the modules that hold what
+    it registered, and `package` is the installed package that brings it, if any.
     """
 
     source: str
@@ -79,7 +65,7 @@ _loaded: dict[str, PlugIn] = {}
 _at_work: list[tuple[str, set[str]]] = []
 
 
-def register(entry: Entry) -> None:
+def register(entry: object) -> None:
     """Add an entry of your own, which parameters can name from then on.
 
     Parameters
@@ -110,19 +96,10 @@ def register(entry: Entry) -> None:
 
 
 def load_files(files: object, folder: str | Path = ".") -> None:
-    """Run the files of plug-ins that ``plugins`` names, each once in a process.
+    """Run the files of plug-ins that ``plugins`` names, below a folder, each once in a process.
 
-    Parameters
-    ----------
-    files : sequence of str
-        Files of Python, relative to `folder`.
-    folder : path
-        The folder of the parameters that name them.
-
-    Raises
-    ------
-    PlugInError
-        If they are no list of names, or one is missing, fails, or registers nothing.
+    Raises `PlugInError` if they are no list of names, or one is missing, fails, or registers
+    nothing.
     """
     if isinstance(files, str) or not isinstance(files, Sequence):
         raise PlugInError(f"plugins is {files!r}; a list of files of Python is needed.")
@@ -132,13 +109,17 @@ def load_files(files: object, folder: str | Path = ".") -> None:
             _load_file(path, str(file))
 
 
+@cache
 def load_installed() -> None:
     """Import the plug-ins of installed packages, once in a process.
 
     Raises `PlugInError` if one can't be imported. A process that was handed its plug-ins has them.
     """
-    if GIVEN not in os.environ:
-        _load_installed()
+    from importlib.metadata import entry_points
+
+    for one in () if GIVEN in os.environ else entry_points(group=GROUP):
+        if one.module not in _loaded:
+            _import_module(one.module, one.dist.name if one.dist else one.module)
 
 
 def loaded() -> tuple[PlugIn, ...]:
@@ -212,15 +193,6 @@ def _load_file(path: str, name: str) -> None:
         # Data classes and pickles look it up there.
         sys.modules[module] = module_from_spec(spec)
         spec.loader.exec_module(sys.modules[module])
-
-
-@cache
-def _load_installed() -> None:
-    from importlib.metadata import entry_points
-
-    for one in entry_points(group=GROUP):
-        if one.module not in _loaded:
-            _import_module(one.module, one.dist.name if one.dist else one.module)
 
 
 def _import_module(module: str, package: str) -> None:

@@ -24,23 +24,12 @@ Entry = TypeVar("Entry", bound=Named)
 
 
 class Registry(Generic[Entry]):
-    """All variants of one kind, in order.
+    """All variants of one kind, in order; errors name the kind, such as ``probing strategy``.
 
     As metadata of a string, as in ``Annotated[str, STRATEGIES]``, it makes pydantic allow the
-    registered names alone, those that are added later among them.
-
-    Parameters
-    ----------
-    kind : str
-        What an entry is, such as ``probing strategy``; errors name it.
-    *entries : object
-        The variants.
-
-    Raises
-    ------
-    RegistryError
-        If two entries have one name, or a name is not made of ``a`` to ``z`` and ``_``, as it
-        becomes a part of file names.
+    registered names alone, those that are added later among them. Raises `RegistryError` if two
+    entries have one name, or a name is not made of ``a`` to ``z`` and ``_``, as it becomes a part
+    of file names.
     """
 
     def __init__(self, kind: str, *entries: Entry) -> None:

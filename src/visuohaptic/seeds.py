@@ -9,23 +9,11 @@ import numpy as np
 
 
 def spawn_generator(seed: int, *keys: object) -> np.random.Generator:
-    """Give the random generator that belongs to a seed and a chain of names.
+    """Give the random generator that belongs to a seed, at least 0, and a chain of names.
 
-    The generator depends only on the seed and the names: not on the order of
-    jobs, the number of processes, or other generators.
-
-    Parameters
-    ----------
-    seed : int
-        The experiment's random seed, at least 0.
-    *keys : object
-        What the generator is for, such as ``("random", "cup/mug", 3)``; each is
-        taken by its ``str``.
-
-    Returns
-    -------
-    numpy.random.Generator
-        A PCG64 generator, seeded through NumPy's ``SeedSequence``.
+    A name is taken by its ``str``, as in ``("random", "cup/mug", 3)``. The generator, a PCG64,
+    depends only on the seed and the names: not on the order of jobs, the number of processes, or
+    other generators.
     """
     # JSON quotes each name, so that no two chains of names read the same.
     names = json.dumps([str(key) for key in keys])

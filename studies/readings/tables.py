@@ -40,8 +40,8 @@ READING_KEYS = (
 
 READINGS = Schema(
     "readings",
+    READING_KEYS,
     (
-        *READING_KEYS,
         Column("part", TEXT, "part of the design that it belongs to"),
         Column("place", COUNT, "place of the reading in the design", minimum=0),
         *(
@@ -77,5 +77,4 @@ READINGS = Schema(
         SECONDS,
         ERROR,
     ),
-    names_of(READING_KEYS),
 )

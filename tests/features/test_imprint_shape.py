@@ -49,10 +49,3 @@ def test_edge_has_steps_across_it_only():
     assert features["imprint_contact"] == features["imprint_empty"] == 0.5
     assert features["imprint_step_columns"] == pytest.approx(1 / 31)
     assert features["imprint_step_rows"] == 0
-
-
-def test_each_imprint_counts_alone_bit_for_bit():
-    images = np.random.default_rng(0).random((50, 32, 32)).astype(np.float32)
-    whole = describe_imprint_shape(images)
-    single = np.concatenate([describe_imprint_shape(image[None]) for image in images])
-    np.testing.assert_array_equal(whole, single)

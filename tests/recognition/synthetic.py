@@ -23,24 +23,23 @@ def features_table(
     """Give `tables.FEATURES` of len(objects) classes with so many objects each."""
     generator = np.random.default_rng(seed)
     centres = np.random.default_rng(100).normal(size=(len(objects), 22)) * separation
-    varied = (*FEATURES.keys, *CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
-    columns = {name: [] for name in varied}
-    for category, count in enumerate(objects):
-        for number in range(count):
-            offset = 0.5 * np.random.default_rng((5, category, number)).normal(size=22)
-            values = centres[category] + offset
-            values = values + generator.normal(size=(viewpoints, touches, 22))
-            for (viewpoint, touch), row in zip(
-                np.ndindex(viewpoints, touches), values.reshape(-1, 22), strict=True
-            ):
-                add_row(columns, f"class{category}", f"object{number}", viewpoint, strategy, touch)
-                for name, value in zip(CONTOURLET_FEATURES, row[:16], strict=True):
-                    columns[name].append(abs(value))
-                for name, value in zip(KINESTHETIC_FEATURES, row[16:], strict=True):
-                    columns[name].append(np.tanh(value))
-    same = dict.fromkeys(IMPRINT_FEATURES, 0.5)
-    same |= {"sensor_size": 0.1, "contact_state": "full"}
-    return build_table(FEATURES, {**columns, **same})
+    owners = [(place, number) for place, count in enumerate(objects) for number in range(count)]
+    offsets = [0.5 * np.random.default_rng((5, *owner)).normal(size=22) for owner in owners]
+    middles = centres[[place for place, _ in owners]] + offsets
+    rows = viewpoints * touches
+    values = np.repeat(middles, rows, axis=0) + generator.normal(size=(rows * len(owners), 22))
+    columns = {
+        "class": np.repeat([f"class{place}" for place, _ in owners], rows),
+        "object": np.repeat([f"object{number}" for _, number in owners], rows),
+        "viewpoint": np.tile(np.repeat(np.arange(viewpoints), touches), len(owners)),
+        "strategy": strategy,
+        "touch": np.tile(np.arange(touches), viewpoints * len(owners)),
+        "sensor_size": 0.1,
+        "contact_state": "full",
+    }
+    columns |= dict(zip(CONTOURLET_FEATURES, np.abs(values[:, :16]).T, strict=True))
+    columns |= dict(zip(KINESTHETIC_FEATURES, np.tanh(values[:, 16:]).T, strict=True))
+    return build_table(FEATURES, columns | dict.fromkeys(IMPRINT_FEATURES, 0.5))
 
 
 def sequences_of(touches, names, labels, owners, classes):
@@ -57,13 +56,6 @@ def sequences_of(touches, names, labels, owners, classes):
         object_index=owners,
         viewpoint=np.zeros(len(owners), dtype=np.int64),
     )
-
-
-def add_row(columns, category, name, viewpoint, strategy, touch):
-    """Append the keys of one touch."""
-    keys = ("class", "object", "viewpoint", "strategy", "touch")
-    for key, value in zip(keys, (category, name, viewpoint, strategy, touch), strict=True):
-        columns[key].append(value)
 
 
 def with_column(table, name, values):

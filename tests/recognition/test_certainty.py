@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from recognition.synthetic import clusters, features_table, sequences_of
+from recognition.synthetic import clusters, sequences_of
 
-from visuohaptic import recognition
+from visuohaptic.recognition import certainty
 from visuohaptic.recognition.certainty import (
     Calibration,
     Landmarks,
@@ -128,8 +128,6 @@ def test_without_a_second_object_a_class_nothing_is_calibrated():
 
 
 def test_no_training_object_is_named_by_what_has_learnt_it(monkeypatch):
-    from visuohaptic.recognition import certainty
-
     descriptors, labels, owners = clusters(objects=(4, 4))
     learnt = []
     original = certainty.fit_best_classifiers
@@ -141,16 +139,3 @@ def test_no_training_object_is_named_by_what_has_learnt_it(monkeypatch):
     monkeypatch.setattr(certainty, "fit_best_classifiers", catching)
     fitted(descriptors, labels, owners, classes=2)
     assert sum(len(descriptors) - len(rows) for rows in learnt) == len(descriptors)
-
-
-@pytest.mark.parametrize("classifier", ["support_vector_machine", "naive_bayes"])
-def test_a_saved_model_is_as_sure_as_before(classifier, tmp_path):
-    table = features_table(objects=(3, 3), separation=3.0)
-    model = recognition.fit_model(table, "best", classifier, RecognitionParameters(), 1)
-    recognition.save_model(model, tmp_path / "a.skops")
-    rows = recognition.select(features_table(objects=(4, 4), seed=7), object="object3")
-    rows = recognition.select(rows, **{"class": "class1"})
-    answer = model.answer(rows)
-    assert recognition.load_model(tmp_path / "a.skops").answer(rows) == answer
-    assert answer.coverage == 0.9
-    assert set(answer.candidates) <= {"class0", "class1"}

@@ -16,21 +16,23 @@ def parameters(**som):
     return RecognitionParameters.model_validate({"self_organising_map": som})
 
 
+def check_memory(memory, settings, sequences=SEQUENCES):
+    """Fit with and without memory: encoder and random generator are the same."""
+    drawn, alone = np.random.default_rng(7), np.random.default_rng(7)
+    remembered = fit_sequence_encoder(sequences, settings, drawn, memory)
+    fitted = fit_sequence_encoder(sequences, settings, alone)
+    np.testing.assert_array_equal(remembered.encode(SEQUENCES), fitted.encode(SEQUENCES))
+    assert drawn.bit_generator.state == alone.bit_generator.state
+
+
 @pytest.mark.parametrize("training", ["batch", "online"])
 def test_outputs_that_share_a_map_are_as_without_memory(training):
     memory = ReductionMemory()
-    for output in ("feature_groups", *MAPS.names):
-        if (output, training) == ("lattice", "online"):
-            continue  # MiniSom has two axes at most
-        settings = parameters(output=output, training=training, online_epochs=1)
-        drawn, alone = np.random.default_rng(7), np.random.default_rng(7)
-        remembered = fit_sequence_encoder(SEQUENCES, settings, drawn, memory)
-        fitted = fit_sequence_encoder(SEQUENCES, settings, alone)
-        np.testing.assert_array_equal(remembered.encode(SEQUENCES), fitted.encode(SEQUENCES))
-        assert drawn.bit_generator.state == alone.bit_generator.state
-    assert len(memory._held) == len(MAPS.names) - (
-        1 if training == "batch" else 2
-    )  # one is another, read in another way
+    # MiniSom has two axes at most.
+    outputs = [name for name in MAPS.names if (name, training) != ("lattice", "online")]
+    for output in ("feature_groups", *outputs):
+        check_memory(memory, parameters(output=output, training=training, online_epochs=1))
+    assert len(memory._held) == len(outputs) - 1  # one is another, read in another way
 
 
 @pytest.mark.parametrize(
@@ -44,25 +46,26 @@ def test_outputs_that_share_a_map_are_as_without_memory(training):
 def test_other_ways_to_a_map_are_not_confused(change):
     memory = ReductionMemory()
     for settings in (parameters(), RecognitionParameters.model_validate(change)):
-        remembered = fit_sequence_encoder(SEQUENCES, settings, np.random.default_rng(7), memory)
-        fitted = fit_sequence_encoder(SEQUENCES, settings, np.random.default_rng(7))
-        np.testing.assert_array_equal(remembered.encode(SEQUENCES), fitted.encode(SEQUENCES))
+        check_memory(memory, settings)
 
 
 def test_other_touches_have_another_map():
     memory = ReductionMemory(most=1)
     for sequences in (SEQUENCES, SEQUENCES[:12], SEQUENCES):
-        remembered = fit_sequence_encoder(sequences, parameters(), np.random.default_rng(7), memory)
-        fitted = fit_sequence_encoder(sequences, parameters(), np.random.default_rng(7))
-        np.testing.assert_array_equal(remembered.encode(SEQUENCES), fitted.encode(SEQUENCES))
+        check_memory(memory, parameters(), sequences)
     assert len(memory._held) == 1
+
+
+def almost_alike():
+    """Give a touch of each of six objects, and sequences of it that differ by rounding."""
+    touch = np.random.default_rng(0).normal(size=(6, 22))
+    alike = np.repeat(touch[:, None], 5, axis=1)
+    return touch, alike * (1 + 1e-15 * np.random.default_rng(1).uniform(-1, 1, alike.shape))
 
 
 def test_touches_that_are_all_alike_are_so_after_reduction_even_where_a_groups_mean_is_small():
     """The group's features cancel each other, so their rounding is large beside their mean."""
-    touch = np.random.default_rng(0).normal(size=(6, 22))
-    alike = np.repeat(touch[:, None], 5, axis=1)
-    alike *= 1 + 1e-15 * np.random.default_rng(1).uniform(-1, 1, alike.shape)
+    touch, alike = almost_alike()
     fitted = fit_sequence_encoder(alike, RecognitionParameters(), np.random.default_rng(0))
     scaled = fitted.touch_scaling.apply(touch)
     # Between two features of one group there is a share at which they cancel all but a ten thousandth.
@@ -74,9 +77,7 @@ def test_touches_that_are_all_alike_are_so_after_reduction_even_where_a_groups_m
 
 
 def test_touches_that_are_all_alike_have_one_distance_from_a_unit():
-    touch = np.random.default_rng(0).normal(size=(6, 22))
-    alike = np.repeat(touch[:, None], 5, axis=1)
-    alike *= 1 + 1e-15 * np.random.default_rng(1).uniform(-1, 1, alike.shape)
+    _, alike = almost_alike()
     chosen = RecognitionParameters(self_organising_map={"output": "unit_distances"})
     fitted = fit_sequence_encoder(alike, chosen, np.random.default_rng(0))
     assert np.ptp(fitted.reduction.distances(fitted.touch_scaling.apply(alike[0]))).max() > 0

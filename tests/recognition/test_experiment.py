@@ -1,7 +1,5 @@
 """The paper's pipeline from table to tables."""
 
-from collections import Counter
-
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -20,7 +18,6 @@ from visuohaptic.recognition.sequences import shuffle_touches
 from visuohaptic.tables.phases import PREDICTIONS
 from visuohaptic.tables.schema import check_table
 
-OF_A_SEQUENCE = ("class", "object", "viewpoint")
 SMALL = RecognitionParameters(
     protocol=ProtocolParameters(protocol="leave_one_object_a_class_out", maximum_splits=4)
 )
@@ -47,12 +44,8 @@ def test_81_splits_of_five_classifiers_are_scored_and_every_answer_kept():
 
 def test_features_without_a_class_in_them_give_chance():
     table = features_table(viewpoints=8, separation=0.0, objects=(4, 4))
-    labels = np.array(table.column("class").to_pylist())
-    scores, _ = recognition.run_pipeline(
-        with_column(table, "class", labels),
-        RecognitionParameters(classifiers=("support_vector_machine", "decision_tree")),
-        1,
-    )
+    two = RecognitionParameters(classifiers=("support_vector_machine", "decision_tree"))
+    scores, _ = recognition.run_pipeline(table, two, 1)
     # 8 objects of 8 sequences each, which are not independent: three standard errors are .3 at most.
     assert abs(scores.column("accuracy").to_numpy().mean() - 0.5) < 0.3
 
@@ -128,15 +121,20 @@ def test_one_sequence_an_object_runs():
     assert notes == {"4 neighbours, for there are no more training sequences"}
 
 
-@pytest.mark.parametrize("pipeline", ["paper", "best"])
-def test_a_classifier_that_can_not_be_fitted_is_a_gap_and_said(pipeline, caplog):
-    names = ("k_nearest_neighbours", "quadratic_discriminant", "naive_bayes")
-    chosen = SMALL.model_copy(
-        update={"classifiers": names, "best": SMALL.best.model_copy(update={"classifiers": names})}
+def run_few_sequences(names, pipeline):
+    """Run classifiers on classes of a single training sequence."""
+    chosen = RecognitionParameters(
+        protocol=SMALL.protocol, classifiers=names, best={"classifiers": names}
     )
     objects = (2, 2) if pipeline == "paper" else (3, 3)
     table = features_table(objects=objects, viewpoints=1)
-    scores, predictions = recognition.run_pipeline(table, chosen, 1, pipeline)
+    return recognition.run_pipeline(table, chosen, 1, pipeline)
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "best"])
+def test_a_classifier_that_can_not_be_fitted_is_a_gap_and_said(pipeline, caplog):
+    names = ("k_nearest_neighbours", "quadratic_discriminant", "naive_bayes")
+    scores, predictions = run_few_sequences(names, pipeline)
     for found in (scores, predictions):
         assert set(found["classifier"].to_pylist()) == {"k_nearest_neighbours", "naive_bayes"}
     assert "quadratic_discriminant is left out: quadratic_discriminant takes cov" in caplog.text
@@ -144,13 +142,8 @@ def test_a_classifier_that_can_not_be_fitted_is_a_gap_and_said(pipeline, caplog)
 
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_where_no_classifier_can_be_fitted_the_reason_is_given(pipeline):
-    names = ("quadratic_discriminant",)
-    chosen = SMALL.model_copy(
-        update={"classifiers": names, "best": SMALL.best.model_copy(update={"classifiers": names})}
-    )
-    objects = (2, 2) if pipeline == "paper" else (3, 3)
     with pytest.raises(RecognitionError, match="at least 2 are needed"):
-        recognition.run_pipeline(features_table(objects=objects, viewpoints=1), chosen, 1, pipeline)
+        run_few_sequences(("quadratic_discriminant",), pipeline)
 
 
 def test_constant_feature_changes_no_answer():
@@ -202,19 +195,6 @@ def test_other_protocols_run_and_repeat(protocol):
     assert scores.num_rows == 4
     assert predictions.num_rows == 2 * 12 * 4
     check_table(PREDICTIONS, predictions)
-
-
-def test_by_default_more_objects_than_the_papers_are_each_tested_three_times():
-    parameters = RecognitionParameters(classifiers=("naive_bayes",))
-    table = features_table(objects=(4, 3, 3, 3), viewpoints=2)
-    scores, predictions = recognition.run_pipeline(table, parameters, 1)
-    assert scores.num_rows == 4 * 3
-    tests = Counter(zip(*(predictions[name].to_pylist() for name in OF_A_SEQUENCE), strict=True))
-    assert set(tests.values()) == {3}
-    assert len(tests) == 13 * 2
-    cell = recognition.summarise(scores, predictions)["results"]["paper"]["fixation"]["naive_bayes"]
-    assert (cell["splits"], cell["repeats"], cell["objects"]) == (12, 1, 13)
-    assert cell["accuracy"]["mean"] == pytest.approx(scores["accuracy"].to_numpy().mean())
 
 
 def test_best_pipeline_votes_by_probability_and_says_how_sure_it_is():

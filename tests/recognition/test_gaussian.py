@@ -39,19 +39,17 @@ def test_answers_are_scikit_learns(rows, classes):
     features, labels = draw(rows, 6, classes)
     tested, _ = draw(50, 6, classes, seed=1)
     floor = variance_floor(features)
+    chosen = ClassifierParameters(bayes_smoothing=0.01, discriminant_regularisation="always")
     pairs = [
+        (gaussian.fit_naive_bayes, GaussianNB(var_smoothing=0.01)),
         (
-            gaussian.fit_naive_bayes(features, labels, 0.01),
-            GaussianNB(var_smoothing=0.01),
-        ),
-        (
-            gaussian.fit_linear_discriminant(features, labels, 0.1),
+            gaussian.fit_linear_discriminant,
             LinearDiscriminantAnalysis(
                 solver="lsqr", covariance_estimator=Regularised(0.1, "mean_variance", floor)
             ),
         ),
         (
-            gaussian.fit_quadratic_discriminant(features, labels, "ledoit_wolf", "own_variances"),
+            gaussian.fit_quadratic_discriminant,
             QuadraticDiscriminantAnalysis(
                 solver="eigen",
                 covariance_estimator=Regularised("ledoit_wolf", "own_variances", floor),
@@ -59,7 +57,8 @@ def test_answers_are_scikit_learns(rows, classes):
             ),
         ),
     ]
-    for ours, theirs in pairs:
+    for fit, theirs in pairs:
+        ours, _ = fit(chosen, features, labels, 0)
         theirs.fit(features, labels)
         found = ours.predict_log_proba(tested)
         np.testing.assert_allclose(found, theirs.predict_log_proba(tested), rtol=1e-9, atol=1e-9)

@@ -1,17 +1,18 @@
 """Nothing that is fitted or chosen has seen a test object."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from recognition.synthetic import features_table
 from sklearn import config_context
 
-from visuohaptic.recognition import experiment
+from visuohaptic.recognition import classifiers, experiment, tuning
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.encoding import fit_sequence_encoder
-from visuohaptic.recognition.parameters import RecognitionParameters, SelfOrganisingMapParameters
-from visuohaptic.recognition.sequences import TouchSequences, gather_sequences
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.sequences import gather_sequences
 from visuohaptic.recognition.splits import make_splits
 
 PARAMETERS = RecognitionParameters()
@@ -30,20 +31,12 @@ def changed(split, features=None, labels=None):
         names = [objects[place][0] for place in tested]
         for place, name in zip(tested, labels(names), strict=True):
             objects[place] = (name, objects[place][1])
-    return TouchSequences(
-        values,
-        SEQUENCES.feature_names,
-        tuple(objects),
-        SEQUENCES.classes,
-        SEQUENCES.object_index,
-        SEQUENCES.viewpoint,
-    )
+    return replace(SEQUENCES, features=values, objects=tuple(objects))
 
 
 def everything_fitted(pipeline, sequences, split, monkeypatch):
     """Run one split and catch every fitted thing's arrays as they come."""
     caught = []
-    from visuohaptic.recognition import classifiers, tuning
 
     def catching(function):
         def wrapper(*values):
@@ -120,19 +113,3 @@ def test_one_other_training_touch_changes_what_is_fitted(pipeline, monkeypatch):
     touched.features[split.train[0], 0, 0] += 0.5
     before = everything_fitted(pipeline, SEQUENCES, split, monkeypatch)
     assert not same(before, everything_fitted(pipeline, touched, split, monkeypatch))
-
-
-@pytest.mark.parametrize("output", ["lattice", "feature_groups", "one_hot"])
-def test_other_readings_of_the_map_see_training_alone(output, monkeypatch):
-    settings = SelfOrganisingMapParameters(output=output, lattice_levels=2)
-    parameters = PARAMETERS.model_copy(update={"self_organising_map": settings})
-    split = SPLITS[0]
-    fits = [
-        arrays_of(
-            fit_sequence_encoder(
-                sequences.features[split.train], parameters, np.random.default_rng(0)
-            )
-        )
-        for sequences in (SEQUENCES, changed(split, features=np.ones_like))
-    ]
-    assert same(*fits)

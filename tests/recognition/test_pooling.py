@@ -56,19 +56,6 @@ def test_choices_are_even_distinct_and_each_place_is_in_as_many(total, count):
     assert set(gaps.ravel()) <= {total // count, -(-total // count)}
 
 
-def test_choices_of_a_divisor_share_no_place():
-    assert spread_choices(16, 4).tolist() == [[k, k + 4, k + 8, k + 12] for k in range(4)]
-
-
-def test_views_of_a_bag_are_spread_over_the_ring():
-    assert [list(bag) for bag in listed(spread_bags(np.zeros(8, int), (2,)))] == [
-        [0, 4],
-        [1, 5],
-        [2, 6],
-        [3, 7],
-    ]
-
-
 @pytest.mark.parametrize("objects", [(3, 3), (3, 3, 3)])
 def test_scores_of_a_bag_are_the_discriminants_own_on_its_mean(objects):
     from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
@@ -162,31 +149,19 @@ def test_no_answer_is_surer_than_as_many_objects_allow(objects):
     assert surest == pytest.approx(expected, abs=0.3 * (1 - expected))
 
 
-def combined_views(views):
-    """Give the numbers of views that temperatures are for, of objects with so many views each."""
+# Half of the objects must have bags of a number of views; else numbers share a temperature.
+@pytest.mark.parametrize(
+    ("views", "sizes", "shared"),
+    [
+        ([16] * 8, SIZES, [1, 2, 4, 8, 16]),
+        ([15] + [16] * 7, SIZES, [1, 2, 4, (8 * 16 + 15) / 17, 16]),
+        ([12, 13, 14, 15], SIZES, [1, 2, 4, 8, 12.5, 14.5]),
+        ([3, 16, 16, 16, 16], (16,), [(3 + 4 * 16) / 5]),
+    ],
+)
+def test_numbers_of_views_that_few_objects_have_share_a_temperature(views, sizes, shared):
     owners = np.repeat(np.arange(len(views)), views)
     labels = owners % 2
     scores = np.random.default_rng(0).normal(size=(len(owners), 2)) + np.eye(2)[labels]
-    held_out = hold_out_bags(scores, labels, owners, SIZES, np.ones(2, bool), 1.0)
-    return held_out.combine(softmax(scores)).views.tolist()
-
-
-def test_each_number_of_views_that_all_objects_have_has_a_temperature():
-    assert combined_views([16] * 8) == list(SIZES)
-
-
-def test_a_number_of_views_that_one_object_has_shares_the_temperature_of_the_next_smaller():
-    bags_of_8 = 2 * 8
-    assert combined_views([15] + [16] * 7) == [1, 2, 4, (8 * bags_of_8 + 15) / (bags_of_8 + 1), 16]
-
-
-def test_numbers_of_views_that_few_objects_have_share_a_temperature():
-    assert combined_views([12, 13, 14, 15]) == [1, 2, 4, 8, 12.5, 14.5]
-
-
-def test_a_smallest_number_of_views_that_few_objects_have_shares_the_temperature_above():
-    owners = np.repeat(np.arange(5), [3, 16, 16, 16, 16])
-    labels = owners % 2
-    scores = np.eye(2)[labels]
-    held_out = hold_out_bags(scores, labels, owners, (16,), np.ones(2, bool), 1.0)
-    assert held_out.combine(softmax(scores)).views.tolist() == [(3 + 4 * 16) / 5]
+    held_out = hold_out_bags(scores, labels, owners, sizes, np.ones(2, bool), 1.0)
+    assert held_out.combine(softmax(scores)).views.tolist() == shared

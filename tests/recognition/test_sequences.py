@@ -13,6 +13,7 @@ from visuohaptic.recognition.sequences import (
     gather_sequences,
     identical_objects,
     shuffle_touches,
+    take_strategy,
     whole_sequences,
 )
 from visuohaptic.tables.schema import matrix
@@ -38,45 +39,34 @@ def test_first_touches_are_taken():
     np.testing.assert_array_equal(first.features, whole.features[:, :3])
 
 
-@pytest.mark.parametrize("dropped", [0, 2, 4, 39])
+# Without touches 3, 4 of one sequence and 0, 1, 2 of the next the rows still count 0 … 4.
+@pytest.mark.parametrize("dropped", [[0], [2], [4], [39], [3, 4, 5, 6, 7]])
 def test_missing_touch_is_named(dropped):
     table = features_table(objects=(1, 1))
-    kept = table.take([row for row in range(table.num_rows) if row != dropped])
+    kept = table.take([row for row in range(table.num_rows) if row not in dropped])
     with pytest.raises(RecognitionError, match=r"viewpoint \d, has the touches .* 0 to 4, once"):
         gather_sequences(kept, PAPER_FEATURES, 5)
 
 
-def test_sequences_that_lack_touches_in_step_do_not_pass_for_whole_ones():
-    # Without touches 3, 4 of one sequence and 0, 1, 2 of the next the rows still count 0 … 4.
-    table = features_table(objects=(1, 1), viewpoints=2)
-    kept = table.take([0, 1, 2, 8, 9, *range(10, 20)])
-    with pytest.raises(RecognitionError, match=r"class0/object0, viewpoint 0, .* \[0, 1, 2\]"):
-        gather_sequences(kept, PAPER_FEATURES, 5)
-
-
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_value_that_is_not_finite_is_named(value):
-    table = features_table(objects=(2, 2))
+@pytest.mark.parametrize("gather", [gather_sequences, gather_any])
+def test_value_that_is_not_finite_is_named(gather, value):
+    table = features_table(objects=(1,))
     column = table.column("contourlet_03").to_numpy().copy()
     column[7] = value
     with pytest.raises(RecognitionError, match=r"class0/object0 has contourlet_03 = .* at touch 2"):
-        gather_sequences(with_column(table, "contourlet_03", column), PAPER_FEATURES, 5)
-
-
-def test_the_touch_that_is_not_finite_is_named_in_sequences_of_any_length():
-    table = features_table(objects=(1,)).drop_columns(["contact_state"])
-    column = table.column("contourlet_03").to_numpy().copy()
-    column[8] = np.nan
-    with pytest.raises(
-        RecognitionError, match=r"class0/object0 has contourlet_03 = nan at touch 3"
-    ):
-        gather_any(with_column(table, "contourlet_03", column), ["contourlet_03"], 5)
+        gather(with_column(table, "contourlet_03", column), ["contourlet_03"], 5)
 
 
 def test_touches_of_two_objects_are_not_taken_for_those_of_one():
     table = features_table(objects=(1, 1)).drop_columns(["contact_state"])
     with pytest.raises(RecognitionError, match="are of class0/object0, class1/object0; one object"):
         gather_any(table, ["contourlet_03"], 5)
+
+
+def test_a_strategy_without_touches_is_named():
+    with pytest.raises(RecognitionError, match=r"no touch was made by random; .*\['fixation'\]"):
+        take_strategy(features_table(objects=(1, 1)), "random", 5)
 
 
 def test_two_strategies_at_once_are_refused():
@@ -90,16 +80,15 @@ def test_empty_table_and_missing_column_are_refused():
     table = features_table(objects=(1, 1))
     with pytest.raises(RecognitionError):
         gather_sequences(table.slice(0, 0), PAPER_FEATURES, 5)
-    with pytest.raises(RecognitionError, match="lack the columns contourlet_02"):
-        gather_sequences(table.drop_columns(["contourlet_02"]), PAPER_FEATURES, 5)
+    for gather in (gather_sequences, gather_any):
+        with pytest.raises(RecognitionError, match="lack the columns contourlet_02"):
+            gather(table.drop_columns(["contourlet_02"]), PAPER_FEATURES, 5)
 
 
 def test_objects_with_the_same_touches_are_found():
     table = features_table(objects=(2, 2))
     copied = table.slice(0, 20)
     renamed = with_column(copied, "object", ["copy"] * 20)
-    import pyarrow as pa
-
     sequences = gather_sequences(pa.concat_tables([table, renamed]), PAPER_FEATURES, 5)
     assert identical_objects(sequences) == [("class0/copy", "class0/object0")]
     assert identical_objects(gather_sequences(table, PAPER_FEATURES, 5)) == []

@@ -5,18 +5,9 @@ import pytest
 from recognition.synthetic import sequences_of
 
 from visuohaptic.recognition.set_distance import POSITION_WEIGHT, keep_touches
+from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES
 
-NAMES = (
-    "contourlet_01",
-    "x",
-    "y",
-    "z",
-    "normal_x",
-    "normal_y",
-    "normal_z",
-    "imprint_mean",
-    "imprint_empty",
-)
+NAMES = ("contourlet_01", *POINT_NAMES, *NORMAL_NAMES, "imprint_mean", "imprint_empty")
 OWNERS = np.array([1, 0, 1, 0, 2])
 
 

@@ -18,9 +18,8 @@ from visuohaptic.recognition.short_sequences import fit_short_classifiers
 pytestmark = pytest.mark.slow
 PARAMETERS = RecognitionParameters()
 TABLE = features_table(objects=(24, 24, 24), separation=0.8)
-LEARNT = TABLE.filter(
-    pc.less(TABLE["object"], "object3")
-)  # object0 to object2, object10 to object23
+# object0 to object2, object10 to object23
+LEARNT = TABLE.filter(pc.less(TABLE["object"], "object3"))
 NEW = TABLE.filter(pc.greater_equal(TABLE["object"], "object3"))
 
 
@@ -79,9 +78,7 @@ def test_sets_from_few_touches_hold_the_class_and_few_objects_are_unknown(model,
 
 
 def test_whole_sequences_are_classified_as_without_short_ones(model):
-    without = PARAMETERS.model_copy(
-        update={"best": PARAMETERS.best.model_copy(update={"short_touches": ()})}
-    )
+    without = RecognitionParameters(best={"short_touches": ()})
     plain = recognition.fit_model(LEARNT, "best", "support_vector_machine", without, 1)
     assert set(model.short) == {1, 2, 3, 4}
     assert not plain.short
@@ -124,12 +121,7 @@ def test_views_of_several_lengths_have_one_answer_no_surer_than_those_of_each(mo
 def test_a_length_that_was_not_learnt_is_classified_as_the_one_that_is_most_like_it(
     touches, classified_as
 ):
-    parameters = PARAMETERS.model_copy(
-        update={
-            "touches": 10,
-            "best": PARAMETERS.best.model_copy(update={"short_touches": (1, 4, 5, 12)}),
-        }
-    )
+    parameters = RecognitionParameters(touches=10, best={"short_touches": (1, 4, 5, 12)})
     table = features_table(objects=(2, 2), touches=10, separation=3.0)
     model = recognition.fit_model(table, "best", "naive_bayes", parameters, 1)
     assert set(model.short) == {1, 4, 5}
@@ -169,9 +161,7 @@ def test_no_training_object_is_compared_by_what_has_learnt_it(monkeypatch):
 
 
 def test_without_bags_or_a_second_object_nothing_more_is_learnt_or_compared():
-    without = PARAMETERS.model_copy(
-        update={"best": PARAMETERS.best.model_copy(update={"bags": ()})}
-    )
+    without = RecognitionParameters(best={"bags": ()})
     table = features_table(objects=(1, 1), separation=3.0)
     assert not recognition.fit_model(table, "best", "naive_bayes", without, 1).short
     alone = recognition.fit_model(table, "best", "naive_bayes", PARAMETERS, 1)

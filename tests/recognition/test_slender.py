@@ -11,7 +11,7 @@ from visuohaptic.recognition import files
 from visuohaptic.recognition.model import fit_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import whole_sequences
-from visuohaptic.recognition.summary import summarise
+from visuohaptic.recognition.summary import select, summarise
 from visuohaptic.tables.phases import FEATURES, PREDICTIONS, SCORES
 from visuohaptic.tables.schema import read_table, write_table
 
@@ -51,13 +51,6 @@ def table():
     return pa.concat_tables(parts)
 
 
-@pytest.fixture(scope="module")
-def of_needle(table):
-    mine = pa.compute.equal(table["object"], "needle")
-    fixated = pa.compute.equal(table["strategy"], "fixation")
-    return table.filter(pa.compute.and_(mine, fixated))
-
-
 def test_they_show_too_little_in_some_views(table):
     _, sentences = whole_sequences(table, 5)
     assert {sentence.split()[0] for sentence in sentences} == {"slender/wire", "slender/needle"}
@@ -81,10 +74,10 @@ def test_recognition_goes_on_without_those_views(table, tmp_path, caplog, pipeli
 
 
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
-def test_a_model_names_by_the_views_that_show_enough(pipeline, table, of_needle):
+def test_a_model_names_by_the_views_that_show_enough(pipeline, table):
+    of_needle = select(table, object="needle", strategy="fixation")
     whole, _ = whole_sequences(table, 5)
-    fixated = whole.filter(pa.compute.equal(whole["strategy"], "fixation"))
-    model = fit_model(fixated, pipeline, "naive_bayes", QUICK, 1)
+    model = fit_model(select(whole, strategy="fixation"), pipeline, "naive_bayes", QUICK, 1)
     counts = np.unique(of_needle["viewpoint"].to_numpy(), return_counts=True)[1]
     assert (counts < 5).any()
     if (counts == 5).any():

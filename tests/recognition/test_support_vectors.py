@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from sklearn.svm import SVC
 
+from visuohaptic.recognition.classifiers import ClassifierParameters
 from visuohaptic.recognition.support_vectors import fit_support_vector_machine
 
 
@@ -14,7 +15,8 @@ def test_scores_and_classes_are_scikit_learns(kernel, classes):
     labels = np.arange(90) % classes
     features = generator.normal(size=(90, 5)) + 0.4 * labels[:, None]
     tested = generator.normal(size=(200, 5)) + 1.0
-    ours = fit_support_vector_machine(features, 3 * labels, kernel, 10.0)
+    chosen = ClassifierParameters(svm_kernel=kernel, svm_penalty=10.0)
+    ours, _ = fit_support_vector_machine(chosen, features, 3 * labels, 0)
     theirs = SVC(kernel=kernel, C=10.0).fit(features, 3 * labels)
     scores = theirs.decision_function(tested)
     if classes == 2:
@@ -24,5 +26,6 @@ def test_scores_and_classes_are_scikit_learns(kernel, classes):
 
 
 def test_features_that_do_not_vary_give_one_class():
-    machine = fit_support_vector_machine(np.ones((4, 2)), np.array([0, 0, 0, 1]), "rbf", 1.0)
+    labels = np.array([0, 0, 0, 1])
+    machine, _ = fit_support_vector_machine(ClassifierParameters(), np.ones((4, 2)), labels, 0)
     assert machine.predict(np.zeros((3, 2))).tolist() == [0, 0, 0]

@@ -16,13 +16,9 @@ from visuohaptic.recognition.classifiers import (
     ClassifierParameters,
 )
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import (
-    LEAST_SCORE,
-    TEMPERATURES,
-    best_temperature,
-    softmax,
-)
+from visuohaptic.recognition.pooling import LEAST_SCORE, softmax
 from visuohaptic.recognition.tuning import (
+    FoldFits,
     class_scores,
     fit_projection,
     fit_tuned_classifier,
@@ -82,30 +78,11 @@ def test_without_a_second_object_a_class_the_simplest_setting_is_taken():
     )
     assert folds == []
     tuned, _ = fit_tuned_classifier(
-        "support_vector_machine", ClassifierParameters(), descriptors, labels, folds, 2,
-        np.random.default_rng(0),
+        "support_vector_machine", ClassifierParameters(), FoldFits(None, descriptors, labels), folds,
+        2, np.random.default_rng(0),
     )  # fmt: skip
     assert tuned.setting == "svm_penalty 1.0"
     assert tuned.temperature == 1
-
-
-def test_temperature_of_calibrated_scores_is_one_and_of_doubled_ones_two():
-    generator = np.random.default_rng(1)
-    scores = 2 * generator.normal(size=(20000, 3))
-    probabilities = softmax(scores)
-    labels = (generator.random((20000, 1)) > probabilities.cumsum(axis=1)).sum(axis=1)
-    step = TEMPERATURES[1] / TEMPERATURES[0]
-    for factor in (0.5, 1.0, 2.0):
-        _, temperature = best_temperature(factor * scores, labels)
-        assert factor / step <= temperature <= factor * step
-
-
-def test_loss_at_the_best_temperature_is_the_log_loss():
-    generator = np.random.default_rng(2)
-    scores, labels = generator.normal(size=(50, 4)), generator.integers(4, size=50)
-    loss, temperature = best_temperature(scores, labels)
-    named = softmax(scores / temperature)[np.arange(50), labels]
-    assert loss == pytest.approx(-np.log(named).mean())
 
 
 @pytest.mark.parametrize("name", CLASSIFIERS.names)
@@ -114,14 +91,14 @@ def test_every_classifier_gives_probabilities_also_of_a_class_it_never_saw(name)
     generator = np.random.default_rng(0)
     folds = make_inner_folds(descriptors, labels, owners, BestParameters(), generator)
     tuned, _ = fit_tuned_classifier(
-        name, ClassifierParameters(), descriptors, labels * 2, [], 3, generator
+        name, ClassifierParameters(), FoldFits(None, descriptors, labels * 2), [], 3, generator
     )
     probabilities = tuned.ballots(descriptors).alone()
     np.testing.assert_allclose(probabilities.sum(axis=1), 1)
     assert probabilities[:, 1].max() < 1e-9
     assert len(folds) == 2
     tuned, _ = fit_tuned_classifier(
-        name, ClassifierParameters(), descriptors, labels, folds, 2, generator
+        name, ClassifierParameters(), FoldFits(None, descriptors, labels), folds, 2, generator
     )
     assert (tuned.ballots(descriptors).alone().argmax(axis=1) == labels).mean() > 0.9
 
@@ -171,7 +148,12 @@ def test_a_new_classifier_counts_as_random_until_its_entry_says_otherwise(monkey
     folds = make_inner_folds(rows, labels, owners, BestParameters(), np.random.default_rng(0))
     for seed in range(2):
         fit_tuned_classifier(
-            "new", ClassifierParameters(), rows, labels, folds, 3, np.random.default_rng(seed)
+            "new",
+            ClassifierParameters(),
+            FoldFits(None, rows, labels),
+            folds,
+            3,
+            np.random.default_rng(seed),
         )
     # Both folds and all rows, each time with a seed of its own.
     assert len(set(drawn)) == 6

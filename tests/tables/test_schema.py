@@ -146,8 +146,7 @@ def test_matrix_puts_columns_side_by_side():
 
 
 @pytest.mark.parametrize("schema", SCHEMAS.values(), ids=SCHEMAS)
-def test_every_schema_starts_with_its_keys_and_describes_each_column(schema):
-    assert schema.arrow.names[: len(schema.keys)] == list(schema.keys)
+def test_every_schema_describes_each_column(schema):
     assert all(column.description for column in schema.columns)
 
 

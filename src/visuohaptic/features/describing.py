@@ -26,25 +26,11 @@ _KEPT = (*FEATURES.keys, *KINESTHETIC_FEATURES, "sensor_size", "contact_state")
 def describe_imprints(
     imprints: NDArray[np.float32], parameters: FeatureParameters
 ) -> NDArray[np.float64]:
-    """Describe imprints: by default the deviation of each of 16 directional sub-bands.
+    """Describe imprints (n, r, r), float32, in [0, 1]: k numbers each, (n, k).
 
-    Parameters
-    ----------
-    imprints : numpy.ndarray
-        Shape (n, r, r), float32, in [0, 1].
-    parameters : FeatureParameters
-        Descriptor, filters and extension.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, k), float64, k at most 16; each row depends on its own imprint alone.
-
-    Raises
-    ------
-    ParameterError
-        If imprints of this resolution can't be divided into 16 bands, or a descriptor gives other
-        than a row for each.
+    By default these are the deviations of 16 directional sub-bands, the most that k may be; each
+    row depends on its own imprint alone. Raises `ParameterError` if imprints of this resolution
+    can't be divided into 16 bands, or a descriptor gives other than a row for each.
     """
     entry = DESCRIPTORS[parameters.descriptor]
     found = entry.describe(imprints, parameters)
@@ -57,20 +43,9 @@ def describe_imprints(
 
 
 def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Table:
-    """Give the features of touches.
+    """Turn rows of `tables.TOUCHES` into rows of `tables.FEATURES`, each by its own touch alone.
 
-    Parameters
-    ----------
-    touches : pyarrow.Table
-        Rows of `tables.TOUCHES`.
-    parameters : FeatureParameters
-        Section `features`.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.FEATURES`, in the same order; each depends on its own touch alone. Where the
-        descriptor has fewer than 16 numbers, the rest of the columns ``contourlet_…`` are 0.
+    Where the descriptor has fewer than 16 numbers, the rest of the columns ``contourlet_…`` are 0.
     """
     if not touches.num_rows:
         return FEATURES.arrow.empty_table()

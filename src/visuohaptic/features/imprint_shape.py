@@ -10,22 +10,13 @@ CONTACT_LEVEL = 0.98
 
 
 def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Describe imprints by moments, contact, and the quadric that fits each best.
+    """Describe imprints (n, r, r), in [0, 1], by moments, contact, and the best quadric; r > 2.
 
-    Parameters
-    ----------
-    imprints : numpy.ndarray
-        Shape (n, r, r), in [0, 1], r at least 3.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 13), float64, columns as in `tables.IMPRINT_FEATURES`: mean, deviation and skewness; the shares of empty
-        and of touching points; of the best quadric over the square [-1, 1]² the sum of
-        its second derivatives, the size of their difference over all directions, and the
-        difference between columns and rows; its slopes' sizes along columns and rows; the
-        deviation that it leaves; mean steps between neighbours along columns and rows.
-        Each row depends on its own imprint alone.
+    Gives (n, 13), columns as in `tables.IMPRINT_FEATURES`: mean, deviation and skewness; the shares
+    of empty and of touching points; of the best quadric over the square [-1, 1]² the sum of its
+    second derivatives, the size of their difference over all directions, and the difference between
+    columns and rows; its slopes' sizes along columns and rows; the deviation that it leaves; mean
+    steps between neighbours along columns and rows. Each row depends on its own imprint alone.
     """
     values = imprints.astype(np.float64)
     count, side, _ = values.shape

@@ -10,18 +10,3 @@ from .summary import select as select
 from .summary import summarise as summarise
 from .touch_classifier import TouchClassifier as TouchClassifier
 from .touch_classifier import touch_descriptors as touch_descriptors
-
-__all__ = [
-    "Confusion",
-    "RecognitionModel",
-    "RecognitionParameters",
-    "TouchClassifier",
-    "confusion",
-    "fit_model",
-    "load_model",
-    "run_pipeline",
-    "save_model",
-    "select",
-    "summarise",
-    "touch_descriptors",
-]

@@ -9,18 +9,18 @@ which learnt from more; so the coverage is not guaranteed, and `studies.certaint
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import Ballots, spread_bags
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.set_distance import KnownTouches, TouchDistances, keep_touches
-from visuohaptic.recognition.splits import grouped_folds
+from visuohaptic.recognition.splits import hold_out_objects
 from visuohaptic.recognition.tuning import Projection, fit_best_classifiers
 
 
@@ -28,13 +28,13 @@ class SequenceClassifier(Protocol):
     """What classifies sequences: projected descriptors (n, p) become scores and ballots of c classes."""
 
     @property
-    def trained(self) -> NDArray[np.int64]:
+    def trained(self) -> Integers:
         """The classes that training had."""
 
-    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+    def scores(self, projected: Floats) -> Floats:
         """Give scores, shape (n, c)."""
 
-    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+    def ballots(self, projected: Floats) -> Ballots:
         """Give what is known of them, for one answer for any of them together."""
 
 
@@ -42,26 +42,19 @@ class SequenceClassifier(Protocol):
 class Landmarks:
     """Where the training objects lie.
 
-    Attributes
-    ----------
-    objects : numpy.ndarray
-        Shape (r, q), float64: the mean over each training object's sequences, among the projected
-        descriptors.
-    touches : KnownTouches
-        Their touches.
+    `objects` (r, q) are the means over each object's sequences, among the projected descriptors.
     """
 
-    objects: NDArray[np.float64]
+    objects: Floats
     touches: KnownTouches
 
-    def evidence(
-        self, projected: NDArray[np.float64], scores: NDArray[np.float64], nearest: float
-    ) -> NDArray[np.float64]:
+    def evidence(self, projected: Floats, scores: Floats, nearest: float) -> Floats:
         """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
 
-        `projected` are its sequences, shape (n, p), and `scores` what they score, shape (n, c). The signs
-        are the distance from the nearest training object, the negative of the highest mean score of a
-        class, and the distance of its touches from the nearest object's as sets, `nearest`.
+        `projected` are its sequences, shape (n, p), and `scores` what they score, shape (n, c). The
+        signs are the distance from the nearest training object, the negative of the highest mean
+        score of a class, and the distance of its touches from the nearest object's as sets,
+        `nearest`.
         """
         seen = projected[:, : self.objects.shape[1]]
         distance = np.linalg.norm(self.objects - seen.mean(axis=0), axis=1).min()
@@ -72,21 +65,14 @@ class Landmarks:
 class Certainty:
     """What an answer gives beside its probabilities.
 
-    Attributes
-    ----------
-    candidates : numpy.ndarray
-        Shape (c,), bool: the prediction set, which is made to hold the class of an object of a known class
-        in the stated share of cases; it may be empty.
-    strangeness : float
-        Between 0 and 1: the share of known objects, this one counted among them, that are no stranger
-        than it.
-    unknown : bool
-        Whether the object is stranger than the stated share of the known ones.
-    evidence : float
-        By which objects are compared: larger is stranger.
+    `candidates` (c,) is the prediction set, which is made to hold the class of an object of a known
+    class in the stated share of cases; it may be empty. `strangeness`, 0 to 1, is the share of
+    known objects, this one counted among them, that are no stranger than it; `unknown` says whether
+    it is stranger than the stated share of them. Objects are compared by `evidence`: larger is
+    stranger.
     """
 
-    candidates: NDArray[np.bool_]
+    candidates: Flags
     strangeness: float
     unknown: bool
     evidence: float
@@ -96,53 +82,31 @@ class Certainty:
 class Calibration:
     """Training objects, each predicted without itself, from bags of several sizes.
 
-    Attributes
-    ----------
-    views : numpy.ndarray
-        Shape (k,), int64: sequences in a bag, ascending.
-    labels : numpy.ndarray
-        Shape (n,), int64: the objects' classes.
-    nonconformity : numpy.ndarray
-        Shape (k, n), float64: 1 - probability of the true class.
-    evidence : numpy.ndarray
-        Shape (k, n, e), float64: as `Landmarks.evidence` gives it.
-    landmarks : Landmarks
-        Of all training objects, in the projection of the final fit.
+    `views` (k,) are the sequences in a bag, ascending, and `labels` (n,) the objects' classes.
+    `nonconformity` (k, n) is 1 - probability of the true class, and `evidence` (k, n, e) what
+    `Landmarks.evidence` gives. `landmarks` are of all training objects, in the projection of the
+    final fit.
     """
 
-    views: NDArray[np.int64]
-    labels: NDArray[np.int64]
-    nonconformity: NDArray[np.float64]
-    evidence: NDArray[np.float64]
+    views: Integers
+    labels: Integers
+    nonconformity: Floats
+    evidence: Floats
     landmarks: Landmarks
 
     def assess(
         self,
         classifier: SequenceClassifier,
-        projected: NDArray[np.float64],
-        touches: NDArray[np.float64],
-        probabilities: NDArray[np.float64],
+        projected: Floats,
+        touches: Floats,
+        probabilities: Floats,
         coverage: float,
     ) -> Certainty:
         """Compare a bag with the training objects.
 
-        Parameters
-        ----------
-        classifier : SequenceClassifier
-            The final fit.
-        projected : numpy.ndarray
-            Shape (n, p), float64: the bag's sequences.
-        touches : numpy.ndarray
-            Shape (m, k), float64: all its touches.
-        probabilities : numpy.ndarray
-            Shape (c,), float64: the answer for the bag.
-        coverage : float
-            The stated share.
-
-        Returns
-        -------
-        Certainty
-            By bags of as many sequences, or of the next smaller number.
+        Their bags are of as many sequences, or of the next smaller number. `classifier` is the
+        final fit, `projected` (n, p) are the bag's sequences, `touches` (m, k) all its touches, and
+        `probabilities` (c,) the answer for it; `coverage` is the stated share.
         """
         size = self._size(len(projected))
         nearest = self.landmarks.touches.nearest(touches)
@@ -156,12 +120,8 @@ class Calibration:
         return Certainty(candidates, 1 - share, share <= _least_share(coverage), float(strange))
 
     def prediction_set(
-        self,
-        probabilities: NDArray[np.float64],
-        trained: NDArray[np.int64],
-        sequences: int,
-        coverage: float,
-    ) -> NDArray[np.bool_]:
+        self, probabilities: Floats, trained: Integers, sequences: int, coverage: float
+    ) -> Flags:
         """Choose the classes whose p value is above 1 - coverage, shape (c,), of those that training had.
 
         `probabilities` are the answer for a bag of so many sequences, shape (c,).
@@ -174,26 +134,22 @@ class Calibration:
         """Give the place of the bags to compare with: of as many sequences, or the next smaller number."""
         return max(int(np.searchsorted(self.views, sequences, side="right")) - 1, 0)
 
-    def strangeness(self, size: int, evidence: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strangeness(self, size: int, evidence: Floats) -> Floats:
         """Add all signs, (..., e), each divided by its deviation over the training objects."""
         spread = self.evidence[size].std(axis=0)
-        added: NDArray[np.float64] = (evidence / np.where(spread > 0, spread, 1)).sum(axis=-1)
-        return added
+        return (evidence / np.where(spread > 0, spread, 1)).sum(axis=-1)
 
-    def p_values(
-        self, size: int, nonconformity: NDArray[np.float64], coverage: float
-    ) -> NDArray[np.float64]:
+    def p_values(self, size: int, nonconformity: Floats, coverage: float) -> Floats:
         """Give the conformal p value of each class by its nonconformity, (c,) to (c,).
 
-        It is the share of known objects, this one counted among them, that their class fits no better. A
-        class with enough objects of its own for the coverage is compared with these, so that the coverage
-        is that of its own objects; the others are compared with all.
+        It is the share of known objects, this one counted among them, that their class fits no
+        better. A class with enough objects of its own for the coverage is compared with these, so
+        that the coverage is that of its own objects; the others are compared with all.
         """
         same = self.labels[:, None] == np.arange(len(nonconformity))
         compared = same | (same.sum(axis=0) < least_objects(coverage))
         no_better = compared & (self.nonconformity[size][:, None] >= nonconformity)
-        shares: NDArray[np.float64] = (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
-        return shares
+        return (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
 
 
 def least_objects(coverage: float) -> int:
@@ -208,47 +164,28 @@ def _least_share(coverage: float) -> float:
 
 def fit_calibration(
     sequences: TouchSequences,
-    described: NDArray[np.float64],
+    described: Floats,
     parameters: RecognitionParameters,
     projection: Projection,
     generator: np.random.Generator,
 ) -> Calibration | None:
     """Classify every training object without itself, from bags of each size.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        The s training sequences.
-    described : numpy.ndarray
-        Shape (s, d), float64: their descriptors.
-    parameters : RecognitionParameters
-        Of one classifier of pipeline `best`.
-    projection : Projection
-        Of the final fit.
-    generator : numpy.random.Generator
-        Deals the objects over folds.
-
-    Returns
-    -------
-    Calibration or None
-        None where no class has a second object. An object whose class has no other is left out.
+    `described` (s, d) are the descriptors of the sequences, `parameters` those of one classifier of
+    pipeline `best`, and `projection` is that of the final fit; the generator deals the objects over
+    folds. An object whose class has no other is left out; gives None where no class has a second
+    one.
     """
     best, labels = parameters.best, sequences.labels
-    rows: dict[int, tuple[int, NDArray[np.float64], NDArray[np.float64]]] = {}
-    for train, objects in hold_out_objects(sequences, best.calibration_folds, generator):
+    rows: dict[int, tuple[int, Floats, Floats]] = {}
+    for train, objects in hold_out_objects(
+        labels, sequences.object_index, best.calibration_folds, generator
+    ):
         known = sequences.take(train)
-        own, fits = fit_best_classifiers(
-            described[train],
-            labels[train],
-            known.object_index,
-            len(known.classes),
-            parameters,
-            generator,
-        )
-        tuned = fits[0][1]
-        means = object_means(own.apply(described[train]), known.object_index, best)
-        known_touches = keep_touches(known, best.cues)
-        marks = Landmarks(means, known_touches)
+        training = (described[train], known.labels, known.object_index, len(known.classes))
+        own, [(_, tuned, _)] = fit_best_classifiers(*training, parameters, generator)
+        touches = keep_touches(known, best.cues)
+        marks = landmarks_of(own.apply(described[train]), known.object_index, touches, best)
         for place in objects:
             one = sequences.object_index == place
             label = int(labels[one][0])
@@ -256,44 +193,18 @@ def fit_calibration(
             bags = turn_bags(len(projected), place, best)
             probabilities = classify_bags(tuned.ballots(projected), bags)
             scores = tuned.scores(projected)
-            distances, places = object_distances(known_touches, sequences.features[one])
-            found = bag_evidence(marks, projected, scores, bags, distances, places)
+            distances = touches.distances(sequences.features[one])
+            found = bag_evidence(marks, projected, scores, bags, distances)
             rows[place] = (label, 1 - probabilities[:, label], found)
     if not rows:
         return None
-    means = object_means(projection.apply(described), sequences.object_index, best)
-    landmarks = Landmarks(means, keep_touches(sequences, best.cues))
+    touches = keep_touches(sequences, best.cues)
+    landmarks = landmarks_of(projection.apply(described), sequences.object_index, touches, best)
     return gather_calibration([rows[place] for place in sorted(rows)], landmarks, best)
 
 
-def hold_out_objects(
-    sequences: TouchSequences, folds: int, generator: np.random.Generator
-) -> Iterator[tuple[NDArray[np.bool_], list[int]]]:
-    """Deal the training objects over folds, each of which is predicted without itself.
-
-    Yields
-    ------
-    train : numpy.ndarray
-        Shape (s,), bool: the sequences of the other folds, of two classes at least.
-    objects : list of int
-        The objects of the fold whose class is among those, at least one.
-    """
-    labels, owners = sequences.labels, sequences.object_index
-    members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
-    if max(len(objects) for objects in members) < 2:
-        return
-    for objects in grouped_folds(members, folds, generator):
-        train = ~np.isin(owners, objects)
-        classes = np.unique(labels[train])
-        known = [place for place in objects if labels[owners == place][0] in classes]
-        if known and len(classes) > 1:
-            yield train, known
-
-
 def gather_calibration(
-    rows: Sequence[tuple[int, NDArray[np.float64], NDArray[np.float64]]],
-    landmarks: Landmarks,
-    best: BestParameters,
+    rows: Sequence[tuple[int, Floats, Floats]], landmarks: Landmarks, best: BestParameters
 ) -> Calibration:
     """Gather class, nonconformity (k,) and evidence (k, e) of each training object."""
     labels, nonconformity, evidence = zip(*rows, strict=True)
@@ -306,20 +217,12 @@ def gather_calibration(
     )
 
 
-def object_means(
-    projected: NDArray[np.float64], owners: NDArray[np.int64], best: BestParameters
-) -> NDArray[np.float64]:
-    """Give the mean over each object's sequences (n, p) of the components that classifiers see."""
-    return spread_bags(owners, (len(owners),)).means(projected[:, : best.components])
-
-
-def object_distances(
-    known: KnownTouches, touches: NDArray[np.float64]
-) -> tuple[TouchDistances, NDArray[np.int64]]:
-    """Give the distances of one object's touches (n, t, k), and the places (n, t) among them."""
-    places = np.arange(touches.shape[0] * touches.shape[1]).reshape(touches.shape[:2])
-    every = touches.reshape(-1, touches.shape[2])
-    return known.distances(every), places
+def landmarks_of(
+    projected: Floats, owners: Integers, touches: KnownTouches, best: BestParameters
+) -> Landmarks:
+    """Give landmarks by sequences (n, p), projected, and their objects (n,), with their touches."""
+    seen = projected[:, : best.components]
+    return Landmarks(spread_bags(owners, (len(owners),)).means(seen), touches)
 
 
 def one_classifier(parameters: RecognitionParameters, classifier: str) -> RecognitionParameters:
@@ -333,7 +236,7 @@ def bag_sizes(best: BestParameters) -> tuple[int, ...]:
     return tuple(sorted(best.bags)) or (1,)
 
 
-def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[NDArray[np.int64]]:
+def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[Integers]:
     """Give places of one bag of each size among an object's sequences.
 
     Which of its bags of a size it is takes turns with the object's number.
@@ -345,7 +248,7 @@ def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[NDArray[n
     return chosen
 
 
-def classify_bags(ballots: Ballots, bags: Sequence[NDArray[np.int64]]) -> NDArray[np.float64]:
+def classify_bags(ballots: Ballots, bags: Sequence[Integers]) -> Floats:
     """Give the answers for bags of an object's n sequences, shape (k, c)."""
     places = np.arange(len(ballots.probabilities))
     return np.array([ballots.together(np.isin(places, bag)[None])[0] for bag in bags])
@@ -353,34 +256,21 @@ def classify_bags(ballots: Ballots, bags: Sequence[NDArray[np.int64]]) -> NDArra
 
 def bag_evidence(
     marks: Landmarks,
-    projected: NDArray[np.float64],
-    scores: NDArray[np.float64],
-    bags: Sequence[NDArray[np.int64]],
+    projected: Floats,
+    scores: Floats,
+    bags: Sequence[Integers],
     distances: TouchDistances,
-    touches: NDArray[np.int64],
-) -> NDArray[np.float64]:
-    """Give the evidence of bags of an object's sequences.
+    length: int | None = None,
+) -> Floats:
+    """Give the evidence (k, e) of k bags of an object's sequences.
 
-    Parameters
-    ----------
-    marks : Landmarks
-        Of other objects.
-    projected, scores : numpy.ndarray
-        Shape (n, p) and (n, c), float64: the sequences and what they score.
-    bags : sequence of numpy.ndarray
-        Places of the k bags' sequences.
-    distances : TouchDistances
-        Of the object's touches.
-    touches : numpy.ndarray
-        Shape (n, t), int64: the places among them of each sequence's touches.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (k, e), float64.
+    The sequences are `projected`, (n, p), and have `scores`, (n, c); `bags` are their places.
+    `marks` are of other objects. `distances` are those of the sequences' touches (n, t), of which
+    the first `length` count, or all.
     """
-    found = []
-    for bag in bags:
-        nearest = distances.nearest(touches[bag].ravel())
-        found.append(marks.evidence(projected[bag], scores[bag], nearest))
-    return np.array(found)
+    return np.array(
+        [
+            marks.evidence(projected[bag], scores[bag], distances.nearest(np.s_[bag, :length]))
+            for bag in bags
+        ]
+    )

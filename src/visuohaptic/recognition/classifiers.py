@@ -1,25 +1,31 @@
 """Classifiers: the paper's five in the order of its Table 1, then others.
 
 What is a few sums is ours (`gaussian`, `neighbours`), the rest is scikit-learn's. Libraries are
-imported by the functions that use them (scikit-learn takes a second), so that the classifiers' names
-and settings can be checked without.
+imported with the functions that use them (scikit-learn takes a second), so that the classifiers'
+names and settings can be checked without.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import logging
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.functions import Function
 from visuohaptic.registry import Registry
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import NDArray
 
+    from visuohaptic.recognition.arrays import Floats, Integers
+
+logger = logging.getLogger(__name__)
+
+Fitted = TypeVar("Fitted")
 Fit = tuple[Any, str | None]
 """A fitted classifier, and a note on its fit, such as another setting."""
 
@@ -48,7 +54,7 @@ class Classifier:
 
     name: str
     label: str
-    fit: Callable[[ClassifierParameters, NDArray[np.float64], NDArray[np.int64], int], Fit]
+    fit: Callable[[ClassifierParameters, Floats, Integers, int], Fit]
     grid: Mapping[str, Sequence[Any]]
     deterministic: bool = False
 
@@ -72,12 +78,7 @@ class Classifier:
             To be registered. Pipeline `best` tries no settings of it.
         """
 
-        def fit(
-            _: ClassifierParameters,
-            features: NDArray[np.float64],
-            labels: NDArray[np.int64],
-            seed: int,
-        ) -> Fit:
+        def fit(_: ClassifierParameters, features: Floats, labels: Integers, seed: int) -> Fit:
             from sklearn.base import clone
 
             found = clone(estimator)
@@ -138,40 +139,39 @@ class ClassifierParameters(BaseModel):
 def fit_classifier(
     name: str,
     parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
+    features: Floats,
+    labels: Integers,
     generator: np.random.Generator,
 ) -> Fit:
-    """Fit one classifier.
+    """Fit a classifier on training features (n, d) and classes (n,).
 
-    Parameters
-    ----------
-    name : str
-        One of `CLASSIFIERS`.
-    parameters : ClassifierParameters
-        Its settings.
-    features : numpy.ndarray
-        Shape (n, d), float64: the training features.
-    labels : numpy.ndarray
-        Shape (n,), int64: the training classes.
-    generator : numpy.random.Generator
-        Gives the seed of those that draw, such as the decision tree, which breaks ties by it.
-
-    Returns
-    -------
-    object
-        The fitted classifier.
-    str or None
-        What it needed to be fitted, such as regularised covariances.
-
-    Raises
-    ------
-    RegistryError
-        If there is no such classifier.
-    RecognitionError
-        If a discriminant has nothing to take a covariance of.
+    Also gives a note on what it needed, if anything, such as regularised covariances. The generator
+    gives the seed of those that draw, such as the decision tree, which breaks ties by it. Raises
+    `RegistryError` if there is no such classifier, and `RecognitionError` if a discriminant has
+    nothing to take a covariance of.
     """
     return CLASSIFIERS[name].fit(parameters, features, labels, draw_seed(generator))
+
+
+def fit_each(
+    names: Iterable[ClassifierName], fit: Callable[[ClassifierName], Fitted]
+) -> Iterator[tuple[ClassifierName, Fitted]]:
+    """Fit classifiers one by one; those that can't be fitted are left out, and the log says why.
+
+    Raises the last one's `RecognitionError` if none can be fitted.
+    """
+    failed, fitted = None, False
+    for name in names:
+        try:
+            found = fit(name)
+        except RecognitionError as error:
+            logger.warning("%s is left out: %s", name, error)
+            failed = error
+            continue
+        fitted = True
+        yield name, found
+    if failed is not None and not fitted:
+        raise failed
 
 
 def draw_seed(generator: np.random.Generator) -> int:
@@ -179,60 +179,8 @@ def draw_seed(generator: np.random.Generator) -> int:
     return int(generator.integers(2**31))
 
 
-def check_spread(
-    name: ClassifierName, features: NDArray[np.float64], labels: NDArray[np.int64]
-) -> None:
-    """Refuse features, shape (n, d), of classes, shape (n,), that have nothing to take a covariance of."""
-    import numpy as np
-
-    _, counts = np.unique(labels, return_counts=True)
-    lonely = counts.min() < 2 if name == "quadratic_discriminant" else counts.max() < 2
-    if lonely:
-        raise RecognitionError(
-            f"{name} takes covariances and the smallest class has {counts.min()} training sequence; "
-            "at least 2 are needed."
-        )
-    if not np.ptp(features, axis=0).any():
-        raise RecognitionError(
-            f"{name} takes covariances and all {len(labels)} training sequences are alike; "
-            "features that vary are needed."
-        )
-
-
-def _fit_k_nearest_neighbours(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
-) -> Fit:
-    from visuohaptic.recognition.neighbours import fit_nearest_neighbours
-
-    found = fit_nearest_neighbours(
-        features, labels, parameters.neighbours, parameters.neighbour_weights
-    )
-    if found.neighbours == parameters.neighbours:
-        return found, None
-    return found, f"{found.neighbours} neighbours, for there are no more training sequences"
-
-
-def _fit_support_vector_machine(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
-) -> Fit:
-    from visuohaptic.recognition.support_vectors import fit_support_vector_machine
-
-    return fit_support_vector_machine(
-        features, labels, parameters.svm_kernel, parameters.svm_penalty
-    ), None
-
-
 def _fit_decision_tree(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    seed: int,
+    parameters: ClassifierParameters, features: Floats, labels: Integers, seed: int
 ) -> Fit:
     from sklearn.tree import DecisionTreeClassifier
 
@@ -244,55 +192,8 @@ def _fit_decision_tree(
     return tree.fit(features, labels), None
 
 
-def _fit_quadratic_discriminant(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
-) -> Fit:
-    """Fit plain covariances if any; where one is singular, shrink all, so that classes compare."""
-    from visuohaptic.recognition import gaussian
-
-    check_spread("quadratic_discriminant", features, labels)
-    if parameters.discriminant_regularisation == "pseudo_inverse":
-        return gaussian.fit_pseudo_quadratic_discriminant(features, labels), None
-    always = parameters.discriminant_regularisation == "always"
-    if not always and (plain := gaussian.fit_plain_discriminant(features, labels)):
-        return plain, None
-    shrinkage, target = parameters.discriminant_shrinkage, parameters.discriminant_target
-    amount = "Ledoit-Wolf shrinkage" if shrinkage == "ledoit_wolf" else f"shrinkage {shrinkage:g}"
-    note = None if always else f"singular covariance: {amount} of every class"
-    return gaussian.fit_quadratic_discriminant(features, labels, shrinkage, target), note
-
-
-def _fit_naive_bayes(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
-) -> Fit:
-    from visuohaptic.recognition.gaussian import fit_naive_bayes
-
-    return fit_naive_bayes(features, labels, parameters.bayes_smoothing), None
-
-
-def _fit_linear_discriminant(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
-) -> Fit:
-    from visuohaptic.recognition.gaussian import fit_linear_discriminant
-
-    check_spread("linear_discriminant", features, labels)
-    return fit_linear_discriminant(features, labels, parameters.linear_shrinkage), None
-
-
 def _fit_logistic_regression(
-    parameters: ClassifierParameters,
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    _seed: int,
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
 ) -> Fit:
     from sklearn.linear_model import LogisticRegression
 
@@ -303,26 +204,31 @@ def _fit_logistic_regression(
 CLASSIFIERS = Registry(
     "classifier",
     Classifier(
-        "k_nearest_neighbours", "k nearest neighbours", _fit_k_nearest_neighbours,
+        "k_nearest_neighbours", "k nearest neighbours",
+        Function("visuohaptic.recognition.neighbours:fit_nearest_neighbours"),
         {"neighbours": (5, 15)}, deterministic=True,
     ),
     Classifier(
-        "support_vector_machine", "support vector machine", _fit_support_vector_machine,
+        "support_vector_machine", "support vector machine",
+        Function("visuohaptic.recognition.support_vectors:fit_support_vector_machine"),
         {"svm_penalty": (1.0, 10.0)}, deterministic=True,
     ),
     Classifier(
         "decision_tree", "decision tree", _fit_decision_tree, {"tree_leaf_sequences": (1, 8)}
     ),
     Classifier(
-        "quadratic_discriminant", "quadratic discriminant", _fit_quadratic_discriminant,
+        "quadratic_discriminant", "quadratic discriminant",
+        Function("visuohaptic.recognition.gaussian:fit_quadratic_discriminant"),
         {"discriminant_shrinkage": (0.9, 0.6, 0.3)}, deterministic=True,
     ),
     Classifier(
-        "naive_bayes", "naïve Bayes", _fit_naive_bayes,
+        "naive_bayes", "naïve Bayes",
+        Function("visuohaptic.recognition.gaussian:fit_naive_bayes"),
         {"bayes_smoothing": (0.1, 0.01)}, deterministic=True,
     ),
     Classifier(
-        "linear_discriminant", "linear discriminant", _fit_linear_discriminant,
+        "linear_discriminant", "linear discriminant",
+        Function("visuohaptic.recognition.gaussian:fit_linear_discriminant"),
         {"linear_shrinkage": (0.5, 0.1)}, deterministic=True,
     ),
     Classifier(

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 
 VARIANCE_FLOOR = 1e-6
 """Least variance of a regularised covariance, as a share of the features' mean variance."""
@@ -18,26 +20,13 @@ Target = Literal["own_variances", "mean_variance"]
 
 
 def regularised_covariance(
-    deviations: NDArray[np.float64], shrinkage: Shrinkage, target: Target, floor: float
-) -> NDArray[np.float64]:
-    """Estimate a covariance that can't be singular.
+    deviations: Floats, shrinkage: Shrinkage, target: Target, floor: float
+) -> Floats:
+    """Estimate a covariance (d, d) that can't be singular, of deviations (n, d) from the mean.
 
-    Parameters
-    ----------
-    deviations : numpy.ndarray
-        Shape (n, d), float64: differences of rows from their mean.
-    shrinkage : float or "ledoit_wolf"
-        Amount, or how to find it.
-    target : str
-        ``own_variances`` shrinks the correlations towards none, each feature keeping its variance;
-        ``mean_variance`` shrinks towards one variance in every direction.
-    floor : float
-        Added to every variance, for rows that do not vary at all.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (d, d), float64.
+    Target ``own_variances`` shrinks the correlations towards none, each feature keeping its
+    variance; ``mean_variance`` shrinks towards one variance in every direction. `floor` is added to
+    every variance, for rows that do not vary at all.
     """
     if target == "mean_variance":
         found = _shrunk(deviations, shrinkage)
@@ -48,26 +37,41 @@ def regularised_covariance(
     return found + floor * np.eye(len(found))
 
 
-def variance_floor(features: NDArray[np.float64]) -> float:
+def variance_floor(features: Floats) -> float:
     """Give the least variance of features, shape (n, d), that a regularised covariance has."""
     return VARIANCE_FLOOR * float(features.var(axis=0).mean())
 
 
-def shrink(covariance: NDArray[np.float64], shrinkage: float) -> NDArray[np.float64]:
-    """Shrink towards one variance in every direction."""
-    shrunk: NDArray[np.float64] = (1.0 - shrinkage) * covariance
-    shrunk += shrinkage * (np.trace(covariance) / len(covariance)) * np.eye(len(covariance))
-    return shrunk
+def class_means(rows: Floats, labels: Integers, classes: Integers) -> Floats:
+    """Give the mean of each class's rows: (n, d) to (k, d)."""
+    return np.stack([rows[labels == name].mean(axis=0) for name in classes])
 
 
-def ledoit_wolf_shrinkage(
-    deviations: NDArray[np.float64], covariance: NDArray[np.float64]
-) -> float:
+def check_spread(name: str, features: Floats, labels: Integers) -> None:
+    """Refuse features (n, d) of classes (n,) that have nothing to take a covariance of.
+
+    `name` is the discriminant, which the `RecognitionError` names.
+    """
+    _, counts = np.unique(labels, return_counts=True)
+    lonely = counts.min() < 2 if name == "quadratic_discriminant" else counts.max() < 2
+    if lonely:
+        raise RecognitionError(
+            f"{name} takes covariances and the smallest class has {counts.min()} training sequence; "
+            "at least 2 are needed."
+        )
+    if not np.ptp(features, axis=0).any():
+        raise RecognitionError(
+            f"{name} takes covariances and all {len(labels)} training sequences are alike; "
+            "features that vary are needed."
+        )
+
+
+def ledoit_wolf_shrinkage(deviations: Floats, covariance: Floats) -> float:
     """Find how much to shrink the covariance, (d, d), of deviations from the mean, (n, d).
 
     The expected squared error of the shrunk covariance is least (O. Ledoit and M. Wolf, "A
-    well-conditioned estimator for large-dimensional covariance matrices", J. Multivariate Analysis 88,
-    2004, section 3.2).
+    well-conditioned estimator for large-dimensional covariance matrices", J. Multivariate Analysis
+    88, 2004, section 3.2).
     """
     count, columns = deviations.shape
     mean_variance = np.trace(covariance) / columns
@@ -78,8 +82,11 @@ def ledoit_wolf_shrinkage(
     return float(error / dispersion) if error > 0 else 0.0
 
 
-def _shrunk(deviations: NDArray[np.float64], shrinkage: Shrinkage) -> NDArray[np.float64]:
+def _shrunk(deviations: Floats, shrinkage: Shrinkage) -> Floats:
+    """Shrink the covariance of deviations towards one variance in every direction."""
     plain = deviations.T @ deviations / len(deviations)
     if shrinkage == "ledoit_wolf":
-        return shrink(plain, ledoit_wolf_shrinkage(deviations, plain))
-    return shrink(plain, shrinkage)
+        shrinkage = ledoit_wolf_shrinkage(deviations, plain)
+    shrunk: Floats = (1.0 - shrinkage) * plain
+    shrunk += shrinkage * (np.trace(plain) / len(plain)) * np.eye(len(plain))
+    return shrunk

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.encoding import ROUNDING
 from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.tables.phases import KINESTHETIC_FEATURES
@@ -24,73 +24,32 @@ LEAST_SIZE = 1e-6
 
 @dataclass(frozen=True)
 class WaveBasis:
-    """Plane waves over the six numbers of a pose.
+    """Plane waves over the six numbers of a pose: directions (6, w) and phases (w,), radians.
 
-    Their means over a sequence are the kernel mean embedding of its poses in a
-    Gaussian kernel (A. Rahimi and B. Recht, "Random features for large-scale kernel
-    machines", NIPS 2007): two sequences of touches that lie alike have like means.
-
-    Attributes
-    ----------
-    directions : numpy.ndarray
-        Shape (6, w), float64.
-    phases : numpy.ndarray
-        Shape (w,), float64, radians.
+    Their means over a sequence are the kernel mean embedding of its poses in a Gaussian kernel (A.
+    Rahimi and B. Recht, "Random features for large-scale kernel machines", NIPS 2007): two
+    sequences of touches that lie alike have like means.
     """
 
-    directions: NDArray[np.float64]
-    phases: NDArray[np.float64]
+    directions: Floats
+    phases: Floats
 
 
 def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> WaveBasis:
-    """Draw waves for a Gaussian kernel of `wave_length` over positions.
-
-    Parameters
-    ----------
-    parameters : BestParameters
-        Number and length of the waves, weight of the normals.
-    generator : numpy.random.Generator
-        Random seed.
-
-    Returns
-    -------
-    WaveBasis
-        The waves.
-    """
+    """Draw waves for a Gaussian kernel of `wave_length` over positions."""
     weights = np.array([1, 1, 1, *[parameters.normal_weight] * 3]) / parameters.wave_length
     directions = generator.normal(size=(6, parameters.waves)) * weights[:, None]
     return WaveBasis(directions, generator.uniform(0, 2 * np.pi, size=parameters.waves))
 
 
 def describe_sequences(
-    features: NDArray[np.float64],
-    names: Sequence[str],
-    waves: WaveBasis,
-    parameters: BestParameters,
-) -> NDArray[np.float64]:
-    """Describe sequences by statistics over their touches and relations between these.
+    features: Floats, names: Sequence[str], waves: WaveBasis, parameters: BestParameters
+) -> Floats:
+    """Describe sequences (s, t, k) by statistics and relations of their touches: (s, d).
 
-    Parameters
-    ----------
-    features : numpy.ndarray
-        Shape (s, t, k), float64.
-    names : sequence of str
-        The k columns: the pose, and of ``contourlet_…``, ``imprint_…``,
-        ``sensor_size`` and ``contact_…`` what there is.
-    waves : WaveBasis
-        Waves of the embedding.
-    parameters : BestParameters
-        Which cues.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, d), float64, each row from its own sequence alone.
-
-    Raises
-    ------
-    RecognitionError
-        If a column of the pose is missing or no cue has a column.
+    The k columns are the pose, and of ``contourlet_…``, ``imprint_…``, ``sensor_size`` and
+    ``contact_…`` what there is. Each row is from its own sequence alone. Raises `RecognitionError`
+    if a column of the pose is missing or no cue has a column.
     """
     missing = [name for name in POSE if name not in names]
     if missing:
@@ -115,28 +74,18 @@ def describe_sequences(
     return described
 
 
-def statistics(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def statistics(values: Floats) -> Floats:
     """Give mean, standard deviation, minimum and maximum over touches: (s, t, k) to (s, 4 k)."""
     parts = (values.mean(axis=1), values.std(axis=1), values.min(axis=1), values.max(axis=1))
     return np.concatenate(parts, axis=1)
 
 
-def pose_coordinates(
-    points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Give each touch's pose in the object's frame, mirrored, and free of azimuth.
+def pose_coordinates(points: Floats, normals: Floats) -> Floats:
+    """Give each touch's pose in the object's frame, mirrored, and free of azimuth: (s, t, 16).
 
-    Parameters
-    ----------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, t, 16), float64: the pose; the magnitudes of x, z and the normal's three
-        components; distance from the upright axis and from the centre, and how far the
-        normal points away from the centre, away from the axis, and around it.
+    Of points and normals, (s, t, 3) each: the pose; the magnitudes of x, z and the normal's three
+    components; distance from the upright axis and from the centre, and how far the normal points
+    away from the centre, away from the axis, and around it.
     """
     axial = np.hypot(points[..., 0], points[..., 2])
     radius = np.linalg.norm(points, axis=-1)
@@ -151,21 +100,11 @@ def pose_coordinates(
     )
 
 
-def azimuth_free_coordinates(
-    points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Turn each touch about the upright axis into the plane of x and y, and mirror it to one side.
+def azimuth_free_coordinates(points: Floats, normals: Floats) -> tuple[Floats, Floats]:
+    """Turn touches about the upright axis into the plane of x and y, and mirror them to one side.
 
-    Parameters
-    ----------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64.
-
-    Returns
-    -------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64: distance from the axis, height, 0; the normal's part away from
-        the axis, upwards, and the size of that around it.
+    Points and normals (s, t, 3) become distance from the axis, height, 0; and the normal's part
+    away from the axis, upwards, and the size of that around it.
     """
     axial = np.hypot(points[..., 0], points[..., 2])
     way = points[..., ::2] / np.maximum(axial, LEAST_SIZE)[..., None]
@@ -175,32 +114,20 @@ def azimuth_free_coordinates(
     return placed, np.stack([away, normals[..., 1], around], axis=-1)
 
 
-def _describe_azimuth_free(
-    points: NDArray[np.float64], normals: NDArray[np.float64], waves: WaveBasis
-) -> NDArray[np.float64]:
+def _describe_azimuth_free(points: Floats, normals: Floats, waves: WaveBasis) -> Floats:
     placed, turned = azimuth_free_coordinates(points, normals)
     coordinates = np.concatenate([placed[..., :2], turned], axis=-1)
     embedded = embed_poses(placed, turned, waves)
     return np.concatenate([statistics(coordinates), embedded], axis=1)
 
 
-def describe_relations(
-    points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Describe how the touches of a sequence lie to one another.
+def describe_relations(points: Floats, normals: Floats) -> Floats:
+    """Describe how the touches of a sequence lie to one another: (s, 27).
 
-    Parameters
-    ----------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, 27), float64: statistics over all pairs of distance, height and level
-        distance, the normals' cosine, and the sum and difference of the angles between
-        normals and the line that joins the two; then the three principal extents of the
-        points. A single touch has no pair, and zeros.
+    Of points and normals, (s, t, 3) each: statistics over all pairs of distance, height and level
+    distance, the normals' cosine, and the sum and difference of the angles between normals and the
+    line that joins the two; then the three principal extents of the points. A single touch has no
+    pair, and zeros.
     """
     touches = points.shape[1]
     centred = points - points.mean(axis=1, keepdims=True)
@@ -228,36 +155,22 @@ def describe_relations(
     return np.concatenate([statistics(np.stack(pairs, axis=-1)), extents], axis=1)
 
 
-def embed_poses(
-    points: NDArray[np.float64], normals: NDArray[np.float64], waves: WaveBasis
-) -> NDArray[np.float64]:
-    """Give the mean of each wave over a sequence's poses, left and right being alike.
+def embed_poses(points: Floats, normals: Floats, waves: WaveBasis) -> Floats:
+    """Give the mean of each of w waves over a sequence's poses, left and right being alike.
 
-    Parameters
-    ----------
-    points, normals : numpy.ndarray
-        Shape (s, t, 3) each, float64.
-    waves : WaveBasis
-        The w waves.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, w), float64, within ± sqrt(2).
+    Points and normals (s, t, 3) become (s, w), within ± sqrt(2).
     """
     pose = np.concatenate([points, normals], axis=-1)
     pose[..., [0, 3]] = np.abs(pose[..., [0, 3]])
     return np.sqrt(2) * np.cos(pose @ waves.directions + waves.phases).mean(axis=1)
 
 
-def _columns(
-    features: NDArray[np.float64], names: Sequence[str], prefix: str
-) -> NDArray[np.float64]:
+def _columns(features: Floats, names: Sequence[str], prefix: str) -> Floats:
     places = [place for place, name in enumerate(names) if name.startswith(prefix)]
     return features[:, :, places]
 
 
-def _describe_sensor(features: NDArray[np.float64], names: Sequence[str]) -> NDArray[np.float64]:
+def _describe_sensor(features: Floats, names: Sequence[str]) -> Floats:
     size = np.log(np.maximum(_columns(features, names, "sensor_size"), LEAST_SIZE))
     states = _columns(features, names, "contact_").mean(axis=1)
     return np.concatenate([statistics(size), states], axis=1)

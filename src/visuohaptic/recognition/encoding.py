@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.parameters import (
     RecognitionParameters,
@@ -29,22 +29,16 @@ FEATURES_MADE_OF = 1.0
 
 @dataclass(frozen=True)
 class Standardiser:
-    """Shift and scale of k columns; a column that was constant becomes 0, as its scale is infinite.
+    """Shift and scale of k columns; a column that was constant becomes 0, as its scale is infinite."""
 
-    Attributes
-    ----------
-    mean, scale : numpy.ndarray
-        Shape (k,), float64.
-    """
+    mean: Floats
+    scale: Floats
 
-    mean: NDArray[np.float64]
-    scale: NDArray[np.float64]
-
-    def apply(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def apply(self, rows: Floats) -> Floats:
         """Standardise rows, shape (..., k)."""
         return (rows - self.mean) / self.scale
 
-    def sizes(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def sizes(self, rows: Floats) -> Floats:
         """Give the size of what `apply` computes its numbers from, which their rounding goes by."""
         return (np.abs(rows) + np.abs(self.mean)) / self.scale
 
@@ -59,22 +53,12 @@ class SequenceEncoder:
     sequence_parameters: SequenceParameters
     feature_scaling: Standardiser
 
-    def encode(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give the features of sequences.
+    def encode(self, sequences: Floats) -> Floats:
+        """Give the scaled features of sequences: (s, t, k) to (s, m * (1 + levels) * 3)."""
+        reduced = self.reduce(sequences)
+        return self.feature_scaling.apply(sequence_features(reduced, self.sequence_parameters))
 
-        Parameters
-        ----------
-        sequences : numpy.ndarray
-            Shape (s, t, k), float64.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (s, m * (1 + levels) * 3), float64, scaled; m numbers are left of a touch.
-        """
-        return self.feature_scaling.apply(self._unscaled(sequences))
-
-    def reduce(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+    def reduce(self, sequences: Floats) -> Floats:
         """Reduce each touch to m numbers: (s, t, k) to (s, t, m).
 
         Features of a group may cancel each other, and touches that are alike have distances from a
@@ -88,9 +72,6 @@ class SequenceEncoder:
             return reduced
         sizes = entry.sizes(self.reduction, self.touch_scaling.sizes(touches))
         return _without_rounding(reduced, sizes.reshape(reduced.shape))
-
-    def _unscaled(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
-        return sequence_features(self.reduce(sequences), self.sequence_parameters)
 
 
 @dataclass(frozen=True)
@@ -107,22 +88,15 @@ class ReductionMemory:
     """Maps by a hash of what they were fitted on and how, so that none is fitted twice.
 
     Readings of the paper differ mostly in what follows the map. A remembered map leaves the random
-    generator as fitting it would, so it changes no number.
-
-    Attributes
-    ----------
-    most : int
-        Maps that are remembered at once; the oldest go first.
+    generator as fitting it would, so it changes no number. At most `most` are remembered at once;
+    the oldest go first.
     """
 
     most: int = 1000
     _held: OrderedDict[bytes, TouchReduction] = field(default_factory=OrderedDict)
 
     def reduction(
-        self,
-        touches: NDArray[np.float64],
-        parameters: RecognitionParameters,
-        generator: np.random.Generator,
+        self, touches: Floats, parameters: RecognitionParameters, generator: np.random.Generator
     ) -> TouchReduction:
         """Give what `fit_reduction` gives; it is called only where it is new."""
         key = _digest(touches, parameters, generator)
@@ -137,9 +111,7 @@ class ReductionMemory:
 
 
 def fit_reduction(
-    touches: NDArray[np.float64],
-    parameters: RecognitionParameters,
-    generator: np.random.Generator,
+    touches: Floats, parameters: RecognitionParameters, generator: np.random.Generator
 ) -> TouchReduction:
     """Fit touch scaling and map on the training touches, shape (n, k), float64."""
     scaling = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
@@ -149,9 +121,7 @@ def fit_reduction(
 
 
 def _digest(
-    touches: NDArray[np.float64],
-    parameters: RecognitionParameters,
-    generator: np.random.Generator,
+    touches: Floats, parameters: RecognitionParameters, generator: np.random.Generator
 ) -> bytes:
     settings = parameters.self_organising_map.model_dump()
     entry = MAPS[settings["output"]]
@@ -161,33 +131,16 @@ def _digest(
 
 
 def fit_sequence_encoder(
-    sequences: NDArray[np.float64],
+    sequences: Floats,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
     memory: ReductionMemory | None = None,
 ) -> SequenceEncoder:
-    """Fit touch scaling, map and feature scaling.
+    """Fit touch scaling, map and feature scaling on training sequences (s, t, k), and no others.
 
-    Parameters
-    ----------
-    sequences : numpy.ndarray
-        Shape (s, t, k), float64: the training sequences and no others.
-    parameters : RecognitionParameters
-        Every choice on the way.
-    generator : numpy.random.Generator
-        For the online map's order of touches; the batch map takes nothing from it.
-    memory : ReductionMemory, optional
-        Holds maps of other calls; it changes no number.
-
-    Returns
-    -------
-    SequenceEncoder
-        The fitted encoder.
-
-    Raises
-    ------
-    RecognitionError
-        If no feature varies over the training touches, or a setting does not fit.
+    The generator is for the online map's order of touches; the batch map takes nothing from it.
+    `memory` holds maps of other calls; it changes no number. Raises `RecognitionError` if no
+    feature varies over the training touches, or a setting does not fit.
     """
     touches = sequences.reshape(-1, sequences.shape[-1])
     if not np.ptp(touches, axis=0).any():
@@ -208,15 +161,12 @@ def fit_sequence_encoder(
     return replace(unscaled, feature_scaling=feature_scaling)
 
 
-def fit_standardiser(
-    rows: NDArray[np.float64], scaling: Scaling, made_of: float | NDArray[np.float64] = 0.0
-) -> Standardiser:
+def fit_standardiser(rows: Floats, scaling: Scaling, made_of: float | Floats = 0.0) -> Standardiser:
     """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
 
-    A column counts as constant when its deviation is rounding noise beside its
-    largest value, or beside `made_of`, the size of what columns are computed from. It is
-    0 from then on; rounding, which differs between processors, would otherwise get the
-    weight of a feature.
+    A column counts as constant when its deviation is rounding noise beside its largest value, or
+    beside `made_of`, the size of what columns are computed from. It is 0 from then on; rounding,
+    which differs between processors, would otherwise get the weight of a feature.
     """
     if scaling == "none":
         return _identity(rows.shape[1])
@@ -229,9 +179,7 @@ def _identity(columns: int) -> Standardiser:
     return Standardiser(np.zeros(columns), np.ones(columns))
 
 
-def _without_rounding(
-    sequences: NDArray[np.float64], sizes: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _without_rounding(sequences: Floats, sizes: Floats) -> Floats:
     """Give sequences that are constant but for rounding one value, 0 if that is rounding of `sizes`."""
     noise = ROUNDING * sizes.max(axis=1, keepdims=True)
     middle = sequences.mean(axis=1, keepdims=True)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import logging
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,7 +14,8 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier
+from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier, fit_each
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.encoding import ReductionMemory, fit_sequence_encoder
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -43,8 +42,6 @@ from visuohaptic.tables.schema import build_rows, build_table
 if TYPE_CHECKING:
     from visuohaptic.recognition.pooling import Ballots
 
-logger = logging.getLogger(__name__)
-
 AnswerSplit = Callable[[Split, np.random.Generator], Iterator["Answer"]]
 """Trains on a split's training sequences and classifies its test sequences."""
 
@@ -54,22 +51,14 @@ PAPER_FEATURES = (*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
 
 @dataclass(frozen=True)
 class Answer:
-    """What one classifier predicted in one split.
+    """What one classifier predicted in one split: the class of each test sequence, (n,).
 
-    Attributes
-    ----------
-    classifier : str
-        The classifier.
-    predicted : numpy.ndarray
-        Shape (n,), int64: the class predicted for each test sequence.
-    note : str or None
-        What the classifier needed to be fitted.
-    ballots : Ballots or None
-        What is known of the test sequences, where the pipeline gives probabilities.
+    `note` says what the classifier needed to be fitted; there are `ballots` of the test sequences
+    where the pipeline gives probabilities.
     """
 
     classifier: ClassifierName
-    predicted: NDArray[np.int64]
+    predicted: Integers
     note: str | None
     ballots: Ballots | None = None
 
@@ -79,33 +68,13 @@ def run_pipeline(
 ) -> tuple[pa.Table, pa.Table]:
     """Train and test every split, classifier and repeat on one strategy's features.
 
-    Everything that is fitted (scalings, map, classifier) sees the training
-    sequences of its split alone.
-
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy; their order changes nothing.
-    parameters : RecognitionParameters
-        Every choice on the way.
-    seed : int
-        The experiment's seed. The splits, and the generator of each, depend on
-        it and not on the strategy, so strategies compare in pairs.
-    pipeline : str
-        Which pipeline.
-
-    Returns
-    -------
-    scores : pyarrow.Table
-        `tables.SCORES`, a row for each classifier, split and repeat. A classifier that can't be
-        fitted in a split has no row at all; the log says why.
-    predictions : pyarrow.Table
-        `tables.PREDICTIONS`, a row for each tested sequence of each.
-
-    Raises
-    ------
-    RecognitionError
-        If the features don't allow the experiment; the sentence says why.
+    Gives rows of `tables.SCORES` and of `tables.PREDICTIONS`. Everything that is fitted (scalings,
+    map, classifier) sees the training sequences of its split alone. The order of rows changes
+    nothing. The splits, and the generator of each, depend on the experiment's seed and not on the
+    strategy, so strategies compare in pairs. Scores have a row for each classifier, split and
+    repeat, predictions one for each tested sequence of each; a classifier that can't be fitted in a
+    split has no row at all, and the log says why. Raises `RecognitionError` if the features don't
+    allow the experiment.
     """
     strategy = features.column("strategy")[0].as_py() if len(features) else ""
     sequences = gather_pipeline(features, parameters, pipeline, seed)
@@ -125,12 +94,32 @@ def run_sequences(
     `strategy` names the rows and changes nothing else; `answer_split` is as in `answer_splits`.
     Gives scores and predictions as `run_pipeline` does, and raises as it does.
     """
-    record = _Record(pipeline, strategy, sequences)
     answers = answer_splits(sequences, parameters, seed, pipeline, answer_split)
-    for split, repeat, answer in answers:
-        record.add(split, repeat, answer)
-    record.leave_gaps()
-    return record.scores(), record.predictions()
+    twins = _twins_note(sequences)
+    scores: list[dict[str, object]] = []
+    predictions: list[dict[str, NDArray[np.generic]]] = []
+    for split, repeat, answer in _without_gaps(list(answers)):
+        key: dict[str, object] = {
+            "pipeline": pipeline,
+            "strategy": strategy,
+            "classifier": answer.classifier,
+            "split": split.number,
+            "seed": repeat,
+        }
+        voted, credit = _vote(sequences, split, answer)
+        figures = {
+            "accuracy": float((answer.predicted == sequences.labels[split.test]).mean()),
+            "object_accuracy": float(credit.mean()),
+            "sequences": len(split.test),
+            "note": "; ".join(filter(None, (answer.note, twins))) or None,
+        }
+        scores.append(key | figures)
+        repeated = {name: np.full(len(split.test), value) for name, value in key.items()}
+        predictions.append(repeated | _predicted(sequences, split, answer, voted))
+    columns = {
+        name: np.concatenate([block[name] for block in predictions]) for name in predictions[0]
+    }
+    return build_rows(SCORES, scores), build_table(PREDICTIONS, columns)
 
 
 def answer_splits(
@@ -184,8 +173,8 @@ def gather_pipeline(
     """Gather the columns that a pipeline uses from rows of one strategy.
 
     ``paper`` takes the paper's 22 features; ``best`` also columns ``imprint_…``, ``sensor_size``
-    and ``contact_state`` where there are any. The seed is for a shuffled order. Raises `RecognitionError` if there is no such
-    pipeline, or the features don't allow it.
+    and ``contact_state`` where there are any. The seed is for a shuffled order. Raises
+    `RecognitionError` if there is no such pipeline, or the features don't allow it.
     """
     bands = _described(features)
     features = turn_objects(features, parameters.protocol.turns)
@@ -251,30 +240,23 @@ def run_paper_split(
 ) -> Iterator[Answer]:
     """Fit the paper's pipeline on a split's training sequences and classify its test sequences.
 
-    The test sequences are only encoded and classified. `memory` holds maps of other runs; it changes no
-    number. Yields an answer for each classifier that can be fitted.
+    The test sequences are only encoded and classified. `memory` holds maps of other runs; it
+    changes no number. Yields an answer for each classifier that can be fitted.
     """
     labels = sequences.labels[split.train]
     encoder = fit_sequence_encoder(sequences.features[split.train], parameters, generator, memory)
     training = encoder.encode(sequences.features[split.train])
     tested = encoder.encode(sequences.features[split.test])
-    failed, answered = None, False
-    for name in parameters.classifiers:
-        try:
-            fitted, note = fit_classifier(name, parameters.classifier, training, labels, generator)
-        except RecognitionError as error:
-            logger.warning("%s is left out: %s", name, error)
-            failed = error
-            continue
+    for name, (fitted, note) in fit_each(
+        parameters.classifiers,
+        lambda name: fit_classifier(name, parameters.classifier, training, labels, generator),
+    ):
         yield Answer(name, fitted.predict(tested), note)
-        answered = True
-    if failed is not None and not answered:
-        raise failed
 
 
 def run_best_split(
     sequences: TouchSequences,
-    described: NDArray[np.float64],
+    described: Floats,
     split: Split,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
@@ -299,74 +281,19 @@ def run_best_split(
         yield Answer(name, ballots.alone().argmax(axis=1), notes, ballots)
 
 
-class _Record:
-    """The rows of both tables as the answers come in."""
-
-    def __init__(self, pipeline: str, strategy: str, sequences: TouchSequences) -> None:
-        self._key = {"pipeline": pipeline, "strategy": strategy}
-        self._sequences = sequences
-        self._twins = _twins_note(sequences)
-        self._scores: list[dict[str, object]] = []
-        self._predictions: list[dict[str, NDArray[np.generic]]] = []
-
-    def add(self, split: Split, repeat: int, answer: Answer) -> None:
-        sequences = self._sequences
-        owners = sequences.object_index[split.test]
-        right = answer.predicted == sequences.labels[split.test]
-        voted, credit = _vote(owners, answer, sequences.class_of_object)
-        key: dict[str, object] = {
-            **self._key,
-            "classifier": answer.classifier,
-            "split": split.number,
-            "seed": repeat,
-        }
-        notes = [note for note in (answer.note, self._twins) if note]
-        figures = {
-            "accuracy": float(right.mean()),
-            "object_accuracy": float(credit.mean()),
-            "sequences": len(owners),
-            "note": "; ".join(notes) or None,
-        }
-        self._scores.append({**key, **figures})
-        names = np.array(sequences.objects, dtype=object)[owners]
-        classes = np.array([*sequences.classes, None], dtype=object)
-        columns = {
-            "class": names[:, 0],
-            "object": names[:, 1],
-            "viewpoint": sequences.viewpoint[split.test],
-            "predicted": classes[answer.predicted],
-            "probability": _predicted_probability(answer),
-            "voted": classes[voted],
-        }
-        repeated = {name: np.full(len(owners), value) for name, value in key.items()}
-        self._predictions.append({**repeated, **columns})
-
-    def leave_gaps(self) -> None:
-        """Leave out whom a split lacks: its mean over the others would compare with no one's."""
-        splits = len({(row["split"], row["seed"]) for row in self._scores})
-        answered = Counter(row["classifier"] for row in self._scores)
-        whole = {name for name, count in answered.items() if count == splits}
-        if not whole:
-            raise RecognitionError("No classifier can be fitted in every split; see the log.")
-        kept = [row["classifier"] in whole for row in self._scores]
-        self._scores = list(itertools.compress(self._scores, kept))
-        self._predictions = list(itertools.compress(self._predictions, kept))
-
-    def scores(self) -> pa.Table:
-        return build_rows(SCORES, self._scores)
-
-    def predictions(self) -> pa.Table:
-        names = self._predictions[0]
-        columns = {
-            name: np.concatenate([block[name] for block in self._predictions]) for name in names
-        }
-        return build_table(PREDICTIONS, columns)
+def _without_gaps(answers: list[tuple[Split, int, Answer]]) -> list[tuple[Split, int, Answer]]:
+    """Leave out whom a split lacks: its mean over the others would compare with no one's."""
+    splits = len({(split.number, repeat) for split, repeat, _ in answers})
+    answered = Counter(answer.classifier for *_, answer in answers)
+    whole = [one for one in answers if answered[one[2].classifier] == splits]
+    if not whole:
+        raise RecognitionError("No classifier can be fitted in every split; see the log.")
+    return whole
 
 
-def _vote(
-    owners: NDArray[np.int64], answer: Answer, true_class: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _vote(sequences: TouchSequences, split: Split, answer: Answer) -> tuple[Integers, Floats]:
     """Give the class voted for each sequence's object (-1 without probabilities), and credits."""
+    owners, true_class = sequences.object_index[split.test], sequences.class_of_object
     if answer.ballots is None:
         _, credit = vote_credit(owners, answer.predicted, true_class)
         return np.full(len(owners), -1), credit
@@ -375,10 +302,23 @@ def _vote(
     return voted[row], (voted == true_class[present]).astype(np.float64)
 
 
-def _predicted_probability(answer: Answer) -> NDArray[np.object_]:
-    if answer.ballots is None:
-        return np.full(len(answer.predicted), None, dtype=object)
-    return answer.ballots.alone().max(axis=1).astype(object)
+def _predicted(
+    sequences: TouchSequences, split: Split, answer: Answer, voted: Integers
+) -> dict[str, NDArray[np.generic]]:
+    """Give the columns of predictions that differ from one test sequence to another."""
+    names = np.array(sequences.objects, dtype=object)[sequences.object_index[split.test]]
+    classes = np.array([*sequences.classes, None], dtype=object)
+    probability = np.full(len(split.test), None, dtype=object)
+    if answer.ballots is not None:
+        probability = answer.ballots.alone().max(axis=1).astype(object)
+    return {
+        "class": names[:, 0],
+        "object": names[:, 1],
+        "viewpoint": sequences.viewpoint[split.test],
+        "predicted": classes[answer.predicted],
+        "probability": probability,
+        "voted": classes[voted],
+    }
 
 
 def _twins_note(sequences: TouchSequences) -> str | None:

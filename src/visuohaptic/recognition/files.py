@@ -26,10 +26,8 @@ def make_scores(
 ) -> None:
     """Make the score and prediction tables of one pipeline and strategy.
 
-    Raises
-    ------
-    RecognitionError
-        If the table has no touch of the strategy, or not what the experiment needs.
+    Raises `RecognitionError` if the table has no touch of the strategy, or not what the experiment
+    needs.
     """
     table, left_out = take_strategy(read_table(FEATURES, features), strategy, parameters.touches)
     for sentence in left_out:

@@ -10,11 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
 from visuohaptic.recognition.covariance import (
-    Shrinkage,
-    Target,
+    check_spread,
+    class_means,
     regularised_covariance,
     variance_floor,
 )
@@ -22,7 +23,7 @@ from visuohaptic.recognition.covariance import (
 LEAST_PLAIN_VARIANCE = 1e-4
 """A class that varies less than this in some direction has a covariance that counts as singular."""
 
-Whitening = tuple[NDArray[np.float64], float]
+Whitening = tuple[Floats, float]
 """Directions (d, d), by which deviations of one class get unit variances, and the log determinant of
 its covariance."""
 
@@ -31,91 +32,79 @@ its covariance."""
 class GaussianClassifier:
     """Classes with a normal density each.
 
-    Attributes
-    ----------
-    classes_ : numpy.ndarray
-        Shape (k,), int64: the classes, ascending.
-    means : numpy.ndarray
-        Shape (k, d), float64.
-    directions : numpy.ndarray
-        Shape (k, d, d), or (1, d, d) where all classes share them: a deviation from the mean times
-        these has the squared Mahalanobis distance as its squared length.
-    offsets : numpy.ndarray
-        Shape (k,), float64: logarithms of each class's share of the training rows, less half the
-        logarithm of its covariance's determinant.
+    A deviation from one of `means` (k, d) times its `directions`, (k, d, d), or (1, d, d) where all
+    classes share them, has the squared Mahalanobis distance as its squared length. `offsets` (k,)
+    are logarithms of each class's share of the training rows, less half the logarithm of its
+    covariance's determinant.
     """
 
-    classes_: NDArray[np.int64]
-    means: NDArray[np.float64]
-    directions: NDArray[np.float64]
-    offsets: NDArray[np.float64]
+    classes_: Integers
+    means: Floats
+    directions: Floats
+    offsets: Floats
 
     @property
     def n_features_in_(self) -> int:
         """How many features a row has."""
         return self.means.shape[1]
 
-    def decision_function(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def decision_function(self, rows: Floats) -> Floats:
         """Give the logarithm of each class's density times its share, but for a constant: (n, d) to (n, k)."""
         deviations = (rows - self.means[:, None]) @ self.directions
         distances = np.einsum("knd,knd->nk", deviations, deviations)
-        found: NDArray[np.float64] = self.offsets - distances / 2
-        return found
+        return self.offsets - distances / 2
 
-    def predict_log_proba(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def predict_log_proba(self, rows: Floats) -> Floats:
         """Give the logarithm of each class's probability: (n, d) to (n, k)."""
         found = self.decision_function(rows)
         found -= found.max(axis=1, keepdims=True)
         found -= np.log(np.exp(found).sum(axis=1, keepdims=True))
         return found
 
-    def predict(self, rows: NDArray[np.float64]) -> NDArray[np.int64]:
+    def predict(self, rows: Floats) -> Integers:
         """Give the class of the highest score: (n, d) to (n,)."""
-        found: NDArray[np.int64] = self.classes_[self.decision_function(rows).argmax(axis=1)]
-        return found
+        return self.classes_[self.decision_function(rows).argmax(axis=1)]
 
 
 def fit_naive_bayes(
-    features: NDArray[np.float64], labels: NDArray[np.int64], smoothing: float
-) -> GaussianClassifier:
-    """Fit densities whose features are independent.
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
+    """Fit densities whose features are independent, of features (n, d) and labels (n,)."""
+    floor = parameters.bayes_smoothing * float(features.var(axis=0).max())
 
-    Parameters
-    ----------
-    features : numpy.ndarray
-        Shape (n, d), float64.
-    labels : numpy.ndarray
-        Shape (n,), int64.
-    smoothing : float
-        Share of the features' largest variance that is added to each variance.
-    """
-    floor = smoothing * float(features.var(axis=0).max())
-
-    def whiten(deviations: NDArray[np.float64]) -> Whitening:
+    def whiten(deviations: Floats) -> Whitening:
         variances = np.square(deviations).mean(axis=0) + floor
         return np.diag(1 / np.sqrt(variances)), float(np.log(variances).sum())
 
-    return _fit_each(features, labels, whiten)
+    return _fit_each(features, labels, whiten), None
 
 
 def fit_quadratic_discriminant(
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    shrinkage: Shrinkage,
-    target: Target,
-) -> GaussianClassifier:
-    """Fit a regularised covariance of every class, of features (n, d) and labels (n,)."""
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
+    """Fit a covariance of every class, of features (n, d) and labels (n,).
+
+    Plain ones if any; where one is singular, all are shrunk, so that classes compare. Raises
+    `RecognitionError` if there is nothing to take a covariance of.
+    """
+    check_spread("quadratic_discriminant", features, labels)
+    if parameters.discriminant_regularisation == "pseudo_inverse":
+        return fit_pseudo_quadratic_discriminant(features, labels), None
+    always = parameters.discriminant_regularisation == "always"
+    if not always and (plain := fit_plain_discriminant(features, labels)):
+        return plain, None
+    shrinkage, target = parameters.discriminant_shrinkage, parameters.discriminant_target
     floor = variance_floor(features)
-    return _fit_each(
+    shrunk = _fit_each(
         features,
         labels,
         lambda deviations: _whiten(regularised_covariance(deviations, shrinkage, target, floor)),
     )
+    amount = "Ledoit-Wolf shrinkage" if shrinkage == "ledoit_wolf" else f"shrinkage {shrinkage:g}"
+    return shrunk, None if always else f"singular covariance: {amount} of every class"
 
 
-def fit_plain_discriminant(
-    features: NDArray[np.float64], labels: NDArray[np.int64]
-) -> GaussianClassifier | None:
+def fit_plain_discriminant(features: Floats, labels: Integers) -> GaussianClassifier | None:
     """Fit the covariance of every class as it is; None where one is singular."""
     _, counts = np.unique(labels, return_counts=True)
     if counts.min() <= features.shape[1]:
@@ -126,13 +115,11 @@ def fit_plain_discriminant(
     return fitted if is_whole else None
 
 
-def fit_pseudo_quadratic_discriminant(
-    features: NDArray[np.float64], labels: NDArray[np.int64]
-) -> GaussianClassifier:
+def fit_pseudo_quadratic_discriminant(features: Floats, labels: Integers) -> GaussianClassifier:
     """Fit the covariance of every class on the directions of its variance alone.
 
-    Directions in which a class does not vary are left out, and its determinant is the product of the
-    other variances; covariances divide by n - 1. That is how Matlab's documentation describes
+    Directions in which a class does not vary are left out, and its determinant is the product of
+    the other variances; covariances divide by n - 1. That is how Matlab's documentation describes
     `pseudoquadratic`; its code was not read.
     """
     return _fit_each(
@@ -141,26 +128,32 @@ def fit_pseudo_quadratic_discriminant(
 
 
 def fit_linear_discriminant(
-    features: NDArray[np.float64], labels: NDArray[np.int64], shrinkage: float
-) -> GaussianClassifier:
-    """Fit one covariance of all classes, shrunk towards one variance, of features (n, d) and labels (n,)."""
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
+    """Fit one covariance of all classes, shrunk towards one variance.
+
+    Of features (n, d) and labels (n,). Raises `RecognitionError` if there is nothing to take a
+    covariance of.
+    """
+    check_spread("linear_discriminant", features, labels)
     classes, places, counts = np.unique(labels, return_inverse=True, return_counts=True)
-    means = _means(features, labels, classes)
-    deviations = features - means[places]
+    means = class_means(features, labels, classes)
     covariance = regularised_covariance(
-        deviations, shrinkage, "mean_variance", variance_floor(features)
+        features - means[places],
+        parameters.linear_shrinkage,
+        "mean_variance",
+        variance_floor(features),
     )
     directions, _ = _whiten(covariance)
-    return GaussianClassifier(classes, means, directions[None], np.log(counts / len(labels)))
+    offsets = np.log(counts / len(labels))
+    return GaussianClassifier(classes, means, directions[None], offsets), None
 
 
 def _fit_each(
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    whiten: Callable[[NDArray[np.float64]], Whitening],
+    features: Floats, labels: Integers, whiten: Callable[[Floats], Whitening]
 ) -> GaussianClassifier:
     classes, counts = np.unique(labels, return_counts=True)
-    means = _means(features, labels, classes)
+    means = class_means(features, labels, classes)
     found = [
         whiten(features[labels == name] - mean) for name, mean in zip(classes, means, strict=True)
     ]
@@ -169,20 +162,14 @@ def _fit_each(
     return GaussianClassifier(classes, means, np.stack(directions), offsets)
 
 
-def _means(
-    features: NDArray[np.float64], labels: NDArray[np.int64], classes: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    return np.stack([features[labels == name].mean(axis=0) for name in classes])
-
-
-def _whiten(covariance: NDArray[np.float64]) -> Whitening:
+def _whiten(covariance: Floats) -> Whitening:
     """Whiten by the Cholesky factor of a covariance that is not singular."""
     factor = np.linalg.cholesky(covariance)
     directions = np.linalg.inv(factor).T
     return directions, 2 * float(np.log(np.diagonal(factor)).sum())
 
 
-def _principal(deviations: NDArray[np.float64], count: int) -> Whitening:
+def _principal(deviations: Floats, count: int) -> Whitening:
     """Whiten on the directions in which deviations, (n, d), vary; their squares are divided by `count`."""
     _, scales, found = np.linalg.svd(deviations, full_matrices=False)
     spread = scales / np.sqrt(count)

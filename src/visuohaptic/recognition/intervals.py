@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.parameters import IntervalParameters
 
 
@@ -27,18 +27,9 @@ class Interval:
 
 @dataclass(frozen=True)
 class PairedComparison:
-    """A mean difference between two treatments of the same objects.
+    """A mean difference, first less second, between two treatments of the same objects.
 
-    Attributes
-    ----------
-    difference : Interval
-        First minus second.
-    p_value : float
-        Two-sided, of the sign-change test.
-    objects : int
-        Objects compared.
-    exact : bool
-        Whether all sign changes were taken.
+    The p value is two-sided; `exact` says whether all sign changes were taken.
     """
 
     difference: Interval
@@ -52,67 +43,29 @@ def plain_interval(interval: Interval) -> dict[str, float | None]:
     return {name: None if np.isnan(value) else value for name, value in vars(interval).items()}
 
 
-def resample_objects(
-    objects: int, samples: int, generator: np.random.Generator
-) -> NDArray[np.int64]:
+def resample_objects(objects: int, samples: int, generator: np.random.Generator) -> Integers:
     """Draw bootstrap samples: how often each object is in each, shape (samples, objects)."""
     return generator.multinomial(objects, np.full(objects, 1 / objects), size=samples)
 
 
 def object_interval(
-    values: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
+    values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
 ) -> Interval:
-    """Give the weighted mean over objects with its bootstrap interval.
+    """Give the mean of values of objects (o,), of positive weights (o,), with its bootstrap interval.
 
-    Objects are drawn with replacement from all, not class by class, so the
-    interval also holds how classes differ. The percentiles are those of the
-    expanded percentile interval, which makes up for the bootstrap's narrowness
-    with few objects (T. Hesterberg, "What teachers should know about the
-    bootstrap", The American Statistician 69(4), 2015): with n objects the tails
-    are Phi(-sqrt(n / (n - 1)) t), t the Student quantile with n - 1 degrees.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Shape (o,), float64: a value an object.
-    weights : numpy.ndarray
-        Shape (o,), float64: each object's weight, positive.
-    parameters : IntervalParameters
-        Confidence and number of samples.
-    generator : numpy.random.Generator
-        Draws the samples.
-
-    Returns
-    -------
-    Interval
-        The interval; of a single object it is NaN on both ends.
+    Objects are drawn with replacement from all, not class by class, so the interval also holds how
+    classes differ. The percentiles are those of the expanded percentile interval, which makes up
+    for the bootstrap's narrowness with few objects (T. Hesterberg, "What teachers should know about
+    the bootstrap", The American Statistician 69(4), 2015): with n objects the tails are Phi(-sqrt(n
+    / (n - 1)) t), t the Student quantile with n - 1 degrees. Of a single object both ends are NaN.
     """
     return object_intervals(values[:, None], weights, parameters, generator)[0]
 
 
 def object_intervals(
-    values: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
+    values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
 ) -> list[Interval]:
-    """Give several figures of the same objects with their intervals, over the same samples.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Shape (o, k), float64: each object's value of each figure.
-    weights, parameters, generator
-        As in `object_interval`.
-
-    Returns
-    -------
-    list of Interval
-        Of each figure, as `object_interval` gives it alone.
-    """
+    """Give k figures (o, k) of objects as `object_interval` gives each, over the same samples."""
     means = weights @ values / weights.sum()
     if len(values) < 2:
         return [Interval(float(mean), float("nan"), float("nan")) for mean in means]
@@ -125,25 +78,12 @@ def object_intervals(
 
 
 def rate_interval(
-    values: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
+    values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
 ) -> Interval:
     """Give a mean of shares as `object_interval` does, with exact limits at 0 and at 1.
 
     Where every object has the same share of 0 or of 1, resampling gives an interval of no length;
     its open end is then the exact binomial limit for so many objects.
-
-    Parameters
-    ----------
-    values, weights, parameters, generator
-        As in `object_interval`; values are 0 to 1.
-
-    Returns
-    -------
-    Interval
-        The interval; of a single object within 0 and 1 it is NaN on both ends.
     """
     found = object_interval(values, weights, parameters, generator)
     limit = exact_limit(len(values), parameters.confidence)
@@ -154,27 +94,16 @@ def rate_interval(
 
 
 def difference_interval(
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    first: Floats,
+    second: Floats,
+    weights: Floats,
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
-    """Give the mean paired difference of shares, with exact limits where no object differs.
+    """Give the mean paired difference of shares (o,), first less second, as `object_interval` does.
 
-    Parameters
-    ----------
-    first, second : numpy.ndarray
-        Shape (o,), float64: a share an object under each treatment.
-    weights, parameters, generator
-        As in `object_interval`.
-
-    Returns
-    -------
-    Interval
-        Of the first less the second. Where all objects have the same share under both, so many
-        objects can't exclude that others differ: the ends are plus and minus the exact binomial
-        limit.
+    Where all objects have the same share under both, so many objects can't exclude that others
+    differ: the ends are plus and minus the exact binomial limit.
     """
     found = object_interval(first - second, weights, parameters, generator)
     limit = exact_limit(len(first), parameters.confidence)
@@ -184,36 +113,21 @@ def difference_interval(
 def exact_limit(objects: int, confidence: float) -> float:
     """Give the largest rate that no event among so many objects leaves possible.
 
-    The upper end of the exact binomial interval (C. Clopper and E. Pearson, Biometrika 26(4), 1934).
+    The upper end of the exact binomial interval (C. Clopper and E. Pearson, Biometrika 26(4),
+    1934).
     """
     return float(1 - ((1 - confidence) / 2) ** (1 / objects))
 
 
 def balanced_interval(
-    values: NDArray[np.float64],
-    classes: NDArray[np.int64],
+    values: Floats,
+    classes: Integers,
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
-    """Give the mean over classes of the mean over each class's objects, with its interval.
+    """Give the mean over classes of the mean over each class's objects, as `object_interval` does.
 
-    As `object_interval`; a class that a sample does not hold is left out of it.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Shape (o,), float64: a value an object.
-    classes : numpy.ndarray
-        Shape (o,), int64: each object's class.
-    parameters : IntervalParameters
-        Confidence and number of samples.
-    generator : numpy.random.Generator
-        Draws the samples.
-
-    Returns
-    -------
-    Interval
-        The interval; of a single object it is NaN on both ends.
+    A class that a sample does not hold is left out of it.
     """
     member = (classes[:, None] == np.unique(classes)).astype(np.float64)
     mean = float(np.mean(values @ member / member.sum(axis=0)))
@@ -227,7 +141,7 @@ def balanced_interval(
     return _around(mean, means, len(values), parameters.confidence)
 
 
-def _around(mean: float, means: NDArray[np.float64], objects: int, confidence: float) -> Interval:
+def _around(mean: float, means: Floats, objects: int, confidence: float) -> Interval:
     """Give a mean with the expanded percentiles of its bootstrap means, shape (samples,)."""
     tail = expanded_tail(objects, confidence)
     low, high = np.quantile(means, [tail, 1 - tail])
@@ -243,33 +157,16 @@ def expanded_tail(objects: int, confidence: float) -> float:
 
 
 def compare_paired(
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    first: Floats,
+    second: Floats,
+    weights: Floats,
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> PairedComparison:
-    """Compare two treatments of the same objects.
+    """Compare values (o,) of the same objects, of positive weights (o,), under two treatments.
 
-    The p value is the share of sign changes of the objects' differences whose
-    mean is at least as far from 0: all of them where they fit, else a sample that
-    counts the observed one.
-
-    Parameters
-    ----------
-    first, second : numpy.ndarray
-        Shape (o,), float64: a value an object under each treatment.
-    weights : numpy.ndarray
-        Shape (o,), float64: each object's weight, positive.
-    parameters : IntervalParameters
-        Confidence, bootstrap samples and most sign changes.
-    generator : numpy.random.Generator
-        Draws samples.
-
-    Returns
-    -------
-    PairedComparison
-        The mean difference, its interval and the p value.
+    The p value is the share of sign changes of the objects' differences whose mean is at least as
+    far from 0: all of them where they fit, else a sample that counts the observed one.
     """
     interval = difference_interval(first, second, weights, parameters, generator)
     parts = (first - second) * weights / weights.sum()
@@ -286,18 +183,7 @@ def compare_paired(
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Adjust p values for their number (S. Holm, Scand. J. Statist. 6:65-70, 1979).
-
-    Parameters
-    ----------
-    p_values : sequence of float
-        One a hypothesis.
-
-    Returns
-    -------
-    list of float
-        Adjusted p values in the same order, at most 1.
-    """
+    """Adjust p values for their number, to 1 at most (S. Holm, Scand. J. Statist. 6:65-70, 1979)."""
     adjusted = [0.0] * len(p_values)
     largest = 0.0
     for rank, place in enumerate(sorted(range(len(p_values)), key=lambda k: p_values[k])):

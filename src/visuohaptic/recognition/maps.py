@@ -15,9 +15,8 @@ from visuohaptic.registry import Registry
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import NDArray
 
-    Rows = NDArray[np.float64]
+    from visuohaptic.recognition.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -47,26 +46,19 @@ class Map:
     name: str
     description: str
     fit: Callable[..., Any]
-    reduce: Callable[[Any, Rows], Rows]
-    sizes: Callable[[Any, Rows], Rows] | None = None
+    reduce: Callable[[Any, Floats], Floats]
+    sizes: Callable[[Any, Floats], Floats] | None = None
     fitted_as: str | None = None
 
 
 @dataclass(frozen=True)
 class FeatureGroups:
-    """Weighted sums of features.
+    """Weighted sums of features: a column of `weights` (k, m) averages a group, or is zero."""
 
-    Attributes
-    ----------
-    weights : numpy.ndarray
-        Shape (k, m), float64: columns average the features of one group; an
-        empty group's column is zero.
-    """
-
-    weights: Rows
+    weights: Floats
 
 
-def _fit_groups(touches: Rows, settings: Any, generator: np.random.Generator) -> FeatureGroups:
+def _fit_groups(touches: Floats, settings: Any, generator: np.random.Generator) -> FeatureGroups:
     """Let a map order the features, each described by its value at every touch."""
     import numpy as np
 
@@ -76,37 +68,37 @@ def _fit_groups(touches: Rows, settings: Any, generator: np.random.Generator) ->
     return FeatureGroups(member / np.maximum(member.sum(axis=0), 1))
 
 
-def _keep_features(touches: Rows, *_: object) -> FeatureGroups:
+def _keep_features(touches: Floats, *_: object) -> FeatureGroups:
     import numpy as np
 
     return FeatureGroups(np.eye(touches.shape[1]))
 
 
-def _average(fitted: FeatureGroups, touches: Rows) -> Rows:
+def _average(fitted: FeatureGroups, touches: Floats) -> Floats:
     return touches @ fitted.weights
 
 
-def _average_sizes(fitted: FeatureGroups, sizes: Rows) -> Rows:
+def _average_sizes(fitted: FeatureGroups, sizes: Floats) -> Floats:
     return sizes @ abs(fitted.weights)
 
 
-def _distances(fitted: Any, touches: Rows) -> Rows:
+def _distances(fitted: Any, touches: Floats) -> Floats:
     return fitted.distances(touches)
 
 
-def _distance_sizes(fitted: Any, sizes: Rows) -> Rows:
+def _distance_sizes(fitted: Any, sizes: Floats) -> Floats:
     import numpy as np
 
     return np.linalg.norm(sizes, axis=1)[:, None] + np.linalg.norm(fitted.weights, axis=1)
 
 
-def _one_hot(fitted: Any, touches: Rows) -> Rows:
+def _one_hot(fitted: Any, touches: Floats) -> Floats:
     import numpy as np
 
     return np.eye(len(fitted.weights))[fitted.nearest(touches)]
 
 
-def _places(fitted: Any, touches: Rows) -> Rows:
+def _places(fitted: Any, touches: Floats) -> Floats:
     return fitted.positions[fitted.nearest(touches)]
 
 

@@ -41,18 +41,10 @@ def make_metrics(
 
 
 def headline_of(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Give the figures that a table of many runs has room for.
+    """Give the figures of `summarise` that a table of many runs has room for.
 
-    Parameters
-    ----------
-    summary : mapping
-        What `summarise` gives.
-
-    Returns
-    -------
-    dict
-        By pipeline: the accuracy by each strategy, of the support vector machine or else the first classifier,
-        and the lead of fixation over the others with its p value; and ``objects``.
+    By pipeline: the accuracy by each strategy, of the support vector machine or else the first
+    classifier, and the lead of fixation over the others with its p value; and ``objects``.
     """
     found: dict[str, Any] = {}
     for pipeline, strategies in summary["results"].items():

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from visuohaptic import __version__
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.certainty import (
     Calibration,
     SequenceClassifier,
@@ -53,11 +54,11 @@ class SequenceDescriber:
     parameters: BestParameters
     projection: Projection
 
-    def encode(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+    def encode(self, sequences: Floats) -> Floats:
         """Give what the classifier sees: (s, t, k) to (s, q)."""
         return self.projection.apply(self.describe(sequences))
 
-    def describe(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
+    def describe(self, sequences: Floats) -> Floats:
         """Describe them alone: (s, t, k) to (s, d)."""
         return describe_sequences(sequences, self.names, self.waves, self.parameters)
 
@@ -68,31 +69,22 @@ class _Part:
 
     classifier: SequenceClassifier
     calibration: Calibration | None
-    encoded: NDArray[np.float64]
-    touches: NDArray[np.float64]
+    encoded: Floats
+    touches: Floats
 
-    def answer(self) -> NDArray[np.float64]:
+    def answer(self) -> Floats:
         everything = np.ones((1, len(self.encoded)), dtype=bool)
-        found: NDArray[np.float64] = self.classifier.ballots(self.encoded).together(everything)[0]
-        return found
+        return self.classifier.ballots(self.encoded).together(everything)[0]
 
 
 @dataclass(frozen=True)
 class ModelAnswer:
     """What a model says of one object.
 
-    Attributes
-    ----------
-    probabilities : dict of str to float
-        Of each class, the likeliest first.
-    candidates : tuple of str or None
-        The prediction set, the likeliest first; None, as all that follows, without a calibration.
-    strangeness : float or None
-        Share of the training objects' kind that is less strange, between 0 and 1.
-    unknown : bool or None
-        Whether the object is of no class that the model knows.
-    coverage : float or None
-        The share of objects of known classes that the set and the word unknown are right about.
+    Class probabilities and prediction set have the likeliest class first. Without a calibration all
+    but `probabilities` is None. `strangeness` is the share of known objects that are less strange,
+    0 to 1; `coverage` is the share of objects of known classes that the set and the word unknown
+    are right about.
     """
 
     probabilities: dict[str, float]
@@ -106,33 +98,11 @@ class ModelAnswer:
 class RecognitionModel:
     """Everything needed to classify an object from its touches.
 
-    Attributes
-    ----------
-    pipeline, strategy, classifier : str
-        How it works, and whose touches it learnt from.
-    classes : tuple of str
-        The c classes.
-    feature_names : tuple of str
-        The k numbers of a touch, in order.
-    touches : int
-        Touches a sequence.
-    objects : tuple of (str, str)
-        The objects it learnt, as (class, name).
-    parameters : RecognitionParameters
-        What it was trained with.
-    versions : mapping of str to str
-        Versions of the packages that trained it.
-    encoder : SequenceEncoder or SequenceDescriber
-        From touches to what the classifier sees.
-    tuned : TunedClassifier
-        The classifier.
-    calibration : Calibration or None
-        Training objects, each predicted without itself; None in pipeline `paper`, and where no class has a
-        second object.
-    short : mapping of int to ShortClassifier
-        What classifies sequences of fewer touches, by their number; empty where none was wanted.
-    touching : str or None
-        The parameters with which its touches were made, as JSON, where they are known.
+    `objects` are those that it learnt, as (class, name), `touches` those of a sequence, and
+    `feature_names` the k numbers of a touch in order. `calibration` holds training objects that
+    were each predicted without themselves; it is None in pipeline `paper`, and where no class has a
+    second object. `short` holds what classifies sequences of fewer touches, by their number.
+    `touching` is JSON: the parameters with which its touches were made, where they are known.
     """
 
     pipeline: str
@@ -151,26 +121,12 @@ class RecognitionModel:
     touching: str | None = None
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
-        """Classify one object from all its touches together, however many there are.
+        """Give one object's class probabilities, the likeliest first, from all its touches together.
 
-        A viewpoint with more touches than the model's sequences have counts as several sequences; one
-        with fewer as a short one.
-
-        Parameters
-        ----------
-        features : pyarrow.Table
-            Rows of `tables.FEATURES` of one object and strategy.
-
-        Returns
-        -------
-        dict of str to float
-            Probability of each class, the likeliest first.
-
-        Raises
-        ------
-        RecognitionError
-            If the table lacks a feature, or there is no touch, or, in pipeline `paper`, no viewpoint
-            has as many touches as the model needs.
+        `features` has rows of `tables.FEATURES` of one object and strategy, however many. A
+        viewpoint with more touches than the model's sequences have counts as several sequences; one
+        with fewer as a short one. Raises `RecognitionError` if the table lacks a feature, or there
+        is no touch, or, in pipeline `paper`, no viewpoint has as many touches as the model needs.
         """
         return self.answer(features).probabilities
 
@@ -213,7 +169,7 @@ class RecognitionModel:
                 raise ValueError(f"no probabilities of {len(self.classes)} classes")
 
     def _parts(self, features: pa.Table) -> list[_Part]:
-        by_length: dict[int, list[NDArray[np.float64]]] = {}
+        by_length: dict[int, list[Floats]] = {}
         for sequences in self._sequences(features):
             length = self._length_for(sequences.shape[1])
             by_length.setdefault(length, []).append(sequences)
@@ -225,7 +181,7 @@ class RecognitionModel:
         ratios[self.touches] = max(self.touches, touches) / min(self.touches, touches)
         return min(ratios, key=lambda length: ratios[length])
 
-    def _part(self, length: int, sequences: list[NDArray[np.float64]]) -> _Part:
+    def _part(self, length: int, sequences: list[Floats]) -> _Part:
         touches = np.concatenate([part.reshape(-1, part.shape[2]) for part in sequences])
         if length in self.short and isinstance(self.encoder, SequenceDescriber):
             short = self.short[length]
@@ -234,7 +190,7 @@ class RecognitionModel:
         encoded = np.concatenate([self.encoder.encode(part) for part in sequences])
         return _Part(self.tuned, self.calibration, encoded, touches)
 
-    def _sequences(self, features: pa.Table) -> list[NDArray[np.float64]]:
+    def _sequences(self, features: pa.Table) -> list[Floats]:
         """Give all sequences of one object, shape (s, t, k) for each length t."""
         if not features.num_rows:
             raise RecognitionError("There is no touch; an object is classified from one touch on.")
@@ -259,41 +215,17 @@ def fit_model(
     parameters: RecognitionParameters,
     seed: int,
 ) -> RecognitionModel:
-    """Train on every object of a table.
+    """Train pipeline ``paper`` or ``best`` on every object of a table of features of one strategy.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy.
-    pipeline : str
-        ``paper`` or ``best``.
-    classifier : str
-        One classifier.
-    parameters : RecognitionParameters
-        Every choice that is not made inside.
-    seed : int
-        The experiment's seed.
-
-    Returns
-    -------
-    RecognitionModel
-        The model.
-
-    Raises
-    ------
-    RecognitionError
-        If the features don't allow it.
+    Raises `RecognitionError` if the features don't allow it.
     """
     from threadpoolctl import threadpool_limits
 
     sequences = gather_pipeline(features, parameters, pipeline, seed)
     check_two_classes(sequences)
-    fitters: dict[str, Callable[..., _Fit]] = {
-        "paper": _fit_paper,
-        "best": _fit_best,
-    }
+    fit = {"paper": _fit_paper, "best": _fit_best}[pipeline]
     with threadpool_limits(limits=1):
-        fit = fitters[pipeline](sequences, classifier, parameters, seed)
+        fitted = fit(sequences, classifier, parameters, seed)
     return RecognitionModel(
         pipeline=pipeline,
         strategy=features.column("strategy")[0].as_py(),
@@ -304,21 +236,8 @@ def fit_model(
         objects=sequences.objects,
         parameters=parameters,
         versions=_versions(),
-        encoder=fit.encoder,
-        tuned=fit.tuned,
-        calibration=fit.calibration,
-        short=fit.short,
+        **fitted,
     )
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """What a pipeline fits, as in `RecognitionModel`."""
-
-    encoder: SequenceEncoder | SequenceDescriber
-    tuned: TunedClassifier
-    calibration: Calibration | None = None
-    short: Mapping[int, ShortClassifier] = field(default_factory=dict)
 
 
 def _fit_paper(
@@ -326,7 +245,7 @@ def _fit_paper(
     classifier: ClassifierName,
     parameters: RecognitionParameters,
     seed: int,
-) -> _Fit:
+) -> dict[str, Any]:
     generator = spawn_generator(seed, "recognition", "model", "paper")
     encoder = fit_sequence_encoder(sequences.features, parameters, generator)
     fitted, _ = fit_classifier(
@@ -337,7 +256,7 @@ def _fit_paper(
         generator,
     )
     tuned = TunedClassifier(fitted, parameters.classifier, 1.0, len(sequences.classes), "")
-    return _Fit(encoder, tuned)
+    return {"encoder": encoder, "tuned": tuned}
 
 
 def _fit_best(
@@ -345,7 +264,7 @@ def _fit_best(
     classifier: ClassifierName,
     parameters: RecognitionParameters,
     seed: int,
-) -> _Fit:
+) -> dict[str, Any]:
     generator = spawn_generator(seed, "recognition", "model", "best")
     waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
     names = sequences.feature_names
@@ -366,7 +285,7 @@ def _fit_best(
         spawn_generator(seed, "recognition", "model", "short"),
     )
     describer = SequenceDescriber(waves, names, parameters.best, projection)
-    return _Fit(describer, tuned, calibration, short)
+    return {"encoder": describer, "tuned": tuned, "calibration": calibration, "short": short}
 
 
 def _versions() -> dict[str, str]:

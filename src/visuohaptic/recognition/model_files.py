@@ -28,10 +28,7 @@ def make_model(
 ) -> None:
     """Fit a model on every object of a run, and write it with the parameters that made its touches.
 
-    Raises
-    ------
-    RecognitionError
-        If the table has no touch of the strategy, or not what training needs.
+    Raises `RecognitionError` if the table has no touch of the strategy, or not what training needs.
     """
     table, _ = take_strategy(read_table(FEATURES, features), strategy, recognition.touches)
     fitted = fit_model(table, pipeline, classifier, recognition, seed)

@@ -6,63 +6,49 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-NeighbourWeights = Literal["uniform", "distance"]
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
+from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
 
 
 @dataclass(frozen=True)
 class NearestNeighbours:
-    """Training rows that vote; of rows as far away as the last neighbour the first ones do.
+    """Training rows (n, d) that vote; of rows as far away as the last neighbour the first ones do.
 
-    Attributes
-    ----------
-    classes_ : numpy.ndarray
-        Shape (c,), int64: the classes, ascending.
-    rows : numpy.ndarray
-        Shape (n, d), float64: the training rows.
-    members : numpy.ndarray
-        Shape (n, c), float64: 1 for the class of each, 0 for the others.
-    neighbours : int
-        How many vote.
-    weighting : str
-        Whether votes count alike, ``uniform``, or by the inverse of the ``distance``; where some rows
-        are not away at all, these alone.
+    `members` (n, c) is 1 for the class of each row, 0 for the others. With weighting ``distance``
+    votes count by its inverse; where some rows are not away at all, these alone.
     """
 
-    classes_: NDArray[np.int64]
-    rows: NDArray[np.float64]
-    members: NDArray[np.float64]
+    classes_: Integers
+    rows: Floats
+    members: Floats
     neighbours: int
-    weighting: NeighbourWeights
+    weighting: Literal["uniform", "distance"]
 
     @property
     def n_features_in_(self) -> int:
         """How many features a row has."""
         return self.rows.shape[1]
 
-    def predict_proba(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def predict_proba(self, rows: Floats) -> Floats:
         """Give each class's share of the votes: (m, d) to (m, c)."""
         from scipy.spatial.distance import cdist
 
         distances = cdist(rows, self.rows, "sqeuclidean")
         votes = (self._nearest(distances) * self._weights(distances)) @ self.members
-        found: NDArray[np.float64] = votes / votes.sum(axis=1, keepdims=True)
-        return found
+        return votes / votes.sum(axis=1, keepdims=True)
 
-    def predict(self, rows: NDArray[np.float64]) -> NDArray[np.int64]:
+    def predict(self, rows: Floats) -> Integers:
         """Give the class of the most votes, the first of several: (m, d) to (m,)."""
-        found: NDArray[np.int64] = self.classes_[self.predict_proba(rows).argmax(axis=1)]
-        return found
+        return self.classes_[self.predict_proba(rows).argmax(axis=1)]
 
-    def _nearest(self, distances: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _nearest(self, distances: Floats) -> Flags:
         last = np.partition(distances, self.neighbours - 1, axis=1)[:, [self.neighbours - 1]]
         nearer, as_far = distances < last, distances == last
         missing = self.neighbours - nearer.sum(axis=1, keepdims=True)
-        found: NDArray[np.bool_] = nearer | (as_far & (np.cumsum(as_far, axis=1) <= missing))
-        return found
+        return nearer | (as_far & (np.cumsum(as_far, axis=1) <= missing))
 
-    def _weights(self, squared_distances: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _weights(self, squared_distances: Floats) -> Floats:
         if self.weighting == "uniform":
             return np.ones(1)
         at_place = squared_distances == 0
@@ -72,12 +58,13 @@ class NearestNeighbours:
 
 
 def fit_nearest_neighbours(
-    features: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    neighbours: int,
-    weighting: NeighbourWeights,
-) -> NearestNeighbours:
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
     """Keep training features, (n, d), and their classes, (n,); at most all of them vote."""
     classes = np.unique(labels)
     members = (labels[:, None] == classes).astype(np.float64)
-    return NearestNeighbours(classes, features, members, min(neighbours, len(labels)), weighting)
+    count = min(parameters.neighbours, len(labels))
+    found = NearestNeighbours(classes, features, members, count, parameters.neighbour_weights)
+    if count == parameters.neighbours:
+        return found, None
+    return found, f"{count} neighbours, for there are no more training sequences"

@@ -16,8 +16,14 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.recognition.classifiers import ClassifierParameters, check_spread
-from visuohaptic.recognition.covariance import shrink, variance_floor
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
+from visuohaptic.recognition.classifiers import ClassifierParameters
+from visuohaptic.recognition.covariance import (
+    check_spread,
+    class_means,
+    regularised_covariance,
+    variance_floor,
+)
 from visuohaptic.recognition.encoding import ROUNDING
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
@@ -32,23 +38,16 @@ LEAST_PROBABILITY = 1e-4
 
 @dataclass(frozen=True)
 class BagClassifier:
-    """A linear discriminant of bags.
+    """A linear discriminant of bags of the classes `trained` (k,).
 
-    Attributes
-    ----------
-    coefficients : numpy.ndarray
-        Shape (q, k), float64, each row with mean 0.
-    intercepts : numpy.ndarray
-        Shape (k,), float64, with mean 0.
-    trained : numpy.ndarray
-        Shape (k,), int64: the classes of the training bags.
+    The rows of `coefficients` (q, k), and `intercepts` (k,), have mean 0.
     """
 
-    coefficients: NDArray[np.float64]
-    intercepts: NDArray[np.float64]
-    trained: NDArray[np.int64]
+    coefficients: Floats
+    intercepts: Floats
+    trained: Integers
 
-    def scores(self, projected: NDArray[np.float64], classes: int) -> NDArray[np.float64]:
+    def scores(self, projected: Floats, classes: int) -> Floats:
         """Give a score a class, 0 for one that training lacked: (n, q) to (n, classes)."""
         found = np.zeros((len(projected), classes))
         found[:, self.trained] = projected @ self.coefficients + self.intercepts
@@ -57,47 +56,28 @@ class BagClassifier:
 
 @dataclass(frozen=True)
 class Combination:
-    """How the two answers for a bag become one.
+    """How the two answers for a bag become one, where training had the `known` (c,) classes.
 
-    Attributes
-    ----------
-    scales : tuple of float
-        What the classifier's log probabilities and the bag classifier's scores are divided by: their
-        deviations over held-out bags, the latter by the weight of bags.
-    views : numpy.ndarray
-        Shape (k,), float64: numbers of sequences, ascending; the mean of those that share a temperature.
-    temperatures : numpy.ndarray
-        Shape (k,), float64: by what the sum is divided for bags of so many.
-    known : numpy.ndarray
-        Shape (c,), bool: the classes that training had.
+    `scales` are what the classifier's log probabilities and the bag classifier's scores are divided
+    by: their deviations over held-out bags, the latter by the weight of bags. The sum is divided by
+    `temperatures` (k,), for bags of so many `views` (k,), ascending: the mean of the numbers of
+    sequences that share a temperature.
     """
 
     scales: tuple[float, float]
-    views: NDArray[np.float64]
-    temperatures: NDArray[np.float64]
-    known: NDArray[np.bool_]
+    views: Floats
+    temperatures: Floats
+    known: Flags
 
     def probabilities(
-        self,
-        mean_probabilities: NDArray[np.float64],
-        mean_scores: NDArray[np.float64],
-        counts: NDArray[np.int64],
-    ) -> NDArray[np.float64]:
-        """Give the class probabilities of bags.
+        self, mean_probabilities: Floats, mean_scores: Floats, counts: Integers
+    ) -> Floats:
+        """Give class probabilities (m, c) of bags by both answers' means over their sequences, (m, c).
 
-        Parameters
-        ----------
-        mean_probabilities, mean_scores : numpy.ndarray
-            Shape (m, c) each, float64: means over each bag's sequences of both answers.
-        counts : numpy.ndarray
-            Shape (m,), int64: sequences of each bag.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (m, c), float64.
+        `counts` (m,) are the sequences of each bag.
         """
-        summed = add_standardised(mean_probabilities, mean_scores, self.scales)
+        logs = np.log(np.maximum(mean_probabilities, LEAST_PROBABILITY))
+        summed = logs / self.scales[0] + mean_scores / self.scales[1]
         places = np.log(np.maximum(counts, 1))
         temperature = np.exp(np.interp(places, np.log(self.views), np.log(self.temperatures)))
         return softmax(np.where(self.known, summed / temperature[:, None], LEAST_SCORE))
@@ -107,36 +87,22 @@ class Combination:
 class Ballots:
     """What is known of n sequences, for one answer for any of them together.
 
-    Attributes
-    ----------
-    probabilities : numpy.ndarray
-        Shape (n, c), float64: by the classifier.
-    scores : numpy.ndarray or None
-        Shape (n, c), float64: by the bag classifier; None where there is none.
-    combination : Combination or None
-        Present with `scores`.
+    `probabilities` (n, c) are the classifier's and `scores` (n, c) the bag classifier's, which have
+    a `combination`; both are None where there is none.
     """
 
-    probabilities: NDArray[np.float64]
-    scores: NDArray[np.float64] | None = None
+    probabilities: Floats
+    scores: Floats | None = None
     combination: Combination | None = None
 
-    def alone(self) -> NDArray[np.float64]:
+    def alone(self) -> Floats:
         """Give the class probabilities of each sequence by itself, shape (n, c)."""
         return self._answer(self.probabilities, self.scores, np.ones(len(self.probabilities)))
 
-    def together(self, members: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Give the class probabilities of bags.
+    def together(self, members: Flags) -> Floats:
+        """Give the class probabilities (m, c) of bags; `members` (m, n) are their sequences.
 
-        Parameters
-        ----------
-        members : numpy.ndarray
-            Shape (m, n), bool: which sequences are in each bag; none of them is empty.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (m, c), float64. Without a bag classifier these are mean probabilities.
+        No bag is empty. Without a bag classifier these are mean probabilities.
         """
         counts = members.sum(axis=1)
         # Sums first: those of whole votes are exact, so that a tie is one.
@@ -146,11 +112,8 @@ class Ballots:
         return self._answer(probabilities, scores, counts)
 
     def _answer(
-        self,
-        probabilities: NDArray[np.float64],
-        scores: NDArray[np.float64] | None,
-        counts: NDArray[np.generic],
-    ) -> NDArray[np.float64]:
+        self, probabilities: Floats, scores: Floats | None, counts: NDArray[np.generic]
+    ) -> Floats:
         if scores is None or self.combination is None:
             return probabilities
         return self.combination.probabilities(probabilities, scores, counts.astype(np.int64))
@@ -160,73 +123,49 @@ class Ballots:
 class Bags:
     """Bags of sequences.
 
-    Attributes
-    ----------
-    places : numpy.ndarray
-        Int64: the places of the first bag's sequences, then of the second's, …
-    counts : numpy.ndarray
-        Shape (m,), int64: sequences of each bag.
+    `places` are those of the first bag's sequences, then of the second's, …; `counts` (m,) says how
+    many each has.
     """
 
-    places: NDArray[np.int64]
-    counts: NDArray[np.int64]
+    places: Integers
+    counts: Integers
 
     @property
-    def first(self) -> NDArray[np.int64]:
+    def first(self) -> Integers:
         """The place of each bag's first sequence, shape (m,)."""
         return self.places[np.cumsum(self.counts) - self.counts]
 
-    def means(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def means(self, rows: Floats) -> Floats:
         """Take the mean over each bag of rows (n, q), shape (m, q)."""
         from scipy.sparse import csr_array
 
         shares = np.repeat(1 / self.counts, self.counts)
         starts = np.concatenate([[0], np.cumsum(self.counts)])
-        means: NDArray[np.float64] = (
+        means: Floats = (
             csr_array((shares, self.places, starts), (len(self.counts), len(rows))) @ rows
         )
         return means
 
 
-def spread_choices(total: int, count: int) -> NDArray[np.int64]:
-    """Choose `count` of `total` places, evenly spread over a ring, in every way.
+def spread_choices(total: int, count: int) -> Integers:
+    """Choose `count` of `total` places, evenly spread over a ring, in every way: (k, count).
 
-    Parameters
-    ----------
-    total : int
-        Places on the ring.
-    count : int
-        How many to choose, 1 to `total`.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (k, count), int64, each row ascending: the first choice turned on by one place after
-        another, none twice. Each place is in as many of them as any other; the first
-        ceil(total / count) choices have every place, once each where `count` divides `total`.
+    Rows are ascending. The first choice is turned on by one place after another, none twice. Each
+    place is in as many of them as any other; the first ceil(total / count) choices have every
+    place, once each where `count` divides `total`.
     """
     steps = np.arange(count) * total // count
     turns = np.arange(total // math.gcd(total, count))
     return np.sort((steps + turns[:, None]) % total, axis=1)
 
 
-def spread_bags(owners: NDArray[np.int64], sizes: Sequence[int]) -> Bags:
+def spread_bags(owners: Integers, sizes: Sequence[int]) -> Bags:
     """Choose bags of every size among each object's sequences, evenly spread over its views.
 
     The bags of a size have every sequence of the object, once each where the size divides their
-    number; else some are in two bags.
-
-    Parameters
-    ----------
-    owners : numpy.ndarray
-        Shape (n,), int64: the object of each sequence; an object's sequences in the order of views.
-    sizes : sequence of int
-        Sequences in a bag. A size beyond what an object has becomes all of its sequences.
-
-    Returns
-    -------
-    Bags
-        By object, then by size, none twice.
+    number; else some are in two bags. `owners` (n,) is the object of each sequence, an object's in
+    the order of views. A size beyond what an object has becomes all of its sequences. Bags are by
+    object, then by size, none twice.
     """
     places, counts = [], []
     for owner in np.unique(owners):
@@ -238,7 +177,7 @@ def spread_bags(owners: NDArray[np.int64], sizes: Sequence[int]) -> Bags:
 
 
 @cache
-def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[Integers, Integers]:
     """Give places and counts of the bags of one object with so many sequences."""
     bags = []
     for size in sorted({min(size, total) for size in sizes}):
@@ -246,49 +185,23 @@ def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[NDArray[np.int64],
     return np.concatenate(bags), np.array([len(bag) for bag in bags])
 
 
-def add_standardised(
-    mean_probabilities: NDArray[np.float64],
-    mean_scores: NDArray[np.float64],
-    scales: tuple[float, float],
-) -> NDArray[np.float64]:
-    """Add log probabilities and scores, (m, c) each, divided by their deviations."""
-    logs = np.log(np.maximum(mean_probabilities, LEAST_PROBABILITY))
-    return logs / scales[0] + mean_scores / scales[1]
-
-
 def fit_bag_classifier(
-    projected: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    sizes: Sequence[int],
+    projected: Floats, labels: Integers, owners: Integers, sizes: Sequence[int]
 ) -> BagClassifier:
-    """Fit the linear discriminant of bags of training sequences.
+    """Fit the linear discriminant of bags of sequences (n, q), of classes and objects (n,).
 
-    Parameters
-    ----------
-    projected : numpy.ndarray
-        Shape (n, q), float64: the training sequences.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: class and object of each.
-    sizes : sequence of int
-        Sequences in a bag.
-
-    Returns
-    -------
-    BagClassifier
-        The classifier.
-
-    Raises
-    ------
-    RecognitionError
-        If there is nothing to take a covariance of.
+    Raises `RecognitionError` if there is nothing to take a covariance of.
     """
     bags = spread_bags(owners, sizes)
     rows, classes = bags.means(projected), labels[bags.first]
     check_spread("linear_discriminant", rows, classes)
     trained, places, counts = np.unique(classes, return_inverse=True, return_counts=True)
-    means = np.stack([rows[places == place].mean(axis=0) for place in range(len(trained))])
-    coefficients = np.linalg.solve(_common_covariance(rows, rows - means[places]), means.T)
+    means = class_means(rows, classes, trained)
+    shrinkage = ClassifierParameters().linear_shrinkage
+    covariance = regularised_covariance(
+        rows - means[places], shrinkage, "mean_variance", variance_floor(rows)
+    )
+    coefficients = np.linalg.solve(covariance, means.T)
     intercepts = np.log(counts / len(rows)) - np.einsum("kq,qk->k", means, coefficients) / 2
     return BagClassifier(
         coefficients - coefficients.mean(axis=1, keepdims=True),
@@ -297,56 +210,29 @@ def fit_bag_classifier(
     )
 
 
-def _common_covariance(
-    rows: NDArray[np.float64], deviations: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Give the classes' mean covariance, as classifier `linear_discriminant` shrinks it: (n, q) each to (q, q)."""
-    pooled = deviations.T @ deviations / len(rows)
-    shrunk = shrink(pooled, ClassifierParameters().linear_shrinkage)
-    return shrunk + variance_floor(rows) * np.eye(len(shrunk))
-
-
 @dataclass(frozen=True)
 class HeldOutBags:
     """Bags of held-out sequences as the bag classifier scores them, for combinations with any classifier.
 
-    Attributes
-    ----------
-    bags : Bags or None
-        The m bags; None where nothing was held out.
-    scores : numpy.ndarray
-        Shape (m, c), float64: means over each bag's sequences.
-    labels, owners : numpy.ndarray
-        Shape (m,), int64: their classes and objects.
-    known : numpy.ndarray
-        Shape (c,), bool: the classes that all training objects have.
-    weight : float
-        How much more the bag classifier counts than the other.
+    Without held-out sequences `bags` is None. `scores` (m, c) are means over each bag's sequences,
+    `labels` and `owners` (m,) the bags' classes and objects; `known` (c,) says which classes all
+    training objects have, and `weight` how much more the bag classifier counts than the other.
     """
 
     bags: Bags | None
-    scores: NDArray[np.float64]
-    labels: NDArray[np.int64]
-    owners: NDArray[np.int64]
-    known: NDArray[np.bool_]
+    scores: Floats
+    labels: Integers
+    owners: Integers
+    known: Flags
     weight: float
 
-    def combine(self, probabilities: NDArray[np.float64]) -> Combination:
-        """Fit the scales and temperatures of a combination.
+    def combine(self, probabilities: Floats) -> Combination:
+        """Fit a combination with what a classifier says of the held-out sequences, (n, c).
 
-        A temperature that rests on few objects would be an accident of these. So from the largest number
-        of sequences down, numbers are taken together until half of the objects have bags of them, and
-        share a temperature; those that remain at the lower end share the one above.
-
-        Parameters
-        ----------
-        probabilities : numpy.ndarray
-            Shape (n, c), float64: what a classifier says of the held-out sequences.
-
-        Returns
-        -------
-        Combination
-            Without held-out sequences, scales and temperature are 1.
+        A temperature that rests on few objects would be an accident of these. So from the largest
+        number of sequences down, numbers are taken together until half of the objects have bags of
+        them, and share a temperature; those that remain at the lower end share the one above.
+        Without held-out sequences, scales and temperature are 1.
         """
         known, bags = self.known, self.bags
         if bags is None:
@@ -368,7 +254,7 @@ class HeldOutBags:
         return _deviation(self.scores[:, self.known])
 
     @cached_property
-    def _places(self) -> NDArray[np.int64]:
+    def _places(self) -> Integers:
         """The place of each bag's class among those that are known."""
         return (np.cumsum(self.known) - 1)[self.labels]
 
@@ -379,7 +265,7 @@ class HeldOutBags:
         return 1 / (len(np.unique(self.owners)) + 2)
 
     @cached_property
-    def _alike(self) -> list[NDArray[np.bool_]]:
+    def _alike(self) -> list[Flags]:
         """Which bags share each temperature, by ascending numbers of sequences."""
         counts = np.zeros(0, dtype=np.int64) if self.bags is None else self.bags.counts
         enough = len(np.unique(self.owners)) / 2
@@ -395,33 +281,16 @@ class HeldOutBags:
 
 
 def hold_out_bags(
-    scores: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
+    scores: Floats,
+    labels: Integers,
+    owners: Integers,
     sizes: Sequence[int],
-    known: NDArray[np.bool_],
+    known: Flags,
     weight: float,
 ) -> HeldOutBags:
-    """Divide held-out sequences into bags.
+    """Divide held-out sequences, of classes and objects (n,), into bags; n may be 0.
 
-    Parameters
-    ----------
-    scores : numpy.ndarray
-        Shape (n, c), float64: what the bag classifier says of sequences of objects that it did not
-        learn; n may be 0.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: their classes and objects.
-    sizes : sequence of int
-        Sequences in a bag.
-    known : numpy.ndarray
-        Shape (c,), bool: the classes that all training objects have.
-    weight : float
-        How much more the bag classifier counts than the other.
-
-    Returns
-    -------
-    HeldOutBags
-        The bags.
+    `scores` (n, c) are what the bag classifier says of them, whose objects it did not learn.
     """
     if not len(labels):
         return HeldOutBags(None, scores, labels, owners, known, weight)
@@ -431,19 +300,17 @@ def hold_out_bags(
     )
 
 
-def _deviation(scores: NDArray[np.float64]) -> float:
+def _deviation(scores: Floats) -> float:
     """Give the deviation of scores (m, k) from the mean of their row; 1 where it is rounding."""
     found = float((scores - scores.mean(axis=1, keepdims=True)).std())
     return found if found > ROUNDING * np.abs(scores).max() else 1.0
 
 
-def pool_answers(
-    answers: Sequence[NDArray[np.float64]], weights: Sequence[float]
-) -> NDArray[np.float64]:
+def pool_answers(answers: Sequence[Floats], weights: Sequence[float]) -> Floats:
     """Give the weighted geometric mean of answers, shape (c,) each: a logarithmic opinion pool.
 
-    It is no surer than the surest of them: that they agree counts for nothing, as views of an object err
-    alike. A single answer stays as it is.
+    It is no surer than the surest of them: that they agree counts for nothing, as views of an
+    object err alike. A single answer stays as it is.
     """
     if len(answers) == 1:
         return answers[0]
@@ -451,19 +318,17 @@ def pool_answers(
     return softmax(shares @ np.log(np.maximum(answers, np.exp(LEAST_SCORE))))
 
 
-def softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+def softmax(scores: Floats) -> Floats:
     """Turn scores into probabilities along the last axis."""
     weights = np.exp(scores - scores.max(axis=-1, keepdims=True))
     return weights / weights.sum(axis=-1, keepdims=True)
 
 
-def best_temperature(
-    scores: NDArray[np.float64], labels: NDArray[np.int64], doubt: float = 0.0
-) -> tuple[float, float]:
+def best_temperature(scores: Floats, labels: Integers, doubt: float = 0.0) -> tuple[float, float]:
     """Find the temperature of `TEMPERATURES` with the least mean log loss, and that loss in nats.
 
-    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64. `doubt` is
-    the share of the truth that is spread over all classes.
+    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64.
+    `doubt` is the share of the truth that is spread over all classes.
     """
     relative = scores - scores.max(axis=1, keepdims=True)
     true = (1 - doubt) * relative[np.arange(len(labels)), labels] + doubt * relative.mean(axis=1)

@@ -10,51 +10,32 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
 
 
 @dataclass(frozen=True)
 class SelfOrganisingMap:
-    """A fitted map of u units with k weights each on a lattice of a axes.
+    """A fitted map of u units with weights (u, k) at positions (u, a) of a lattice of a axes."""
 
-    Attributes
-    ----------
-    weights : numpy.ndarray
-        Shape (u, k), float64.
-    positions : numpy.ndarray
-        Shape (u, a), float64: each unit's place on the lattice.
-    """
+    weights: Floats
+    positions: Floats
 
-    weights: NDArray[np.float64]
-    positions: NDArray[np.float64]
-
-    def distances(self, touches: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give the Euclidean distance of n touches to the u units.
-
-        Parameters
-        ----------
-        touches : numpy.ndarray
-            Shape (n, k), float64.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n, u), float64.
-        """
+    def distances(self, touches: Floats) -> Floats:
+        """Give the Euclidean distances of touches (n, k) to the units, (n, u)."""
         squares = np.square(touches[:, None, :] - self.weights[None, :, :])
         return np.sqrt(squares.sum(axis=-1))
 
-    def nearest(self, touches: NDArray[np.float64]) -> NDArray[np.int64]:
+    def nearest(self, touches: Floats) -> Integers:
         """Give the nearest unit of n touches, shape (n,); the first one where two are as near."""
         return _nearest(touches, self.weights)
 
 
 def fit_map(
-    rows: NDArray[np.float64],
-    positions: NDArray[np.float64],
+    rows: Floats,
+    positions: Floats,
     parameters: SelfOrganisingMapParameters,
     generator: np.random.Generator,
 ) -> SelfOrganisingMap:
@@ -65,45 +46,28 @@ def fit_map(
 
 
 def fit_line(
-    rows: NDArray[np.float64], settings: SelfOrganisingMapParameters, generator: np.random.Generator
+    rows: Floats, settings: SelfOrganisingMapParameters, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     """Fit a map whose units lie on a line."""
     return fit_map(rows, line(settings.outputs), settings, generator)
 
 
 def fit_lattice(
-    rows: NDArray[np.float64], settings: SelfOrganisingMapParameters, generator: np.random.Generator
+    rows: Floats, settings: SelfOrganisingMapParameters, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     """Fit a map whose units lie on a lattice, an axis an output."""
     return fit_map(rows, lattice(settings.outputs, settings.lattice_levels), settings, generator)
 
 
 def fit_batch_map(
-    touches: NDArray[np.float64],
-    positions: NDArray[np.float64],
-    parameters: SelfOrganisingMapParameters,
+    touches: Floats, positions: Floats, parameters: SelfOrganisingMapParameters
 ) -> SelfOrganisingMap:
-    """Fit a map, all touches at once in each pass.
+    """Fit a map on touches (n, k), all at once in each pass; `positions` (u, a) are the lattice.
 
-    Each unit becomes the mean of the touches, weighted by a Gaussian of the
-    lattice distance to the touch's nearest unit. The radius shrinks
-    geometrically over the ordering passes and then stays; training ends when no
-    touch changes its nearest unit. Units start along the touches' principal
+    Each unit becomes the mean of the touches, weighted by a Gaussian of the lattice distance to the
+    touch's nearest unit. The radius shrinks geometrically over the ordering passes and then stays;
+    training ends when no touch changes its nearest unit. Units start along the touches' principal
     components, so nothing is random.
-
-    Parameters
-    ----------
-    touches : numpy.ndarray
-        Shape (n, k), float64.
-    positions : numpy.ndarray
-        Shape (u, a), float64: the lattice.
-    parameters : SelfOrganisingMapParameters
-        Radii and passes.
-
-    Returns
-    -------
-    SelfOrganisingMap
-        The map.
     """
     weights = _principal_weights(touches, positions)
     squares = np.square(positions[:, None, :] - positions[None, :, :]).sum(axis=-1)
@@ -121,33 +85,14 @@ def fit_batch_map(
 
 
 def fit_online_map(
-    touches: NDArray[np.float64],
-    positions: NDArray[np.float64],
+    touches: Floats,
+    positions: Floats,
     parameters: SelfOrganisingMapParameters,
     generator: np.random.Generator,
 ) -> SelfOrganisingMap:
-    """Fit a map touch by touch with MiniSom, in random order.
+    """Fit a map touch by touch, (n, k), with MiniSom, in random order.
 
-    Parameters
-    ----------
-    touches : numpy.ndarray
-        Shape (n, k), float64.
-    positions : numpy.ndarray
-        Shape (u, 1) or (u, 2), float64: the lattice.
-    parameters : SelfOrganisingMapParameters
-        First radius, learning rate and passes.
-    generator : numpy.random.Generator
-        Seeds the order of the touches.
-
-    Returns
-    -------
-    SelfOrganisingMap
-        The map.
-
-    Raises
-    ------
-    RecognitionError
-        If the lattice has more than two axes.
+    Raises `RecognitionError` if the lattice has more than two axes.
     """
     from minisom import MiniSom
 
@@ -171,25 +116,23 @@ def fit_online_map(
     return SelfOrganisingMap(som.get_weights().reshape(-1, touches.shape[1]).copy(), positions)
 
 
-def line(units: int) -> NDArray[np.float64]:
+def line(units: int) -> Floats:
     """Give the places of units in a row, shape (units, 1)."""
     return np.arange(units, dtype=np.float64)[:, None]
 
 
-def lattice(axes: int, levels: int) -> NDArray[np.float64]:
+def lattice(axes: int, levels: int) -> Floats:
     """Give the places of a lattice's units, shape (levels ** axes, axes)."""
     return np.array(list(itertools.product(range(levels), repeat=axes)), dtype=np.float64)
 
 
-def _shrinking_radii(parameters: SelfOrganisingMapParameters) -> NDArray[np.float64]:
+def _shrinking_radii(parameters: SelfOrganisingMapParameters) -> Floats:
     return np.geomspace(
         parameters.initial_radius, parameters.final_radius, parameters.ordering_epochs
     )
 
 
-def _principal_weights(
-    touches: NDArray[np.float64], positions: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _principal_weights(touches: Floats, positions: Floats) -> Floats:
     """Lay the lattice's axes along the touches' principal components, ± 1 sd long."""
     centre = touches.mean(axis=0)
     _, scales, directions = np.linalg.svd(touches - centre, full_matrices=False)
@@ -203,18 +146,15 @@ def _principal_weights(
     return centre + (along * scales) @ directions
 
 
-def _nearest(touches: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.int64]:
+def _nearest(touches: Floats, weights: Floats) -> Integers:
     # |x - w|² without |x|², which is the same for every unit.
     scores = np.square(weights).sum(axis=1) - 2 * (touches @ weights.T)
     return np.argmin(scores, axis=1)
 
 
 def _weighted_means(
-    touches: NDArray[np.float64],
-    winners: NDArray[np.int64],
-    neighbourhood: NDArray[np.float64],
-    previous: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    touches: Floats, winners: Integers, neighbourhood: Floats, previous: Floats
+) -> Floats:
     won = np.eye(len(neighbourhood))[winners]
     sums, counts = won.T @ touches, won.sum(axis=0)
     share = (neighbourhood @ counts)[:, None]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.parameters import SequenceParameters
 
 STATISTICS = ("standard_deviation", "root_mean_square", "skewness")
@@ -14,30 +14,12 @@ CONSTANT_TOLERANCE = 1e-12
 """A sequence whose standard deviation is at most this share of its rms counts as constant."""
 
 
-def sequence_features(
-    sequences: NDArray[np.float64], parameters: SequenceParameters
-) -> NDArray[np.float64]:
-    """Summarise sequences by themselves and by the levels of their wavelet transform.
+def sequence_features(sequences: Floats, parameters: SequenceParameters) -> Floats:
+    """Summarise sequences (s, t, m) by themselves and by the levels of their wavelet transform.
 
-    With the paper's settings (five sequences, three levels) these are its
-    5 x (1 + 3) x 3 = 60 features.
-
-    Parameters
-    ----------
-    sequences : numpy.ndarray
-        Shape (s, t, m), float64: m numbers at each of t touches.
-    parameters : SequenceParameters
-        Wavelet, levels, extension and the divisor of the standard deviation.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (s, m * (1 + levels) * 3), float64, in the order of `feature_names`.
-
-    Raises
-    ------
-    RecognitionError
-        If the wavelet is not one of PyWavelets' discrete ones.
+    Gives (s, m * (1 + levels) * 3) numbers, in the order of `feature_names`: with the paper's
+    settings (five sequences, three levels) its 5 x (1 + 3) x 3 = 60 features. Raises
+    `RecognitionError` if the wavelet is not one of PyWavelets' discrete ones.
     """
     along_time = np.moveaxis(sequences, 1, -1)
     levels = wavelet_levels(along_time, parameters)
@@ -48,20 +30,7 @@ def sequence_features(
 
 
 def feature_names(outputs: int, parameters: SequenceParameters) -> tuple[str, ...]:
-    """Name the features of `sequence_features` in their order.
-
-    Parameters
-    ----------
-    outputs : int
-        Number m of sequences.
-    parameters : SequenceParameters
-        Levels and bands.
-
-    Returns
-    -------
-    tuple of str
-        Such as ``output_1_detail_2_skewness``.
-    """
+    """Name the features of `sequence_features` for m outputs, such as ``output_1_detail_2_skewness``."""
     band = parameters.bands.removesuffix("s")
     signals = ["sequence", *(f"{band}_{level}" for level in range(1, parameters.levels + 1))]
     return tuple(
@@ -72,30 +41,12 @@ def feature_names(outputs: int, parameters: SequenceParameters) -> tuple[str, ..
     )
 
 
-def wavelet_levels(
-    signals: NDArray[np.float64], parameters: SequenceParameters
-) -> list[NDArray[np.float64]]:
-    """Decompose signals along their last axis.
+def wavelet_levels(signals: Floats, parameters: SequenceParameters) -> list[Floats]:
+    """Decompose signals (..., t) along their last axis, one array a level, the finest first.
 
-    Five touches are shorter than the transform wants (db2 recommends no level at
-    all), so what lies beyond the ends is `parameters.extension`'s doing.
-
-    Parameters
-    ----------
-    signals : numpy.ndarray
-        Shape (..., t), float64.
-    parameters : SequenceParameters
-        Wavelet, levels, extension and which coefficients to keep.
-
-    Returns
-    -------
-    list of numpy.ndarray
-        One array a level, the finest first, shapes (..., t1), (..., t2), …
-
-    Raises
-    ------
-    RecognitionError
-        If the wavelet is unknown.
+    Five touches are shorter than the transform wants (db2 recommends no level at all), so what lies
+    beyond the ends is `parameters.extension`'s doing. Raises `RecognitionError` if the wavelet is
+    unknown.
     """
     import pywt
 
@@ -114,48 +65,22 @@ def wavelet_levels(
     return kept
 
 
-def without_rounding(
-    levels: NDArray[np.float64], signals: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Set coefficients to 0 where all of a signal's are rounding beside the signal itself.
+def without_rounding(levels: Floats, signals: Floats) -> Floats:
+    """Set a level's coefficients (..., k) to 0 where all are rounding beside their signal (..., t).
 
     Details of a constant sequence are 0 but for rounding, whose skewness is as large as any.
-
-    Parameters
-    ----------
-    levels : numpy.ndarray
-        Shape (..., k), float64: a level's coefficients.
-    signals : numpy.ndarray
-        Shape (..., t), float64: what they were made of.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (..., k), float64.
     """
     largest = np.abs(signals).max(axis=-1, keepdims=True)
     rounding = np.abs(levels).max(axis=-1, keepdims=True) <= CONSTANT_TOLERANCE * largest
     return np.where(rounding, 0.0, levels)
 
 
-def summarise_signals(signals: NDArray[np.float64], correction: int) -> NDArray[np.float64]:
-    """Give standard deviation, rms and skewness along the last axis.
+def summarise_signals(signals: Floats, correction: int) -> Floats:
+    """Give standard deviation, rms and skewness along the last axis: (..., t) to (..., 3), finite.
 
-    Skewness is m3 / m2 ** 1.5 with population moments (Matlab's default); a
-    signal whose deviation is at most `CONSTANT_TOLERANCE` of its rms is constant
-    up to rounding and has skewness 0.
-
-    Parameters
-    ----------
-    signals : numpy.ndarray
-        Shape (..., t), float64.
-    correction : int
-        The standard deviation divides by t - correction (by t where t is 1).
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (..., 3), float64, finite for finite signals.
+    The standard deviation divides by t - correction (by t where t is 1). Skewness is m3 / m2 ** 1.5
+    with population moments (Matlab's default); a signal whose deviation is at most
+    `CONSTANT_TOLERANCE` of its rms is constant up to rounding and has skewness 0.
     """
     length = signals.shape[-1]
     # Scaled to its largest value, no power over- or underflows.

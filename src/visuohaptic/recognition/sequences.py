@@ -2,59 +2,46 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.tables.phases import CONTACT_STATES, key_of, owners_of
+from visuohaptic.tables.phases import CONTACT_STATES, key_of, keys_of, owners_of
 from visuohaptic.tables.schema import matrix
 
 
 @dataclass(frozen=True)
 class TouchSequences:
-    """s sequences of t touches with k features each, of o objects in c classes.
+    """s sequences of t touches with k features each, (s, t, k), of o objects in c classes.
 
-    Attributes
-    ----------
-    features : numpy.ndarray
-        Shape (s, t, k), float64.
-    feature_names : tuple of str
-        The k features' names.
-    objects : tuple of (str, str)
-        The o objects as (class, name), sorted.
-    classes : tuple of str
-        The c classes, sorted.
-    object_index : numpy.ndarray
-        Shape (s,), int64: each sequence's place in `objects`.
-    viewpoint : numpy.ndarray
-        Shape (s,), int64.
+    `objects`, as (class, name), and `classes` are sorted; `object_index` (s,) is each sequence's
+    place in `objects`.
     """
 
-    features: NDArray[np.float64]
+    features: Floats
     feature_names: tuple[str, ...]
     objects: tuple[tuple[str, str], ...]
     classes: tuple[str, ...]
-    object_index: NDArray[np.int64]
-    viewpoint: NDArray[np.int64]
+    object_index: Integers
+    viewpoint: Integers
 
     @property
-    def class_of_object(self) -> NDArray[np.int64]:
+    def class_of_object(self) -> Integers:
         """Each object's place in `classes`, shape (o,)."""
         return np.array([self.classes.index(name) for name, _ in self.objects], dtype=np.int64)
 
     @property
-    def labels(self) -> NDArray[np.int64]:
+    def labels(self) -> Integers:
         """Each sequence's class as its place in `classes`, shape (s,)."""
         return self.class_of_object[self.object_index]
 
-    def take(self, sequences: NDArray[np.bool_]) -> TouchSequences:
+    def take(self, sequences: Flags) -> TouchSequences:
         """Take some sequences, of which shape (s,) is true; objects and classes keep their places."""
         return replace(
             self,
@@ -67,43 +54,25 @@ class TouchSequences:
 def gather_sequences(
     features: pa.Table, feature_names: Sequence[str], touches: int | None
 ) -> TouchSequences:
-    """Gather the touches of one strategy into sequences.
+    """Gather the touches of one strategy, rows in any order, into sequences.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy, in any order.
-    feature_names : sequence of str
-        The k columns to take.
-    touches : int or None
-        How many touches of each sequence to take, the first ones; None for all.
-
-    Returns
-    -------
-    TouchSequences
-        Sorted by class, object and viewpoint.
-
-    Raises
-    ------
-    RecognitionError
-        If there are no rows or more than one strategy, a sequence lacks a
-        touch, or a feature is not finite.
+    These are sorted by class, object and viewpoint. Takes the first so many touches of each; None
+    takes all. Raises `RecognitionError` if there are no rows or more than one strategy, a column is
+    missing, a sequence lacks a touch, or a feature is not finite.
     """
     _check_columns(features, feature_names)
-    keys = ["class", "object", "viewpoint", "touch"]
-    features = features.sort_by([(key, "ascending") for key in keys])
-    touch = features.column("touch").to_numpy()
+    keys = [(name, "ascending") for name in ("class", "object", "viewpoint", "touch")]
+    features = features.sort_by(keys)
     if touches is not None:
-        features = features.filter(pa.array(touch < touches))
-        touch = touch[touch < touches]
-    owners = owners_of(features)
-    viewpoint = features.column("viewpoint").to_numpy().astype(np.int64)
-    if not len(touch):
+        features = features.filter(pc.less(features.column("touch"), touches))
+    if not features.num_rows:
         raise RecognitionError("The features hold no touches; at least two objects are needed.")
-    length = int(touch.max()) + 1 if touches is None else touches
-    _check_touches(owners, viewpoint, touch, length)
-    values = matrix(features, feature_names)
-    _check_finite(values, feature_names, owners, touch)
+    length = pc.max(features.column("touch")).as_py() + 1 if touches is None else touches
+    of_sequence = features.group_by([name for name, _ in keys[:3]], use_threads=False)
+    found = of_sequence.aggregate([("touch", "list")]).sort_by(keys[:3])
+    _check_touches(found, length)
+    values = _finite_matrix(features, feature_names)
+    owners = owners_of(found)
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}
     return TouchSequences(
@@ -111,8 +80,8 @@ def gather_sequences(
         feature_names=tuple(feature_names),
         objects=objects,
         classes=tuple(sorted({name for name, _ in objects})),
-        object_index=np.array([places[owner] for owner in owners[::length]], dtype=np.int64),
-        viewpoint=viewpoint[::length],
+        object_index=np.array([places[owner] for owner in owners], dtype=np.int64),
+        viewpoint=found.column("viewpoint").to_numpy().astype(np.int64),
     )
 
 
@@ -129,42 +98,25 @@ def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
     return replace(sequences, features=np.reshape(features, sequences.features.shape))
 
 
-def gather_any(
-    features: pa.Table, feature_names: Sequence[str], touches: int
-) -> list[NDArray[np.float64]]:
-    """Gather all touches of one object into sequences of at most so many touches.
+def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -> list[Floats]:
+    """Gather all touches of one object and strategy into sequences of at most so many touches.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one object and one strategy, in any order.
-    feature_names : sequence of str
-        The k columns to take.
-    touches : int
-        Touches of a whole sequence. A viewpoint with more gives several, the last of which begins among the
-        touches of the one before it where fewer than that remain; a viewpoint with fewer gives a short one.
-
-    Returns
-    -------
-    list of numpy.ndarray
-        Shape (s, t, k) each, float64: all sequences of one length, the longest first.
-
-    Raises
-    ------
-    RecognitionError
-        If there is more than one object or strategy, a column is missing, or a feature is not finite.
+    Rows are in any order. Gives all sequences of one length together, (s, t, k), the longest first.
+    A viewpoint with more touches gives several, the last of which begins among the touches of the
+    one before it where fewer than that remain; a viewpoint with fewer gives a short one. Raises
+    `RecognitionError` if there is more than one object or strategy, a column is missing, or a
+    feature is not finite.
     """
     _check_columns(features, feature_names)
     features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
-    values, owners = matrix(features, feature_names), owners_of(features)
-    objects = sorted({"/".join(owner) for owner in owners})
+    objects = sorted(set(keys_of(features).to_pylist()))
     if len(objects) > 1:
         raise RecognitionError(
             f"The touches are of {', '.join(objects[:3])}; one object is allowed at a time."
         )
-    _check_finite(values, feature_names, owners, features.column("touch").to_numpy())
+    values = _finite_matrix(features, feature_names)
     _, starts = np.unique(features.column("viewpoint").to_numpy(), return_index=True)
-    by_length: dict[int, list[NDArray[np.float64]]] = {}
+    by_length: dict[int, list[Floats]] = {}
     for part in np.split(values, starts[1:]):
         for place in range(0, len(part), touches):
             first = max(min(place, len(part) - touches), 0)
@@ -185,14 +137,14 @@ def first_touches(features: pa.Table, touches: int) -> pa.Table:
 def turn_objects(features: pa.Table, turns: str) -> pa.Table:
     """Turn the poses of each object's touches, ``vertical`` or ``any``, by a rotation of its own.
 
-    The rotation is drawn by the object's key alone: it is the same for every seed, repeat, strategy and
-    pipeline, so that these are compared on the same turned objects. Every other column stays.
+    The rotation is drawn by the object's key alone: it is the same for every seed, repeat, strategy
+    and pipeline, so that these are compared on the same turned objects. Every other column stays.
     """
     from scipy.spatial.transform import Rotation
 
     if turns == "none":
         return features
-    owners = np.array(["/".join(owner) for owner in owners_of(features)])
+    owners = np.array(keys_of(features).to_pylist())
     found = {}
     for key in np.unique(owners):
         generator = spawn_generator(0, "turns", key)
@@ -249,43 +201,28 @@ def _check_columns(features: pa.Table, feature_names: Sequence[str]) -> None:
         raise RecognitionError(f"The features lack the columns {', '.join(missing)}.")
 
 
-def _check_touches(
-    owners: list[tuple[str, str]],
-    viewpoint: NDArray[np.int64],
-    touch: NDArray[np.int64],
-    length: int,
-) -> None:
-    """Refuse a sequence that is not 0, 1 … length - 1, each once."""
-    change = np.ones(len(touch), dtype=bool)
-    change[1:] = [before != after for before, after in itertools.pairwise(owners)]
-    change[1:] |= viewpoint[1:] != viewpoint[:-1]
-    starts = np.flatnonzero(change)
-    counts = np.diff(np.append(starts, len(touch)))
-    misplaced = touch != np.arange(len(touch)) - np.repeat(starts, counts)
-    wrong = np.flatnonzero((counts != length) | np.logical_or.reduceat(misplaced, starts))
-    if not len(wrong):
-        return
-    start = starts[wrong[0]]
-    found = touch[start : start + counts[wrong[0]]].tolist()
-    raise RecognitionError(
-        f"{'/'.join(owners[start])}, viewpoint {viewpoint[start]}, has the touches {found}; "
-        f"each of 0 to {length - 1}, once, is needed."
-    )
+def _check_touches(sequences: pa.Table, length: int) -> None:
+    """Refuse a sequence whose touches are not 0, 1 … length - 1, each once."""
+    for row in sequences.to_pylist():
+        if row["touch_list"] != list(range(length)):
+            raise RecognitionError(
+                f"{key_of(row)}, viewpoint {row['viewpoint']}, has the touches {row['touch_list']}; "
+                f"each of 0 to {length - 1}, once, is needed."
+            )
 
 
-def _check_finite(
-    values: NDArray[np.float64],
-    names: Sequence[str],
-    owners: Sequence[tuple[str, str]],
-    touch: NDArray[np.int64],
-) -> None:
+def _finite_matrix(features: pa.Table, names: Sequence[str]) -> Floats:
+    """Give columns side by side, (n, k), and refuse what is no finite number."""
+    values = matrix(features, names)
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
-        row, feature = bad[0]
+        row, feature = bad[0].tolist()
+        (touch,) = features.slice(row, 1).to_pylist()
         raise RecognitionError(
-            f"{'/'.join(owners[row])} has {names[feature]} = {values[row, feature]} at touch "
-            f"{touch[row]}; only finite numbers are allowed."
+            f"{key_of(touch)} has {names[feature]} = {values[row, feature]} at touch "
+            f"{touch['touch']}; only finite numbers are allowed."
         )
+    return values
 
 
 def classes_of_two(features: pa.Table) -> pa.Table:
@@ -320,21 +257,9 @@ def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, 
     """Leave out the viewpoints that show too little of a slender object for a whole sequence.
 
     A viewpoint is left out for all strategies where one of them lacks touches, so that strategies
-    are compared on the same.
-
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`, of any strategies.
-    touches : int or None
-        Touches of a whole sequence; None takes as many as the longest has.
-
-    Returns
-    -------
-    pyarrow.Table
-        The rows of the other viewpoints; the same table where none is left out.
-    tuple of str
-        A sentence for each object with such viewpoints.
+    are compared on the same. Without a number of touches a whole sequence has as many as the
+    longest. Also gives a sentence for each object with such viewpoints; where none is left out, the
+    table is the same.
     """
     owner = ["class", "object", "viewpoint"]
     counts = features.group_by([*owner, "strategy"]).aggregate([("touch", "count")])

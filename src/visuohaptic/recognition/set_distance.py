@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.encoding import fit_standardiser
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES
@@ -23,83 +25,59 @@ POSE_CUES = frozenset({"pose", "embedding"})
 class KnownTouches:
     """The touches of known objects.
 
-    Attributes
-    ----------
-    weights : numpy.ndarray
-        Shape (k,), float64: what each feature of a touch is multiplied by.
-    touches : numpy.ndarray
-        Shape (m, k), float32: weighted touches, object by object.
-    starts : numpy.ndarray
-        Shape (r,), int64: the place of each object's first touch.
+    `weights` (k,) are what each feature of a touch is multiplied by, `touches` (m, k) the weighted
+    touches, float32, object by object, and `starts` (r,) the place of each object's first touch.
     """
 
-    weights: NDArray[np.float64]
+    weights: Floats
     touches: NDArray[np.float32]
-    starts: NDArray[np.int64]
+    starts: Integers
 
-    def nearest(self, touches: NDArray[np.float64]) -> float:
-        """Give the distance of an object from the nearest known one.
+    def nearest(self, touches: Floats) -> float:
+        """Give the distance of an object, by all its touches (n, k), from the nearest known one.
 
-        The distance of two sets is the mean distance of a touch from the nearest of the other set, both
-        ways (the symmetric Chamfer distance: H. G. Barrow et al., IJCAI 1977).
-
-        Parameters
-        ----------
-        touches : numpy.ndarray
-            Shape (n, k), float64: all touches of the object.
+        The distance of two sets is the mean distance of a touch from the nearest of the other set,
+        both ways (the symmetric Chamfer distance: H. G. Barrow et al., IJCAI 1977).
         """
-        return self.distances(touches).nearest(slice(None))
+        return self.distances(touches).nearest(...)
 
-    def distances(self, touches: NDArray[np.float64]) -> TouchDistances:
-        """Give the distances of touches, (n, k), from all known ones, for any choice among them."""
+    def distances(self, touches: Floats) -> TouchDistances:
+        """Give the distances of touches, (..., k), from all known ones, for any choice among them."""
         from sklearn.metrics.pairwise import euclidean_distances
 
-        found = euclidean_distances((touches * self.weights).astype(np.float32), self.touches)
+        every = touches.reshape(-1, touches.shape[-1])
+        found = euclidean_distances((every * self.weights).astype(np.float32), self.touches)
         there = np.minimum.reduceat(found, self.starts, axis=1)
-        return TouchDistances(found, there, self.starts)
+        shape = (*touches.shape[:-1], -1)
+        return TouchDistances(found.reshape(shape), there.reshape(shape), self.starts)
 
 
 @dataclass(frozen=True)
 class TouchDistances:
-    """Distances of the n touches of an object from m known ones, of r objects.
+    """Distances (..., m), float32, of an object's touches from m known ones, of r objects.
 
-    Attributes
-    ----------
-    found : numpy.ndarray
-        Shape (n, m), float32.
-    there : numpy.ndarray
-        Shape (n, r), float32: from the nearest touch of each known object.
-    starts : numpy.ndarray
-        Shape (r,), int64: as in `KnownTouches`.
+    `there` (..., r) are those from the nearest touch of each known object; `starts` (r,) are as in
+    `KnownTouches`.
     """
 
     found: NDArray[np.float32]
     there: NDArray[np.float32]
-    starts: NDArray[np.int64]
+    starts: Integers
 
-    def nearest(self, chosen: slice | NDArray[np.int64]) -> float:
-        """Give what `KnownTouches.nearest` does, from the chosen touches alone."""
-        there = self.there[chosen].mean(axis=0, dtype=np.float64)
-        counts = np.diff(np.append(self.starts, self.found.shape[1]))
-        closest = self.found[chosen].min(axis=0).astype(np.float64)
+    def nearest(self, chosen: Any) -> float:
+        """Give what `KnownTouches.nearest` does, from the touches of an index alone."""
+        there = self.there[chosen].reshape(-1, len(self.starts)).mean(axis=0, dtype=np.float64)
+        known = self.found.shape[-1]
+        counts = np.diff(np.append(self.starts, known))
+        closest = self.found[chosen].reshape(-1, known).min(axis=0).astype(np.float64)
         return float((there + np.add.reduceat(closest, self.starts) / counts).min() / 2)
 
 
 def keep_touches(sequences: TouchSequences, cues: Collection[str]) -> KnownTouches:
     """Keep the touches of training objects.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        Of the training objects. All features but pose are standardised, and count together as much as a
-        unit normal.
-    cues : collection of str
-        Cues of pipeline `best`; without one of `POSE_CUES` pose counts nothing.
-
-    Returns
-    -------
-    KnownTouches
-        All touches.
+    All features but pose are standardised, and count together as much as a unit normal. `cues` are
+    those of pipeline `best`; without one of `POSE_CUES` pose counts nothing.
     """
     names, touches = sequences.feature_names, sequences.features
     count = len(names)

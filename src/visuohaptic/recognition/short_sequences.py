@@ -16,18 +16,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.certainty import (
     Calibration,
-    Landmarks,
     bag_evidence,
     classify_bags,
     gather_calibration,
-    hold_out_objects,
-    object_distances,
-    object_means,
+    landmarks_of,
     turn_bags,
 )
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
@@ -41,32 +38,21 @@ from visuohaptic.recognition.pooling import (
 )
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.set_distance import keep_touches
+from visuohaptic.recognition.splits import hold_out_objects
 from visuohaptic.recognition.tuning import Projection, fit_projection
 
 logger = logging.getLogger(__name__)
 
-Described = Mapping[int, NDArray[np.float64]]
+Described = Mapping[int, Floats]
 """Descriptors (n, d) of the same sequences by their first touches: so many, float64."""
 
 
 @dataclass(frozen=True)
 class ShortClassifier:
-    """What classifies sequences of one length.
+    """What classifies sequences of one length, c classes.
 
-    Attributes
-    ----------
-    scaling : Standardiser
-        Of the d descriptors of this length.
-    projection : Projection
-        Of all lengths.
-    bags : BagClassifier
-        Of all lengths.
-    classes : int
-        Number c of classes.
-    combination : Combination
-        Temperatures of this length.
-    calibration : Calibration or None
-        Training objects, each predicted without itself; None where no class has a second object.
+    `scaling`, `combination` and `calibration` are of this length, `projection` and `bags` of all
+    lengths. `calibration` is None where no class has a second object.
     """
 
     scaling: Standardiser
@@ -77,19 +63,19 @@ class ShortClassifier:
     calibration: Calibration | None = None
 
     @property
-    def trained(self) -> NDArray[np.int64]:
+    def trained(self) -> Integers:
         """The classes that training had."""
         return self.bags.trained
 
-    def encode(self, descriptors: NDArray[np.float64]) -> NDArray[np.float64]:
+    def encode(self, descriptors: Floats) -> Floats:
         """Project descriptors, (n, d) to (n, p)."""
         return self.projection.apply(self.scaling.apply(descriptors))
 
-    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+    def scores(self, projected: Floats) -> Floats:
         """Give a score a class, (n, p) to (n, c)."""
         return self.bags.scores(projected, self.classes)
 
-    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+    def ballots(self, projected: Floats) -> Ballots:
         """Give what is known of n sequences, (n, p), for one answer for any of them together."""
         return _ballots(self.scores(projected), self.combination)
 
@@ -100,23 +86,10 @@ def fit_short_classifiers(
     best: BestParameters,
     generator: np.random.Generator,
 ) -> dict[int, ShortClassifier]:
-    """Fit a classifier for each length.
+    """Fit a classifier for each length of `described`.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        For training, of all their touches.
-    described : mapping of int to numpy.ndarray
-        Shape (s, d) each, float64: the same by their first touches.
-    best : BestParameters
-        Bags, components, folds.
-    generator : numpy.random.Generator
-        Deals the objects over folds.
-
-    Returns
-    -------
-    dict of int to ShortClassifier
-        By number of touches; empty without bags, or where no covariance can be taken of them.
+    `sequences` are the same training sequences with all their touches; the generator deals the
+    objects over folds. Gives none without bags, or where no covariance can be taken of them.
     """
     if not described or not best.bags:
         return {}
@@ -128,12 +101,12 @@ def fit_short_classifiers(
         return {}
     if not held_out.owners:
         return found
-    known_touches = keep_touches(sequences, best.cues)
+    touches = keep_touches(sequences, best.cues)
     for length, classifier in found.items():
         combination = _combine(sequences, held_out, length, classifier, best)
         rows = _calibration_rows(sequences, held_out, length, combination, best)
         projected = classifier.encode(described[length])
-        marks = Landmarks(object_means(projected, sequences.object_index, best), known_touches)
+        marks = landmarks_of(projected, sequences.object_index, touches, best)
         calibration = gather_calibration(rows, marks, best)
         found[length] = replace(classifier, combination=combination, calibration=calibration)
     return found
@@ -144,8 +117,8 @@ class _HeldOut:
     """What training objects score without themselves: (s, c) and, by object, (k, e) of each length."""
 
     owners: list[int]
-    scores: dict[int, NDArray[np.float64]]
-    evidence: dict[int, dict[int, NDArray[np.float64]]]
+    scores: dict[int, Floats]
+    evidence: dict[int, dict[int, Floats]]
 
 
 def _name_held_out(
@@ -160,28 +133,27 @@ def _name_held_out(
     found = _HeldOut(
         [], {length: np.zeros(shape) for length in described}, {length: {} for length in described}
     )
-    for train, objects in hold_out_objects(sequences, best.calibration_folds, generator):
+    for train, objects in hold_out_objects(
+        sequences.labels, owners, best.calibration_folds, generator
+    ):
         found.owners.extend(objects)
         known = sequences.take(train)
         parts = {length: rows[train] for length, rows in described.items()}
         fits = _fit(known, parts, best)
-        known_touches = keep_touches(known, best.cues)
+        touches = keep_touches(known, best.cues)
         marks = {
-            length: Landmarks(
-                object_means(classifier.encode(parts[length]), known.object_index, best),
-                known_touches,
-            )
-            for length, classifier in fits.items()
+            length: landmarks_of(fit.encode(parts[length]), known.object_index, touches, best)
+            for length, fit in fits.items()
         }
         for place in objects:
             one = owners == place
             bags = turn_bags(int(one.sum()), place, best)
-            distances, places = object_distances(known_touches, sequences.features[one])
+            distances = touches.distances(sequences.features[one])
             for length, classifier in fits.items():
                 projected = classifier.encode(described[length][one])
                 scores = found.scores[length][one] = classifier.scores(projected)
                 found.evidence[length][place] = bag_evidence(
-                    marks[length], projected, scores, bags, distances, places[:, :length]
+                    marks[length], projected, scores, bags, distances, length
                 )
     found.owners.sort()
     return found
@@ -233,7 +205,7 @@ def _calibration_rows(
     length: int,
     combination: Combination,
     best: BestParameters,
-) -> list[tuple[int, NDArray[np.float64], NDArray[np.float64]]]:
+) -> list[tuple[int, Floats, Floats]]:
     """Give what `gather_calibration` takes, of one length."""
     rows, classes = [], sequences.class_of_object
     for place in held_out.owners:
@@ -245,6 +217,6 @@ def _calibration_rows(
     return rows
 
 
-def _ballots(scores: NDArray[np.float64], combination: Combination) -> Ballots:
+def _ballots(scores: Floats, combination: Combination) -> Ballots:
     """Let the discriminant answer alone: beside it all classes are as likely."""
     return Ballots(np.full(scores.shape, 1 / scores.shape[1]), scores, combination)

@@ -4,32 +4,24 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Flags, Integers
 from visuohaptic.recognition.parameters import Protocol, ProtocolParameters
 from visuohaptic.recognition.sequences import TouchSequences
 
 
 @dataclass(frozen=True)
 class Split:
-    """One division of the sequences.
-
-    Attributes
-    ----------
-    number : int
-        Its number, from 0.
-    train, test : numpy.ndarray
-        Places of the training and of the test sequences, int64, ascending.
-    """
+    """One division of the sequences: its number, from 0, and the places of either part, ascending."""
 
     number: int
-    train: NDArray[np.int64]
-    test: NDArray[np.int64]
+    train: Integers
+    test: Integers
 
 
 def make_splits(
@@ -37,25 +29,9 @@ def make_splits(
 ) -> list[Split]:
     """Divide the sequences as the protocol says.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        All sequences.
-    parameters : ProtocolParameters
-        The protocol.
-    generator : numpy.random.Generator
-        Draws the folds, each round anew, and combinations where there are more than are run.
-
-    Returns
-    -------
-    list of Split
-        In order.
-
-    Raises
-    ------
-    RecognitionError
-        If there are fewer than two classes, or a class has too few objects or
-        an object too few viewpoints.
+    The generator draws the folds, each round anew, and combinations where there are more than are
+    run. Raises `RecognitionError` if there are fewer than two classes, or a class has too few
+    objects or an object too few viewpoints.
     """
     check_two_classes(sequences)
     if parameters.protocol == "new_viewpoint":
@@ -83,20 +59,10 @@ def make_splits(
 
 
 def settled_protocol(sizes: Sequence[int], parameters: ProtocolParameters) -> Protocol:
-    """Give the protocol that is run: what `auto` takes for classes of so many objects.
+    """Give the protocol that is run for classes of so many objects; only `auto` depends on these.
 
-    Parameters
-    ----------
-    sizes : sequence of int
-        How many objects each class has.
-    parameters : ProtocolParameters
-        The protocol, and most combinations.
-
-    Returns
-    -------
-    str
-        All combinations of one test object a class where these are at most
-        ``maximum_splits``, otherwise grouped folds; any other protocol as it is.
+    It takes all combinations of one test object a class where these are at most ``maximum_splits``,
+    otherwise grouped folds.
     """
     if parameters.protocol != "auto":
         return parameters.protocol
@@ -122,26 +88,12 @@ def objects_of_classes(sequences: TouchSequences) -> list[list[int]]:
 def leave_one_out_a_class(
     members: Sequence[Sequence[int]], maximum: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Choose one test object of each class, in all combinations.
+    """Choose one test object of each class, in all combinations: the test objects of each split.
 
-    Where there are more combinations than `maximum`, distinct ones are drawn: within
-    a class the objects take turns in a shuffled order, so that each is tested as often
-    as any other, or once more. If a combination comes twice so, as where few are left
-    out, `distinct_combinations` draws instead.
-
-    Parameters
-    ----------
-    members : sequence of sequence of int
-        The objects of each class.
-    maximum : int
-        Most combinations.
-    generator : numpy.random.Generator
-        Draws the combinations where there are too many.
-
-    Returns
-    -------
-    list of tuple of int
-        The test objects of each split.
+    Where there are more combinations than `maximum`, distinct ones are drawn: within a class the
+    objects take turns in a shuffled order, so that each is tested as often as any other, or once
+    more. If a combination comes twice so, as where few are left out, `distinct_combinations` draws
+    instead.
     """
     if math.prod(len(objects) for objects in members) <= maximum:
         return list(itertools.product(*members))
@@ -157,24 +109,10 @@ def distinct_combinations(
 ) -> list[tuple[int, ...]]:
     """Draw distinct combinations of an object of each class, each object as often or once more.
 
-    From a drawn combination all classes go on to their next object together, until that
-    combination would come again: a cycle that has the objects of a class equally often, and
-    shares a combination with another cycle only if it is the same. A part of a cycle has them
-    as often, or once more.
-
-    Parameters
-    ----------
-    members : sequence of sequence of int
-        The objects of each class.
-    count : int
-        How many combinations, as many as there are at most.
-    generator : numpy.random.Generator
-        Draws where cycles begin.
-
-    Returns
-    -------
-    list of tuple of int
-        The combinations, cycle by cycle.
+    From a drawn combination all classes go on to their next object together, until that combination
+    would come again: a cycle that has the objects of a class equally often, and shares a
+    combination with another cycle only if it is the same. A part of a cycle has them as often, or
+    once more. `count` is at most the number of combinations.
     """
     sizes = [len(objects) for objects in members]
     chosen: dict[tuple[int, ...], None] = {}
@@ -196,21 +134,8 @@ def grouped_folds(
 ) -> list[tuple[int, ...]]:
     """Deal the objects of each class over folds; every object is tested once.
 
-    Parameters
-    ----------
-    members : sequence of sequence of int
-        The objects of each class, at least two each.
-    folds : int
-        Number of folds; no more are made than the largest class has objects, so
-        a class with fewer objects than folds is missing from some tests, never
-        from training.
-    generator : numpy.random.Generator
-        Shuffles the objects of each class.
-
-    Returns
-    -------
-    list of tuple of int
-        The test objects of each fold.
+    No more folds are made than the largest class has objects, so a class with fewer objects than
+    folds is missing from some tests, never from training, as each class has at least two.
     """
     folds = min(folds, max(len(objects) for objects in members))
     dealt: list[list[int]] = [[] for _ in range(folds)]
@@ -220,6 +145,26 @@ def grouped_folds(
         for turn, place in enumerate(generator.permutation(len(objects))):
             dealt[order[turn % folds]].append(objects[place])
     return [tuple(sorted(objects)) for objects in dealt]
+
+
+def hold_out_objects(
+    labels: Integers, owners: Integers, folds: int, generator: np.random.Generator
+) -> Iterator[tuple[Flags, list[int]]]:
+    """Deal training objects over folds, each of which is predicted without itself.
+
+    `labels` and `owners` (n,) are classes and objects of the training sequences. Yields which of
+    these the other folds have, (n,), of two classes at least; and the objects of the fold whose
+    class is among those, at least one. There is no fold where no class has a second object.
+    """
+    members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
+    if max(len(objects) for objects in members) < 2:
+        return
+    for objects in grouped_folds(members, folds, generator):
+        train = ~np.isin(owners, objects)
+        classes = np.unique(labels[train])
+        known = [place for place in objects if labels[owners == place][0] in classes]
+        if known and len(classes) > 1:
+            yield train, known
 
 
 def _turns(objects: Sequence[int], count: int, generator: np.random.Generator) -> list[int]:
@@ -240,5 +185,5 @@ def _viewpoint_splits(sequences: TouchSequences, folds: int) -> list[Split]:
     return [_split(number, fold == number) for number in range(folds)]
 
 
-def _split(number: int, tested: NDArray[np.bool_]) -> Split:
+def _split(number: int, tested: Flags) -> Split:
     return Split(number, np.flatnonzero(~tested), np.flatnonzero(tested))

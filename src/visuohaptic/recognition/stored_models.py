@@ -39,11 +39,13 @@ FORMAT = "visuohaptic recognition model 7"
 LARGEST_BYTES = 2**30
 """A model file that unpacks to more is refused; one of 142 objects has some megabytes."""
 
-_PARTS: Mapping[str, type] = {
+_PARTS: Mapping[str, Any] = {
     part.__name__: part
     for part in (
         BagClassifier,
+        BestParameters,
         Calibration,
+        ClassifierParameters,
         Combination,
         FeatureGroups,
         GaussianClassifier,
@@ -52,9 +54,12 @@ _PARTS: Mapping[str, type] = {
         NearestNeighbours,
         Projection,
         RecognitionModel,
+        RecognitionParameters,
         SelfOrganisingMap,
+        SelfOrganisingMapParameters,
         SequenceDescriber,
         SequenceEncoder,
+        SequenceParameters,
         ShortClassifier,
         Standardiser,
         SupportVectorMachine,
@@ -62,33 +67,13 @@ _PARTS: Mapping[str, type] = {
         WaveBasis,
     )
 }
-_PARAMETERS: Mapping[str, type[BaseModel]] = {
-    part.__name__: part
-    for part in (
-        BestParameters,
-        ClassifierParameters,
-        RecognitionParameters,
-        SelfOrganisingMapParameters,
-        SequenceParameters,
-    )
-}
 
 
 def save_model(model: RecognitionModel, path: str | Path) -> None:
-    """Write a model with skops, whole or not at all.
+    """Write a model with skops, whole or not at all; the folder is made where missing.
 
-    Parameters
-    ----------
-    model : RecognitionModel
-        The model.
-    path : path
-        The file, such as ``recogniser.skops``; its folder is made where missing.
-
-    Raises
-    ------
-    RecognitionError
-        If the classifier can't be saved so that loading is safe: scikit-learn follows
-        a decision tree's stored indices unchecked.
+    Raises `RecognitionError` if the classifier can't be saved so that loading is safe: scikit-learn
+    follows a decision tree's stored indices unchecked.
     """
     import skops.io
 
@@ -104,24 +89,12 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
 
 
 def load_model(path: str | Path) -> RecognitionModel:
-    """Read a model; a file that would bring code of its own is refused.
+    """Read what `save_model` wrote; a file that would bring code of its own is refused.
 
-    Parameters
-    ----------
-    path : path
-        What `save_model` wrote.
-
-    Returns
-    -------
-    RecognitionModel
-        The model.
-
-    Raises
-    ------
-    RecognitionError
-        If the file can't be read, is larger than `LARGEST_BYTES`, holds other types than NumPy's and
-        scikit-learn's, is no whole model of this package, or gives no probabilities for a sequence of
-        touches because its arrays don't belong together or hold what is no number.
+    Raises `RecognitionError` if the file can't be read, is larger than `LARGEST_BYTES`, holds other
+    types than NumPy's and scikit-learn's, is no whole model of this package, or gives no
+    probabilities for a sequence of touches because its arrays don't belong together or hold what is
+    no number.
     """
     import skops.io
     from skops.io.exceptions import UntrustedTypesFoundException
@@ -189,7 +162,7 @@ def _restored(state: Any) -> Any:
     if not isinstance(state, dict):
         return state
     if "parameters" in state and "values" in state:
-        return _PARAMETERS[state["parameters"]].model_validate_json(state["values"])
+        return _PARTS[state["parameters"]].model_validate_json(state["values"])
     if "keys" in state:
         return dict(zip(state["keys"], map(_restored, state["values"]), strict=True))
     own = {name: _restored(one) for name, one in state.items() if name != "part"}

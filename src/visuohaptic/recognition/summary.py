@@ -11,6 +11,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.intervals import (
     balanced_interval,
     compare_paired,
@@ -23,6 +24,8 @@ from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import owners_of
 
 REFERENCE_STRATEGY = "fixation"
+
+_CELL = ["pipeline", "strategy", "classifier"]
 
 METHOD = {
     "accuracy": "mean over splits of the share of test sequences correctly classified",
@@ -42,18 +45,13 @@ METHOD = {
 
 @dataclass(frozen=True)
 class Confusion:
-    """Confusion matrix: how often sequences of each class were predicted as each class.
+    """How often sequences of each of c classes, sorted, were predicted as each class.
 
-    Attributes
-    ----------
-    classes : tuple of str
-        The c classes, sorted.
-    counts : numpy.ndarray
-        Shape (c, c), int64: true class by row, predicted class by column.
+    `counts` (c, c) has the true class by row, the predicted one by column.
     """
 
     classes: tuple[str, ...]
-    counts: NDArray[np.int64]
+    counts: Integers
 
 
 @dataclass(frozen=True)
@@ -61,11 +59,11 @@ class _ObjectFigures:
     """Values an object over every split and repeat that tested it."""
 
     objects: tuple[tuple[str, str], ...]
-    classes: NDArray[np.int64]
-    weights: NDArray[np.float64]
-    vote_weights: NDArray[np.float64]
-    accuracy: NDArray[np.float64]
-    vote: NDArray[np.float64]
+    classes: Integers
+    weights: Floats
+    vote_weights: Floats
+    accuracy: Floats
+    vote: Floats
 
 
 def summarise(
@@ -74,41 +72,21 @@ def summarise(
     parameters: IntervalParameters | None = None,
     seed: int = 0,
 ) -> dict[str, Any]:
-    """Give every headline figure of recognition.
+    """Give every headline figure of recognition, in types that JSON has.
 
-    Parameters
-    ----------
-    scores : pyarrow.Table
-        `tables.SCORES` of any pipelines and strategies.
-    predictions : pyarrow.Table
-        `tables.PREDICTIONS` of the same.
-    parameters : IntervalParameters or None
-        Resampling; None takes the defaults.
-    seed : int
-        The experiment's seed, for the resampling.
-
-    Returns
-    -------
-    dict
-        ``method`` (what each figure means), ``results[pipeline][strategy][classifier]``
-        (``accuracy``, ``object_accuracy``, ``balanced_accuracy`` and each of
-        ``class_accuracy`` with ``mean``, ``low``, ``high``; ``by_object``, each object's accuracy and its
-        weight in the mean; ``splits``, ``repeats``, ``objects``, ``sequences``, ``notes``), and
-        ``comparisons[pipeline][classifier][other strategy]`` (fixation minus the
-        other: ``difference``, ``p_value``, ``objects``, ``exact``). JSON-able; an
-        end of an interval that does not exist is None.
-
-    Raises
-    ------
-    RecognitionError
-        If scores and predictions are not of the same experiment.
+    Scores and predictions are of any pipelines and strategies. ``method`` says what each figure
+    means. ``results[pipeline][strategy][classifier]`` has ``accuracy``, ``object_accuracy``,
+    ``balanced_accuracy`` and each of ``class_accuracy`` with ``mean``, ``low``, ``high``;
+    ``by_object``, each object's accuracy and its weight in the mean; ``splits``, ``repeats``,
+    ``objects``, ``sequences``, ``notes``. ``comparisons[pipeline][classifier][other strategy]`` has
+    fixation minus the other: ``difference``, ``p_value``, ``objects``, ``exact``. An end of an
+    interval that does not exist is None. Without parameters resampling takes the defaults; its seed
+    is the experiment's. Raises `RecognitionError` if scores and predictions are not of the same
+    experiment.
     """
     parameters = parameters or IntervalParameters()
     cells = _cells(predictions)
-    scored = {
-        (row["pipeline"], row["strategy"], row["classifier"])
-        for row in _distinct(scores, ["pipeline", "strategy", "classifier"])
-    }
+    scored = {tuple(row.values()) for row in _distinct(scores, _CELL)}
     if scored != set(cells):
         raise RecognitionError(
             f"Scores and predictions differ in {sorted(scored ^ set(cells))[0]}; both must come "
@@ -150,11 +128,8 @@ def select(table: pa.Table, **values: object) -> pa.Table:
 
 
 def _cells(predictions: pa.Table) -> dict[tuple[str, str, str], pa.Table]:
-    names = ["pipeline", "strategy", "classifier"]
-    return {
-        tuple(row[name] for name in names): select(predictions, **row)
-        for row in _distinct(predictions, names)
-    }
+    rows = _distinct(predictions, _CELL)
+    return {tuple(row.values()): select(predictions, **row) for row in rows}
 
 
 def _distinct(table: pa.Table, names: list[str]) -> list[dict[str, Any]]:
@@ -189,8 +164,8 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
     run, tested = np.divmod(test, len(objects))
     share = sequences / np.bincount(run, weights=sequences)[run]
     object_share = 1.0 / np.bincount(run)[run]
-    weights: NDArray[np.float64] = np.bincount(tested, weights=share).astype(np.float64)
-    vote_weights: NDArray[np.float64] = np.bincount(tested, weights=object_share).astype(np.float64)
+    weights: Floats = np.bincount(tested, weights=share).astype(np.float64)
+    vote_weights: Floats = np.bincount(tested, weights=object_share).astype(np.float64)
     return _ObjectFigures(
         objects,
         true_class,
@@ -203,11 +178,11 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
 
 def _vote_credit(
     rows: pa.Table,
-    test: NDArray[np.int64],
-    predicted: NDArray[np.int64],
-    true_class: NDArray[np.int64],
+    test: Integers,
+    predicted: Integers,
+    true_class: Integers,
     names: NDArray[np.str_],
-) -> NDArray[np.float64]:
+) -> Floats:
     """Give each test's credit: by the soft vote where there is one, else by majority."""
     if rows.column("voted").null_count:
         return vote_credit(test, predicted, true_class)[1]

@@ -7,37 +7,25 @@ from itertools import combinations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-KernelName = Literal["linear", "poly", "rbf"]
+from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
 
 
 @dataclass(frozen=True)
 class SupportVectorMachine:
     """Machines that tell two classes apart, one for each pair of k classes.
 
-    Attributes
-    ----------
-    classes_ : numpy.ndarray
-        Shape (k,), int64: the classes, ascending.
-    vectors : numpy.ndarray
-        Shape (s, d), float64: the support vectors of all pairs.
-    weights : numpy.ndarray
-        Shape (s, p), float64: what each counts in each of the p = k (k - 1) / 2 pairs, which are in
-        the order 0 and 1, 0 and 2, …, 1 and 2, …
-    intercepts : numpy.ndarray
-        Shape (p,), float64.
-    kernel : str
-        ``linear``, ``poly`` of the third degree, or ``rbf``.
-    scale : float
-        What the kernel multiplies products, or squared distances, by.
+    `vectors` (s, d) are the support vectors of all pairs, and `weights` (s, p) what each counts in
+    each of the p = k (k - 1) / 2 pairs, which are in the order 0 and 1, 0 and 2, …, 1 and 2, … The
+    kernel multiplies products, or squared distances, by `scale`; ``poly`` is of the third degree.
     """
 
-    classes_: NDArray[np.int64]
-    vectors: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    intercepts: NDArray[np.float64]
-    kernel: KernelName
+    classes_: Integers
+    vectors: Floats
+    weights: Floats
+    intercepts: Floats
+    kernel: Literal["linear", "poly", "rbf"]
     scale: float
 
     @property
@@ -45,7 +33,7 @@ class SupportVectorMachine:
         """How many features a row has."""
         return self.vectors.shape[1]
 
-    def decision_function(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def decision_function(self, rows: Floats) -> Floats:
         """Give a score a class, (n, d) to (n, k): the pairs that it wins, and less than one half for by how much.
 
         Of two classes these are the distances from the border, with both signs.
@@ -54,27 +42,23 @@ class SupportVectorMachine:
         if len(self.classes_) == 2:
             return np.hstack([pairs, -pairs])
         votes, margins = self._votes(pairs), pairs @ self._signs
-        found: NDArray[np.float64] = votes + margins / (3 * (np.abs(margins) + 1))
-        return found
+        return votes + margins / (3 * (np.abs(margins) + 1))
 
-    def predict(self, rows: NDArray[np.float64]) -> NDArray[np.int64]:
+    def predict(self, rows: Floats) -> Integers:
         """Give the class that wins most pairs, the first of several: (n, d) to (n,)."""
-        found: NDArray[np.int64] = self.classes_[self._votes(self._pairs(rows)).argmax(axis=1)]
-        return found
+        return self.classes_[self._votes(self._pairs(rows)).argmax(axis=1)]
 
-    def _pairs(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _pairs(self, rows: Floats) -> Floats:
         """Give the decision of each pair, positive for its first class: (n, d) to (n, p)."""
         values = _KERNELS[self.kernel](rows, self.vectors, self.scale)
-        found: NDArray[np.float64] = values @ self.weights + self.intercepts
-        return found
+        return values @ self.weights + self.intercepts
 
-    def _votes(self, pairs: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _votes(self, pairs: Floats) -> Floats:
         won = np.where(pairs > 0, 1.0, -1.0)
-        found: NDArray[np.float64] = np.maximum(won[:, :, None] * self._signs, 0).sum(axis=1)
-        return found
+        return np.maximum(won[:, :, None] * self._signs, 0).sum(axis=1)
 
     @property
-    def _signs(self) -> NDArray[np.float64]:
+    def _signs(self) -> Floats:
         """Whether a class is the first (1), the second (-1) or none of a pair, shape (p, k)."""
         first, second = _places_of_pairs(len(self.classes_))
         own = np.eye(len(self.classes_))
@@ -82,26 +66,17 @@ class SupportVectorMachine:
 
 
 def fit_support_vector_machine(
-    features: NDArray[np.float64], labels: NDArray[np.int64], kernel: KernelName, penalty: float
-) -> SupportVectorMachine:
-    """Train every pair of classes.
+    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+) -> Fit:
+    """Train every pair of classes on features (n, d) and labels (n,).
 
-    Parameters
-    ----------
-    features : numpy.ndarray
-        Shape (n, d), float64.
-    labels : numpy.ndarray
-        Shape (n,), int64.
-    kernel : str
-        The kernel; its scale is 1 / (d × the variance of all features).
-    penalty : float
-        Penalty C of a margin violation.
+    The kernel's scale is 1 / (d × the variance of all features).
     """
     from sklearn.svm import SVC
 
-    variance = float(features.var())
+    kernel, variance = parameters.svm_kernel, float(features.var())
     scale = 1 / (features.shape[1] * variance) if variance else 1.0
-    trained = SVC(kernel=kernel, C=penalty, gamma=scale).fit(features, labels)
+    trained = SVC(kernel=kernel, C=parameters.svm_penalty, gamma=scale).fit(features, labels)
     first, second = _places_of_pairs(len(trained.classes_))
     owners = np.repeat(np.arange(len(trained.classes_)), trained.n_support_)
     # Row j - 1 of libsvm's coefficients is, for vectors of class i, for the pair of i and j.
@@ -109,7 +84,7 @@ def fit_support_vector_machine(
     weights += np.where(owners[:, None] == second, trained.dual_coef_.T[:, first], 0.0)
     # Of two classes scikit-learn turns the signs.
     sign = -1.0 if len(trained.classes_) == 2 else 1.0
-    return SupportVectorMachine(
+    found = SupportVectorMachine(
         trained.classes_,
         trained.support_vectors_,
         sign * weights,
@@ -117,28 +92,23 @@ def fit_support_vector_machine(
         kernel,
         scale,
     )
+    return found, None
 
 
-def _places_of_pairs(classes: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _places_of_pairs(classes: int) -> tuple[Integers, Integers]:
     first, second = np.array(list(combinations(range(classes), 2))).T
     return first, second
 
 
-def _linear(
-    rows: NDArray[np.float64], vectors: NDArray[np.float64], _: float
-) -> NDArray[np.float64]:
+def _linear(rows: Floats, vectors: Floats, _: float) -> Floats:
     return rows @ vectors.T
 
 
-def _polynomial(
-    rows: NDArray[np.float64], vectors: NDArray[np.float64], scale: float
-) -> NDArray[np.float64]:
+def _polynomial(rows: Floats, vectors: Floats, scale: float) -> Floats:
     return (scale * (rows @ vectors.T)) ** 3
 
 
-def _radial(
-    rows: NDArray[np.float64], vectors: NDArray[np.float64], scale: float
-) -> NDArray[np.float64]:
+def _radial(rows: Floats, vectors: Floats, scale: float) -> Floats:
     squares = np.square(rows).sum(axis=1)[:, None] + np.square(vectors).sum(axis=1)
     return np.exp(-scale * np.maximum(squares - 2 * (rows @ vectors.T), 0))
 

@@ -13,6 +13,7 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.certainty import one_classifier
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import gather_pipeline
@@ -25,32 +26,10 @@ from visuohaptic.seeds import spawn_generator
 class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     """Classify objects from descriptors of sequences of touches, such as `touch_descriptors` gives.
 
-    A row is a sequence; `groups` says which rows are of one object. Everything is chosen and calibrated
-    by folds of whole objects.
-
-    Parameters
-    ----------
-    classifier : str
-        One of `CLASSIFIERS`; a linear discriminant of bags of rows answers beside it.
-    parameters : RecognitionParameters or None
-        All else; None for the defaults.
-    random_state : int, RandomState or None
-        Deals the objects over folds.
-
-    Attributes
-    ----------
-    classes_ : numpy.ndarray
-        The classes, sorted.
-    n_features_in_ : int
-        Columns of the training rows.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> rows = np.random.default_rng(0).normal(size=(40, 6)) + np.repeat([[0.0], [3.0]], 20, axis=0)
-    >>> fitted = TouchClassifier(random_state=0).fit(rows, np.repeat(["cup", "lamp"], 20))
-    >>> fitted.predict([[3.0] * 6]).tolist()
-    ['lamp']
+    A row is a sequence; `groups` says which rows are of one object. Everything is chosen and
+    calibrated by folds of whole objects, which `random_state` deals. `classifier` is one of
+    `CLASSIFIERS`; a linear discriminant of bags of rows answers beside it. After `fit`, `classes_`
+    are sorted.
     """
 
     def __init__(
@@ -64,28 +43,10 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self.random_state = random_state
 
     def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
-        """Train.
+        """Train on rows (n, d) of classes (n,); without groups (n,) each row is an object of its own.
 
-        Parameters
-        ----------
-        X : array_like
-            Shape (n, d).
-        y : array_like
-            Shape (n,): classes.
-        groups : array_like, optional
-            Shape (n,): the object of each row; without it each row is an object of its own.
-
-        Returns
-        -------
-        TouchClassifier
-            Itself.
-
-        Raises
-        ------
-        ValueError
-            If rows, classes or groups are not usable.
-        RecognitionError
-            If no row differs from another.
+        Raises `ValueError` if rows, classes or groups are not usable, and `RecognitionError` if no
+        row differs from another.
         """
         rows, y = validate_data(self, X, y, dtype=np.float64)
         check_classification_targets(y)
@@ -93,10 +54,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         if len(self.classes_) < 2:
             raise ValueError("There is one class; at least two are needed to distinguish them.")
         owners = _codes_of(groups, len(rows))
-        crossing = [
-            owner for owner in np.unique(owners) if len(np.unique(labels[owners == owner])) > 1
-        ]
-        if crossing:
+        if len(np.unique([owners, labels], axis=1).T) > len(np.unique(owners)):
             raise ValueError("A group holds rows of two classes; an object has one.")
         seed = check_random_state(self.random_state).randint(2**31)
         self.projection_, [(_, self.tuned_, _)] = fit_best_classifiers(
@@ -109,7 +67,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         )
         return self
 
-    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:
+    def predict_proba(self, X: ArrayLike) -> Floats:
         """Give the class probabilities of each row by itself: (n, d) to (n, c)."""
         return self._ballots(X).alone()
 
@@ -118,24 +76,10 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         found = self.predict_proba(X)
         return self.classes_[found.argmax(axis=1)]
 
-    def predict_objects(
-        self, X: ArrayLike, groups: ArrayLike
-    ) -> tuple[NDArray[Any], NDArray[np.float64]]:
-        """Give the objects, sorted, and the class probabilities of each from all its rows together.
+    def predict_objects(self, X: ArrayLike, groups: ArrayLike) -> tuple[NDArray[Any], Floats]:
+        """Give the objects (m,) and their class probabilities (m, c), from all rows of each.
 
-        Parameters
-        ----------
-        X : array_like
-            Shape (n, d).
-        groups : array_like
-            Shape (n,): the object of each row.
-
-        Returns
-        -------
-        objects : numpy.ndarray
-            Shape (m,).
-        probabilities : numpy.ndarray
-            Shape (m, c), float64.
+        Objects are sorted; `groups` (n,) is the object of each row of `X`, (n, d).
         """
         objects, codes = np.unique(np.asarray(groups), return_inverse=True)
         ballots = self._ballots(X)
@@ -153,29 +97,12 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
 def touch_descriptors(
     features: pa.Table, parameters: RecognitionParameters | None = None, seed: int = 2018
-) -> tuple[NDArray[np.float64], NDArray[np.str_], NDArray[np.str_]]:
-    """Give what `TouchClassifier` takes from a table of features.
+) -> tuple[Floats, NDArray[np.str_], NDArray[np.str_]]:
+    """Give what `TouchClassifier` takes: descriptors (s, d), classes (s,) and objects (s,).
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy, whole sequences.
-    parameters : RecognitionParameters, optional
-        Touches, cues and waves.
-    seed : int
-        Draws the waves; the same for training and test.
-
-    Returns
-    -------
-    descriptors : numpy.ndarray
-        Shape (s, d), float64.
-    classes, objects : numpy.ndarray
-        Shape (s,): of each sequence.
-
-    Raises
-    ------
-    RecognitionError
-        If the features don't allow it.
+    `features` are rows of `tables.FEATURES` of one strategy, whole sequences. The seed draws the
+    waves and is the same for training and test. Raises `RecognitionError` if the features don't
+    allow it.
     """
     chosen = parameters or RecognitionParameters()
     if not features.num_rows:
@@ -191,7 +118,7 @@ def touch_descriptors(
     )
 
 
-def _codes_of(groups: ArrayLike | None, count: int) -> NDArray[np.int64]:
+def _codes_of(groups: ArrayLike | None, count: int) -> Integers:
     if groups is None:
         return np.arange(count, dtype=np.int64)
     _, codes = np.unique(np.asarray(groups), return_inverse=True)

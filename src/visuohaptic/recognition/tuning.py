@@ -11,15 +11,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.classifiers import (
     CLASSIFIERS,
     ClassifierName,
     ClassifierParameters,
     draw_seed,
     fit_classifier,
+    fit_each,
 )
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
@@ -34,7 +35,7 @@ from visuohaptic.recognition.pooling import (
     hold_out_bags,
     softmax,
 )
-from visuohaptic.recognition.splits import grouped_folds
+from visuohaptic.recognition.splits import hold_out_objects
 
 logger = logging.getLogger(__name__)
 
@@ -44,44 +45,23 @@ REMEMBERED_SEQUENCES = 20_000
 
 @dataclass(frozen=True)
 class Projection:
-    """Standardised descriptors, projected on their principal components.
-
-    Attributes
-    ----------
-    scaling : Standardiser
-        Of the d descriptors.
-    components : numpy.ndarray
-        Shape (d, q), float64, orthonormal columns.
-    """
+    """Standardised descriptors, projected on principal components: orthonormal columns (d, q)."""
 
     scaling: Standardiser
-    components: NDArray[np.float64]
+    components: Floats
 
-    def apply(self, descriptors: NDArray[np.float64]) -> NDArray[np.float64]:
+    def apply(self, descriptors: Floats) -> Floats:
         """Project descriptors: (n, d) to (n, q)."""
         return self.scaling.apply(descriptors) @ self.components
 
 
 @dataclass(frozen=True)
 class TunedClassifier:
-    """A fitted classifier that gives probabilities.
+    """A classifier, fitted on all training sequences, that gives probabilities of c classes.
 
-    Attributes
-    ----------
-    estimator : object
-        The classifier, fitted on all training sequences.
-    parameters : ClassifierParameters
-        With what.
-    temperature : float
-        What its scores are divided by before they become probabilities.
-    classes : int
-        Number c of classes; one that training lacked has probability 0.
-    setting : str
-        What was chosen, such as ``svm_penalty 10``.
-    bags : BagClassifier or None
-        The classifier of bags that answers beside it.
-    combination : Combination or None
-        How both answers become one; present with `bags`.
+    Its scores are divided by `temperature` before they become probabilities; a class that training
+    lacked has probability 0. `setting` says what was chosen, such as ``svm_penalty 10``. Where
+    `bags`, a classifier of bags, answers beside it, `combination` says how both answers become one.
     """
 
     estimator: Any
@@ -93,17 +73,16 @@ class TunedClassifier:
     combination: Combination | None = None
 
     @property
-    def trained(self) -> NDArray[np.int64]:
+    def trained(self) -> Integers:
         """The classes that training had."""
-        known: NDArray[np.int64] = self.estimator.classes_
-        return known
+        return self.estimator.classes_
 
-    def scores(self, projected: NDArray[np.float64]) -> NDArray[np.float64]:
+    def scores(self, projected: Floats) -> Floats:
         """Give the classifier's scores, (n, p) to (n, c); it takes the first columns."""
         seen = projected[:, : self.estimator.n_features_in_]
         return class_scores(self.estimator, seen, self.classes)
 
-    def ballots(self, projected: NDArray[np.float64]) -> Ballots:
+    def ballots(self, projected: Floats) -> Ballots:
         """Give what is known of n sequences, (n, p), for one answer for any of them together."""
         found = softmax(self.scores(projected) / self.temperature)
         if self.bags is None:
@@ -113,25 +92,16 @@ class TunedClassifier:
 
 @dataclass(frozen=True)
 class FoldFits:
-    """What was fitted on the training sequences of one inner fold.
+    """What was fitted on training sequences, and is the same for all classifiers.
 
-    Attributes
-    ----------
-    projection : Projection
-        Fitted on them.
-    train : numpy.ndarray
-        Shape (n, q), float64: the sequences, projected.
-    labels : numpy.ndarray
-        Shape (n,), int64.
-    bags : BagClassifier or None
-        Fitted on bags of them.
-    classifiers : dict
-        Fitted classifiers by name and settings.
+    They are `train` (n, q), projected, of classes `labels` (n,). The projection has as many
+    components as `bags` sees, the classifier of bags; the others see the first of them. Fitted
+    classifiers are by name and settings.
     """
 
     projection: Projection
-    train: NDArray[np.float64]
-    labels: NDArray[np.int64]
+    train: Floats
+    labels: Integers
     bags: BagClassifier | None = None
     classifiers: dict[tuple[ClassifierName, ClassifierParameters], Any] = field(
         default_factory=dict
@@ -146,12 +116,12 @@ class InnerFold:
     """
 
     fits: FoldFits
-    projected: NDArray[np.float64]
-    held_out_labels: NDArray[np.int64]
-    held_out_owners: NDArray[np.int64]
+    projected: Floats
+    held_out_labels: Integers
+    held_out_owners: Integers
 
     @property
-    def held_out(self) -> NDArray[np.float64]:
+    def held_out(self) -> Floats:
         """What classifiers see of the held-out sequences, (m, q)."""
         return self.projected[:, : self.fits.train.shape[1]]
 
@@ -159,14 +129,10 @@ class InnerFold:
 class FitMemory:
     """Fits by a hash of their training data, so that none is made twice.
 
-    With three objects a class, most inner folds of the 81 splits train on the same objects
-    as an inner fold of another split. The key is the training data itself, so a fit can't be
-    confused with another.
-
-    Parameters
-    ----------
-    sequences : int
-        Training sequences that are remembered at once, over all folds; the oldest go first.
+    With three objects a class, most inner folds of the 81 splits train on the same objects as an
+    inner fold of another split. The key is the training data itself, so a fit can't be confused
+    with another. So many training sequences are remembered at once, over all folds; the oldest go
+    first.
     """
 
     def __init__(self, sequences: int = REMEMBERED_SEQUENCES) -> None:
@@ -174,30 +140,23 @@ class FitMemory:
         self._held: OrderedDict[bytes, FoldFits] = OrderedDict()
 
     def fits(
-        self,
-        descriptors: NDArray[np.float64],
-        labels: NDArray[np.int64],
-        owners: NDArray[np.int64],
-        parameters: BestParameters,
+        self, descriptors: Floats, labels: Integers, owners: Integers, parameters: BestParameters
     ) -> FoldFits:
         """Give the fits on sequences, (n, d), (n,) and (n,); a projection is fitted where new."""
         settings = (parameters.components, parameters.bags, parameters.bag_components)
         key = _digest(descriptors, labels, owners, settings)
-        if key in self._held:
-            self._held.move_to_end(key)
-            return self._held[key]
-        projection, projected, bags = fit_shared(descriptors, labels, owners, parameters)
-        seen = np.ascontiguousarray(projected[:, : parameters.components])
-        self._held[key] = FoldFits(projection, seen, labels, bags)
-        while len(self._held) > 1 and self._remembered() > self._most:
-            self._held.popitem(last=False)
+        if key not in self._held:
+            self._held[key] = fit_shared(descriptors, labels, owners, parameters)
+            while len(self._held) > 1 and self._remembered() > self._most:
+                self._held.popitem(last=False)
+        self._held.move_to_end(key)
         return self._held[key]
 
     def _remembered(self) -> int:
         return sum(len(fits.labels) for fits in self._held.values())
 
 
-def fit_projection(descriptors: NDArray[np.float64], components: int) -> Projection:
+def fit_projection(descriptors: Floats, components: int) -> Projection:
     """Fit scaling and principal components of training descriptors (n, d), float64.
 
     There are at most `components`; directions without variance are left out.
@@ -213,47 +172,25 @@ def fit_projection(descriptors: NDArray[np.float64], components: int) -> Project
 
 
 def fit_shared(
-    descriptors: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    parameters: BestParameters,
-) -> tuple[Projection, NDArray[np.float64], BagClassifier | None]:
-    """Fit what all classifiers share: the projection, and the classifier of bags.
+    descriptors: Floats, labels: Integers, owners: Integers, parameters: BestParameters
+) -> FoldFits:
+    """Fit what all classifiers share on training descriptors (n, d) of classes and objects (n,).
 
-    Parameters
-    ----------
-    descriptors : numpy.ndarray
-        Shape (n, d), float64: the training sequences.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: their classes and objects.
-    parameters : BestParameters
-        Components and bags.
-
-    Returns
-    -------
-    Projection
-        Of as many components as the classifier of bags sees; the others see the first of them.
-    numpy.ndarray
-        Shape (n, p), float64: the sequences, projected.
-    BagClassifier or None
-        None where no bags are wanted or no covariance can be taken of them.
+    There is no classifier of bags where none are wanted or no covariance can be taken of them.
     """
     most = max(parameters.components, parameters.bag_components if parameters.bags else 0)
-    projection = fit_projection(descriptors, most)
+    projection, bags = fit_projection(descriptors, most), None
     projected = projection.apply(descriptors)
-    if not parameters.bags:
-        return projection, projected, None
-    try:
-        bags = fit_bag_classifier(projected, labels, owners, parameters.bags)
-    except RecognitionError as error:
-        logger.warning("the classifier of bags is left out: %s", error)
-        bags = None
-    return projection, projected, bags
+    if parameters.bags:
+        try:
+            bags = fit_bag_classifier(projected, labels, owners, parameters.bags)
+        except RecognitionError as error:
+            logger.warning("the classifier of bags is left out: %s", error)
+    seen = np.ascontiguousarray(projected[:, : parameters.components])
+    return FoldFits(projection, seen, labels, bags)
 
 
-def _principal_directions(
-    rows: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _principal_directions(rows: Floats) -> tuple[Floats, Floats]:
     """Give singular values, descending, and right singular vectors as rows, of (n, d)."""
     if len(rows) < rows.shape[1]:
         return _directions_of_few(rows)
@@ -262,9 +199,7 @@ def _principal_directions(
     return np.sqrt(np.maximum(squares[::-1], 0)), vectors[:, ::-1].T
 
 
-def _directions_of_few(
-    rows: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _directions_of_few(rows: Floats) -> tuple[Floats, Floats]:
     """Give the same of fewer rows than columns: by the Gram matrix, where rounding can't be taken for spread."""
     squares, vectors = np.linalg.eigh(rows @ rows.T)
     spread = np.sqrt(np.maximum(squares[::-1], 0))
@@ -279,47 +214,25 @@ def _directions_of_few(
 
 
 def make_inner_folds(
-    descriptors: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
+    descriptors: Floats,
+    labels: Integers,
+    owners: Integers,
     parameters: BestParameters,
     generator: np.random.Generator,
     memory: FitMemory | None = None,
 ) -> list[InnerFold]:
     """Hold out folds of whole training objects, each with a projection of the others.
 
-    Parameters
-    ----------
-    descriptors : numpy.ndarray
-        Shape (n, d), float64: the training descriptors.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: class and object of each training sequence.
-    parameters : BestParameters
-        Folds and components.
-    generator : numpy.random.Generator
-        Deals the objects.
-    memory : FitMemory, optional
-        Fits of other splits of the same run; it changes no number.
-
-    Returns
-    -------
-    list of InnerFold
-        None where every class has a single training object. A held-out sequence whose
-        class the fold's training lacks is left out.
+    There is none where every class has a single training object. A held-out sequence whose class
+    the fold's training lacks is left out. `descriptors` are (n, d), `labels` and `owners` (n,)
+    class and object of each. `memory` holds fits of other splits of the same run; it changes no
+    number.
     """
-    classes = np.unique(labels)
-    members = [np.unique(owners[labels == place]).tolist() for place in classes]
-    if max(len(objects) for objects in members) < 2:
-        return []
     memory = memory or FitMemory()
     folds = []
-    for objects in grouped_folds(members, parameters.inner_folds, generator):
-        held_out = np.isin(owners, objects)
-        known = np.isin(labels, labels[~held_out])
-        if len(np.unique(labels[~held_out])) < 2 or not np.any(held_out & known):
-            continue
-        fits = memory.fits(descriptors[~held_out], labels[~held_out], owners[~held_out], parameters)
-        tested = held_out & known
+    for train, objects in hold_out_objects(labels, owners, parameters.inner_folds, generator):
+        fits = memory.fits(descriptors[train], labels[train], owners[train], parameters)
+        tested = np.isin(owners, objects)
         projected = fits.projection.apply(descriptors[tested])
         folds.append(InnerFold(fits, projected, labels[tested], owners[tested]))
     return folds
@@ -328,47 +241,20 @@ def make_inner_folds(
 def fit_tuned_classifier(
     name: ClassifierName,
     parameters: ClassifierParameters,
-    projected: NDArray[np.float64],
-    labels: NDArray[np.int64],
+    fits: FoldFits,
     folds: Sequence[InnerFold],
     classes: int,
     generator: np.random.Generator,
-    bags: BagClassifier | None = None,
     held_out: HeldOutBags | None = None,
 ) -> tuple[TunedClassifier, str | None]:
     """Choose a classifier's setting and temperature by the inner folds, then fit it.
 
-    The setting with the least log loss over the held-out sequences wins, each at its
-    own best temperature (C. Guo et al., "On calibration of modern neural networks",
-    ICML 2017); the simpler one where two are equal, or where there is no inner fold.
-
-    Parameters
-    ----------
-    name : str
-        Which classifier.
-    parameters : ClassifierParameters
-        Settings that the grid does not vary.
-    projected : numpy.ndarray
-        Shape (n, q), float64: all training sequences, projected.
-    labels : numpy.ndarray
-        Shape (n,), int64: their classes.
-    folds : sequence of InnerFold
-        Held-out training objects.
-    classes : int
-        Number of classes, also those that training lacks.
-    generator : numpy.random.Generator
-        Breaks ties between splits of the decision tree.
-    bags : BagClassifier, optional
-        Fitted on all training sequences; it answers beside the classifier.
-    held_out : HeldOutBags, optional
-        Of the inner folds, where there is a classifier of bags.
-
-    Returns
-    -------
-    TunedClassifier
-        The classifier.
-    str or None
-        What it needed to be fitted.
+    Also gives a note on what it needed. The setting with the least log loss over the held-out
+    sequences wins, each at its own best temperature (C. Guo et al., "On calibration of modern
+    neural networks", ICML 2017); the simpler one where two are equal, or where there is no inner
+    fold. `parameters` hold what the grid does not vary; `classes` counts also those that training
+    lacks. `fits` are those on all training sequences, whose classifier of bags answers beside this
+    one, and `held_out` its answers of the inner folds.
     """
     parameters = parameters.model_copy(
         update={"discriminant_target": "mean_variance", "discriminant_regularisation": "always"}
@@ -376,56 +262,37 @@ def fit_tuned_classifier(
     trials = []
     for setting in _settings(name):
         tried = parameters.model_copy(update=setting)
-        scores, labels_there = _held_out_scores(name, tried, folds, classes, generator)
-        loss, temperature = best_temperature(scores, labels_there) if folds else (0.0, 1.0)
+        scores, labels = _held_out_scores(name, tried, folds, classes, generator)
+        loss, temperature = best_temperature(scores, labels) if folds else (0.0, 1.0)
         trials.append((loss, temperature, setting, scores))
     _, temperature, setting, scores = min(trials, key=lambda trial: trial[0])
     chosen = parameters.model_copy(update=setting)
-    fitted, note = fit_classifier(name, chosen, projected, labels, generator)
+    fitted, note = fit_classifier(name, chosen, fits.train, fits.labels, generator)
     words = ", ".join(f"{key} {value}" for key, value in setting.items())
     combination = None
-    if bags is not None and held_out is not None:
+    if held_out is not None:
         combination = held_out.combine(softmax(scores / temperature))
-    return TunedClassifier(fitted, chosen, temperature, classes, words, bags, combination), note
+    return TunedClassifier(
+        fitted, chosen, temperature, classes, words, fits.bags, combination
+    ), note
 
 
 def fit_best_classifiers(
-    descriptors: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
+    descriptors: Floats,
+    labels: Integers,
+    owners: Integers,
     classes: int,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
     memory: FitMemory | None = None,
 ) -> tuple[Projection, list[tuple[ClassifierName, TunedClassifier, str | None]]]:
-    """Fit the projection and every classifier of pipeline `best` on training objects.
+    """Fit the projection and every classifier of pipeline `best`.
 
-    Parameters
-    ----------
-    descriptors : numpy.ndarray
-        Shape (n, d), float64: the training sequences' descriptors, and no others.
-    labels, owners : numpy.ndarray
-        Shape (n,), int64: their classes and objects.
-    classes : int
-        Number of classes, also those that training lacks.
-    parameters : RecognitionParameters
-        Classifiers and what is not chosen inside.
-    generator : numpy.random.Generator
-        For the inner folds and the classifiers.
-    memory : FitMemory, optional
-        Fits of other splits of the same run; it changes no number.
-
-    Returns
-    -------
-    Projection
-        Fitted on all of them.
-    list of (str, TunedClassifier, str or None)
-        Each classifier's name, its fit, and what it needed; without those that can't be fitted.
-
-    Raises
-    ------
-    RecognitionError
-        If no descriptor varies over the training sequences, or no classifier can be fitted.
+    `descriptors` (n, d) are those of the training sequences, and no others; `labels` and `owners`
+    (n,) are their classes and objects; `classes` counts also those that training lacks. `memory`
+    holds fits of other splits of the same run; it changes no number. Gives each classifier's name,
+    its fit, and what it needed; without those that can't be fitted. Raises `RecognitionError` if no
+    descriptor varies over the training sequences, or no classifier can be fitted.
     """
     if not np.ptp(descriptors, axis=0).any():
         raise RecognitionError(
@@ -433,46 +300,23 @@ def fit_best_classifiers(
             "the classes can't be distinguished."
         )
     folds = make_inner_folds(descriptors, labels, owners, parameters.best, generator, memory)
-    projection, projected, bags = fit_shared(descriptors, labels, owners, parameters.best)
-    seen = np.ascontiguousarray(projected[:, : parameters.best.components])
+    fits = fit_shared(descriptors, labels, owners, parameters.best)
     known = np.isin(np.arange(classes), labels)
-    held_out = None if bags is None else _hold_out_bags(folds, parameters.best, known)
-    fits = []
-    failed = None
-    for name in parameters.best.classifiers:
-        try:
-            fitted, note = fit_tuned_classifier(
-                name, parameters.classifier, seen, labels, folds, classes, generator,
-                bags, held_out,
-            )  # fmt: skip
-        except RecognitionError as error:
-            logger.warning("%s is left out: %s", name, error)
-            failed = error
-            continue
-        fits.append((name, fitted, note))
-    if failed is not None and not fits:
-        raise failed
-    return projection, fits
+    held_out = None if fits.bags is None else _hold_out_bags(folds, parameters.best, known)
+    found = fit_each(
+        parameters.best.classifiers,
+        lambda name: fit_tuned_classifier(
+            name, parameters.classifier, fits, folds, classes, generator, held_out
+        ),
+    )
+    return fits.projection, [(name, fitted, note) for name, (fitted, note) in found]
 
 
-def class_scores(
-    estimator: Any, projected: NDArray[np.float64], classes: int
-) -> NDArray[np.float64]:
-    """Give a score a class: log probabilities, or what a support vector machine decides by.
+def class_scores(estimator: Any, projected: Floats, classes: int) -> Floats:
+    """Give a score a class, (n, q) to (n, c): log probabilities, or what a support vector machine has.
 
-    Parameters
-    ----------
-    estimator : object
-        A fitted classifier of int labels below `classes`.
-    projected : numpy.ndarray
-        Shape (n, q), float64.
-    classes : int
-        Number c of classes.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, c), float64, finite; `LEAST_SCORE` for a class it was not trained with.
+    `estimator` was fitted on int labels below `classes`; a class that it was not trained with has
+    `LEAST_SCORE`. All are finite.
     """
     if hasattr(estimator, "predict_log_proba"):
         with np.errstate(divide="ignore"):  # a tree's leaf may hold a single class
@@ -494,7 +338,7 @@ def _held_out_scores(
     folds: Sequence[InnerFold],
     classes: int,
     generator: np.random.Generator,
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+) -> tuple[Floats, Integers]:
     """Give the scores (m, c) and classes (m,) of all held-out sequences."""
     scores = [np.zeros((0, classes))]
     labels = [np.zeros(0, dtype=np.int64)]
@@ -505,9 +349,7 @@ def _held_out_scores(
     return np.concatenate(scores), np.concatenate(labels)
 
 
-def _hold_out_bags(
-    folds: Sequence[InnerFold], best: BestParameters, known: NDArray[np.bool_]
-) -> HeldOutBags:
+def _hold_out_bags(folds: Sequence[InnerFold], best: BestParameters, known: Flags) -> HeldOutBags:
     """Score the held-out sequences of all folds, or none where a fold lacks a classifier of bags."""
     scored = [(fold, fold.fits.bags) for fold in folds if fold.fits.bags is not None]
     scores = [np.zeros((0, len(known)))]
@@ -544,10 +386,7 @@ def _fit_in_fold(
 
 
 def _digest(
-    descriptors: NDArray[np.float64],
-    labels: NDArray[np.int64],
-    owners: NDArray[np.int64],
-    settings: tuple[Any, ...],
+    descriptors: Floats, labels: Integers, owners: Integers, settings: tuple[Any, ...]
 ) -> bytes:
     content = hashlib.blake2b(repr((descriptors.shape, settings)).encode())
     for array in (descriptors, labels, owners):

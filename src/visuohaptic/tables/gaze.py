@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pyarrow as pa
 
-from visuohaptic.tables.schema import REAL, TEXT, Column, Schema, names_of
+from visuohaptic.tables.schema import REAL, TEXT, Column, Schema
 
 GAZE_KEYS = (
     Column("object", TEXT, "name of the recorded object"),
@@ -13,8 +13,8 @@ GAZE_KEYS = (
 
 GAZE = Schema(
     "gaze",
+    GAZE_KEYS,
     (
-        *GAZE_KEYS,
         Column(
             "part", TEXT, "training: weights were fitted without the object's fold; test: on training"
         ),
@@ -30,16 +30,14 @@ GAZE = Schema(
         Column("seen_share", REAL, "share of that time on what a viewpoint sees", "1", 0, 1.0001),
         Column("digest", TEXT, "SHA-256 of the recording"),
     ),
-    names_of(GAZE_KEYS),
 )  # fmt: skip
 
 GAZE_PICTURES = Schema(
     "gaze_pictures",
+    GAZE_KEYS[:1],
     (
-        GAZE_KEYS[0],
         Column("rank", pa.int32(), "place by correlation of the predictor human, 0 for the lowest", minimum=0),
         Column("correlation", REAL, "that correlation", "1", -1.0001, 1.0001),
         Column("picture", pa.binary(), "PNG: people's time, ours, and nearness to the middle"),
     ),
-    ("object",),
 )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
+from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of, share
 
 OBJECT_KEYS = (
     Column("class", TEXT, "class of the object"),
@@ -66,28 +66,17 @@ TOUCH_KEYS = (
     Column("touch", COUNT, "place in the sequence, 0 first", minimum=0),
 )
 
-POINT = tuple(
-    Column(axis, REAL, f"probing location, {axis}", "object frame, unit sphere", -1.0001, 1.0001)
-    for axis in "xyz"
-)
 
-NORMAL = tuple(
-    Column(f"normal_{axis}", REAL, f"outward unit normal, {axis}", "object frame", -1.0001, 1.0001)
-    for axis in "xyz"
-)
-
-TANGENT = tuple(
-    Column(
-        f"tangent_{axis}",
-        REAL,
-        f"the imprint's +column axis, {axis}",
-        "object frame",
-        -1.0001,
-        1.0001,
+def _vector(prefix: str, description: str, frame: str) -> tuple[Column, ...]:
+    return tuple(
+        Column(f"{prefix}{axis}", REAL, f"{description}, {axis}", frame, -1.0001, 1.0001)
+        for axis in "xyz"
     )
-    for axis in "xyz"
-)
 
+
+POINT = _vector("", "probing location", "object frame, unit sphere")
+NORMAL = _vector("normal_", "outward unit normal", "object frame")
+TANGENT = _vector("tangent_", "the imprint's +column axis", "object frame")
 POINT_NAMES, NORMAL_NAMES, TANGENT_NAMES = map(names_of, (POINT, NORMAL, TANGENT))
 
 SENSOR_SIZE = Column("sensor_size", REAL, "edge of the sensor's square", "object radii", 0)
@@ -102,8 +91,8 @@ CONTACT_STATE = Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked
 
 VIEWS = Schema(
     "views",
+    VIEW_KEYS,
     (
-        *VIEW_KEYS,
         Column("eye_x", REAL, "camera centre, x", "object frame"),
         Column("eye_y", REAL, "camera centre, y", "object frame"),
         Column("eye_z", REAL, "camera centre, z", "object frame"),
@@ -119,7 +108,6 @@ VIEWS = Schema(
             "distinct_fixations", COUNT, "fixations found before the view was exhausted", minimum=0
         ),
     ),
-    names_of(VIEW_KEYS),
 )
 
 SPARE = 16
@@ -127,8 +115,8 @@ SPARE = 16
 
 FIXATIONS = Schema(
     "fixations",
+    TOUCH_KEYS,
     (
-        *TOUCH_KEYS,
         Column("pixel_row", COUNT, "row in the view, 0 at the top", "pixel", 0, nullable=True),
         Column(
             "pixel_column", COUNT, "column in the view, 0 at the left", "pixel", 0, nullable=True
@@ -153,13 +141,12 @@ FIXATIONS = Schema(
         ),
         Column("chance", TEXT, "the strategy whose random numbers it has"),
     ),
-    names_of(TOUCH_KEYS),
 )
 
 TOUCHES = Schema(
     "touches",
+    TOUCH_KEYS,
     (
-        *TOUCH_KEYS,
         Column(
             "image",
             pa.list_(pa.float32()),
@@ -182,19 +169,16 @@ TOUCHES = Schema(
         *NORMAL,
         *TANGENT,
     ),
-    names_of(TOUCH_KEYS),
-)
-
-EFFECT_KEYS = (
-    *OBJECT_KEYS,
-    Column("first_viewpoint", COUNT, "first viewpoint of the job", minimum=0),
-    Column("effect", TEXT, "what may be simulated"),
 )
 
 EFFECTS = Schema(
     "effects",
     (
-        *EFFECT_KEYS,
+        *OBJECT_KEYS,
+        Column("first_viewpoint", COUNT, "first viewpoint of the job", minimum=0),
+        Column("effect", TEXT, "what may be simulated"),
+    ),
+    (
         Column(
             "scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"
         ),
@@ -205,7 +189,6 @@ EFFECTS = Schema(
         Column("runs", COUNT, "touches or views that it was simulated for", minimum=0),
         Column("seconds", REAL, "time spent on it; differs from run to run", "s of processor", 0),
     ),
-    names_of(EFFECT_KEYS),
 )
 
 CONTOURLET_FEATURES = tuple(f"contourlet_{band:02d}" for band in range(1, 17))
@@ -230,8 +213,8 @@ KINESTHETIC_FEATURES = (*POINT_NAMES, *NORMAL_NAMES)
 
 FEATURES = Schema(
     "features",
+    TOUCH_KEYS,
     (
-        *TOUCH_KEYS,
         *(
             Column(name, REAL, "standard deviation of one directional sub-band")
             for name in CONTOURLET_FEATURES
@@ -242,25 +225,26 @@ FEATURES = Schema(
         CONTACT_STATE,
         *(Column(name, REAL, description) for name, description in IMPRINT_FEATURES.items()),
     ),
-    names_of(TOUCH_KEYS),
 )
 
-SCORE_KEYS = (
+CELL_KEYS = (
     Column("pipeline", TEXT, "how features become an answer"),
     Column("strategy", TEXT, "how the probing locations were chosen"),
     Column("classifier", TEXT, "the classifier"),
+)
+
+SCORE_KEYS = (
+    *CELL_KEYS,
     Column("split", COUNT, "number of the train and test split", minimum=0),
     Column("seed", COUNT, "repeat of everything that is random in training", minimum=0),
 )
 
 SCORES = Schema(
     "scores",
+    SCORE_KEYS,
     (
-        *SCORE_KEYS,
-        Column("accuracy", REAL, "share of test sequences correctly classified", "1", 0, 1),
-        Column(
-            "object_accuracy", REAL, "share of test objects correctly classified by vote", "1", 0, 1
-        ),
+        share("accuracy", "share of test sequences correctly classified"),
+        share("object_accuracy", "share of test objects correctly classified by vote"),
         Column("sequences", COUNT, "test sequences", minimum=1),
         Column(
             "note",
@@ -269,15 +253,12 @@ SCORES = Schema(
             nullable=True,
         ),
     ),
-    names_of(SCORE_KEYS),
 )
-
-PREDICTION_KEYS = (*SCORE_KEYS, *VIEW_KEYS)
 
 PREDICTIONS = Schema(
     "predictions",
+    (*SCORE_KEYS, *VIEW_KEYS),
     (
-        *PREDICTION_KEYS,
         Column("predicted", TEXT, "the class that the classifier predicted"),
         Column(
             "probability",
@@ -295,7 +276,6 @@ PREDICTIONS = Schema(
             nullable=True,
         ),
     ),
-    names_of(PREDICTION_KEYS),
 )
 
 PHASES = (VIEWS, FIXATIONS, TOUCHES, EFFECTS, FEATURES, SCORES, PREDICTIONS)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import pyarrow as pa
 
 from visuohaptic.tables.phases import OBJECT_KEYS
-from visuohaptic.tables.schema import COUNT, TEXT, Column, Schema, names_of
+from visuohaptic.tables.schema import COUNT, TEXT, Column, Schema
 
 _OF_VIEWS = pa.map_(COUNT, pa.binary())
 
 PICTURES = Schema(
     "pictures",
+    OBJECT_KEYS,
     (
-        *OBJECT_KEYS,
         Column("views", _OF_VIEWS, "view of each viewpoint, lossy WebP"),
         Column("saliency", _OF_VIEWS, "saliency map of each viewpoint at half the size, lossy WebP"),
         Column("imprints", _OF_VIEWS, "imprints of strategy fixation by viewpoint, side by side in order, WebP"),
@@ -23,5 +23,4 @@ PICTURES = Schema(
         Column("touches", COUNT, "touches packed with it", minimum=0, nullable=True),
         Column("original_faces", COUNT, "faces of the object's mesh", minimum=0, nullable=True),
     ),
-    names_of(OBJECT_KEYS),
 )  # fmt: skip

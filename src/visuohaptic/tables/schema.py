@@ -23,22 +23,10 @@ _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
 @dataclass(frozen=True)
 class Column:
-    """One column: what it holds and what it may hold.
+    """One column: its name, its exact type, what it means in a few words, and what it may hold.
 
-    Attributes
-    ----------
-    name : str
-        The column's name.
-    dtype : pyarrow.DataType
-        Its exact type.
-    description : str
-        What it means, in a few words.
-    unit : str
-        Unit or frame of reference; empty for plain counts and names.
-    minimum, maximum : float or None
-        Closed range of every value (of every element, for lists).
-    nullable : bool
-        Whether a value may be missing.
+    `unit` is a unit or a frame of reference, empty for plain counts and names; `minimum` and
+    `maximum` are the closed range of every value (of every element, for lists).
     """
 
     name: str
@@ -52,11 +40,21 @@ class Column:
 
 @dataclass(frozen=True)
 class Schema:
-    """A table's name, its columns in order, and the columns that identify a row."""
+    """A table's name, the columns that identify a row, and the others, in order."""
 
     name: str
-    columns: tuple[Column, ...]
-    keys: tuple[str, ...]
+    key_columns: tuple[Column, ...]
+    others: tuple[Column, ...]
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """All columns, those that identify a row first."""
+        return (*self.key_columns, *self.others)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The names of the columns that identify a row."""
+        return names_of(self.key_columns)
 
     @property
     def arrow(self) -> pa.Schema:
@@ -78,6 +76,21 @@ class Schema:
 TEXT = pa.string()
 COUNT = pa.int32()
 REAL = pa.float64()
+
+
+def share(name: str, description: str, *, nullable: bool = False) -> Column:
+    """Make a column of numbers from 0 to 1."""
+    return Column(name, REAL, description, "1", 0, 1, nullable)
+
+
+def difference(name: str, description: str) -> tuple[Column, ...]:
+    """Make the columns of a difference of two shares and of its interval's ends, which may be missing."""
+    texts = {
+        name: description,
+        f"{name}_low": "lower end of its interval",
+        f"{name}_high": "upper end of its interval",
+    }
+    return tuple(Column(one, REAL, text, "1", -1, 1, nullable=True) for one, text in texts.items())
 
 
 def names_of(columns: Iterable[Column]) -> tuple[str, ...]:

@@ -5,23 +5,23 @@ from __future__ import annotations
 import pyarrow as pa
 
 from visuohaptic.tables.phases import OBJECT_KEYS
-from visuohaptic.tables.schema import REAL, TEXT, Column, Schema, names_of
-
-STABILITY_KEYS = (
-    Column("family", TEXT, "what the check is about"),
-    Column("requirement", TEXT, "what is required"),
-    *(
-        Column(
-            column.name, TEXT, f"{column.description}; empty for a check on no object of the run"
-        )
-        for column in OBJECT_KEYS
-    ),
-)
+from visuohaptic.tables.schema import REAL, TEXT, Column, Schema
 
 STABILITY = Schema(
     "stability",
     (
-        *STABILITY_KEYS,
+        Column("family", TEXT, "what the check is about"),
+        Column("requirement", TEXT, "what is required"),
+        *(
+            Column(
+                column.name,
+                TEXT,
+                f"{column.description}; empty for a check on no object of the run",
+            )
+            for column in OBJECT_KEYS
+        ),
+    ),
+    (
         Column("cases", pa.int64(), "cases that were tried", minimum=1),
         Column(
             "worst_error",
@@ -36,5 +36,4 @@ STABILITY = Schema(
         Column("hardest", TEXT, "the case with the largest error"),
         Column("drawing", TEXT, "the same as SVG; may be empty"),
     ),
-    names_of(STABILITY_KEYS),
 )

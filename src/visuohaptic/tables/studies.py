@@ -6,23 +6,31 @@ from dataclasses import replace
 
 import pyarrow as pa
 
-from visuohaptic.tables.phases import OBJECT_KEYS
-from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
-
-EFFECT_INFLUENCE_KEYS = (
-    Column("scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"),
-    Column("effect", TEXT, "what may be simulated"),
+from visuohaptic.tables.phases import CELL_KEYS, OBJECT_KEYS
+from visuohaptic.tables.schema import (
+    COUNT,
+    REAL,
+    TEXT,
+    Column,
+    Schema,
+    difference,
+    share,
 )
 
 EFFECT_INFLUENCE = Schema(
     "effect_influence",
     (
-        *EFFECT_INFLUENCE_KEYS,
+        Column(
+            "scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"
+        ),
+        Column("effect", TEXT, "what may be simulated"),
+    ),
+    (
         Column("touches", COUNT, "touches measured; views, for effects of the view", minimum=1),
         Column("needed", COUNT, "of them, those that needed the effect", minimum=0),
         Column("seconds", REAL, "time spent on it under the scene's own mode", "s of processor", 0),
         Column("seconds_always", REAL, "time spent on it under always", "s of processor", 0),
-        Column("image_shift", REAL, "mean change of a pixel of the image without it", "1", 0, 1),
+        share("image_shift", "mean change of a pixel of the image without it"),
         Column(
             "equal_to_always",
             pa.bool_(),
@@ -30,13 +38,6 @@ EFFECT_INFLUENCE = Schema(
             nullable=True,
         ),
     ),
-    names_of(EFFECT_INFLUENCE_KEYS),
-)
-
-CELL_KEYS = (
-    Column("pipeline", TEXT, "how features become an answer"),
-    Column("strategy", TEXT, "how the probing locations were chosen"),
-    Column("classifier", TEXT, "the classifier"),
 )
 
 STUDY_KEYS = (
@@ -58,77 +59,46 @@ TESTED_KEYS = (
 
 STUDY = Schema(
     "study",
+    (*STUDY_KEYS, *TESTED_KEYS),
     (
-        *STUDY_KEYS,
-        *TESTED_KEYS,
         Column(
             "sequences", COUNT, "test sequences; 1 where viewpoints vote", minimum=1, nullable=True
         ),
-        Column(
-            "accuracy", REAL, "share of them that is correctly classified", "1", 0, 1, nullable=True
-        ),
+        share("accuracy", "share of them that is correctly classified", nullable=True),
         SECONDS,
         ERROR,
     ),
-    names_of((*STUDY_KEYS, *TESTED_KEYS)),
 )
 
 STUDY_FIGURES = Schema(
     "study_figures",
+    STUDY_KEYS,
     (
-        *STUDY_KEYS,
         Column("title", TEXT, "what the study is about"),
         Column("place", COUNT, "place of the condition in its study", minimum=0),
-        Column(
-            "accuracy",
-            REAL,
-            "share of test sequences correctly classified",
-            "1",
-            0,
-            1,
-            nullable=True,
-        ),
-        Column("low", REAL, "lower end of its interval over objects", "1", 0, 1, nullable=True),
-        Column("high", REAL, "upper end of its interval over objects", "1", 0, 1, nullable=True),
+        share("accuracy", "share of test sequences correctly classified", nullable=True),
+        share("low", "lower end of its interval over objects", nullable=True),
+        share("high", "upper end of its interval over objects", nullable=True),
         Column("compared_with", TEXT, "the condition that it is compared with", nullable=True),
-        Column("difference", REAL, "accuracy less that of the other", "1", -1, 1, nullable=True),
-        Column("difference_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
-        Column("difference_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
-        Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
-        Column(
-            "adjusted_p",
-            REAL,
-            "p value adjusted by Holm for the study's conditions",
-            "1",
-            0,
-            1,
-            nullable=True,
+        *difference("difference", "accuracy less that of the other"),
+        share("p_value", "two-sided, sign changes over objects", nullable=True),
+        share("adjusted_p", "p value adjusted by Holm for the study's conditions", nullable=True),
+        *difference(
+            "lead", "accuracy by fixation, in the same condition, less that by this strategy"
         ),
-        Column(
-            "lead",
-            REAL,
-            "accuracy by fixation, in the same condition, less that by this strategy",
-            "1",
-            -1,
-            1,
-            nullable=True,
-        ),
-        Column("lead_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
-        Column("lead_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
-        Column("lead_p", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
+        share("lead_p", "two-sided, sign changes over objects", nullable=True),
         Column("objects", COUNT, "objects tested", minimum=1, nullable=True),
         Column("recomputed", TEXT, "first phase that is recomputed, or recognition"),
         SECONDS,
         ERROR,
     ),
-    names_of(STUDY_KEYS),
 )
 
 TOUCHES_NEEDED = Schema(
     "touches_needed",
+    CELL_KEYS,
     (
-        *CELL_KEYS,
-        Column("level", REAL, "the accuracy to be reached", "1", 0, 1),
+        share("level", "the accuracy to be reached"),
         Column(
             "touches",
             COUNT,
@@ -152,26 +122,12 @@ TOUCHES_NEEDED = Schema(
         ),
         Column("most_touches", COUNT, "touches at the curve's end", minimum=1),
         Column("area", REAL, "area under the curve", "of accuracy 1 throughout", 0, 1),
-        Column("area_low", REAL, "lower end of its interval over objects", "1", 0, 1),
-        Column("area_high", REAL, "upper end of its interval over objects", "1", 0, 1),
-        Column(
-            "gain", REAL, "area under fixation's curve less this one", "1", -1, 1, nullable=True
-        ),
-        Column("gain_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
-        Column("gain_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
-        Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
+        share("area_low", "lower end of its interval over objects"),
+        share("area_high", "upper end of its interval over objects"),
+        *difference("gain", "area under fixation's curve less this one"),
+        share("p_value", "two-sided, sign changes over objects", nullable=True),
         Column("objects", COUNT, "objects compared", minimum=1),
     ),
-    names_of(CELL_KEYS),
-)
-
-CERTAINTY_KEYS = (
-    Column("strategy", TEXT, "whose touches"),
-    Column("classifier", TEXT, "classifier of pipeline best"),
-    Column("left_out", TEXT, "the class that the model does not know"),
-    Column("class", TEXT, "class of the tested object"),
-    Column("object", TEXT, "name of the tested object"),
-    Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
 )
 
 STATED_COVERAGES = tuple(range(50, 100, 5))
@@ -180,7 +136,14 @@ STATED_COVERAGES = tuple(range(50, 100, 5))
 CERTAINTY = Schema(
     "certainty",
     (
-        *CERTAINTY_KEYS,
+        Column("strategy", TEXT, "whose touches"),
+        Column("classifier", TEXT, "classifier of pipeline best"),
+        Column("left_out", TEXT, "the class that the model does not know"),
+        Column("class", TEXT, "class of the tested object"),
+        Column("object", TEXT, "name of the tested object"),
+        Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
+    ),
+    (
         Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
         Column("correct", pa.bool_(), "whether the likeliest class is its own"),
         Column("covered", pa.bool_(), "whether the prediction set holds its class"),
@@ -193,28 +156,10 @@ CERTAINTY = Schema(
             STATED_COVERAGES[-1],
         ),
         Column("candidates", COUNT, "classes in the prediction set", minimum=0),
-        Column("strangeness", REAL, "share of known objects that are less strange", "1", 0, 1),
+        share("strangeness", "share of known objects that are less strange"),
         Column("evidence", REAL, "by which objects are compared: larger is stranger"),
         Column("unknown", pa.bool_(), "whether the object is called unknown"),
     ),
-    names_of(CERTAINTY_KEYS),
-)
-
-LOOKING_KEYS = (
-    Column("sight", TEXT, "how well the eye saw"),
-    Column(
-        "answer",
-        TEXT,
-        "by which senses: the view, the outline, touch, product or side by side of view and touch, or stopping: the product where the rule stops",
-    ),
-    Column("strategy", TEXT, "how the places to touch were chosen; none without touches"),
-    Column("touches", COUNT, "touches of a trial, at most", minimum=0),
-    Column(
-        "budget", REAL, "of the rule that stops: mean time of its rehearsals", "s", 0, nullable=True
-    ),
-    *OBJECT_KEYS,
-    Column("split", COUNT, "number of the split", minimum=0),
-    Column("repeat", COUNT, "number of the repeat", minimum=0),
 )
 
 CONFIDENCE_BINS = 10
@@ -223,9 +168,29 @@ CONFIDENCE_BINS = 10
 LOOKING = Schema(
     "looking",
     (
-        *LOOKING_KEYS,
+        Column("sight", TEXT, "how well the eye saw"),
+        Column(
+            "answer",
+            TEXT,
+            "by which senses: the view, the outline, touch, product or side by side of view and touch, or stopping: the product where the rule stops",
+        ),
+        Column("strategy", TEXT, "how the places to touch were chosen; none without touches"),
+        Column("touches", COUNT, "touches of a trial, at most", minimum=0),
+        Column(
+            "budget",
+            REAL,
+            "of the rule that stops: mean time of its rehearsals",
+            "s",
+            0,
+            nullable=True,
+        ),
+        *OBJECT_KEYS,
+        Column("split", COUNT, "number of the split", minimum=0),
+        Column("repeat", COUNT, "number of the repeat", minimum=0),
+    ),
+    (
         Column("trials", COUNT, "viewpoints that were tested", minimum=1),
-        Column("accuracy", REAL, "share of them that is correctly classified", "1", 0, 1),
+        share("accuracy", "share of them that is correctly classified"),
         Column("seconds", REAL, "mean time that the robot took, without computing", "s", 0),
         Column(
             "gaps",
@@ -233,31 +198,27 @@ LOOKING = Schema(
             "in each tenth of the probability of the class: sum over trials of correct (0, 1) less that probability",
         ),
     ),
-    names_of(LOOKING_KEYS),
-)
-
-EVALUATION_KEYS = (
-    Column("strategy", TEXT, "whose touches, those that the model learnt from"),
-    Column("classifier", TEXT, "classifier of pipeline best"),
-    Column("class", TEXT, "class of the object"),
-    Column("object", TEXT, "name of the object, which the model has not learnt"),
-    Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
-    Column("bag", COUNT, "which of the evenly spread choices of so many viewpoints", minimum=0),
 )
 
 EVALUATION = Schema(
     "evaluation",
     (
-        *EVALUATION_KEYS,
+        Column("strategy", TEXT, "whose touches, those that the model learnt from"),
+        Column("classifier", TEXT, "classifier of pipeline best"),
+        Column("class", TEXT, "class of the object"),
+        Column("object", TEXT, "name of the object, which the model has not learnt"),
+        Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
+        Column("bag", COUNT, "which of the evenly spread choices of so many viewpoints", minimum=0),
+    ),
+    (
         Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
         Column("correct", pa.bool_(), "whether the likeliest class is its own"),
         Column("covered", pa.bool_(), "whether the prediction set holds its class"),
         Column("candidates", COUNT, "classes in the prediction set", minimum=0),
         Column("unknown", pa.bool_(), "whether the object is called unknown"),
-        Column("stated", REAL, "stated coverage of the prediction set", "1", 0, 1),
+        share("stated", "stated coverage of the prediction set"),
         Column("learnt", COUNT, "objects that the model learnt", minimum=2),
     ),
-    names_of(EVALUATION_KEYS),
 )
 
 COST_KEYS = (
@@ -283,18 +244,17 @@ COST_TIMED = (
 
 COST_SECONDS = Schema(
     "cost_seconds",
+    COST_TIMED,
     (
-        *COST_TIMED,
         Column("seconds", REAL, "run time of one recognition", "s", 0),
         *(Column(name, REAL, text, "s", 0) for name, text in COST_PARTS),
     ),
-    names_of(COST_TIMED),
 )
 
 COST = Schema(
     "cost",
+    COST_KEYS,
     (
-        *COST_KEYS,
         Column("place", COUNT, "place along the family's line", minimum=0),
         Column("touches", COUNT, "touches from each viewpoint", minimum=1),
         Column("viewpoints", COUNT, "viewpoints that vote", minimum=1),
@@ -305,36 +265,14 @@ COST = Schema(
         Column("pipeline", TEXT, "how features become an answer"),
         Column("classifier", TEXT, "the classifier"),
         Column("changes", TEXT, "other parameters that differ from the run's, JSON"),
-        Column("error", REAL, "share of recognitions that are wrong", "1", 0, 1, nullable=True),
-        Column(
-            "error_low",
-            REAL,
-            "lower end of its interval over objects",
-            "1",
-            0,
-            1,
-            nullable=True,
-        ),
-        Column(
+        share("error", "share of recognitions that are wrong", nullable=True),
+        share("error_low", "lower end of its interval over objects", nullable=True),
+        share(
             "error_high",
-            REAL,
             "upper end of its interval over objects; of no error, the exact binomial one",
-            "1",
-            0,
-            1,
             nullable=True,
         ),
-        Column(
-            "lost",
-            REAL,
-            "error rate less that of the run's own setting from one viewpoint",
-            "1",
-            -1,
-            1,
-            nullable=True,
-        ),
-        Column("lost_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
-        Column("lost_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
+        *difference("lost", "error rate less that of the run's own setting from one viewpoint"),
         Column("objects", COUNT, "objects that were tested", minimum=1, nullable=True),
         Column("failed", TEXT, "why it could not be run", nullable=True),
         Column("seconds", REAL, "run time of a recognition, median of all", "s", 0, nullable=True),
@@ -362,7 +300,6 @@ COST = Schema(
             minimum=0,
         ),
     ),
-    names_of(COST_KEYS),
 )
 
 STUDIES = (
