@@ -88,18 +88,10 @@ NOT_SCORED = ("order", "random_probing", "protocol")
 
 @dataclass(frozen=True)
 class Candidate:
-    """A reading that the rule looks at.
+    """A reading that the rule looks at: `score` is its accuracy over all classifiers and strategies.
 
-    Attributes
-    ----------
-    reading : str
-        Its name.
-    score : float
-        Its accuracy over all classifiers and strategies.
-    behind, p_value : float
-        How far it is behind the best score, and the two-sided p value of that.
-    changed : dict of str to str
-        Its options that differ from the former default's.
+    `behind` says how far that is behind the best score, with the two-sided `p_value`; `changed` has
+    its options that differ from the former default's.
     """
 
     reading: str
@@ -111,14 +103,9 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Chosen:
-    """What the rule says.
+    """What the rule says: the new default, the reading with the highest score, and the default of before.
 
-    Attributes
-    ----------
-    objects, readings, candidates : int
-        How many objects and readings the rule saw, and how many readings were candidates.
-    chosen, best, former : Candidate
-        The new default, the reading with the highest score, and the default of before.
+    It saw so many objects and readings, of which `candidates` were candidates.
     """
 
     objects: int
@@ -185,16 +172,10 @@ def choose_default(
 
 @dataclass(frozen=True)
 class ChosenOption:
-    """What the second rule says of a choice.
+    """What the second rule says of a choice: its option of before and the default.
 
-    Attributes
-    ----------
-    choice, former, chosen : str
-        Its name, its option of before, and the default.
-    scores, acquired : dict of str to float
-        Accuracy, and share of touches acquired, of each option.
-    p_values : dict of str to float
-        Of each other option against that of before, after Holm's correction over all choices.
+    `scores` has the accuracy of each option, `acquired` its share of touches acquired, `p_values`
+    that of each other option against the former one, after Holm's correction over all choices.
     """
 
     choice: str
@@ -212,28 +193,10 @@ def choose_options(
     seed: int,
     former: Options = FORMER_DEFAULT,
 ) -> list[ChosenOption]:
-    """Apply the second rule.
+    """Apply the second rule: one answer for each choice of touches that is scored, in order.
 
-    Parameters
-    ----------
-    cells : mapping
-        Of study `readings`, as `read_cells` gives them.
-    acquired : mapping of (str, str) to float
-        Share of touches acquired by choice and option.
-    intervals, seed
-        As for the first rule.
-    former : mapping of str to str
-        The default of before.
-
-    Returns
-    -------
-    list of ChosenOption
-        One for each choice of touches that is scored, in order.
-
-    Raises
-    ------
-    RecognitionError
-        If a reading is missing or can't be run, or no object was tested in all of them.
+    `acquired` has the share of touches acquired by choice and option. Raises `RecognitionError` if
+    a reading is missing or can't be run, or no object was tested in all of them.
     """
     names = {
         (choice.name, option): readings_of_option(choice.name, option)
@@ -275,19 +238,10 @@ def readings_of_option(choice: str, option: str) -> list[str]:
 
 
 def acquired_share(features: pa.Table, viewpoints: int, touches: int) -> float:
-    """Give the share of touches acquired, of those asked for by the scored strategies.
+    """Give the share of touches at places in reach, of those asked for by the scored strategies.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`.
-    viewpoints, touches : int
-        How many viewpoints of each object, and touches from each by each strategy, were asked for.
-
-    Returns
-    -------
-    float
-        Touches at places in reach over touches asked for.
+    `features` are rows of `tables.FEATURES`; so many `viewpoints` of each object were asked for,
+    and so many `touches` from each by each strategy.
     """
     scored = features.filter(pc.is_in(features.column("strategy"), pa.array(SCORED)))
     first = scored.filter(pc.less(scored.column("touch"), touches))

@@ -114,17 +114,7 @@ points; its random sensor moves over the surface. Elsewhere the base is what the
 
 @dataclass(frozen=True)
 class Reading:
-    """One reading of the paper.
-
-    Attributes
-    ----------
-    name : str
-        Such as ``r017``: the letter of its part and its place there.
-    part : str
-        The part of the design.
-    options : mapping of str to str
-        An option of every choice.
-    """
+    """One reading of the paper, such as ``r017``, the letter of its part and its place there: an option of every choice."""
 
     name: str
     part: Part

@@ -67,22 +67,10 @@ class Dot:
 class CurveChart:
     """The specification curve and its panel, in units of its own.
 
-    Attributes
-    ----------
-    height, base : float
-        Of the whole, and of the curve's axis.
-    ticks : tuple of (float, str)
-        Places down the curve, and percentages.
-    dots : tuple of Dot
-        Fixation, in order.
-    whiskers, random : str
-        Paths: intervals of fixation, and marks of random probing.
-    published : tuple of (str, float, str)
-        Strategy, place down the curve, and label of each published figure.
-    labels : tuple of (float, str)
-        Places down the panel of the choices' names.
-    options : tuple of (float, str, str)
-        Places of the options, their names, and paths with a tick at each reading that has them.
+    Each place is one down the chart: `base` that of the curve's axis, `ticks` with percentages,
+    `published` with strategy and label, `labels` with the choices' names, `options` with name and a
+    path with a tick at each reading that has them. `dots` are fixation in order, `whiskers` the
+    path of its intervals, `random` that of the marks of random probing.
     """
 
     height: float
@@ -98,16 +86,10 @@ class CurveChart:
 
 @dataclass(frozen=True)
 class OptionLead:
-    """One option of a choice: how far fixation leads on the paper's set and on other objects.
+    """One option of a choice: how far fixation leads on the paper's set, if the option was run there, and on other objects.
 
-    Attributes
-    ----------
-    choice, option : str
-        As the page calls them.
-    here, outside : Lead or None
-        None where the option was not run.
-    turns : bool
-        Whether other options of the choice have a median lead of another sign, on the other objects.
+    `turns` says whether other options of the choice have a median lead of another sign, on the
+    other objects.
     """
 
     choice: str
@@ -129,24 +111,10 @@ class OutsideFigures:
 
 @dataclass(frozen=True)
 class ReadingsFigures:
-    """What the page shows of the readings.
+    """What the page shows of the readings: `charts` and `shares`, what explains most of the spread, by classifier.
 
-    Attributes
-    ----------
-    sentences : tuple of str
-        What they say together.
-    summary : mapping
-        As `summarise_readings` gives it.
-    charts : mapping of str to CurveChart
-        By classifier.
-    shares : mapping of str to sequence of mapping
-        What explains most of the spread, by classifier.
-    choices : tuple of Choice
-        All of them.
-    source : Source or None
-        Where the readings come from; None where they are of this run.
-    outside : OutsideFigures or None
-        The same on objects outside the paper's set, where they were measured.
+    `summary` is as `summarise_readings` gives it; `source` is None where the readings are of this
+    run.
     """
 
     sentences: tuple[str, ...]

@@ -23,20 +23,10 @@ _REFINEMENTS = 2
 
 @dataclass(frozen=True)
 class Alignment:
-    """Recorded points in the frame of a mesh.
+    """Recorded points in the frame of a mesh: the nearest `points` of its surface (n, 3), and their `faces` (n,).
 
-    Attributes
-    ----------
-    points : numpy.ndarray
-        Shape (n, 3), float64: the nearest points of the surface.
-    faces : numpy.ndarray
-        Shape (n,), int64: their faces.
-    scale : float
-        What recorded coordinates were multiplied by.
-    shift : numpy.ndarray
-        Shape (3,): what was then added.
-    error : float
-        Distance from the surface that 95 % of the points keep within, in the mesh's unit.
+    Recorded coordinates were multiplied by `scale`, then `shift` (3,) was added. 95 % of the points
+    keep within `error` of the surface, in the mesh's unit.
     """
 
     points: NDArray[np.float64]
@@ -49,28 +39,11 @@ class Alignment:
 def align(
     points: NDArray[np.float64], caster: RayCaster, name: str, largest_error: float
 ) -> Alignment:
-    """Bring recorded points to a mesh by one scale and a shift.
+    """Bring recorded points (n, 3), in any unit and with the mesh's axes, to a mesh by one scale and a shift.
 
-    Parameters
-    ----------
-    points : numpy.ndarray
-        Shape (n, 3), float64, in any unit; the mesh's axes.
-    caster : RayCaster
-        The mesh.
-    name : str
-        The recording, for messages.
-    largest_error : float
-        Largest distance, in the mesh's unit, that 95 % of the points may be off it.
-
-    Returns
-    -------
-    Alignment
-        From the bounding boxes, refined by least squares to the nearest points.
-
-    Raises
-    ------
-    GazeError
-        If points have no extent or lie off the mesh.
+    They come from the bounding boxes, refined by least squares to the nearest points. Raises
+    `GazeError`, with the recording's `name`, if the points have no extent, or more than 5 % of them
+    lie farther off the mesh than `largest_error`, in its unit.
     """
     low, high = points.min(axis=0), points.max(axis=0)
     extent = float(np.linalg.norm(high - low))

@@ -49,34 +49,14 @@ REACH = 3.0
 class GazedObject:
     """What the eye sees of an object, and where people looked.
 
-    Attributes
-    ----------
-    name, is_test, digest
-        As in the recording.
-    surface : Surface
-        In the object frame.
-    points : numpy.ndarray
-        Shape (n, 3), float64, on the surface: some of the recorded points.
-    gazed : GazedSurface
-        Time and area at these points.
-    planes : numpy.ndarray
-        Shape (v, k, m, m), float32: `COLUMNS` of each view on the maps' grid.
-    shown : numpy.ndarray
-        Shape (v, m, m), bool: grid cells that show the object.
-    cells : numpy.ndarray
-        Shape (v, n), int64: grid cell of each point, counted row by row.
-    visible : numpy.ndarray
-        Shape (v, n), bool: whether a view sees a point.
-    error : float
-        Distance from the mesh that 95 % of the recorded points keep within, object radii.
-    is_reconstructed : bool
-        Whether the surface was made from the points.
-    seconds : float
-        Time that people spent on the object.
-    seen_share : float
-        Share of that time on points that a view sees.
-    peer : numpy.ndarray or None
-        Shape (n,), float64: what others predicted at these points; None where nothing is at hand.
+    `points` (n, 3) on the `surface`, in the object frame, are some of the recorded ones; `gazed` is
+    time and area there. `planes` (v, k, m, m), float32, are `COLUMNS` of each view on the maps'
+    grid, of which `shown` (v, m, m) says which cells show the object; `cells` (v, n) is the grid
+    cell of each point, counted row by row, and `visible` (v, n) whether a view sees it.
+
+    95 % of the recorded points keep within `error` object radii of the mesh. People spent `seconds`
+    on the object, `seen_share` of them on points that a view sees. `peer` (n,) is what others
+    predicted at the points; None where nothing is at hand.
     """
 
     name: str

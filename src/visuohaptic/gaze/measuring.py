@@ -105,11 +105,8 @@ def measure_all(objects: Sequence[GazedObject], gaze: GazeParameters) -> pa.Tabl
 def human_weights(objects: Sequence[GazedObject], gaze: GazeParameters) -> dict[str, Any]:
     """Fit all channels and terms to all training objects, as `attention.weights: human` takes them.
 
-    Returns
-    -------
-    dict
-        ``channels`` and ``terms`` by name, ``objects`` the names fitted to, ``sha256`` of their
-        recordings together.
+    Gives ``channels`` and ``terms`` by name, ``objects``, the names fitted to, and ``sha256`` of
+    their recordings together.
     """
     training = sorted((one for one in objects if not one.is_test), key=lambda one: one.name)
     tested = {one.family for one in objects if one.is_test}

@@ -20,20 +20,10 @@ SHOWN = ("correlation", "auc_top", "auc_gaze", "normalised_saliency", "divergenc
 
 @dataclass(frozen=True)
 class PredictorRow:
-    """One predictor over all objects of a part.
+    """One predictor over all objects of a part: `measures` by the names of `SHOWN`.
 
-    Attributes
-    ----------
-    predictor : Predictor
-        Which.
-    measures : mapping of str to Interval
-        By the names of `SHOWN`.
-    gain : Interval
-        Correlation less that of what it is compared with, over the same objects.
-    positive : int
-        Objects on which the correlation is above 0.
-    objects : int
-        How many there are.
+    `gain` is the correlation less that of what it is compared with, over the same objects; on
+    `positive` of the `objects` the correlation is above 0.
     """
 
     predictor: Predictor

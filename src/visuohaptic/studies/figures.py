@@ -42,16 +42,9 @@ LEADER = "fixation"
 class Cell:
     """One condition, pipeline, strategy and classifier, an object each.
 
-    Attributes
-    ----------
-    objects : tuple of (str, str)
-        The o objects as (class, name), sorted; empty where it could not be run.
-    accuracy, weights : numpy.ndarray
-        Shape (o,) each, float64: the weighted mean over objects is the mean over splits.
-    seconds : float or None
-        Of training and testing.
-    error : str or None
-        Why it could not be run.
+    `objects` are o pairs of class and name, sorted; there is none where it could not be run, for
+    the reason in `error`. The mean of `accuracy` (o,) by `weights` (o,) is the mean over splits.
+    `seconds` are those of training and testing.
     """
 
     objects: tuple[tuple[str, str], ...]
@@ -101,9 +94,9 @@ def study_figures(
     """Sum up a study: `tables.STUDY_FIGURES`.
 
     The study has a ``name``, a ``title`` and ``conditions`` in order, each with ``name``,
-    ``compared_with`` (a name; None for the first one's) and ``recomputed``. A condition that was tested
-    on other objects than the one that it is compared with has no difference. A row of another
-    strategy than `LEADER` says how far that one is ahead in the same condition.
+    ``compared_with`` (a name; None for the first one's) and ``recomputed``. A condition that was
+    tested on other objects than the one that it is compared with has no difference. A row of
+    another strategy than `LEADER` says how far that one is ahead in the same condition.
     """
     conditions = study["conditions"]
     order = {condition["name"]: place for place, condition in enumerate(conditions)}
