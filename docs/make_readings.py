@@ -115,17 +115,16 @@ def points(value: float) -> str:
     return f"{100 * value:+.1f}".replace("-", "\N{MINUS SIGN}")
 
 
-def main() -> None:
-    """Fill all blocks of the pages."""
+def blocks() -> dict[str, dict[str, str]]:
+    """Give the tables of each page, by the names of their blocks."""
     kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
     tables = {name: one.rows for name, one in kept.items() if one}
-    blocks = {
+    return {
         "readings.md": {"spread": spread_table(tables), "pair": pair_table(tables)},
         "notebook/2026-11-readings.md": {"options": options_table(tables)},
     }
-    for name, found in blocks.items():
-        fill_page(DOCS / name, found)
 
 
 if __name__ == "__main__":
-    main()
+    for page, tables in blocks().items():
+        fill_page(DOCS / page, tables)

@@ -11,12 +11,7 @@ from recognition.synthetic import features_table
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 
-from readings.design import (
-    STRATEGIES,
-    all_readings,
-    is_default,
-)
-from readings.figures import summarise_readings
+from readings.design import STRATEGIES, all_readings
 from readings.one import make_reading
 from readings.study import STUDY as STUDY_OF_READINGS
 from readings.summary import make_readings
@@ -248,35 +243,3 @@ def test_one_reading_alone_has_the_figures_that_it_has_among_all(made, features,
         if row["reading"] == FEATURE_GROUPS
     ]
     assert json.loads(output.read_text()) == expected
-
-
-def planted(reading, place, fixation, random=0.5):
-    row = dict.fromkeys(column.name for column in READINGS.columns)
-    row |= {"reading": reading.name, "part": reading.part, "place": place, **reading.options}
-    row |= {"classifier": "naive_bayes", "fixation": fixation, "random": random}
-    row |= {"ahead": fixation - random, "p_value": 0.01 if fixation > 0.6 else 0.5}
-    return row | {"fixation_best_split": fixation + 0.1, "fixation_splits_reaching": 0.25}
-
-
-def test_the_summary_counts_readings_and_leaves_the_other_question_out():
-    readings = all_readings()
-    assert sum(reading.part == "protocol" for reading in readings) == 12
-    rows = [planted(reading, place, 0.9) for place, reading in enumerate(readings)]
-    default = next(place for place, one in enumerate(readings) if is_default(one.options))
-    rows[default] |= {
-        "fixation": 0.4,
-        "ahead": -0.1,
-        "p_value": 0.5,
-        "fixation_splits_reaching": 0.0,
-    }
-    own = len(readings) - 12
-    found = summarise_readings(rows)
-    assert found["readings"] == own
-    figures = found["classifiers"]["naive_bayes"]
-    assert (figures["lowest"], figures["median"], figures["highest"]) == (0.4, 0.9, 0.9)
-    assert (figures["ahead"], figures["ahead_significantly"]) == (own - 1, own - 1)
-    assert figures["default"] == 0.4
-    assert figures["readings_reaching"] == own - 1
-    assert figures["readings_with_a_split_reaching"] == own - 1
-    assert figures["splits_reaching"] == pytest.approx(0.25 * (own - 1) / own)
-    assert found["known_objects"]["naive_bayes"]["readings"] == 12
