@@ -16,7 +16,7 @@ from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.intervals import Interval, compare_paired, difference_interval, holm
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.cost.settings import ORDER, Setting, is_reference, make_settings
-from visuohaptic.studies.figures import Cell, condition_interval, read_cells
+from visuohaptic.studies.figures import Cell, condition_interval, ends, read_cells
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_rows, names_of, read_table, write_table
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
@@ -96,7 +96,7 @@ def setting_rows(
             "setting": setting.name,
             "changes": setting.written_changes,
             **error_rate(cell, run),
-            **_ends("lost", _loss(reference, cell, run)),
+            **ends("lost", "lost_", _loss(reference, cell, run)),
             **time_quantiles(own),
             "as_quick": False,
             "step": False,
@@ -113,8 +113,8 @@ def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
         return {"failed": cell.error}
     wrong = replace(cell, accuracy=1 - cell.accuracy)
     found = condition_interval(wrong, run.recognition.intervals, run.seed)
-    rates = {name: min(max(rate, 0.0), 1.0) for name, rate in _ends("error", found).items()}
-    return {**rates, "objects": len(cell.objects)}
+    clipped = Interval(*(min(max(rate, 0.0), 1.0) for rate in vars(found).values()))
+    return {**ends("error", "error_", clipped), "objects": len(cell.objects)}
 
 
 def time_quantiles(times: NDArray[np.float64]) -> Row:
@@ -348,11 +348,6 @@ def mark_front(rows: list[Row]) -> list[Row]:
     for row, on in zip(rows, pareto_front(*np.array(points, dtype=float)).tolist(), strict=True):
         row |= {"on_front": on, "dominated": is_known(row) and not on}
     return rows
-
-
-def _ends(name: str, interval: Interval | None) -> Row:
-    ends = (None, None, None) if interval is None else vars(interval).values()
-    return dict(zip((name, f"{name}_low", f"{name}_high"), ends, strict=True))
 
 
 def _loss(reference: Cell | None, cell: Cell, run: ExperimentParameters) -> Interval | None:
