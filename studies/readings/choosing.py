@@ -46,8 +46,9 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from readings.choices import BY_NAME, CHOICES, OPPONENTS, Choice
+from readings.choices import BY_NAME, OPPONENTS, Choice
 from readings.design import (
+    BASE,
     CROSSED_SINGLY,
     STRATEGIES,
     VARIED_ALONE,
@@ -70,7 +71,7 @@ from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH, owners_of
 from visuohaptic.tables.schema import read_table
 
 FORMER_DEFAULT: Options = {
-    **{choice.name: choice.base for choice in CHOICES},
+    **BASE,
     "map_output": "feature_groups",
     "sequence_extension": "zero",
 }

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from readings.choices import CHOICES
 from readings.choosing import (
     ENOUGH,
     FORMER_DEFAULT,
@@ -13,7 +12,7 @@ from readings.choosing import (
     choose_options,
     scored_readings,
 )
-from readings.design import PARTS_ON_OTHERS, STRATEGIES, all_readings
+from readings.design import BASE, PARTS_ON_OTHERS, STRATEGIES, all_readings
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
@@ -22,7 +21,6 @@ from visuohaptic.studies.figures import Cell
 READINGS = [reading for reading in all_readings() if reading.part == "recognition"]
 ON_OTHERS = [reading for reading in all_readings() if reading.part in PARTS_ON_OTHERS]
 OBJECTS = tuple(("cup", f"{place:02d}") for place in range(40))
-BASE = {choice.name: choice.base for choice in CHOICES}
 INTERVALS = IntervalParameters(bootstrap_samples=200, permutations=2000)
 ALL_ACQUIRED = dict.fromkeys(scored_readings(), 1.0)
 
