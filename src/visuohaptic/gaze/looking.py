@@ -105,7 +105,11 @@ def look_at(
     where the mesh can't be read.
     """
     recording = read_recording(file.gaze, gaze.largest_megabytes)
-    raw = grey_mesh(file, gaze) if file.mesh else reconstruct(recording)
+    if file.mesh is None:
+        raw = reconstruct(recording)
+    else:
+        mesh = read_model(str(file.mesh), gaze.largest_megabytes)
+        raw = grey_surface(mesh.vertices, mesh.faces)
     points = _recorded_points(recording, raw)
     surface = normalise(raw, file.name)
     caster = RayCaster(surface)
@@ -142,12 +146,6 @@ def look_at(
         seen_share=float(recording.seconds[everywhere].sum() / recording.seconds.sum()),
         peer=_predicted_by_peer(at, caster, file.name, gaze),
     )
-
-
-def grey_mesh(file: RecordingFile, gaze: GazeParameters) -> Surface:
-    """Read a recording's mesh, without its colours; its parent must have one."""
-    mesh = read_model(str(file.mesh), gaze.largest_megabytes)
-    return grey_surface(mesh.vertices, mesh.faces)
 
 
 def _recorded_points(recording: Recording, mesh: Surface) -> NDArray[np.float64]:
