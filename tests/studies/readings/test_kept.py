@@ -91,10 +91,10 @@ def test_a_table_of_failures_alone_has_no_page(tmp_path):
 
 def test_a_dot_says_its_figures_its_options_and_its_command():
     chart = curve_chart(ROWS, BEST_OF_PAPER)
-    default = next(dot for dot in chart.dots if dot.is_default)
+    default = next(dot for dot in chart["dots"] if dot.is_default)
     assert "our default" in default.label
     (other,) = [one for one in all_readings() if one.name == "u100"]
-    dot = next(dot for dot in chart.dots if dot.name == other.name)
+    dot = next(dot for dot in chart["dots"] if dot.name == other.name)
     changed = [one.name for one in CHOICES if other.options[one.name] != one.default]
     assert dot.label.count(";") == len(changed) - 1
     assert COMMAND.format(other.name) in dot.label
@@ -108,11 +108,12 @@ def test_sentences_count_what_the_tables_hold():
     asked = [row for row in ASKED if row["random_probing"] == "reachable"]
     own = [row for row in asked if row["classifier"] == BEST_OF_PAPER]
     reached = sorted(row["fixation"] for row in own)
-    first = found.sentences[0].replace("\N{NO-BREAK SPACE}", " ")
+    first = found["sentences"][0].replace("\N{NO-BREAK SPACE}", " ")
     assert f"Of {len(own)} readings" in first
     assert f"has {100 * reached[0]:.1f} % to {100 * reached[-1]:.1f} % correctly" in first
     outside = [row for row in kept_readings(OUTSIDE).rows if row["random_probing"] == "reachable"]
     ahead = sum(row["ahead"] > 1e-12 for row in outside)
     assert (
-        f"ahead of random probing in {ahead} of {len(outside)} cases" in found.outside.sentences[0]
+        f"ahead of random probing in {ahead} of {len(outside)} cases"
+        in found["outside"]["sentences"][0]
     )
