@@ -18,7 +18,7 @@ from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParam
 from visuohaptic.fixations.places import draw_by_area, sees
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
-from visuohaptic.gaze.alignment import Alignment, align, grey_surface, reconstruct
+from visuohaptic.gaze.alignment import align, grey_surface, reconstruct
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.peers import find_peer, read_peer
 from visuohaptic.gaze.recordings import Recording, RecordingFile, read_recording
@@ -113,13 +113,13 @@ def look_at(
     points = _recorded_points(recording, raw)
     surface = normalise(raw, file.name)
     caster = RayCaster(surface)
-    placed = align(points, caster, file.name, gaze.largest_error)
+    placed, error = align(points, caster, file.name, gaze.largest_error)
     area, density = _spread(placed, recording.seconds, surface, gaze.spread, seed)
     generator = spawn_generator(seed, "gaze", file.name)
     count = min(MOST_EVALUATED, len(points))
     chosen = np.sort(generator.choice(len(points), count, replace=False))
     cameras = place_cameras(viewpoints)
-    at = placed.points[chosen]
+    at = placed[chosen]
     visible = np.stack([sees(caster, camera, at) for camera in cameras])
     front = spawn_generator(seed, "gaze front", file.name)
     planes, shown = _feature_planes(caster, cameras, rendering, attention, front)
@@ -128,7 +128,7 @@ def look_at(
         raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
     everywhere = np.zeros(len(points), dtype=bool)
     for camera in cameras:
-        everywhere |= sees(caster, camera, placed.points)
+        everywhere |= sees(caster, camera, placed)
     return GazedObject(
         name=file.name,
         is_test=file.is_test,
@@ -140,7 +140,7 @@ def look_at(
         shown=shown,
         cells=np.stack([_cells(camera, at, planes.shape[-1]) for camera in cameras]),
         visible=visible,
-        error=placed.error,
+        error=error,
         is_reconstructed=file.mesh is None,
         seconds=float(recording.seconds.sum()),
         seen_share=float(recording.seconds[everywhere].sum() / recording.seconds.sum()),
@@ -160,13 +160,16 @@ def _recorded_points(recording: Recording, mesh: Surface) -> NDArray[np.float64]
 
 
 def _spread(
-    placed: Alignment, seconds: NDArray[np.float64], surface: Surface, spread: float, seed: int
+    points: NDArray[np.float64],
+    seconds: NDArray[np.float64],
+    surface: Surface,
+    spread: float,
+    seed: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Give each recorded point its area and, by a Gaussian, the time per area around it."""
     from scipy.sparse import csr_matrix
     from scipy.spatial import cKDTree
 
-    points = placed.points
     tree = cKDTree(points)
     drawn = draw_by_area(surface, AREA_SAMPLES, spawn_generator(seed, "gaze area"))
     nearest = tree.query(drawn.points)[1]
@@ -190,8 +193,8 @@ def _predicted_by_peer(
     if file is None:
         return None
     theirs, values = read_peer(file, gaze.largest_megabytes)
-    placed = align(theirs, caster, str(file), gaze.largest_error)
-    found: NDArray[np.float64] = values[cKDTree(placed.points).query(points)[1]]
+    placed, _ = align(theirs, caster, str(file), gaze.largest_error)
+    found: NDArray[np.float64] = values[cKDTree(placed).query(points)[1]]
     return found
 
 

@@ -33,13 +33,13 @@ class PredictorRow:
     objects: int
 
 
-def summarise(table: pa.Table, part: str, against: str = "equal") -> list[PredictorRow]:
+def summarise(table: pa.Table, part: str) -> list[PredictorRow]:
     """Sum up rows of `tables.GAZE` of one part, in the order of `PREDICTORS`; empty without rows.
 
-    Those of a peer are left out, as it has other objects. Gains are over predictor `against`.
+    Those of a peer are left out, as it has other objects. Gains are over predictor ``equal``.
     """
     rows = [row for row in table.to_pylist() if row["part"] == part]
-    return _summed([row for row in rows if row["predictor"] != "peer"], against)
+    return _summed([row for row in rows if row["predictor"] != "peer"], "equal")
 
 
 def beside_peer(table: pa.Table) -> list[PredictorRow]:
