@@ -12,10 +12,12 @@ from report.pages import read_page
 from readings.choices import CHOICES
 from readings.choosing import FORMER_DEFAULT
 from readings.design import all_readings, is_default
+from readings.figures import weigh_choices
 from readings.page import COMMAND, curve_chart, mark_up_dots, readings_figures, render_readings_page
 from readings.stored import OUTSIDE, PAPER_SET, MeasuredReadings, kept_readings
 from readings.summary import summarise
 from readings.tables import READINGS
+from readings.verdicts import lead_evidence
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.questions import BEST_OF_PAPER
@@ -40,6 +42,29 @@ def test_what_the_report_says_follows_from_the_kept_tables():
     found = summarise(kept_readings(PAPER_SET), kept_readings(OUTSIDE))
     assert json.loads(kept) == found.model_dump(mode="json")
     assert {*found.literal["fixation"]} == {*found.literal["random"]} == {*TABLE_1}
+
+
+@pytest.mark.parametrize("kept", [PAPER_SET, OUTSIDE])
+def test_of_the_evidence_one_is_of_the_default_and_one_of_the_literal_reading(kept):
+    kinds = [one.reading for one in lead_evidence({kept: kept_readings(kept).rows}, BEST_OF_PAPER)]
+    assert (kinds.count("default"), kinds.count("literal")) == (1, 1)
+
+
+def test_choices_that_add_up_explain_all_of_the_spread_by_themselves():
+    def fixation(options):
+        scaled = options["touch_scaling"] == "none"
+        return 0.5 + 0.2 * (options["map_output"] == "lattice") + 0.1 * scaled
+
+    rows = [
+        {"part": one.part, **one.options, "fixation": fixation(one.options)}
+        for one in all_readings()
+        if one.part == "recognition"
+    ]
+    found = {tuple(row["choices"]): row for row in weigh_choices(rows)}
+    of_map, of_scaling = (found.pop((name,)) for name in ("map_output", "touch_scaling"))
+    assert of_map["share"] + of_scaling["share"] == pytest.approx(1)
+    assert of_map["gains"]["lattice"] == pytest.approx(0.2)
+    assert max(row["share"] for row in found.values()) < 1e-9
 
 
 def test_one_set_alone_shows_no_verdict_and_has_the_counts_of_its_table():
