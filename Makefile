@@ -75,7 +75,7 @@ bench: $(DEVELOP)
 readme: $(DEVELOP) report
 	python docs/make_readme.py
 	python -m readings.summary
-	python -m readings.write_up
+	python docs/make_readings.py
 	python docs/make_claims.py
 	python docs/make_lead_picture.py
 	python docs/make_looking.py
