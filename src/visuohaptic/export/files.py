@@ -87,33 +87,10 @@ def make_export(
 ) -> Export:
     """Write touches as a data set that `datasets.load_dataset(folder)` reads as it is.
 
-    The same touches, credits, seed and experiment give the same files bit for bit.
-
-    Parameters
-    ----------
-    touches : sequence of path
-        Parts of table `touches`, in any order.
-    credit_files : sequence of path
-        CSV files with the columns class, object, author, licence and source_url; one that is
-        missing is passed over.
-    folder : path
-        New, empty, or an earlier export, which is replaced.
-    seed : int
-        By which objects are divided into training and test objects.
-    experiment : Experiment
-        What the touches were made for, and what it found.
-
-    Returns
-    -------
-    Export
-        What was written.
-
-    Raises
-    ------
-    ExportError
-        If the folder holds anything else, or the touches can't be divided.
-    TableError
-        If a part of the touches breaks its schema.
+    The same touches, in any order of their files, credits, seed and experiment give the same files bit
+    for bit. The folder is new, empty, or an earlier export, which is replaced; a missing file of credits
+    is passed over. Raises `ExportError` if the folder holds anything else, or the touches can't be
+    divided, and `TableError` if a part of them breaks its schema.
     """
     files, folder = sorted(map(Path, touches)), Path(folder)
     contents = find_contents(files, read_credits(credit_files), seed)

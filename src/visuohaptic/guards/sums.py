@@ -31,19 +31,9 @@ _KEYS = [
 
 
 def guard_sums(metrics: Mapping[str, Any], predictions: pa.Table) -> Verdict:
-    """Sum the metrics again, from the rows of the predictions.
+    """Sum `reports/metrics.json` again, from all rows of `tables.PREDICTIONS` of the run.
 
-    Parameters
-    ----------
-    metrics : mapping
-        `reports/metrics.json`.
-    predictions : pyarrow.Table
-        `tables.PREDICTIONS`, all of the run.
-
-    Returns
-    -------
-    Verdict
-        What was found; of several wrong figures it names the first.
+    Of several wrong figures the verdict names the first.
     """
     pairs = list(_pairs(metrics, predictions))
     wrong = [

@@ -16,16 +16,9 @@ Outcome = Literal["held", "failed", "not tested"]
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one guard found.
+    """What one guard found, in one sentence, or why nothing was tested.
 
-    Attributes
-    ----------
-    guard : str
-        Its name.
-    outcome : {"held", "failed", "not tested"}
-        ``not tested`` where the run is too small, or has no such thing.
-    found : str
-        In one sentence what was found, or why nothing was tested.
+    That is where the run is too small, or has no such thing.
     """
 
     guard: str
@@ -43,18 +36,7 @@ def highest_mean(expected: float, draws: int) -> float:
 
     The bound of W. Hoeffding, J. Am. Stat. Assoc. 58(301), 1963, theorem 1: a mean of n values with
     expectation p reaches a with probability exp(-n KL(a | p)) at most, whatever their distribution.
-
-    Parameters
-    ----------
-    expected : float
-        Mean of the values' expectations, above 0 and below 1.
-    draws : int
-        How many values.
-
-    Returns
-    -------
-    float
-        The mean; 1 where so few values can't exceed chance.
+    The expectation is above 0 and below 1; the mean is 1 where so few values can't exceed chance.
     """
     from scipy.optimize import brentq
     from scipy.special import rel_entr

@@ -23,15 +23,10 @@ from visuohaptic.tables.studies import CERTAINTY
 
 @dataclass(frozen=True)
 class CertaintyFigures:
-    """Answers for objects of known and of unknown classes.
+    """Answers for objects of known and of unknown classes, rows of `tables.CERTAINTY`.
 
-    Attributes
-    ----------
-    table : pyarrow.Table
-        Rows of `tables.CERTAINTY`.
-    rows : tuple of mapping
-        By strategy and views: ``strategy``, ``views``, ``set_size``, ``area``, ``stated``, and as
-        `Figure` ``accuracy``, ``coverage``, ``false_unknown``, ``found_unknown``.
+    `rows` are by strategy and views: ``strategy``, ``views``, ``set_size``, ``area``, ``stated``, and as
+    `Figure` ``accuracy``, ``coverage``, ``false_unknown``, ``found_unknown``.
     """
 
     table: pa.Table

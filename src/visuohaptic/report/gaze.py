@@ -22,22 +22,12 @@ WORST_NAMED = 6
 class GazeFigures:
     """What the page shows of gaze.
 
-    Attributes
-    ----------
-    sentence : str
-        What the chart says.
-    rows, tests, peer : sequence of PredictorRow
-        Objects held out in turn; those for tests; those that others predicted, with gains over them.
-    shown : sequence of PredictorRow
-        The few of `rows` that the sentence is about.
-    worst : sequence of mapping
-        Rows of `tables.GAZE` with the lowest correlations, lowest first.
-    pictures : sequence of mapping
-        Rows of `tables.GAZE_PICTURES`, the worst object's first, each with its address as ``source``.
-    largest_error : float
-        Largest alignment error, object radii.
-    origin : mapping or None
-        Where figures come from that are not of this run.
+    `rows` are of objects held out in turn, `tests` of those for tests, `peer` of those that others
+    predicted, with gains over them; `shown` are the few of `rows` that the sentence is about. `worst`
+    are rows of `tables.GAZE` with the lowest correlations, lowest first, and `pictures` rows of
+    `tables.GAZE_PICTURES`, the worst object's first, each with its address as ``source``.
+    `largest_error` is that of alignment, in object radii; `origin` says where figures come from that are
+    not of this run.
     """
 
     sentence: str

@@ -22,18 +22,13 @@ _SAME = {True: "bit for bit", False: "no", None: "effects are off"}
 
 @dataclass(frozen=True)
 class InfluenceFigures:
-    """All effects on a sample, those of the view apart, and each scene as a whole.
+    """All effects on a sample of so many views and touches, and each scene as a whole.
 
-    Attributes
-    ----------
-    view, touch : list of mapping
-        An effect each: ``name``; ``milliseconds`` and ``milliseconds_always`` of one view, or of a
-        thousand touches; ``shifts``, how far images move without it, 0 to 1, by scene.
-    scenes : list of mapping
-        ``name``; ``needed`` and ``unneeded`` effects; ``milliseconds`` and ``milliseconds_always``
-        of a thousand touches; ``equal``, whether both gave the same images, and ``same``, in words.
-    views, touches : int
-        Sizes of the samples.
+    A row of `view` and `touch` is an effect: ``name``; ``milliseconds`` and ``milliseconds_always`` of one
+    view, or of a thousand touches; ``shifts``, how far images move without it, 0 to 1, by scene. A row of
+    `scenes` has ``name``; ``needed`` and ``unneeded`` effects; ``milliseconds`` and
+    ``milliseconds_always`` of a thousand touches; ``equal``, whether both gave the same images, and
+    ``same``, in words.
     """
 
     view: list[Row]

@@ -44,18 +44,11 @@ PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 class ViewPage:
     """One view of an object: pictures, fixations in order, and what was felt there.
 
-    Attributes
-    ----------
-    marks : list of mapping
-        Each fixation's ``number`` from 1, ``column`` and ``row`` in pixels, its ``place`` in words,
-        and the corners of the sensor's ``square`` around it.
-    touches : list of mapping
-        Each touch's ``number`` from 1, ``size`` in object radii, contact ``state``, and the share of
-        the square nearly touched, ``near``.
-    distinct : int
-        Distinct fixations.
-    right : mapping of str to float
-        The share of its tests that were correctly classified, by strategy.
+    A row of `marks` is a fixation: its ``number`` from 1, ``column`` and ``row`` in pixels, its ``place``
+    in words, and the corners of the sensor's ``square`` around it. A row of `touches` has ``number``
+    from 1, ``size`` in object radii, contact ``state``, and the share of the square nearly touched,
+    ``near``. `distinct` counts the distinct fixations; `right` is the share of its tests that were
+    correctly classified, by strategy.
     """
 
     viewpoint: int
@@ -81,20 +74,12 @@ class ViewPage:
 class ObjectPage:
     """All that the page shows of one object, `class/name`.
 
-    Attributes
-    ----------
-    conspicuity, skipped : tuple of (str, str)
-        Channel and picture of each map of the view shown; channels that did not run, and why.
-    predicted : mapping of str to mapping of str to float
-        By strategy: the share of its test sequences for which each class was predicted.
-    median_size : mapping of str to float
-        By strategy: median edge of the square, object radii.
-    model : PackedModel or None
-        With its touches; None where the object's mesh is not at hand.
-    touch_keys : list of (str, int, int, str)
-        Strategy, viewpoint, number from 1 and contact state of each touch of the model.
-    sheets : mapping of str to str
-        By strategy: a picture of these touches' imprints, a row a viewpoint and a column a touch.
+    `conspicuity` has channel and picture of each map of the view shown, `skipped` the channels that did
+    not run, and why. By strategy, `predicted` gives the share of its test sequences for which each class
+    was predicted, `median_size` the median edge of the square in object radii, and `sheets` a picture of
+    the touches' imprints, a row a viewpoint and a column a touch. `model` is None where the object's mesh
+    is not at hand; `touch_keys` are strategy, viewpoint, number from 1 and contact state of each touch of
+    it.
     """
 
     key: str

@@ -42,22 +42,11 @@ def table(
 ) -> Markup:
     """Write rows as a table that scrolls where the screen is narrow.
 
-    Parameters
-    ----------
-    environment : jinja2.Environment
-        Has the formats.
-    rows : iterable of mapping or object
-        The first column heads its row. A row with ``mark`` has that class.
-    label : str
-        What the table is called, once on the page.
-    columns : sequence of Column
-        A key is a name, or several joined by points; without one it is the whole row. A format is
-        the name of a filter, of several joined by ``|``, or as for ``%`` and `format`; after ``±``
-        it writes the interval, too. A column of numbers stands to the right.
-    caption : str
-        What stands above the table, if not the label.
-    best : object
-        The row that stands out.
+    The first column heads its row; a row with ``mark`` has that class, and the row `best` stands out. The
+    key of a column is a name, or several joined by points; without one it is the whole row. A format is
+    the name of a filter, of several joined by ``|``, or as for ``%`` and `format`; after ``±`` it writes
+    the interval, too. A column of numbers stands to the right. `label` is what the table is called, once
+    on the page; `caption` stands above it, if not the label.
     """
     listed = list(rows)
     numeric = [

@@ -27,16 +27,9 @@ from visuohaptic.tables.studies import TOUCHES_NEEDED
 
 @dataclass(frozen=True)
 class CurveFigures:
-    """One pipeline's curves.
+    """The curves of one pipeline and classifier: `points` are rows of `tables.STUDY_FIGURES`.
 
-    Attributes
-    ----------
-    pipeline, classifier : str
-        Of what.
-    rows : list of mapping
-        Rows of `tables.TOUCHES_NEEDED` with ``adjusted_p``, the largest area first.
-    points : list of mapping
-        Rows of `tables.STUDY_FIGURES`.
+    `rows` are those of `tables.TOUCHES_NEEDED` with ``adjusted_p``, the largest area first.
     """
 
     pipeline: str

@@ -32,16 +32,8 @@ TOUCHED_AGAIN = 4
 class SensedObject:
     """An object and what the run has of it.
 
-    Attributes
-    ----------
-    surface : Surface
-        Its mesh.
-    fixations, touches : pyarrow.Table
-        n rows of `tables.FIXATIONS` and of `tables.TOUCHES`, in one order: the places touched.
-    attention, sensor, scene : AttentionParameters, SensorParameters, Scene
-        What it was looked at and touched with.
-    seed : int
-        The experiment's random seed.
+    `fixations` and `touches` are n rows of `tables.FIXATIONS` and of `tables.TOUCHES`, in one order:
+    the places touched.
     """
 
     surface: Surface
@@ -54,19 +46,10 @@ class SensedObject:
 
 
 def check_object(sensed: SensedObject, generator: np.random.Generator) -> dict[str, Result]:
-    """Make every check on an object.
+    """Make every check on an object, and give the worst case by tolerance.
 
-    Parameters
-    ----------
-    sensed : SensedObject
-        The object.
-    generator : numpy.random.Generator
-        For the rays and for the touches that are repeated.
-
-    Returns
-    -------
-    dict of str to Result
-        The worst case by tolerance. A check that breaks off has an infinite error.
+    A check that breaks off has an infinite error. The generator is for the rays and for the touches
+    that are repeated.
     """
     return merge_results(
         result

@@ -16,19 +16,9 @@ from visuohaptic.tables.stability import STABILITY
 
 
 def result_table(results: Iterable[Result], key: str = "/") -> pa.Table:
-    """Give results as a table.
+    """Give results, one for each tolerance, as rows of `tables.STABILITY`.
 
-    Parameters
-    ----------
-    results : iterable of Result
-        One for each tolerance.
-    key : str
-        `class/name` of the object that they are about.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.STABILITY`, one a result.
+    `key` is `class/name` of the object that they are about.
     """
     rows = list(results)
     category, name = key.split("/")
@@ -54,19 +44,10 @@ def result_table(results: Iterable[Result], key: str = "/") -> pa.Table:
 
 
 def broken_tolerances(paths: Iterable[str | Path]) -> list[str]:
-    """Name the tolerances that were exceeded.
+    """Name the tolerances that were exceeded, in a sentence each, and each file that can't be read.
 
-    Parameters
-    ----------
-    paths : iterable of path
-        Files of the table. They were checked when they were written, and are not checked again: this
-        is called at the end of each run.
-
-    Returns
-    -------
-    list of str
-        One sentence each, which names the object if it is about one; and one for each file that
-        can't be read.
+    The files were checked when they were written, and are not checked again: this is called at the end
+    of each run.
     """
     return [sentence for path in paths for sentence in _broken_of(path)]
 
