@@ -28,8 +28,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def run(folder):
-    found = find_run(folder)
-    return read_run(found.files, found.parameters, found.objects)
+    return read_run(*find_run(folder))
 
 
 @pytest.fixture

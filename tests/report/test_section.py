@@ -81,8 +81,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def run(folder):
-    found = find_run(folder)
-    return read_run(found.files, found.parameters, found.objects)
+    return read_run(*find_run(folder))
 
 
 def sources_of(run):
@@ -131,8 +130,7 @@ def test_the_named_rows_give_the_accuracy_of_the_page(folder, sources):
 
 
 def test_what_this_run_has_not_measured_is_not_named(tmp_path):
-    found = find_run(lay_out(tmp_path))
-    sources = sources_of(read_run(found.files, found.parameters, found.objects))
+    sources = sources_of(read_run(*find_run(lay_out(tmp_path))))
     named = {source.file for section in sources.values() for source in section}
     assert "cost" not in sources
     assert all(list(tmp_path.glob(file)) for file in named)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from visuohaptic.cli.printing import (
+    JsonOption,
     file_to_read,
     folder_to_write,
     one_of,
@@ -89,7 +90,6 @@ BudgetOption = Annotated[
         help="Viewpoints for the time that you have, instead of --viewpoints.",
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
 
 
 def touch(

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import folder_to_write, say, say_json
+from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
 
 
 def export(
@@ -20,7 +20,7 @@ def export(
         ),
     ],
     run: Annotated[Path, typer.Option(help="Folder of a finished run.", show_default=".")] = Path(),
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+    as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Write a finished run's touches as a data set for Hugging Face `datasets`.
 

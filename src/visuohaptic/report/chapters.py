@@ -12,7 +12,6 @@ from visuohaptic.gaze.stored import read_measured
 from visuohaptic.report import sections
 from visuohaptic.report.gaze import gaze_figures
 from visuohaptic.report.glossary import WORDS
-from visuohaptic.report.looking import ANSWERS, looking_figures
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import (
     Reads,
@@ -89,7 +88,7 @@ CHAPTERS = {
         Section(
             "touches_needed", "Accuracy against touches",
             lambda context: given(
-                pipelines=curve_figures(context.file_of("studies"), context.file_of("touches_needed"))
+                pipelines=curve_figures(context.run.file_of("studies"), context.run.file_of("touches_needed"))
             ),
             (
                 Reads("Area and touches needed", TOUCHES_NEEDED, "touches_needed"),
@@ -108,10 +107,7 @@ CHAPTERS = {
             ),
         ),
         Section(
-            "looking", "What the eye alone recognises, and what touch adds",
-            lambda context: given(
-                looking=looking_figures(context.file_of("looking_figures")), answers=ANSWERS
-            ),
+            "looking", "What the eye alone recognises, and what touch adds", sections.looking_values,
             (Reads("Looking, touching and both", LOOKING, "looking"),),
         ),
     ),
@@ -159,7 +155,7 @@ CHAPTERS = {
             "gaze", "Attention compared with human gaze",
             lambda context: {
                 "gaze": gaze_figures(
-                    read_measured(context.file_of("gaze")), context.file_of("gaze_pictures")
+                    read_measured(context.run.file_of("gaze")), context.run.file_of("gaze_pictures")
                 )
             },
             (
@@ -169,12 +165,12 @@ CHAPTERS = {
         ),
         Section(
             "ablations", "Ablations",
-            lambda context: given(study=read_study(context.file_of("studies"), "ablations")),
+            lambda context: given(study=read_study(context.run.file_of("studies"), "ablations")),
             (of_study("ablations"),),
         ),
         Section(
             "studies", "Own studies",
-            lambda context: given(studies=read_own_studies(context.file_of("studies"))),
+            lambda context: given(studies=read_own_studies(context.run.file_of("studies"))),
             of_own_studies,
         ),
     ),

@@ -10,20 +10,21 @@ import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import wraps
-from typing import TYPE_CHECKING, Any, Literal, ParamSpec, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import pyarrow as pa
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from visuohaptic.errors import ReportError
 from visuohaptic.gaze.summary import PredictorRow
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.cost import time_parts
+from visuohaptic.report.cost import time_parts, timed
+from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.estimates import estimate, figure_of
-from visuohaptic.report.palette import COLOURS, look
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
     counted,
@@ -38,12 +39,7 @@ from visuohaptic.studies.cost.front import reference_row
 from visuohaptic.studies.looking.settings import CHECKED, LOOK
 from visuohaptic.tables.studies import STATED_COVERAGES
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 Rows: TypeAlias = pa.Table | Sequence[Mapping[str, Any]]
-Parameters = ParamSpec("Parameters")
 
 LARGEST_SHARE = 1.25
 """Where errors beyond their tolerance end, as a share of it."""
@@ -70,20 +66,7 @@ class Series:
     ground: str | None = None
 
 
-def _styled(draw: Callable[Parameters, Figure]) -> Callable[Parameters, Figure]:
-    """Let a function draw in the page's style; Matplotlib is imported by its first call."""
-
-    @wraps(draw)
-    def drawn(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Figure:
-        from visuohaptic.report.drawing import style
-
-        with style():
-            return draw(*args, **kwargs)
-
-    return drawn
-
-
-@_styled
+@style()
 def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
     """Draw each classifier's accuracy by strategy, here and as published, with chance.
 
@@ -92,23 +75,20 @@ def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
     (table,) = (one for one in read_tables(metrics) if one.name == pipeline)
     here = {name: [row.accuracy.get(name) for row in table.rows] for name in table.strategies}
     published = {
-        f"{strategy_name(name)}, published": (name, [row.published.get(name) for row in table.rows])
+        name: [Estimate(row.published[name]) if row.published else None for row in table.rows]
         for name in table.strategies
         if any(name in row.published for row in table.rows)
     }
-    series = [
-        *_by_strategy(here),
-        *(
-            Series(label, strategy_place(name), _without_ends(values), COLOURS["paper"])
-            for label, (name, values) in published.items()
-        ),
+    series = _by_strategy(here) + [
+        Series(f"{strategy_name(name)}, published", strategy_place(name), values, COLOURS["paper"])
+        for name, values in published.items()
     ]
     names = [titled(row.name) for row in table.rows]
     chance = 1 / len(table.best.class_accuracy[table.leading])
     return _draw_intervals(names, "classifier", series, chance=chance)
 
 
-@_styled
+@style()
 def conditions(table: Rows, chance: float | None = None) -> Figure:
     """Draw the accuracy under each condition of a study, by strategy.
 
@@ -123,14 +103,14 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
     return _draw_intervals(list(words.values()), "condition", series, chance=chance)
 
 
-@_styled
+@style()
 def runs(names: Sequence[str], estimates: Mapping[str, Sequence[Estimate | None]]) -> Figure:
     """Draw figures of several runs side by side: `names` of the rows, and a run's estimates by its label."""
     series = [Series(label, place, row) for place, (label, row) in enumerate(estimates.items())]
     return _draw_intervals(names, "classifier", series)
 
 
-@_styled
+@style()
 def touches_needed(table: Rows) -> Figure:
     """Draw accuracy against touches by strategy.
 
@@ -138,7 +118,7 @@ def touches_needed(table: Rows) -> Figure:
     """
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
     strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
-    chart, axes = _new(215 + _legend_height(strategies))
+    chart, axes = new_chart(215 + _legend_height(strategies))
     for number, strategy in enumerate(strategies):
         own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
         aside = 0.06 * (number - (len(strategies) - 1) / 2)
@@ -155,7 +135,7 @@ def touches_needed(table: Rows) -> Figure:
     return chart
 
 
-@_styled
+@style()
 def coverage(table: pa.Table) -> Figure:
     """Draw the share of known objects whose class is in the set, against the stated coverage.
 
@@ -165,7 +145,7 @@ def coverage(table: pa.Table) -> Figure:
     most = select(table, views=max(table.column("views").to_pylist()), known=True)
     strategies = list(dict.fromkeys(most.column("strategy").to_pylist()))
     stated = np.array(STATED_COVERAGES) / 100
-    chart, axes = _new(190 + _legend_height([*strategies, "as stated"]))
+    chart, axes = new_chart(190 + _legend_height([*strategies, "as stated"]))
     for strategy in strategies:
         _draw_line(axes, strategy, stated, covered_shares(most, strategy))
     ends = [stated[0], 1]
@@ -176,7 +156,7 @@ def coverage(table: pa.Table) -> Figure:
     return chart
 
 
-@_styled
+@style()
 def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     """Draw accuracy after a look, and after each touch that follows, against the robot's time.
 
@@ -186,7 +166,7 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     looks = [row for row in curves if row["answer"] == LOOK]
     both = [row for row in curves if row["answer"] == CHECKED]
     strategies = list(dict.fromkeys(row["strategy"] for row in both))
-    chart, axes = _new(190 + _legend_height(strategies))
+    chart, axes = new_chart(190 + _legend_height(strategies))
     for strategy in strategies:
         line = [*looks, *(row for row in both if row["strategy"] == strategy)]
         points = sorted((row["seconds"], row["accuracy"]) for row in line)
@@ -199,7 +179,7 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     return chart
 
 
-@_styled
+@style()
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes.
 
@@ -209,11 +189,11 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     family of which one thing changes; `across` says what the seconds are. Raises `ReportError` if no
     setting was both run and timed.
     """
-    rows = timed(table)
+    rows = timed(_rows(table))
     if not rows:
         raise ReportError("No setting was both run and timed, so there is nothing to draw.")
     families = list(dict.fromkeys(row["family"] for row in rows))
-    chart, axes = _new(250 + _legend_height([*families, "front"]))
+    chart, axes = new_chart(250 + _legend_height([*families, "front"]))
     errors = log_ticks([row[name] for row in rows for name in ("error", "error_high")])
     axes.set_xscale("log")
     axes.set_yscale("symlog", linthresh=errors[0], linscale=0.3)
@@ -241,11 +221,11 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     return chart
 
 
-@_styled
+@style()
 def parts_of_time(table: Rows) -> Figure:
     """Draw where the time of a recognition by the run's own setting goes: rows of `tables.COST`."""
     parts = time_parts(reference_row([dict(row) for row in _rows(table)]))
-    chart, axes = _new(_AROUND + 20 * len(parts))
+    chart, axes = new_chart(_AROUND + 20 * len(parts))
     seconds = [part.seconds for part in parts]
     axes.barh([part.name for part in parts], seconds, height=0.6, color=look(0)[0])
     for row, part in enumerate(parts):
@@ -254,17 +234,12 @@ def parts_of_time(table: Rows) -> Figure:
         )
     axes.invert_yaxis()
     axes.set_xlim(0, 1.6 * max(seconds))
-    _name_axes(
-        axes,
-        "median time in one recognition",
-        "part",
-        across_as=duration,
-    )
+    _name_axes(axes, "median time in one recognition", "part", across_as=duration)
     axes.grid(visible=False)
     return chart
 
 
-@_styled
+@style()
 def stability(table: pa.Table) -> Figure:
     """Draw the worst error of each requirement as a share of its tolerance, by family.
 
@@ -272,7 +247,7 @@ def stability(table: pa.Table) -> Figure:
     right end.
     """
     families = stability_figures(table).families
-    chart, axes = _new(_AROUND + 26 * len(families))
+    chart, axes = new_chart(_AROUND + 26 * len(families))
     for row, checks in enumerate(families.values()):
         shares = [min(check.share, LARGEST_SHARE) for check in checks]
         held = all(check.held for check in checks)
@@ -292,7 +267,7 @@ def stability(table: pa.Table) -> Figure:
     return chart
 
 
-@_styled
+@style()
 def gaze(rows: Sequence[PredictorRow]) -> Figure:
     """Draw the correlation of predictions with where people looked.
 
@@ -309,20 +284,15 @@ def gaze(rows: Sequence[PredictorRow]) -> Figure:
     return chart
 
 
-@_styled
+@style()
 def bands(deviations: Sequence[float]) -> Figure:
     """Draw the deviations of the sub-bands of an imprint's contourlet transform."""
-    chart, axes = _new(105, width=150)
+    chart, axes = new_chart(105, width=150)
     axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
     axes.set_xticks([1, len(deviations)])
     _name_axes(axes, "sub-band", "deviation")
     axes.locator_params(axis="y", nbins=3)
     return chart
-
-
-def timed(table: Rows) -> list[Mapping[str, Any]]:
-    """Give the rows of `tables.COST` that have both seconds and an error rate."""
-    return [row for row in _rows(table) if row["failed"] is None and row["seconds"] is not None]
 
 
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
@@ -376,7 +346,7 @@ def _draw_intervals(
     places = list(dict.fromkeys(one.place for one in series))
     rows = max(len(names) * (_GAP + _ROW * len(places)), _LEAST_ROWS)
     legend = [*(one.label for one in series if one.label), "chance"]
-    chart, axes = _new(_AROUND + rows + _legend_height(legend))
+    chart, axes = new_chart(_AROUND + rows + _legend_height(legend))
     step = _ROW / (_GAP + _ROW * len(places))
     for one in series:
         _draw_series(axes, one, step * (places.index(one.place) - (len(places) - 1) / 2))
@@ -431,12 +401,6 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         )  # fmt: skip
 
 
-def _new(height: float, width: float = 360) -> tuple[Figure, Axes]:
-    from visuohaptic.report.drawing import new_chart
-
-    return new_chart(height, width)
-
-
 def _name_axes(
     axes: Axes,
     across: str,
@@ -486,10 +450,6 @@ def _place_in_study(row: Mapping[str, Any]) -> int:
 def _end(row: Mapping[str, Any], end: str) -> float:
     """Give the end of an interval; one object alone has none."""
     return float(row["accuracy"] if row[end] is None else row[end])
-
-
-def _without_ends(values: Sequence[float | None]) -> list[Estimate | None]:
-    return [None if value is None else Estimate(value) for value in values]
 
 
 def _lowest(estimate: Estimate) -> float:

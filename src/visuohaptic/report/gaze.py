@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from visuohaptic.gaze.stored import MeasuredGaze
@@ -18,53 +16,35 @@ from visuohaptic.tables.schema import read_table
 WORST_NAMED = 6
 
 
-@dataclass(frozen=True)
-class GazeFigures:
-    """What the page shows of gaze.
+def gaze_figures(measured: MeasuredGaze | None, pictures: Path | None = None) -> Row | None:
+    """Give what the page shows; None where nothing was measured.
 
-    `rows` are of objects held out in turn, `tests` of those for tests, `peer` of those that others
-    predicted, with gains over them; `shown` are the few of `rows` that the sentence is about. `worst`
-    are rows of `tables.GAZE` with the lowest correlations, lowest first, and `pictures` rows of
-    `tables.GAZE_PICTURES`, the worst object's first, each with its address as ``source``.
-    `largest_error` is that of alignment, in object radii; `origin` says where figures come from that are
-    not of this run.
+    ``rows`` are of objects held out in turn, ``tests`` of those for tests, ``peer`` of those that others
+    predicted, with gains over them; ``shown`` are the few of ``rows`` that the ``sentence`` is about.
+    ``worst`` are rows of `tables.GAZE` with the lowest correlations, lowest first, and ``pictures`` rows of
+    `tables.GAZE_PICTURES`, the worst object's first, each with its address as ``source``. ``largest_error``
+    is that of alignment, in object radii; ``origin`` says where figures come from that are not of this run.
     """
-
-    sentence: str
-    rows: Sequence[PredictorRow]
-    tests: Sequence[PredictorRow]
-    peer: Sequence[PredictorRow]
-    shown: Sequence[PredictorRow]
-    worst: Sequence[Row]
-    pictures: Sequence[Row]
-    largest_error: float
-    origin: Row | None
-
-
-def gaze_figures(
-    measured: MeasuredGaze | None, pictures: str | Path | None = None
-) -> GazeFigures | None:
-    """Give what the page shows; None where nothing was measured."""
     rows = [] if measured is None else summarise(measured.table, "training")
     if measured is None or not rows:
         return None
     held = [row for row in measured.table.to_pylist() if row["predictor"] == "human"]
     held.sort(key=lambda row: (row["correlation"], row["object"]))
-    shown = shown_predictors(rows)
-    return GazeFigures(
-        _sentence(*shown),
-        rows,
-        summarise(measured.table, "test"),
-        beside_peer(measured.table),
-        shown,
-        held[:WORST_NAMED],
-        _pictures(pictures),
-        max(row["alignment_error"] for row in held),
-        measured.origin,
-    )
+    shown = _shown(rows)
+    return {
+        "sentence": _sentence(*shown),
+        "rows": rows,
+        "tests": summarise(measured.table, "test"),
+        "peer": beside_peer(measured.table),
+        "shown": shown,
+        "worst": held[:WORST_NAMED],
+        "pictures": [] if pictures is None else _pictures(pictures),
+        "largest_error": max(row["alignment_error"] for row in held),
+        "origin": measured.origin,
+    }
 
 
-def shown_predictors(rows: Sequence[PredictorRow]) -> tuple[PredictorRow, ...]:
+def _shown(rows: list[PredictorRow]) -> tuple[PredictorRow, ...]:
     """Choose equal weights, the best floor, place alone, and the chosen terms."""
     by_name = {row.predictor.name: row for row in rows}
     floor = max(
@@ -93,8 +73,6 @@ def _written(interval: Interval) -> str:
     return with_interval(estimate(interval), decimal)
 
 
-def _pictures(path: str | Path | None) -> list[Row]:
-    if path is None or not Path(path).is_file():
-        return []
+def _pictures(path: Path) -> list[Row]:
     rows = sorted(read_table(GAZE_PICTURES, [path]).to_pylist(), key=lambda row: row["rank"])
     return [{**row, "source": data_uri(row["picture"], "image/png")} for row in rows]

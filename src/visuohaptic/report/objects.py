@@ -33,6 +33,7 @@ from visuohaptic.tables.phases import (
     TANGENT_NAMES,
     by_object,
     key_of,
+    keys_of,
 )
 from visuohaptic.tables.schema import images, matrix
 
@@ -139,7 +140,7 @@ def choose_objects(run: Run) -> list[str]:
     All that have pictures, up to `OBJECTS_AT_MOST`; of more than that those at which a tolerance was
     exceeded, and others evenly spread over all, so that classes keep their shares.
     """
-    pictured = sorted(map(key_of, run.pictures.select(["class", "object"]).to_pylist()))
+    pictured = sorted(keys_of(run.pictures).to_pylist())
     if len(pictured) <= OBJECTS_AT_MOST:
         return pictured
     broken = {check.key for check in run.stability.broken} if run.stability is not None else set()

@@ -26,7 +26,7 @@ from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, find_sources
 from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error
-from visuohaptic.report.tables import NONE, NUMBER, table
+from visuohaptic.report.tables import NONE, NUMBER, each, table
 from visuohaptic.report.touches_needed import touches_needed
 from visuohaptic.whole_files import write_whole
 
@@ -144,7 +144,8 @@ def make_environment() -> Environment:
         "grouped": lambda value: f"{value:,}" if isinstance(value, int) else value,
         "error_size": lambda error: "not finite" if error is None else f"{error:.2g}",
     }
-    environment.globals["charts"] = figures
+    macros = environment.get_template("macros.html.jinja").module
+    environment.globals |= {"charts": figures, "draw": macros, "each": each}
     return environment
 
 

@@ -12,9 +12,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import visuohaptic
+from visuohaptic import pipeline
 from visuohaptic.job_logs import read_seconds
 
-PHASES = ("downloads", "meshes", "fixations", "touches", "features", "recognition", "metrics")
+PHASES = ("downloads", *(phase.name for phase in pipeline.PHASES), "metrics")
 _PACKAGE = Path(visuohaptic.__file__).parent
 _DISTRIBUTIONS = (
     *("contourlets", "numpy", "scipy", "opencv-contrib-python-headless", "open3d-cpu", "open3d"),

@@ -17,6 +17,7 @@ from visuohaptic.report.estimates import (
     points_above_interval,
     share_above_interval,
 )
+from visuohaptic.report.wording import strategy_name, titled
 
 Column = Sequence[str]
 """Heading, key and format; without a format the value is written as it is."""
@@ -29,6 +30,11 @@ NUMBER = "number"
 
 NONE = "\N{EN DASH}"
 """Stands where there is no value."""
+
+
+def each(keys: Iterable[str], heading: str, key: str, form: str = "") -> list[Column]:
+    """Give a column for each strategy, with its name and its key in the places of ``{}``."""
+    return [(titled(heading.format(strategy_name(one))), key.format(one), form) for one in keys]
 
 
 @pass_environment
