@@ -115,7 +115,9 @@ def _take_over(folder: Path) -> None:
     if folder.exists() and not folder.is_dir():
         raise ExportError(f"{folder} is a file; name a folder.")
     present = list(_entries(folder))
-    if any(file.is_file() for file in present) and not _is_marked(folder / CARD):
+    card = folder / CARD
+    is_marked = card.is_file() and MARK in card.read_text(encoding="utf-8", errors="replace")
+    if any(file.is_file() for file in present) and not is_marked:
         raise ExportError(
             f"{folder} is not empty and holds no export; name a new or an empty folder."
         )
@@ -136,10 +138,6 @@ def _entries(folder: Path) -> Iterator[Path]:
                     "folder."
                 )
             yield entry
-
-
-def _is_marked(card: Path) -> bool:
-    return card.is_file() and MARK in card.read_text(encoding="utf-8", errors="replace")
 
 
 def _write_rows(files: Sequence[Path], contents: Contents, folder: Path) -> None:

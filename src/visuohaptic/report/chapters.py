@@ -12,18 +12,9 @@ from visuohaptic.gaze.stored import read_measured
 from visuohaptic.report import sections
 from visuohaptic.report.gaze import gaze_figures
 from visuohaptic.report.glossary import WORDS
+from visuohaptic.report.objects import ObjectPage
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import (
-    Reads,
-    Section,
-    by_fixation,
-    each_best,
-    each_pipeline,
-    first_best,
-    given,
-    shown_touch,
-    shown_view,
-)
+from visuohaptic.report.section import Reads, Rows, Section, given
 from visuohaptic.report.studies import read_own_studies, read_study
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.studies.registry import PACKAGED
@@ -43,6 +34,32 @@ from visuohaptic.tables.studies import (
 
 _SHARE = "share of rows with predicted = class, averaged over splits"
 _VOTES = "Whole objects: voted, or the majority of predicted where it is missing"
+
+
+def each_pipeline(run: Run, _: ObjectPage) -> list[Rows]:
+    """Select the rows of each pipeline."""
+    return [{"pipeline": table.name} for table in run.pipelines]
+
+
+def each_best(run: Run, _: ObjectPage) -> list[Rows]:
+    """Select the rows of each pipeline's best classifier."""
+    return [{"pipeline": table.name, "classifier": table.best.key} for table in run.pipelines]
+
+
+def first_best(run: Run, page: ObjectPage) -> list[Rows]:
+    """Select the rows of the first pipeline's best classifier."""
+    return each_best(run, page)[:1]
+
+
+def shown_view(_: Run, page: ObjectPage) -> list[Rows]:
+    """Select the view that explains the method."""
+    return [page.shown_rows]
+
+
+def shown_touch(run: Run, page: ObjectPage) -> list[Rows]:
+    """Select the first touch of that view."""
+    return [{**rows, "touch": 0} for rows in shown_view(run, page)]
+
 
 BEST = Reads(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", each_best)
 COSTS = (
@@ -140,7 +157,8 @@ CHAPTERS = {
             "objects", "The objects", sections.objects_values,
             (
                 Reads("Views and maps", VIEWS, "views"),
-                Reads("Fixations, and which were touched", FIXATIONS, "fixations", by_fixation),
+                Reads("Fixations, and which were touched", FIXATIONS, "fixations",
+                    lambda _, __: [{"strategy": "fixation"}]),
                 Reads("Imprints, sizes and contact states", TOUCHES, "touches"),
                 Reads("Classes predicted", PREDICTIONS, "predictions", first_best),
             ),

@@ -40,6 +40,7 @@ from visuohaptic.studies.looking.settings import CHECKED, LOOK
 from visuohaptic.tables.studies import STATED_COVERAGES
 
 Rows: TypeAlias = pa.Table | Sequence[Mapping[str, Any]]
+Write: TypeAlias = Callable[[float, float], str] | str
 
 LARGEST_SHARE = 1.25
 """Where errors beyond their tolerance end, as a share of it."""
@@ -172,9 +173,7 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
         points = sorted((row["seconds"], row["accuracy"]) for row in line)
         _draw_line(axes, strategy, *zip(*points, strict=True))
     axes.set_xscale("log")
-    _name_axes(
-        axes, "the robot's time, s", "correctly classified", across_as="{:g}".format, up_as=_whole
-    )
+    _name_axes(axes, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=_whole)
     _legend(chart, axes)
     return chart
 
@@ -234,7 +233,9 @@ def parts_of_time(table: Rows) -> Figure:
         )
     axes.invert_yaxis()
     axes.set_xlim(0, 1.6 * max(seconds))
-    _name_axes(axes, "median time in one recognition", "part", across_as=duration)
+    _name_axes(
+        axes, "median time in one recognition", "part", across_as=lambda tick, _: duration(tick)
+    )
     axes.grid(visible=False)
     return chart
 
@@ -351,7 +352,8 @@ def _draw_intervals(
     for one in series:
         _draw_series(axes, one, step * (places.index(one.place) - (len(places) - 1) / 2))
     # Small distances count where all lies above half.
-    start = _HALF if min(map(_lowest, shown)) >= _HALF else 0.0
+    lowest = min(one.mean if one.low is None else one.low for one in shown)
+    start = _HALF if lowest >= _HALF else 0.0
     if chance is not None and chance >= start:
         axes.axvline(chance, color=COLOURS["ink"], linestyle="--", linewidth=1, label="chance")
     if any(one.is_limit for one in shown):
@@ -405,17 +407,13 @@ def _name_axes(
     axes: Axes,
     across: str,
     up: str,
-    across_as: Callable[[float], str] | None = None,
-    up_as: Callable[[float], str] | None = None,
+    across_as: Write | None = None,
+    up_as: Write | None = None,
 ) -> None:
     axes.set(xlabel=across, ylabel=up)
     for axis, write in ((axes.xaxis, across_as), (axes.yaxis, up_as)):
         if write is not None:
-            axis.set_major_formatter(_formatter(write))
-
-
-def _formatter(write: Callable[[float], str]) -> Callable[[float, float], str]:
-    return lambda value, _: write(value)
+            axis.set_major_formatter(write)
 
 
 def _columns_of(labels: Sequence[str]) -> int:
@@ -435,7 +433,7 @@ def _legend(chart: Figure, axes: Axes) -> None:
         )  # fmt: skip
 
 
-def _whole(share: float) -> str:
+def _whole(share: float, _place: float = 0) -> str:
     return percent(share, 0)
 
 
@@ -450,10 +448,6 @@ def _place_in_study(row: Mapping[str, Any]) -> int:
 def _end(row: Mapping[str, Any], end: str) -> float:
     """Give the end of an interval; one object alone has none."""
     return float(row["accuracy"] if row[end] is None else row[end])
-
-
-def _lowest(estimate: Estimate) -> float:
-    return estimate.mean if estimate.low is None else estimate.low
 
 
 def _family_label(family: str, checks: Sequence[Any]) -> str:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from visuohaptic.gaze.stored import MeasuredGaze
 from visuohaptic.gaze.summary import PredictorRow, beside_peer, summarise
-from visuohaptic.recognition.intervals import Interval
 from visuohaptic.report.estimates import Row, estimate, with_interval
 from visuohaptic.report.pictures import data_uri
 from visuohaptic.report.wording import decimal
@@ -58,7 +57,8 @@ def _sentence(
     equal: PredictorRow, floor: PredictorRow, placed: PredictorRow, chosen: PredictorRow
 ) -> str:
     own, least, place, most = (
-        _written(row.measures["correlation"]) for row in (equal, floor, placed, chosen)
+        with_interval(estimate(row.measures["correlation"]), decimal)
+        for row in (equal, floor, placed, chosen)
     )
     return (
         f"On {equal.objects} objects the saliency map's correlation with the time that people looked at "
@@ -67,10 +67,6 @@ def _sentence(
         f"Place on the object alone, up and to the front, reaches {place}, which holds for objects that "
         "stand upright and face the front."
     )
-
-
-def _written(interval: Interval) -> str:
-    return with_interval(estimate(interval), decimal)
 
 
 def _pictures(path: Path) -> list[Row]:

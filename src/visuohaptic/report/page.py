@@ -135,7 +135,9 @@ def make_environment() -> Environment:
         NUMBER: lambda text: text,
         "whole_percent": lambda share: wording.percent(share, 0),
         "exact_percent": lambda share: wording.percent(share, 2),
-        "exact_probability": _exact_probability,
+        "exact_probability": lambda value: Markup('<data value="{}">{}</data>').format(
+            value, wording.probability(value)
+        ),
         "accuracy_or_error": accuracy_or_error,
         "touches_needed": touches_needed,
         "recomputed": RECOMPUTED.__getitem__,
@@ -147,10 +149,6 @@ def make_environment() -> Environment:
     macros = environment.get_template("macros.html.jinja").module
     environment.globals |= {"charts": figures, "draw": macros, "each": each}
     return environment
-
-
-def _exact_probability(value: float) -> Markup:
-    return Markup('<data value="{}">{}</data>').format(value, wording.probability(value))
 
 
 def _text(name: str) -> str:

@@ -22,41 +22,6 @@ Rows = Mapping[str, str | int]
 Selection = Callable[[Run, ObjectPage], Sequence[Rows]]
 
 
-def all_rows(_: Run, __: ObjectPage) -> list[Rows]:
-    """Select everything."""
-    return [{}]
-
-
-def each_pipeline(run: Run, _: ObjectPage) -> list[Rows]:
-    """Select the rows of each pipeline."""
-    return [{"pipeline": table.name} for table in run.pipelines]
-
-
-def each_best(run: Run, _: ObjectPage) -> list[Rows]:
-    """Select the rows of each pipeline's best classifier."""
-    return [{"pipeline": table.name, "classifier": table.best.key} for table in run.pipelines]
-
-
-def first_best(run: Run, page: ObjectPage) -> list[Rows]:
-    """Select the rows of the first pipeline's best classifier."""
-    return each_best(run, page)[:1]
-
-
-def by_fixation(_: Run, __: ObjectPage) -> list[Rows]:
-    """Select what was fixated."""
-    return [{"strategy": "fixation"}]
-
-
-def shown_view(_: Run, page: ObjectPage) -> list[Rows]:
-    """Select the view that explains the method."""
-    return [page.shown_rows]
-
-
-def shown_touch(run: Run, page: ObjectPage) -> list[Rows]:
-    """Select the first touch of that view."""
-    return [{**rows, "touch": 0} for rows in shown_view(run, page)]
-
-
 @dataclass(frozen=True)
 class Reads:
     """A table that a section shows: what of it, and its schema.
@@ -68,7 +33,7 @@ class Reads:
     what: str
     schema: Schema
     files: str
-    selection: Selection = all_rows
+    selection: Selection = lambda _, __: [{}]
 
 
 @dataclass(frozen=True)

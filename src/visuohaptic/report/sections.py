@@ -255,9 +255,10 @@ def confusion_values(context: ReportContext) -> Values | None:
     if not context.run.pipelines:
         return None
     run, table = context.run, context.run.pipelines[0]
+    predicted = select(run.predictions, pipeline=table.name)
     rows = sorted(table.rows, key=lambda row: row is not table.best)
     found = [
-        (row, strategy, confusion(_predicted(run, table.name, strategy, row.key)))
+        (row, strategy, confusion(select(predicted, strategy=strategy, classifier=row.key)))
         for row in rows
         for strategy in table.strategies
         if strategy in row.accuracy
@@ -269,10 +270,6 @@ def confusion_values(context: ReportContext) -> Values | None:
         "class_accuracy": _class_rows(table, run.classes),
         "strategies": [name for name in table.strategies if name in table.best.class_accuracy],
     }
-
-
-def _predicted(run: Run, pipeline: str, strategy: str, classifier: str) -> Any:
-    return select(run.predictions, pipeline=pipeline, strategy=strategy, classifier=classifier)
 
 
 def _class_rows(table: PipelineTable, classes: list[str]) -> list[dict[str, Any]]:
