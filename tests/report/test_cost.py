@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from report.pages import plain
 from report.synthetic import PARAMETERS
 from studies.cost.test_front import BLIND, RENDER, cost_rows
 
@@ -36,10 +37,6 @@ def test_the_parts_of_a_recognition_are_those_of_its_row():
     assert parts["rest of touching"].seconds == pytest.approx(0.015)
     assert parts["preparing the surface"].seconds == pytest.approx(0.01)
     assert time_parts({**row, "seconds": None}) == time_parts(None) == []
-
-
-def plain(text):
-    return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def test_the_steps_are_rows_the_quickest_first():

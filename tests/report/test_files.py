@@ -1,9 +1,10 @@
+from dataclasses import replace
+
 import pytest
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 
 from visuohaptic.errors import ReportError
 from visuohaptic.report.page import make_report
-from visuohaptic.report.run import RunFiles
 
 
 @pytest.mark.slow
@@ -12,7 +13,7 @@ def test_a_report_replaces_the_old_one_whole_or_not_at_all(tmp_path):
     output = tmp_path / "reports" / "report.html"
     make_report(files, output, PARAMETERS, OBJECTS)
     before = output.read_text()
-    broken = RunFiles(**{**vars(files), "metrics": tmp_path / "none.json"})
+    broken = replace(files, metrics=tmp_path / "none.json")
     with pytest.raises(ReportError, match="holds no metrics of this workflow"):
         make_report(broken, output, PARAMETERS, OBJECTS)
     assert output.read_text() == before

@@ -1,6 +1,7 @@
 """The section on looking says what was measured, and is left out where nothing was."""
 
 import pytest
+from report.pages import plain
 from studies.looking.test_figures import COST, INTERVALS, TOUCHES, poor_sight, table_of
 
 from visuohaptic.errors import ReportError
@@ -28,7 +29,7 @@ def test_the_sentence_says_what_each_sense_reaches_in_clean_and_in_the_poorest_s
     found = looking_figures(write_looking(tmp_path))
     assert [row["sight"] for row in found["rows"]] == list(SIGHTS)
     assert found["rows"][0][LOOK].mean == 0.5
-    sentence = found["sentence"].replace("\N{NO-BREAK SPACE}", " ")
+    sentence = plain(found["sentence"])
     assert "A look of 0.5 s classifies 50.0 % of the views correctly" in sentence
     assert "2 touches in 10.5 s 75.0 %" in sentence
     assert "poorest sight (dark) the eye alone reaches 25.0 %" in sentence

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from report.pages import read_page
+from report.pages import plain, read_page
 from report.synthetic import lay_out, write_study
 from report.test_certainty import evaluation_table, write_certainty
 from report.test_gaze import TABLE as GAZED
@@ -167,7 +167,7 @@ def test_the_page_says_what_the_tables_say_and_names_their_files(folder, run, so
     source = render_page(run)
     page = read_page(source)
     assert page.mismatches == []
-    text = page.text.replace("\N{NO-BREAK SPACE}", " ")
+    text = plain(page.text)
     assert [said for said in SAID if said not in text] == []
     folded = [one for one in page.named("details") if one.attributes.get("class") == "sources"]
     assert len(folded) == len(sources)

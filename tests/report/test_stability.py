@@ -11,7 +11,7 @@ from report.synthetic import PARAMETERS, write_run
 from visuohaptic.errors import ReportError
 from visuohaptic.report import sections
 from visuohaptic.report.page import render_page
-from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.report.run import read_run
 from visuohaptic.report.stability import (
     describe_checks,
     read_precision,
@@ -68,12 +68,6 @@ def stored(monkeypatch):
     return store
 
 
-def page_of(folder, **extras):
-    files = write_run(folder)
-    files = RunFiles(**{**vars(files), "extras": extras})
-    return read_page(render_page(read_run(files, PARAMETERS, [])))
-
-
 @pytest.mark.slow
 def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(tmp_path, stored):
     stored([broken(GRAZING, np.inf)])
@@ -81,8 +75,9 @@ def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(tm
     for key in ("cup/mug", "ball/marble"):
         result = broken(ON_OBJECT) if key == "cup/mug" else ON_OBJECT
         written(tmp_path / "objects", [result], key, name=f"{key.replace('/', '-')}.parquet")
-    page = page_of(tmp_path, stability=tmp_path / "objects")
-    found = " ".join(page.text.split())
+    files = replace(write_run(tmp_path), extras={"stability": tmp_path / "objects"})
+    page = read_page(render_page(read_run(files, PARAMETERS, [])))
+    found = page.text
     assert page.mismatches == []
     assert "8 hard cases of 1 kind: 1 tolerance exceeded (cup/mug: objects, touches" in found
     assert "1 tolerance exceeded (rays, grazing)" in found
