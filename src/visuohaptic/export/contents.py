@@ -100,9 +100,9 @@ def find_contents(files: Sequence[Path], credited: Mapping[str, Credit], seed: i
 
 
 def choose_tested(keys: Iterable[str], seed: int) -> list[str]:
-    """Draw the test objects of each class, `class/name`; a class's draw depends on nothing else.
+    """Draw the test objects of each class, `class/name`, by itself; a class with one object has none.
 
-    A class with one object has none. Raises `ExportError` if all have one.
+    Raises `ExportError` if all have one.
     """
     by_class: dict[str, list[str]] = {}
     for key in sorted(keys):

@@ -51,10 +51,7 @@ def coordinates(surface: Surface, points: Floats, faces: NDArray[np.int64]) -> F
 
 
 def guard_areas(drawn: Sequence[Floats]) -> Verdict:
-    """Test by chi-squared that places are uniform by area.
-
-    `drawn` has the `coordinates` of each object's places, those that were passed over among them.
-    """
+    """Test by chi-squared that each object's `coordinates`, those passed over among them, are uniform by area."""
     values = np.concatenate([np.empty((0, 3)), *drawn])
     if len(values) < LEAST:
         found = f"There are {len(values)} random places, and {LEAST} are needed."

@@ -31,10 +31,7 @@ _KEYS = [
 
 
 def guard_sums(metrics: Mapping[str, Any], predictions: pa.Table) -> Verdict:
-    """Sum `reports/metrics.json` again, from all rows of `tables.PREDICTIONS` of the run.
-
-    Of several wrong figures the verdict names the first.
-    """
+    """Sum `reports/metrics.json` again, from all predictions of the run; of several wrong figures name the first."""
     pairs = list(_pairs(metrics, predictions))
     wrong = [
         name

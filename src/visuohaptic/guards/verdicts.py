@@ -16,10 +16,7 @@ Outcome = Literal["held", "failed", "not tested"]
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one guard found, in one sentence, or why nothing was tested.
-
-    That is where the run is too small, or has no such thing.
-    """
+    """What one guard found, in one sentence, or why nothing was tested."""
 
     guard: str
     outcome: Outcome

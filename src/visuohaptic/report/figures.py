@@ -56,10 +56,7 @@ _MOST_TICKS = 5
 
 @dataclass(frozen=True)
 class Series:
-    """Estimates of one kind, one a row, or None.
-
-    `place` gives its colour and its mark; `ground` is what fills the mark, if not its colour.
-    """
+    """Estimates of one kind, one a row; `place` gives colour and mark, `ground` fills it, if not its colour."""
 
     label: str
     place: int
@@ -69,10 +66,7 @@ class Series:
 
 @style()
 def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
-    """Draw each classifier's accuracy by strategy, here and as published, with chance.
-
-    `metrics` is what ``reports/metrics.json`` holds.
-    """
+    """Draw each classifier's accuracy in ``reports/metrics.json`` by strategy, here and as published, with chance."""
     (table,) = (one for one in read_tables(metrics) if one.name == pipeline)
     here = {name: [row.accuracy.get(name) for row in table.rows] for name in table.strategies}
     published = {
@@ -113,10 +107,7 @@ def runs(names: Sequence[str], estimates: Mapping[str, Sequence[Estimate | None]
 
 @style()
 def touches_needed(table: Rows) -> Figure:
-    """Draw accuracy against touches by strategy.
-
-    The rows are those of study ``curves`` in `tables.STUDY_FIGURES`, of one pipeline and classifier.
-    """
+    """Draw accuracy against touches by strategy: rows of study ``curves``, of one pipeline and classifier."""
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
     strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
     chart, axes = new_chart(215 + _legend_height(strategies))
@@ -140,8 +131,7 @@ def touches_needed(table: Rows) -> Figure:
 def coverage(table: pa.Table) -> Figure:
     """Draw the share of known objects whose class is in the set, against the stated coverage.
 
-    Of rows of `tables.CERTAINTY`, those of the largest number of views are drawn. On the dashed line
-    the coverage is as stated.
+    Of rows of `tables.CERTAINTY`, those of the largest number of views are drawn.
     """
     most = select(table, views=max(table.column("views").to_pylist()), known=True)
     strategies = list(dict.fromkeys(most.column("strategy").to_pylist()))
@@ -182,9 +172,7 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes.
 
-    An error rate of 0 has its place below the axis's first tick, from where on it is linear.
-
-    Of rows of `tables.COST`, those that failed or were not timed are left out; lines join settings of a
+    An error rate of 0 has its place below the axis's first tick, from where on it is linear. Of rows of `tables.COST`, those that failed or were not timed are left out; lines join settings of a
     family of which one thing changes; `across` says what the seconds are. Raises `ReportError` if no
     setting was both run and timed.
     """
@@ -242,10 +230,9 @@ def parts_of_time(table: Rows) -> Figure:
 
 @style()
 def stability(table: pa.Table) -> Figure:
-    """Draw the worst error of each requirement as a share of its tolerance, by family.
+    """Draw the worst error of each requirement in `tables.STABILITY` as a share of its tolerance, by family.
 
-    A mark is a requirement, of rows of `tables.STABILITY`; those beyond their tolerance stand at the
-    right end.
+    Those beyond their tolerance stand at the right end.
     """
     families = stability_figures(table).families
     chart, axes = new_chart(_AROUND + 26 * len(families))
@@ -270,10 +257,7 @@ def stability(table: pa.Table) -> Figure:
 
 @style()
 def gaze(rows: Sequence[PredictorRow]) -> Figure:
-    """Draw the correlation of predictions with where people looked.
-
-    The rows are those of `gaze.summary.summarise`, which sums `tables.GAZE` up.
-    """
+    """Draw the correlation of predictions with where people looked: what `gaze.summary.summarise` gives."""
     found = [row.measures["correlation"] for row in rows]
     chart = _draw_intervals(
         [row.predictor.label for row in rows], "prediction", [Series("", 0, [*map(estimate, found)])],

@@ -49,9 +49,8 @@ def read_measured_run(source: str | Path) -> MeasuredRun:
     `source` is a metrics file, or a report; or the folder of a run or of its reports; or a DVC
     experiment or Git revision of the repository around the working folder. Of a metrics file with
     its own report beside it, the report gives parameters, seconds, code, packages and machine;
-    without one, a ``params.yaml`` beside the file or one folder above is taken as the run's.
-
-    Raises `ReportError` if there are no metrics, or they are not of this workflow.
+    without one, a ``params.yaml`` beside the file or one folder above is taken as the run's. Raises
+    `ReportError` if there are no metrics, or they are not of this workflow.
     """
     path = Path(source)
     if not path.exists() and not path.suffix:
@@ -75,10 +74,7 @@ def read_measured_run(source: str | Path) -> MeasuredRun:
 
 
 def list_experiments() -> list[str]:
-    """Name the experiments that DVC keeps of the repository around the working folder.
-
-    Raises `ReportError` if there is none.
-    """
+    """Name the experiments that DVC keeps of the repository around the working folder; `ReportError` if none."""
     require("workflow", "dvc")
     import dvc.api  # type: ignore[import-untyped]
     from dvc.exceptions import DvcException  # type: ignore[import-untyped]

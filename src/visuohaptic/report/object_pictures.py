@@ -39,10 +39,7 @@ def make_pictures(
     shown: Collection[str],
     faces: int,
 ) -> None:
-    """Make the pictures of objects, `class/name`, and write the table; models have at most so many faces.
-
-    The objects are those of `shown`, and all others at which a tolerance was exceeded.
-    """
+    """Write the pictures of objects that are `shown`, `class/name`, and of those that exceeded a tolerance."""
     wanted = {*shown, *_broken(read_table(STABILITY, stability))}
     felt = dict(by_object(read_table(TOUCHES, touches)))
     untouched = TOUCHES.arrow.empty_table()

@@ -29,10 +29,7 @@ def webp_address(data: bytes) -> str:
 
 
 def shrink_picture(png: bytes, factor: int = 1) -> bytes:
-    """Store a PNG again as lossy WebP.
-
-    `factor` pixels along each edge become one, by their mean; for maps that are smooth anyway.
-    """
+    """Store a PNG again as lossy WebP; `factor` pixels along each edge become one, by their mean."""
     with Image.open(io.BytesIO(png)) as picture:
         return _webp(picture.reduce(factor), quality=_QUALITY)
 
@@ -45,10 +42,7 @@ def picture_size(data: bytes) -> tuple[int, int]:
 
 
 def imprint_strip(imprints: NDArray[np.float32]) -> bytes:
-    """Store imprints (n, r, r) in [0, 1] side by side as a grey WebP picture.
-
-    1 becomes white; nothing is lost beyond 8 bits.
-    """
+    """Store imprints (n, r, r) in [0, 1] side by side as a grey WebP picture; nothing is lost beyond 8 bits."""
     grey = np.rint(255.0 * imprints).astype(np.uint8)
     count, rows, columns = grey.shape
     strip = np.ascontiguousarray(grey.transpose(1, 0, 2)).reshape(rows, count * columns)

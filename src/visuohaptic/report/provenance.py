@@ -26,10 +26,7 @@ _DISTRIBUTIONS = (
 
 @dataclass(frozen=True)
 class PhaseSeconds:
-    """Seconds that the finished jobs of a phase took, when each last ran, and logs of jobs that did not finish.
-
-    Jobs that ran side by side count each.
-    """
+    """Seconds that a phase's finished jobs took, when each last ran, summed up, and logs of those that did not finish."""
 
     phase: str
     jobs: int

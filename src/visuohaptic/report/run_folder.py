@@ -38,8 +38,7 @@ _KERNELS = "reports/precision.json"
 def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
     """Name the tables that not every run has, as `RunFiles.extras` has them, whether they are there or not.
 
-    `run` holds `results` and `reports`; in the `reports` of `checks` `make test-hard` leaves the
-    precision of kernels.
+    In the `reports` of `checks` `make test-hard` leaves the precision of kernels.
     """
     found = {name: Path(run, path) for name, path in _EXTRAS.items()}
     return found | {"precision": Path(checks, _KERNELS)}
@@ -48,8 +47,9 @@ def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
 def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[str, ...]]:
     """Find a run's tables in its folder, as the workflow lays it out.
 
-    Gives them, what ``params.yaml`` says, and the objects that were to take part, `class/name`. Raises `ReportError` if the parameters, the metrics or a table is missing, and `ParameterError`
-    if the parameters are not allowed. A table with no file is left to its reader, who names it.
+    Gives them, what ``params.yaml`` says, and the objects that were to take part, `class/name`. Raises
+    `ReportError` if the parameters, the metrics or a table is missing, and `ParameterError` if the
+    parameters are not allowed.
     """
     folder = Path(folder)
     results = folder / "results"

@@ -1,7 +1,4 @@
-"""The values of each section's template, from the tables of the run.
-
-A function gives None where the run has nothing for its section.
-"""
+"""The values of each section's template, from the tables of the run; None where it has nothing for the section."""
 
 from __future__ import annotations
 

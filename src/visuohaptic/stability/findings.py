@@ -82,10 +82,7 @@ def measure(
 
 
 def merge_results(results: Iterable[Result]) -> dict[str, Result]:
-    """Sum up cases and keep the worst error by tolerance, in the order in which they come.
-
-    Of equal errors the first one is kept.
-    """
+    """Sum up cases and keep the worst error by tolerance, in the order in which they come; the first of equal ones."""
     merged: dict[str, Result] = {}
     for result in results:
         kept = merged.get(result.name)

@@ -30,11 +30,7 @@ TOUCHED_AGAIN = 4
 
 @dataclass(frozen=True)
 class SensedObject:
-    """An object and what the run has of it.
-
-    `fixations` and `touches` are n rows of `tables.FIXATIONS` and of `tables.TOUCHES`, in one order:
-    the places touched.
-    """
+    """An object and what the run has of it: fixations and touches are n rows in one order, the places touched."""
 
     surface: Surface
     fixations: pa.Table
@@ -46,11 +42,7 @@ class SensedObject:
 
 
 def check_object(sensed: SensedObject, generator: np.random.Generator) -> dict[str, Result]:
-    """Make every check on an object, and give the worst case by tolerance.
-
-    A check that breaks off has an infinite error. The generator is for the rays and for the touches
-    that are repeated.
-    """
+    """Make every check on an object, and give the worst case by tolerance, as `measure` does."""
     return merge_results(
         result
         for check, names in _CHECKS

@@ -16,10 +16,7 @@ from visuohaptic.tables.stability import STABILITY
 
 
 def result_table(results: Iterable[Result], key: str = "/") -> pa.Table:
-    """Give results, one for each tolerance, as rows of `tables.STABILITY`.
-
-    `key` is `class/name` of the object that they are about.
-    """
+    """Give results, one for each tolerance, about an object, `class/name`, as rows of `tables.STABILITY`."""
     rows = list(results)
     category, name = key.split("/")
     tolerances = [result.tolerance for result in rows]
