@@ -36,7 +36,7 @@ UNSEEN = "test objects change nothing that is fitted"
 
 
 def sample_objects(features: pa.Table, generator: np.random.Generator) -> pa.Table:
-    """Take the rows, in their order, of some classes, of some objects of each with at least two, and of some views."""
+    """Take the rows, in order, of some classes, some objects of each with at least two, and some views."""
     names = np.array(features.column("class").to_pylist(), dtype=object)
     objects = np.array(features.column("object").to_pylist(), dtype=object)
     members = {name: sorted(set(objects[names == name])) for name in sorted(set(names))}

@@ -78,7 +78,7 @@ class ClassifierRow:
 
 @dataclass(frozen=True)
 class PipelineTable:
-    """One pipeline's classifiers in the order of the paper's table, its strategies, fixations first, and what was tested."""
+    """One pipeline's classifiers, as in the paper's table, its strategies, fixations first, and what was tested."""
 
     name: str
     strategies: tuple[str, ...]

@@ -172,9 +172,10 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes.
 
-    An error rate of 0 has its place below the axis's first tick, from where on it is linear. Of rows of `tables.COST`, those that failed or were not timed are left out; lines join settings of a
-    family of which one thing changes; `across` says what the seconds are. Raises `ReportError` if no
-    setting was both run and timed.
+    An error rate of 0 has its place below the axis's first tick, from where on it is linear. Of rows of
+    `tables.COST`, those that failed or were not timed are left out; lines join settings of a family of
+    which one thing changes; `across` says what the seconds are. Raises `ReportError` if no setting was
+    both run and timed.
     """
     rows = timed(_rows(table))
     if not rows:

@@ -26,7 +26,7 @@ _DISTRIBUTIONS = (
 
 @dataclass(frozen=True)
 class PhaseSeconds:
-    """Seconds that a phase's finished jobs took, when each last ran, summed up, and logs of those that did not finish."""
+    """Seconds of a phase's finished jobs, summed up, when each last ran, and logs of those that did not finish."""
 
     phase: str
     jobs: int
