@@ -11,10 +11,11 @@ import pytest
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 
+from visuohaptic.errors import ReportError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import PlugIn
 from visuohaptic.report.object_pictures import make_pictures
-from visuohaptic.report.page import PAPER_ADDRESS, make_environment, render_page
+from visuohaptic.report.page import PAPER_ADDRESS, make_environment, make_report, render_page
 from visuohaptic.report.run import read_run
 from visuohaptic.report.section import ReportContext
 from visuohaptic.report.sections import comparison_title, methods_values, parameters_values
@@ -317,3 +318,16 @@ def test_the_page_names_the_plug_ins_of_the_run(monkeypatch):
     assert "plugins" not in dict(values["groups"])
     page = make_environment().get_template("parameters.html.jinja").render(**values)
     assert "Plug-ins: <code>mine.py</code>, <code>packaged</code>." in page
+
+
+@pytest.mark.slow
+def test_a_report_replaces_the_old_one_whole_or_not_at_all(tmp_path):
+    files = write_run(tmp_path)
+    output = tmp_path / "reports" / "report.html"
+    make_report(files, output, PARAMETERS, OBJECTS)
+    before = output.read_text()
+    broken = replace(files, metrics=tmp_path / "none.json")
+    with pytest.raises(ReportError, match="holds no metrics of this workflow"):
+        make_report(broken, output, PARAMETERS, OBJECTS)
+    assert output.read_text() == before
+    assert [file.name for file in output.parent.iterdir()] == ["report.html"]

@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from visuohaptic.guards.p_values import guard_signs
 from visuohaptic.guards.sums import guard_sums
-from visuohaptic.guards.table import table_of
+from visuohaptic.guards.verdicts import table_of
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import PREDICTIONS

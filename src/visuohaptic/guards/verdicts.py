@@ -1,12 +1,19 @@
-"""What a guard found, and the bounds that its false alarms are limited by."""
+"""What a guard found, the table of it, and the bounds that its false alarms are limited by."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
+
+from visuohaptic.errors import GuardError
+from visuohaptic.tables.guards import GUARDS
+from visuohaptic.tables.schema import build_rows, read_table
 
 ALARM = 1e-5
 """Probability of a false alarm of one random test; a run makes at most six."""
@@ -26,6 +33,29 @@ class Verdict:
 def judge(guard: str, *, held: bool, found: str) -> Verdict:
     """Give the verdict of a guard that was tested."""
     return Verdict(guard, "held" if held else "failed", found)
+
+
+def table_of(verdicts: Sequence[Verdict]) -> pa.Table:
+    """Give verdicts as rows of `tables.GUARDS`."""
+    return build_rows(GUARDS, [asdict(verdict) for verdict in verdicts])
+
+
+def failed_guards(path: str | Path) -> list[str]:
+    """Name the guards that failed, in a sentence each."""
+    return [
+        f"{row['guard']}: failed. {row['found']}"
+        for row in read_table(GUARDS, [path]).to_pylist()
+        if row["outcome"] == "failed"
+    ]
+
+
+def require_guards(path: str | Path, report: str | Path) -> None:
+    """Raise `GuardError` if a guard of the run failed."""
+    failed = failed_guards(path)
+    if failed:
+        raise GuardError(
+            f"The run's figures can't be trusted, as {report} says, too: {' '.join(failed)}"
+        )
 
 
 def highest_mean(expected: float, draws: int) -> float:

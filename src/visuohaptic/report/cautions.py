@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from visuohaptic.guards.table import failed_guards
+from visuohaptic.guards.verdicts import failed_guards
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import describe_checks

@@ -21,12 +21,12 @@ COORDINATE_STEPS = 16384
 class PackedModel:
     """A thinned model and its touches as one block of bytes, compressed.
 
-    The bytes of `data` are, little-endian and in this order: `vertices` × 3 int16 coordinates in steps of
+    The bytes of `model` are, little-endian and in this order: `vertices` × 3 int16 coordinates in steps of
     1 / `COORDINATE_STEPS`, `touches` × 10 int16 (point, normal, column axis, size; same steps), `faces` × 3
     uint32 corners, `faces` × 3 uint8 sRGB.
     """
 
-    data: bytes
+    model: bytes
     vertices: int
     faces: int
     touches: int
@@ -35,7 +35,7 @@ class PackedModel:
     @property
     def text(self) -> str:
         """The compressed bytes in base64."""
-        return base64.b64encode(self.data).decode("ascii")
+        return base64.b64encode(self.model).decode("ascii")
 
 
 def thin(surface: Surface, faces: int) -> Surface:

@@ -73,7 +73,7 @@ class Run:
     touches: pa.Table
     features: pa.Table
     pictures: pa.Table
-    effects: pa.Table | None = None
+    effects: pa.Table
 
     @cached_property
     def pipelines(self) -> list[PipelineTable]:
@@ -152,7 +152,9 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
         touches=touches,
         features=read_table(FEATURES, files.features),
         pictures=read_table(PICTURES, files.pictures),
-        effects=read_table(EFFECTS, files.effects) if files.effects else None,
+        effects=read_table(EFFECTS, files.effects)
+        if files.effects
+        else EFFECTS.arrow.empty_table(),
     )
 
 

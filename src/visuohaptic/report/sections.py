@@ -194,8 +194,7 @@ def cost_values(context: ReportContext) -> Values | None:
 
 def effects_values(context: ReportContext) -> Values:
     """Give what was simulated and computed, and what was not needed."""
-    table, preset = context.run.effects, context.run.parameters.scene.preset
-    effects = [] if table is None else sum_effects(table)
+    effects, preset = sum_effects(context.run.effects), context.run.parameters.scene.preset
     seen = [row for row in effects if row["effect"] in VISUAL_EFFECTS]
     felt = [row for row in effects if row["effect"] not in VISUAL_EFFECTS]
     return {
