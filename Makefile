@@ -63,7 +63,7 @@ test-hard: $(DEVELOP)
 # A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some ten minutes; with SET=benchmark two hours.
 test-slurm: $(DEVELOP)
 	pip install --quiet --no-build-isolation --editable '.[slurm]'
-	timeout 14400 python tests/slurm/check.py --set $(SET) --accounting
+	timeout 14400 python tests/slurm/check.py --set $(SET)
 
 meshes: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- downloads_all

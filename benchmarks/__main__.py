@@ -18,13 +18,7 @@ NOT_BENCHMARKS = {"__init__", "__main__", "machine"}
 
 
 def main(names: list[str]) -> None:
-    """Run benchmarks and merge their figures into the results.
-
-    Parameters
-    ----------
-    names : list of str
-        Module names; all where empty.
-    """
+    """Run benchmarks, all where none is named, and merge their figures into the results."""
     names = names or benchmark_names()
     results = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
     for name in names:

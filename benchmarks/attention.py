@@ -32,17 +32,9 @@ OURS = "eight channels, with 5 fixations"
 
 
 def run(rounds: int = 15) -> dict[str, object]:
-    """Time the model and its peers, and measure what resolution is worth.
+    """Time the model and its peers, each so many rounds a view, and measure what resolution is worth.
 
-    Parameters
-    ----------
-    rounds : int
-        How often each contestant runs on each view.
-
-    Returns
-    -------
-    dict of str to object
-        ``speed``: processor milliseconds a 256 x 256 view, and ratios; ``resolution``: rows.
+    ``speed``: processor milliseconds a 256 x 256 view, and ratios; ``resolution``: rows.
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
@@ -152,17 +144,9 @@ def _resolution(surfaces: list[Surface]) -> list[dict[str, float]]:
 
 
 def plain_itti(colour: np.ndarray) -> np.ndarray:
-    """Give a saliency map by three channels in the plainest form, as a yardstick for time.
+    """Give a saliency map of a picture (h, w, 3) by three channels in the plainest form, as a yardstick for time.
 
-    Parameters
-    ----------
-    colour : numpy.ndarray
-        Shape (h, w, 3), float32.
-
-    Returns
-    -------
-    numpy.ndarray
-        A sixteenth of the rows and columns.
+    It has a sixteenth of the rows and columns.
     """
     red, green, blue = cv2.split(colour)
     intensity = (red + green + blue) / 3

@@ -143,14 +143,7 @@ def peak_memory() -> dict[str, float]:
 
 
 def run() -> dict[str, object]:
-    """Run every contest.
-
-    Returns
-    -------
-    dict
-        JSON-able: `deviations_us` and `batches_us` (microseconds an image), `large_ms`,
-        `published_ms` and `first_call_ms` (milliseconds), `peak_mib`.
-    """
+    """Run every contest: microseconds an image, milliseconds, and MiB at the peak."""
     return {
         "deviations_us": deviations_of_small_images(),
         "batches_us": small_batches(),

@@ -37,19 +37,11 @@ SENSOR = SensorParameters()
 
 
 def run(rounds: int = 7) -> dict[str, object]:
-    """Time views and imprints of the twelve objects that the repository carries.
+    """Time views and imprints of the twelve objects that the repository carries, each so many rounds.
 
-    Parameters
-    ----------
-    rounds : int
-        How often each contestant runs on each object.
-
-    Returns
-    -------
-    dict of str to object
-        ``view_ms``: rendering and attention, their sum, the bare cast of a view's rays, and the first
-        view of an object, for which its surface is prepared;
-        ``imprint_ms``: an imprint and the bare cast of its rays; and the ratio of each two.
+    ``view_ms``: rendering and attention, their sum, the bare cast of a view's rays, and the first
+    view of an object, for which its surface is prepared; ``imprint_ms``: an imprint and the bare
+    cast of its rays; and the ratio of each two.
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)

@@ -11,13 +11,7 @@ PACKAGES = ("numpy", "open3d-cpu", "opencv-contrib-python-headless", "scikit-lea
 
 
 def describe_machine() -> dict[str, object]:
-    """Name the processor, its cores, the system and the versions that matter.
-
-    Returns
-    -------
-    dict
-        JSON-able.
-    """
+    """Name the processor, its cores, the system and the versions that matter."""
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),

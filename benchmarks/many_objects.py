@@ -32,15 +32,7 @@ Steps = dict[str, dict[str, float]]
 
 
 def make_objects(folder: Path, count: int) -> None:
-    """Write deformed copies of the paper's objects as a user's own meshes.
-
-    Parameters
-    ----------
-    folder : path
-        The folder of the run; gets ``meshes/own/<class>/<object>.ply``. Meshes that are there stay.
-    count : int
-        How many.
-    """
+    """Write so many deformed copies of the paper's objects as a user's own meshes; those that are there stay."""
     from visuohaptic.geometry.surface import read_surface, write_surface
 
     sources = sorted((ROOT / "meshes/paper").rglob("*.ply.gz"))
@@ -55,20 +47,7 @@ def make_objects(folder: Path, count: int) -> None:
 
 
 def bend(vertices: np.ndarray, generator: np.random.Generator) -> np.ndarray:
-    """Stretch along the axes and add a smooth wave.
-
-    Parameters
-    ----------
-    vertices : ndarray, shape (n, 3)
-        In any unit.
-    generator : numpy.random.Generator
-        Chooses stretch, wave and direction.
-
-    Returns
-    -------
-    ndarray, shape (n, 3)
-        In the same unit.
-    """
+    """Stretch vertices (n, 3) along the axes and add a smooth wave."""
     size = np.ptp(vertices, axis=0).max()
     stretch = generator.uniform(1 - LARGEST_BEND, 1 + LARGEST_BEND, 3)
     wave = generator.normal(size=3) / size
@@ -77,19 +56,10 @@ def bend(vertices: np.ndarray, generator: np.random.Generator) -> np.ndarray:
 
 
 def measure(folder: Path, *options: str) -> dict[str, float]:
-    """Run Snakemake, and give what it took.
+    """Run Snakemake in a folder, and give what it took.
 
-    Parameters
-    ----------
-    folder : path
-        Where.
-    *options : str
-        Options of Snakemake.
-
-    Returns
-    -------
-    dict of float
-        ``seconds``; ``processor_s`` of Snakemake and of the processes that it started; and ``memory_mb``: the most that all processes had together, each shared page counted once.
+    ``seconds``; ``processor_s`` of Snakemake and of the processes that it started; and ``memory_mb``: the most that all
+    processes had together, each shared page counted once.
     """
     started = time.monotonic()
     with (folder / "snakemake.out").open("ab") as out:
@@ -147,17 +117,7 @@ def run() -> dict[str, object]:
 
 
 def prepare(folder: Path, count: int, viewpoints: int) -> Path:
-    """Make a folder with objects and parameters, and give its path.
-
-    Parameters
-    ----------
-    folder : path
-        Gets a folder by the count.
-    count : int
-        Number of objects.
-    viewpoints : int
-        Of each object.
-    """
+    """Make a folder with so many objects and parameters, and give its path."""
     here = folder / str(count)
     (here / "meshes").mkdir(parents=True, exist_ok=True)
     # No catalogued objects beside the made ones.

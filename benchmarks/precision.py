@@ -43,17 +43,9 @@ Setting = tuple[str, float, float, float, Callable[[], object]]
 
 
 def run(rounds: int = 3) -> dict[str, list[dict[str, Any]]]:
-    """Measure every kernel.
+    """Measure every kernel, each setting so many rounds, of which the median counts.
 
-    Parameters
-    ----------
-    rounds : int
-        How often each setting runs; the median counts.
-
-    Returns
-    -------
-    dict of str to object
-        `work_precision`: rows of kernel, settings, errors, their unit, seconds and per what.
+    `work_precision`: rows of kernel, settings, errors, their unit, seconds and per what.
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)

@@ -38,14 +38,11 @@ SVM = "support_vector_machine"
 def run() -> dict[str, object]:
     """Measure maps, transforms and whole pipelines.
 
-    Returns
-    -------
-    dict
-        ``map`` and ``wavelet``: ``milliseconds`` by peer and ``ratio_to_ours``; ``map`` also
-        ``quantisation_error``. ``splits``: processor milliseconds of 81 splits of one strategy of a
-        set of the paper's shape, by pipeline, and by plain scikit-learn: the descriptors and the
-        support vector machine of pipeline `best`, its penalty chosen by a grid search, without a
-        temperature, an answer for several views, or a fit kept for another split.
+    ``map`` and ``wavelet``: ``milliseconds`` by peer and ``ratio_to_ours``; ``map`` also
+    ``quantisation_error``. ``splits``: processor milliseconds of 81 splits of one strategy of a
+    set of the paper's shape, by pipeline, and by plain scikit-learn: the descriptors and the
+    support vector machine of pipeline `best`, its penalty chosen by a grid search, without a
+    temperature, an answer for several views, or a fit kept for another split.
     """
     touches = np.random.default_rng(0).normal(size=(640, 22))
     maps = _maps(touches)

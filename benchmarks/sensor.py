@@ -30,13 +30,7 @@ ABSOLUTE = SensorParameters(normalisation="absolute")
 
 
 def run() -> dict[str, object]:
-    """Measure the sensor.
-
-    Returns
-    -------
-    dict
-        ``milliseconds`` an imprint by peer and object, ``ratio_to_…`` each peer, ``states`` of the touches, and ``exactness``: worst errors over the sensor's size.
-    """
+    """Measure ``milliseconds`` an imprint by peer and object, and ``exactness``: worst errors over the sensor's size."""
     objects = {
         "convex": _ellipsoid(),
         "bumpy": _bumpy_ball(),

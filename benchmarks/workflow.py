@@ -25,12 +25,9 @@ LEFT_BEHIND = shutil.ignore_patterns(
 def run() -> dict[str, object]:
     """Time one run after another in a copy of the repository.
 
-    Returns
-    -------
-    dict
-        Of each run the seconds of the clock, and with ``_cpu`` of all processors together; of cold ones
-        the quickest of three; the same again with the paper's pipeline alone. Also the load before, and
-        whether Python could keep bytecode, as users have it.
+    Gives of each run the seconds of the clock, and with ``_cpu`` of all processors together; of cold
+    ones the quickest of three; the same again with the paper's pipeline alone. Also the load before,
+    and whether Python could keep bytecode, as users have it.
     """
     with tempfile.TemporaryDirectory() as folder:
         both = _copy(Path(folder) / "both")

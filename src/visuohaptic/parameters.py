@@ -42,7 +42,7 @@ class WorkflowParameters(BaseModel):
 
     views_per_job: int = Field(16, ge=1, le=1024, description="Viewpoints that one job covers")
     objects_per_job: int = Field(
-        4, ge=1, le=1024, description="Objects of one class that one job takes through a phase"
+        8, ge=1, le=1024, description="Objects of one class that one job takes through a phase"
     )
     conditions_per_job: int | None = Field(
         None,

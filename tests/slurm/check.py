@@ -2,7 +2,6 @@
 
 A cluster of one node is set up on the loopback, and taken down. The set `paper` runs locally, by profiles/slurm, and as
 one cluster job by profiles/slurm/one.sh. In the second run the controller and the node's daemon are killed half way.
-With `--accounting` a second cluster, which lets known accounts alone submit, does the same.
 """
 
 from __future__ import annotations
@@ -23,7 +22,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NoReturn
 
-import accounting
 from one_node import Cluster, ClusterError, install
 
 ROOT = Path(__file__).parents[2]
@@ -59,25 +57,18 @@ def main() -> None:
     try:
         _write_profile(folder / "profile", arguments.cores)
         local, expected = _time("local", folder, ["--cores", str(arguments.cores), *config])
-        for accounts in (False, True) if arguments.accounting and _can_account() else (False,):
-            suffix = "-accounting" if accounts else ""
-            with Cluster(folder / f"cluster{suffix}", arguments.cores, accounts) as cluster:
-                options = [*profile, *config]
-                name = f"blocks{suffix}"
-                seconds, found[name] = _time(name, folder, options, cluster)
-                print(f"{seconds / local:.2f} times the local run", flush=True)
-                name = f"broken{suffix}"
-                is_over = threading.Event()
-                place = (cluster, folder / name, is_over)
-                threading.Thread(target=_break, args=place, daemon=True).start()
-                _, found[name] = _time(name, folder, options, cluster)
-                if not is_over.is_set():
-                    raise SystemExit(f"{name} ended before both daemons were killed")
-                name = f"one{suffix}"
-                seconds, found[name] = _time_one(name, folder, config, cluster)
-                print(f"{seconds / local:.2f} times the local run", flush=True)
-                if accounts:
-                    _show_accounts(cluster)
+        with Cluster(folder / "cluster", arguments.cores) as cluster:
+            options = [*profile, *config]
+            seconds, found["blocks"] = _time("blocks", folder, options, cluster)
+            print(f"{seconds / local:.2f} times the local run", flush=True)
+            is_over = threading.Event()
+            place = (cluster, folder / "broken", is_over)
+            threading.Thread(target=_break, args=place, daemon=True).start()
+            _, found["broken"] = _time("broken", folder, options, cluster)
+            if not is_over.is_set():
+                raise SystemExit("the run ended before both daemons were killed")
+            seconds, found["one"] = _time_one("one", folder, config, cluster)
+            print(f"{seconds / local:.2f} times the local run", flush=True)
     except ClusterError as error:
         raise SystemExit(str(error)) from None
     differing = {name for name, digests in found.items() if digests != expected}
@@ -98,31 +89,8 @@ def _parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--set", default="paper", choices=OBJECTS_PER_JOB)
     parser.add_argument("--cores", type=int, default=len(os.sched_getaffinity(0)))
-    parser.add_argument(
-        "--accounting", action="store_true", help="also with slurmdbd and a database"
-    )
     parser.add_argument("--keep", action="store_true", help="keep all results")
     return parser.parse_args()
-
-
-def _can_account() -> bool:
-    try:
-        install(accounting.PROGRAMS, accounting.PACKAGES)
-    except ClusterError as error:
-        print(f"without accounting alone: {error}", flush=True)
-        return False
-    return True
-
-
-def _show_accounts(cluster: Cluster) -> None:
-    """Print what the accounts used, and want every job in the one account."""
-    fields = ("JobName", "Account", "State", "Elapsed")
-    jobs = cluster.run(
-        "sacct", "--allocations", "--noheader", "--parsable2", f"--format={','.join(fields)}"
-    ).splitlines()
-    print("accounting:", *jobs, sep="\n  ", flush=True)
-    if not jobs or any(job.split("|")[1] != accounting.ACCOUNT for job in jobs):
-        raise SystemExit(f"jobs without the account {accounting.ACCOUNT}")
 
 
 def _write_profile(folder: Path, cores: int) -> None:
@@ -138,17 +106,8 @@ def _time(
 ) -> tuple[float, dict[str, str]]:
     """Run the workflow in a folder of its own, and give seconds and digests."""
     here = _prepare(folder / name)
-    command = [
-        sys.executable,
-        "-m",
-        "snakemake",
-        "-s",
-        str(ROOT / "Snakefile"),
-        "-d",
-        str(here),
-        *options,
-    ]
-    seconds = _run(name, command, here, cluster.environment if cluster else os.environ)
+    command = [sys.executable, "-m", "snakemake", "-s", str(ROOT / "Snakefile"), "-d", str(here)]
+    seconds = _run(name, [*command, *options], here, cluster.environment if cluster else os.environ)
     return seconds, _digests(here)
 
 
@@ -158,7 +117,7 @@ def _time_one(
     here = _prepare(folder / name)
     script = str(ROOT / "profiles/slurm/one.sh")
     cores = f"--cpus-per-task={cluster.cores}"
-    run = [
+    command = [
         "sbatch",
         "--wait",
         cores,
@@ -166,9 +125,8 @@ def _time_one(
         script,
         "-s",
         str(ROOT / "Snakefile"),
-        *config,
     ]
-    return _run(name, run, here, cluster.environment), _digests(here)
+    return _run(name, [*command, *config], here, cluster.environment), _digests(here)
 
 
 def _prepare(folder: Path) -> Path:

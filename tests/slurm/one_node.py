@@ -14,10 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
 
-import accounting
-
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "srun")
-_PACKAGES = ("munge", "slurm-client", "slurmctld", "slurmd")
+PACKAGES = ("munge", "slurm-client", "slurmctld", "slurmd")
 _SECONDS_TO_START = 30.0
 _SECONDS_TO_END = 20.0
 
@@ -40,6 +38,8 @@ SlurmdLogFile={folder}/slurmd.log
 ProctrackType=proctrack/pgid
 TaskPlugin=task/none
 SwitchType=switch/none
+AccountingStorageType=accounting_storage/none
+JobAcctGatherType=jobacct_gather/none
 MpiDefault=none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core_Memory
@@ -55,22 +55,16 @@ class ClusterError(Exception):
     """The cluster can't be set up."""
 
 
-def install(programs: tuple[str, ...] = PROGRAMS, packages: tuple[str, ...] = _PACKAGES) -> None:
-    """Install Debian packages where their programs are missing and this user may.
-
-    Raises
-    ------
-    ClusterError
-        If they are missing and can't be installed.
-    """
-    missing = [program for program in programs if _find(program) is None]
+def install() -> None:
+    """Install Debian packages where their programs are missing; raises `ClusterError` where this user may not."""
+    missing = [program for program in PROGRAMS if _find(program) is None]
     if not missing:
         return
-    wanted = f"{' '.join(missing)} missing: apt-get install {' '.join(packages)}"
+    wanted = f"{' '.join(missing)} missing: apt-get install {' '.join(PACKAGES)}"
     if os.geteuid() != 0 or shutil.which("apt-get") is None:
         raise ClusterError(wanted)
     quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-    command = ["apt-get", "install", "--yes", "--no-install-recommends", *packages]
+    command = ["apt-get", "install", "--yes", "--no-install-recommends", *PACKAGES]
     try:
         for line in (["apt-get", "update"], command):
             subprocess.run(line, check=True, env=quiet, stdout=subprocess.DEVNULL)
@@ -80,21 +74,10 @@ def install(programs: tuple[str, ...] = PROGRAMS, packages: tuple[str, ...] = _P
 
 @dataclass
 class Cluster:
-    """A cluster that runs.
-
-    Attributes
-    ----------
-    folder : path
-        Configuration, keys, state and logs.
-    cores : int
-        Cores of its node.
-    keeps_accounts : bool
-        Whether slurmdbd and a database keep what each account used.
-    """
+    """A cluster of one node that runs; its folder holds configuration, keys, state and logs."""
 
     folder: Path
     cores: int
-    keeps_accounts: bool = False
     _daemons: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
 
     @property
@@ -105,8 +88,7 @@ class Cluster:
             for name, value in os.environ.items()
             if not name.startswith(("SLURM", "SBATCH"))
         }
-        account = {"SBATCH_ACCOUNT": accounting.ACCOUNT} if self.keeps_accounts else {}
-        return {**others, **account, "SLURM_CONF": str(self.folder / "slurm.conf")}
+        return {**others, "SLURM_CONF": str(self.folder / "slurm.conf")}
 
     def __enter__(self) -> Self:
         """Start all daemons."""
@@ -118,7 +100,7 @@ class Cluster:
         key.write_bytes(secrets.token_bytes(1024))
         key.chmod(0o400)
         host = socket.gethostname().partition(".")[0]
-        port, node_port, *further_ports = _free_ports(4)
+        port, node_port = _free_ports(2)
         text = _CONFIGURATION.format(
             host=host,
             folder=self.folder,
@@ -128,15 +110,9 @@ class Cluster:
             memory=_megabytes(),
             user=_user(),
         )
-        if self.keeps_accounts:
-            text += accounting.CLUSTER_LINES.format(port=further_ports[0], folder=self.folder)
-        else:
-            text += accounting.NO_ACCOUNTING
         (self.folder / "slurm.conf").write_text(text, encoding="utf-8")
         try:
             self._start_munge()
-            if self.keeps_accounts:
-                self._start_accounting(host, *further_ports)
             self.start("slurmctld")
             self.start("slurmd")
             self._wait_for("idle")
@@ -181,21 +157,6 @@ class Cluster:
         self._launch("munged", "--foreground", "--force", *options)
         _wait((self.folder / "munge.socket").exists, "munged")
 
-    def _start_accounting(self, host: str, port: int, database_port: int) -> None:
-        """Start the database and slurmdbd, and enter this cluster with one account and this user."""
-        options = accounting.write_configuration(self.folder, host, _user(), port, database_port)
-        self.run(*accounting.installation(self.folder, _user()))
-        self._launch("mariadbd", *options["mariadbd"])
-        _wait(lambda: _answers(database_port), "mariadbd")
-        self._launch("slurmdbd", *options["slurmdbd"])
-        _wait(lambda: _answers(port), "slurmdbd")
-        for entry in (
-            ("cluster", "loopback"),
-            ("account", accounting.ACCOUNT, "cluster=loopback"),
-            ("user", _user(), f"account={accounting.ACCOUNT}", "cluster=loopback"),
-        ):
-            self.run("sacctmgr", "--immediate", "add", *entry)
-
     def _launch(self, daemon: str, *options: str) -> None:
         with (self.folder / f"{daemon}.out").open("ab") as out:
             self._daemons[daemon] = subprocess.Popen(
@@ -232,11 +193,6 @@ def _free_ports(count: int) -> list[int]:
         for one in sockets:
             one.bind(("127.0.0.1", 0))
         return [one.getsockname()[1] for one in sockets]
-
-
-def _answers(port: int) -> bool:
-    with socket.socket() as one:
-        return one.connect_ex(("127.0.0.1", port)) == 0
 
 
 def _wait(is_so: Callable[[], bool], what: str) -> None:

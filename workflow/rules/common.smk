@@ -374,8 +374,10 @@ def check_recognition():
 
 
 FRONTIER_FOLDERS = (
-    *("study_features", "records/features_of_study"),
-    *("study_blocks", "records/block_of_study"),
+    "study_features",
+    "study_blocks",
+    "records/features_of_study",
+    "records/block_of_study",
 )
 
 

@@ -12,7 +12,7 @@ from visuohaptic.studies.conditions import (
 from visuohaptic.studies.registry import find_studies
 from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import OF_CONDITIONS
-from visuohaptic_workflow.studies_asked import names_rule, studies_asked_for
+from visuohaptic_workflow.studies_asked import names_rules_of, studies_asked_for
 
 STUDIES = or_stop(find_studies, PARAMETERS, STUDY_FOLDERS)
 PLANS = {
@@ -265,10 +265,7 @@ SHOWN_FILES = {
 
 def is_shown(file, study):
     """Whether the report shows a file of a study: one that exists, or that this run makes."""
-    rules_of_it = (f"study_{study}", f"{study}_all")
-    is_made = file in ARGUMENTS or any(
-        names_rule(ARGUMENTS, name) for name in rules_of_it
-    )
+    is_made = file in ARGUMENTS or names_rules_of(ARGUMENTS, study)
     return is_made or Path(file).exists()
 
 

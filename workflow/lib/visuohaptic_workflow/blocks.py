@@ -8,23 +8,11 @@ from itertools import groupby
 
 
 def divide(objects: Iterable[str], per_job: int) -> dict[str, list[str]]:
-    """Divide objects into blocks, so that one more or one less changes one block alone.
+    """Divide objects, ``class/name``, into blocks of at most `per_job`, sorted, each by the name of its first object.
 
     A block holds objects of one class. A class that has too many is halved by a bit of each name's SHA-256, and so
-    on: an object stays in its place whatever others there are. A block that grows too large becomes
-    two, and two that fit into one become one.
-
-    Parameters
-    ----------
-    objects : iterable of str
-        All of them, ``class/name``.
-    per_job : int
-        The most objects of a block, at least 1.
-
-    Returns
-    -------
-    dict of list of str
-        Each block's objects, sorted, by the first of them.
+    on: an object stays in its place whatever others there are, and one more or one less changes one block alone.
+    A block that grows too large becomes two, and two that fit into one become one.
     """
     classes = groupby(sorted(objects), key=lambda key: key.partition("/")[0])
     parts = (part for _, members in classes for part in _halve(list(members), per_job, 0))

@@ -14,37 +14,13 @@ REPORT = "reports/report.html"
 
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
-    """Give all that a run says at its end.
-
-    Parameters
-    ----------
-    report_is_current : bool
-        Whether the run has written the report, or found it up to date; else its figures are another run's.
-
-    Returns
-    -------
-    list of str
-        Lines.
-    """
+    """Give all that a run says at its end; figures only of a current report, as others are another run's."""
     results = describe_results() if report_is_current else []
     return [*objects_left_out(), *tolerances_exceeded(), *results]
 
 
 def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT) -> list[str]:
-    """Give each pipeline's best classifier with its accuracy by strategy, and the report's path.
-
-    Parameters
-    ----------
-    metrics : path
-        The metrics file of a run.
-    report : path
-        Its page.
-
-    Returns
-    -------
-    list of str
-        Lines; none about a file that is not there.
-    """
+    """Give each pipeline's best classifier with its accuracy by strategy, and the report's path, as far as they are there."""
     lines = []
     if Path(metrics).is_file():
         try:
@@ -57,18 +33,7 @@ def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT)
 
 
 def objects_left_out(meshes: str | Path = "results/meshes") -> list[str]:
-    """Name the objects that can't be used, each with the reason.
-
-    Parameters
-    ----------
-    meshes : path
-        Folder of the prepared meshes, ``<class>/<block>/<object>.ply``.
-
-    Returns
-    -------
-    list of str
-        Sentences, sorted.
-    """
+    """Name the objects among the prepared meshes that can't be used, sorted, each with the reason."""
     return [
         f"{object_of(mesh)} was left out: {reason}"
         for mesh in sorted(Path(meshes).glob("*/*/*.ply"), key=object_of)
@@ -77,18 +42,7 @@ def objects_left_out(meshes: str | Path = "results/meshes") -> list[str]:
 
 
 def tolerances_exceeded(results: str | Path = "results") -> list[str]:
-    """Name the tolerances that objects exceeded, in a warning each.
-
-    Parameters
-    ----------
-    results : path
-        Holds the folder ``stability``.
-
-    Returns
-    -------
-    list of str
-        Sentences; each names its object.
-    """
+    """Name the tolerances that objects exceeded, in a warning each."""
     from visuohaptic.stability.rows import broken_tolerances
 
     sentences = broken_tolerances(sorted(Path(results, "stability").rglob("*.parquet")))

@@ -41,16 +41,9 @@ _NAMED = re.compile(r"\bFunction\(\s*\"([\w.]+):")
 
 @dataclass(frozen=True)
 class Start:
-    """Where a job's code begins.
+    """Where a job's code begins: a script, and `modules` that it runs by their names.
 
-    Attributes
-    ----------
-    script : path
-        A Python file.
-    modules : tuple of str
-        Modules that the script runs by their names.
-    chosen : tuple of (str, frozenset of str)
-        Modules with a registry, each with those that the chosen entries name: the others count for nothing.
+    `chosen` holds modules with a registry, each with those that the chosen entries name: the others count for nothing.
     """
 
     script: Path
@@ -68,20 +61,10 @@ class Code:
 
 @cache
 def code_of(start: Start, sources: tuple[Path, ...]) -> Code:
-    """Find what a job runs.
+    """Find what a job runs, of packages in the folders `sources` (`sys.path` has them, too) and of others by version.
 
-    Parameters
-    ----------
-    start : Start
-        Its script, and what this runs by name.
-    sources : tuple of path
-        Folders that hold this project's packages; `sys.path` has them, too.
-
-    Returns
-    -------
-    Code
-        Imports anywhere count, those inside functions too, and functions by their names; what only a type checker sees
-        does not. Data beside a module that imports `importlib.resources` counts, too.
+    Imports anywhere count, those inside functions too, and functions by their names; what only a type checker sees
+    does not. Data beside a module that imports `importlib.resources` counts, too.
     """
     packages = {
         package.name: package
@@ -113,21 +96,9 @@ def code_of(start: Start, sources: tuple[Path, ...]) -> Code:
 
 
 def with_plug_ins(code: Code, plug_ins: Iterable[PlugIn], sources: tuple[Path, ...]) -> Code:
-    """Add to what a script runs the plug-ins that registered with one of its modules.
+    """Add to what a script runs those of the loaded plug-ins that registered with one of its modules.
 
-    Parameters
-    ----------
-    code : Code
-        What the script runs without them.
-    plug_ins : iterable of PlugIn
-        All that are loaded. A file counts with what it imports, an installed one by its version.
-    sources : tuple of path
-        As `code_of` takes them.
-
-    Returns
-    -------
-    Code
-        Files of plug-ins are relative to the working folder.
+    A file, relative to the working folder, counts with what it imports, an installed plug-in by its version.
     """
     files, versions = set(code.files), dict(code.versions)
     for plug_in in plug_ins:

@@ -43,23 +43,8 @@ def write_crate(
 ) -> None:
     """Write a ZIP file that follows the RO-Crate profile Workflow Run Crate 0.5.
 
-    Parameters
-    ----------
-    archive : path
-        The ZIP file.
-    root : path
-        The clone that holds the workflow.
-    results : iterable of str
-        Files and folders that the run made, relative to the working folder.
-    parameters : mapping of str
-        The sections of the run's parameters.
-    commit : str
-        What `find_commit` gave.
-
-    Raises
-    ------
-    MissingPackageError
-        If `rocrate` is not installed.
+    It holds the workflow of the clone `root`, and `results`, files and folders relative to the working folder. Raises
+    `MissingPackageError` if `rocrate` is not installed.
     """
     require("crate", "rocrate")
     from rocrate.rocrate import ROCrate

@@ -28,13 +28,7 @@ def stamp(path: str | Path) -> tuple[int, ...]:
 
 
 class Digests:
-    """SHA-256 of files, by what is known from earlier processes.
-
-    Parameters
-    ----------
-    memory : path, optional
-        A file that keeps digests between processes; one that is damaged is left alone.
-    """
+    """SHA-256 of files; the file `memory` keeps them between processes, unless it is damaged."""
 
     def __init__(self, memory: str | Path | None = None) -> None:
         self._memory = memory

@@ -20,14 +20,9 @@ from visuohaptic_workflow.records import check_inputs, check_unchanged, write_re
 
 
 def set_job_environment(*folders: str | Path) -> None:
-    """Set the environment of the processes that this one starts.
+    """Let the processes that this one starts look for modules in these folders first, then in the caller's PYTHONPATH.
 
     They import the package of this checkout, even if another is installed.
-
-    Parameters
-    ----------
-    *folders : path
-        Where they look for modules first, before what the caller's PYTHONPATH names.
     """
     inherited = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     ours = [str(folder) for folder in folders]
@@ -37,20 +32,10 @@ def set_job_environment(*folders: str | Path) -> None:
 
 @contextmanager
 def job(snakemake: Any) -> Iterator[None]:
-    """Run a job's work: time it, log it, and end with one sentence where it can't be done.
+    """Run a job's work: time it, log it for `visuohaptic.job_logs.read_seconds`, and end with one sentence where it can't be done.
 
-    Parameters
-    ----------
-    snakemake : object
-        What Snakemake gives a script. The folder of its first log is made where missing;
-        the log ends with a line that `visuohaptic.job_logs.read_seconds` understands.
-
-    Raises
-    ------
-    SystemExit
-        With status 1, after any error. The sentence goes to standard error and
-        the log; the log alone gets a traceback where the error was not foreseen.
-        With status 130 and nothing printed where the user stopped the run.
+    After any error it exits with status 1: the sentence goes to standard error and the log, which alone gets a traceback
+    where the error was not foreseen. Where the user stopped the run, with status 130 and nothing printed.
     """
     path = Path(snakemake.log[0])
     try:

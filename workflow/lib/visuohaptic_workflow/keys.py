@@ -29,20 +29,8 @@ NEW = "new"
 class Job:
     """One job of a rule.
 
-    Attributes
-    ----------
-    rule : str
-        Its rule's name.
-    wildcards : mapping of str
-        The value of each wildcard.
-    start : Start
-        Where its code begins.
-    inputs, outputs : tuple of str
-        Its files; the record is one of the outputs.
-    record : str
-        The file that says what made the others.
-    find_params : callable
-        Gives the parameters that decide what its files hold, of built-in types.
+    `record`, one of its outputs, says what made the others; `find_params` gives the parameters that decide what they
+    hold, of built-in types.
     """
 
     rule: str
@@ -68,26 +56,16 @@ def read_record(path: str | Path) -> dict[str, Any]:
     """Read a record; an empty one where it is missing, or is none."""
     try:
         record = json.loads(Path(path).read_text(encoding="utf-8"))
-        return record if {"key", "parts", "tables"} <= record.keys() else {}
+        return record if {"key", "parts", "tables", "log"} <= record.keys() else {}
     except (OSError, ValueError, AttributeError):
         return {}
 
 
 class Keys:
-    """The keys of all jobs of a run, each fixed when it is first asked for.
+    """The keys of all jobs that today's parameters and objects ask for, each fixed when it is first asked for.
 
-    Parameters
-    ----------
-    jobs : iterable of Job
-        All that today's parameters and objects ask for.
-    find_code : callable of Start
-        Gives what a job runs.
-    digests : Digests
-        What files hold.
-    root : path
-        The clone: its files have the same names wherever the run is.
-    kept : collection of str
-        Records of jobs that are left as they are: other jobs that take from them take what is there.
+    Files of the clone, `root`, have the same names wherever the run is. Jobs with a record in `kept` are left as they
+    are: other jobs that take from them take what is there.
     """
 
     def __init__(
@@ -113,13 +91,10 @@ class Keys:
         return {self._makers[file]: None for file in files if file in self._makers}
 
     def parts(self, record: str) -> Parts:
-        """Give the parts of a job's key, by name.
+        """Give the parts of a job's key.
 
-        Returns
-        -------
-        dict
-            ``code`` and ``sources``: digests by file; ``packages``: versions; ``parameters``; ``from``: the key of each
-            job that it takes from, by record.
+        ``code`` and ``sources``: digests by file; ``packages``: versions; ``parameters``; ``from``: the key of each
+        job that it takes from, by record.
         """
         if record not in self._parts:
             job = self.jobs[record]

@@ -14,19 +14,9 @@ ASIDE = Path(".cache/aside")
 
 
 def put_aside(named: Collection[str]) -> str | None:
-    """Move what records of earlier jobs name to a folder beside the results, and say so; nothing else is touched.
+    """Move what records name, but for the files of today's jobs, to a folder beside the results, and say so in a sentence.
 
-    A reader of a folder would meet an object's rows twice where blocks were other ones.
-
-    Parameters
-    ----------
-    named : collection of str
-        The files of all jobs of today, records among them.
-
-    Returns
-    -------
-    str or None
-        A sentence, if anything was moved.
+    A reader of a folder would meet an object's rows twice where blocks were other ones. Nothing else is touched.
     """
     wanted = set(named)
     stale = []

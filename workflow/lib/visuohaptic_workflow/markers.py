@@ -6,8 +6,8 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
-from visuohaptic.errors import VisuohapticError
 from visuohaptic_workflow.keys import NEW
+from visuohaptic_workflow.one_run import not_writable
 
 FOLDER = Path("logs/why")
 
@@ -15,33 +15,12 @@ _OF_A_RECORD = 946684800  # 2000-01-01; 1970 breaks ZIP and FAT
 _OF_A_MARKER = _OF_A_RECORD + 86400  # of a time to come Snakemake would say that a clock is wrong
 
 
-class MarkError(VisuohapticError):
-    """A folder can't be written."""
-
-
 def mark_stale(record: str, reason: str) -> list[str]:
     """Make a record older than all that its job takes, and give a folder that is named after the reason.
 
     A folder, as Snakemake remembers what a small file holds and would skip it the second time. Where there is no record, an
     empty one is put there: Snakemake would take tables that lie there, such as copied ones, for all of a job's files. Nothing
-    is done where its job is new: it runs anyway.
-
-    Parameters
-    ----------
-    record : str
-        The record of a job whose files are not what it would make today.
-    reason : str
-        Why.
-
-    Returns
-    -------
-    list of str
-        The folder, or nothing.
-
-    Raises
-    ------
-    MarkError
-        If this user may not write here.
+    is done, and no folder given, where its job is new: it runs anyway. Raises `FolderInUseError` if this user may not write here.
     """
     if reason == NEW:
         return []
@@ -61,10 +40,7 @@ def mark_stale(record: str, reason: str) -> list[str]:
             _replace_by_copy(path)
             os.utime(path, (_OF_A_RECORD, _OF_A_RECORD))
             return [str(marker)]
-        raise MarkError(
-            f"{Path.cwd()} can't be written; `make why` says what would run here. To run the workflow, choose a folder of "
-            "your own: snakemake -s PATH/Snakefile -d FOLDER."
-        ) from None
+        raise not_writable("permission denied") from None
     return [str(marker)]
 
 

@@ -25,10 +25,7 @@ class FolderInUseError(VisuohapticError):
 def claim_folder() -> None:
     """Let this process be the only one that makes results in this folder, until it ends.
 
-    Raises
-    ------
-    FolderInUseError
-        If another run, or the jobs of one that was killed, are at work here.
+    Raises `FolderInUseError` if another run, or the jobs of one that was killed, are at work here.
     """
     if _held:
         return
@@ -47,19 +44,14 @@ def claim_folder() -> None:
 
 
 def check_writable() -> None:
-    """Refuse a folder into which no results can be written.
-
-    Raises
-    ------
-    FolderInUseError
-        If this user may not write here.
-    """
+    """Refuse a folder into which this user may not write, with a `FolderInUseError`."""
     if not os.access(Path.cwd(), os.W_OK):
-        raise FolderInUseError(_not_writable("permission denied"))
+        raise not_writable("permission denied")
 
 
-def _not_writable(reason: str) -> str:
-    return (
+def not_writable(reason: str) -> FolderInUseError:
+    """Give the error of a folder into which this user may not write."""
+    return FolderInUseError(
         f"{Path.cwd()} can't be written ({reason}); `make why` says what would run here. To run the workflow, choose "
         "a folder of your own: snakemake -s PATH/Snakefile -d FOLDER."
     )
@@ -87,7 +79,7 @@ def _lock_owner_file() -> IO[str]:
         STATE.mkdir(exist_ok=True)
         stream = _OWNER.open("a+", encoding="utf-8")
     except OSError as error:
-        raise FolderInUseError(_not_writable(str(error.strerror))) from error
+        raise not_writable(str(error.strerror)) from error
     # A dry run may look at the lock for a moment.
     if not _try_lock(stream, seconds=0.5):
         stream.seek(0)

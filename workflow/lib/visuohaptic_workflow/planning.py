@@ -35,23 +35,9 @@ class Declared:
 def plan_jobs(
     rule: str, declared: Declared, made: Any, chosen: Values | Sequence[Mapping[str, str]]
 ) -> Iterator[Job]:
-    """Give the jobs of a rule.
+    """Give the jobs of a rule, one for each choice of values: what each wildcard stands for, or each job's wildcards.
 
-    Parameters
-    ----------
-    rule : str
-        Its name.
-    declared : Declared
-        What they run and take.
-    made : object
-        The rule as Snakemake's `rules` gives it: `output` and `params` are read.
-    chosen : mapping of str to iterable of str, or sequence of mapping
-        What each wildcard stands for, or the wildcards of each job.
-
-    Yields
-    ------
-    Job
-        One for each choice of values.
+    `made` is the rule as Snakemake's `rules` gives it, of which `output` and `params` are read.
     """
     record = str(made.output.record)
     if isinstance(chosen, Mapping):

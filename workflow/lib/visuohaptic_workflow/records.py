@@ -24,17 +24,9 @@ class StateError(VisuohapticError):
 
 
 def check_inputs(given: Mapping[str, Any]) -> None:
-    """Refuse files of another state than the run's.
+    """Refuse files of another state than the run's, by what `Keys.given` gave to the job.
 
-    Parameters
-    ----------
-    given : mapping
-        What `Keys.given` gave to the job.
-
-    Raises
-    ------
-    StateError
-        If code or sources were changed since the run began, or what it takes from was made in another state.
+    Raises `StateError` if code or sources were changed since the run began, or what it takes was made in another state.
     """
     check_versions(given)
     check_unchanged(given)
@@ -53,12 +45,9 @@ def check_inputs(given: Mapping[str, Any]) -> None:
 
 
 def check_versions(given: Mapping[str, Any]) -> None:
-    """Refuse other packages than those of the process that planned the run.
+    """Refuse other packages than those of the process that planned the run, with a `StateError`.
 
-    Raises
-    ------
-    StateError
-        If a version differs. An environment of its own (conda, a container) is left to its definition.
+    An environment of its own (conda, a container) is left to its definition.
     """
     if os.environ.get(PREFIX) != sys.prefix:
         return
@@ -70,10 +59,7 @@ def check_versions(given: Mapping[str, Any]) -> None:
 def check_unchanged(given: Mapping[str, Any]) -> None:
     """Refuse code and sources that were changed, even if they were changed back, since the run began.
 
-    Raises
-    ------
-    StateError
-        If one has another content, inode, time of change or size.
+    Raises `StateError` if one has another content, inode, time of change or size.
     """
     files, digests = given["files"], Digests()
     for part in ("code", "sources"):

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 _FAILED = frozenset(
-    (
+    [
         "BOOT_FAIL",
         "CANCELLED",
         "DEADLINE",
@@ -17,23 +17,12 @@ _FAILED = frozenset(
         "OUT_OF_MEMORY",
         "PREEMPTED",
         "TIMEOUT",
-    )
+    ]
 )
 
 
 def judge(answer: str) -> str:
-    """Judge a job by what `scontrol show job` says of it.
-
-    Parameters
-    ----------
-    answer : str
-        Its output; empty while the controller is down.
-
-    Returns
-    -------
-    str
-        running, success or failed.
-    """
+    """Judge a job by what `scontrol show job` says of it, nothing while the controller is down: running, success or failed."""
     # Such a job is pending until an administrator releases it.
     if "Reason=launch_failed_requeued_held" in answer:
         return "failed"

@@ -18,29 +18,21 @@ def studies_asked_for(arguments: Sequence[str], studies: Iterable[Study]) -> set
     return {
         study.name
         for study in studies
-        if names_rule(arguments, f"study_{study.name}")
-        or names_rule(arguments, f"{study.name}_all")
+        if names_rules_of(arguments, study.name)
         or any(study.owns(argument) for argument in arguments)
     }
 
 
-def names_rule(arguments: Iterable[str], rule: str) -> bool:
-    """Whether a command line names a rule, also with the prefix that it has in another workflow's module."""
-    return any(argument == rule or argument.endswith(f"_{rule}") for argument in arguments)
+def names_rules_of(arguments: Iterable[str], study: str) -> bool:
+    """Whether a command line names a rule of a study, also with the prefix that it has in another workflow's module."""
+    rules = (f"study_{study}", f"{study}_all")
+    return any(f"_{argument}".endswith(f"_{rule}") for argument in arguments for rule in rules)
 
 
 def find_earlier_studies(shown: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
-    """Find the studies that today's parameters, code and tables would not give.
+    """Find the studies that today's parameters, code and tables would not give, with the dates of their figures.
 
-    Parameters
-    ----------
-    shown : mapping of str to mapping
-        By study: its ``figures``, a file; and ``keys``: today's key of what makes them, by record.
-
-    Returns
-    -------
-    dict of str
-        By study, the date of its figures; a study without figures is left out.
+    `shown` has of each study its ``figures``, a file, and ``keys``: today's key of what makes them, by record.
     """
     return {
         name: datetime.fromtimestamp(figures.stat().st_mtime, UTC).strftime("%Y-%m-%d")
