@@ -11,33 +11,32 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from visuohaptic.stability.findings import Result
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.phases import owner_columns
+from visuohaptic.tables.schema import build_rows
 from visuohaptic.tables.stability import STABILITY
 
 
 def result_table(results: Iterable[Result], key: str = "/") -> pa.Table:
     """Give results, one for each tolerance, about an object, `class/name`, as rows of `tables.STABILITY`."""
-    rows = list(results)
-    category, name = key.split("/")
-    tolerances = [result.tolerance for result in rows]
-    return build_table(
-        STABILITY,
-        {
-            "family": [result.name.split("/")[0] for result in rows],
-            "requirement": [result.name.split("/", 1)[1] for result in rows],
-            "class": category,
-            "object": name,
-            "cases": [result.cases for result in rows],
-            "worst_error": [
-                result.worst_error if np.isfinite(result.worst_error) else None for result in rows
-            ],
-            "tolerance": [tolerance.bound for tolerance in tolerances],
-            "unit": [tolerance.unit for tolerance in tolerances],
-            "reason": [tolerance.reason for tolerance in tolerances],
-            "hardest": [result.hardest for result in rows],
-            "drawing": [result.drawing for result in rows],
-        },
-    )
+    rows = []
+    for result in results:
+        family, _, requirement = result.name.partition("/")
+        worst = result.worst_error if np.isfinite(result.worst_error) else None
+        rows.append(
+            {
+                **owner_columns(key),
+                "family": family,
+                "requirement": requirement,
+                "cases": result.cases,
+                "worst_error": worst,
+                "tolerance": result.tolerance.bound,
+                "unit": result.tolerance.unit,
+                "reason": result.tolerance.reason,
+                "hardest": result.hardest,
+                "drawing": result.drawing,
+            }
+        )
+    return build_rows(STABILITY, rows)
 
 
 def broken_tolerances(paths: Iterable[str | Path]) -> list[str]:
