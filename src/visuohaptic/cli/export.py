@@ -32,9 +32,11 @@ def export(
     from visuohaptic.export.files import export_run
     from visuohaptic.report.provenance import find_commit
 
-    written = export_run(run, folder, find_commit())
-    contents = written.contents
-    sizes = {name: written.size_of(name) for name in ("data", "lite")}
+    contents = export_run(run, folder, find_commit())
+    sizes = {
+        name: sum(file.stat().st_size for file in (folder / name).iterdir())
+        for name in ("data", "lite")
+    }
     values = {
         "folder": folder,
         "touches": sum(contents.touches.values()),

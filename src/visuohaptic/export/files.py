@@ -6,7 +6,6 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -39,21 +38,7 @@ _OF_TOUCHES = {
 }
 
 
-@dataclass(frozen=True)
-class Export:
-    """A written data set: where it lies, and what it holds."""
-
-    folder: Path
-    contents: Contents
-
-    def size_of(self, folder: str) -> int:
-        """Give the bytes of a folder's Parquet files."""
-        return sum(
-            (self.folder / name).stat().st_size for name in PARQUET if name.startswith(f"{folder}/")
-        )
-
-
-def export_run(run: str | Path, folder: str | Path, commit: str) -> Export:
+def export_run(run: str | Path, folder: str | Path, commit: str) -> Contents:
     """Export the touches of a finished run, in its folder as the workflow lays it out.
 
     Takes ``params.yaml``, ``results/touches`` and the credits below ``meshes``. Raises what
@@ -84,7 +69,7 @@ def make_export(
     folder: str | Path,
     seed: int,
     experiment: Experiment,
-) -> Export:
+) -> Contents:
     """Write touches as a data set that `datasets.load_dataset(folder)` reads as it is.
 
     The same touches, in any order of their files, credits, seed and experiment give the same files bit
@@ -107,7 +92,7 @@ def make_export(
         )
     written = {name: folder / name for name in PARQUET}
     write_whole(folder / CROISSANT, describe_files(contents, written))
-    return Export(folder, contents)
+    return contents
 
 
 def _take_over(folder: Path) -> None:
