@@ -24,14 +24,6 @@ def test_a_run_becomes_a_data_set(visuohaptic, run, tmp_path):
     assert (values["touches"], values["objects"], len(values["test_objects"])) == (160, 4, 2)
 
 
-def test_another_folder_is_refused_in_one_sentence(visuohaptic, run, tmp_path):
-    (tmp_path / "notes.txt").write_text("mine")
-    ended = visuohaptic("export", ".", "--run", run)
-    assert (ended.code, ended.out) == (1, "")
-    assert ended.err.count("\n") == 1
-    assert "notes.txt" in ended.err
-
-
 def test_a_folder_without_a_run_is_named_with_the_way_out(visuohaptic, run, tmp_path):
     (tmp_path / "params.yaml").write_text((run / "params.yaml").read_text())
     ended = visuohaptic("export", "touches")

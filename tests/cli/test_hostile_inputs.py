@@ -30,16 +30,18 @@ def folder(tmp_path):
 
 @pytest.mark.parametrize(
     "name",
-    ["$(touch owned).obj", "--help.obj", "a\nb.obj", "\x1b[31m\u202e杯.obj", "<b>%s'\"\\.OBJ",
-     os.fsdecode(b"\xff\xfe.obj")],
+    ["$(touch owned).obj", "--help.obj", "a\nb.obj", "\x1b[31m\u202e杯.obj", "<b>%s'\"\\.OBJ", "...obj",
+     "a" * 251 + ".obj", os.fsdecode(b"\xff\xfe.obj")],
 )  # fmt: skip
-def test_any_name_is_a_name(visuohaptic, folder, name):
+def test_any_name_is_a_name_and_nothing_leaves_the_output_folder(visuohaptic, folder, name):
     (folder / "ring.obj").rename(folder / name)
-    ended = visuohaptic("touch", *QUICK, "--", f"./{name}")
+    before = set(folder.rglob("*"))
+    ended = visuohaptic("touch", *QUICK, "--out", "felt", "--", f"./{name}")
     assert (ended.code, ended.err) == (0, "")
     assert "5 touches" in ended.out
     assert ended.out.isprintable() or ended.out.count("\n") == len(ended.out.splitlines())
-    assert not (folder / "owned").exists()
+    written = set(folder.rglob("*")) - before - {folder / "felt"}
+    assert [path.parent for path in written] == 7 * [folder / "felt"]
 
 
 REFUSED = [

@@ -16,12 +16,7 @@ def test_a_folder_becomes_a_table_and_is_classified(visuohaptic, tmp_path):
         "images", tmp_path / "in", "--out", tmp_path / "f.parquet", "--splits", 3, "--json"
     )
     values = json.loads(ended.out)
-    assert (values["images"], values["classes"], values["rows"], values["columns"]) == (
-        20,
-        2,
-        20,
-        37,
-    )
+    assert [values[name] for name in ("images", "classes", "rows", "columns")] == [20, 2, 20, 37]
     assert values["accuracy"] == 1
     assert (tmp_path / "f.parquet").is_file()
 

@@ -29,10 +29,6 @@ def test_the_page_of_a_run_is_one_file_that_leaves_nothing_outside_its_folder(
     assert {path for path in run.rglob("*") if path.is_file()} == before
     page = read_page((tmp_path / "page" / "report.html").read_text())
     assert {element.attributes["data-name"] for element in page.named("article")} == set(KEYS)
-
-
-@pytest.mark.slow
-def test_json_names_the_page(visuohaptic, tmp_path, run):
     values = json.loads(visuohaptic("report", run, "--json").out)
     assert values["bytes"] == (tmp_path / values["page"]).stat().st_size
     assert values["objects"] == sorted(KEYS)

@@ -4,8 +4,7 @@ from report.synthetic import write_run
 
 from visuohaptic.guards.figures import make_guards
 from visuohaptic.guards.sums import SUMS
-from visuohaptic.guards.table import table_of
-from visuohaptic.guards.verdicts import judge
+from visuohaptic.guards.verdicts import judge, table_of
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.schema import read_table, write_table
 

@@ -1,10 +1,20 @@
-"""False alarms are as rare as stated, whatever the values are distributed like."""
+"""False alarms are as rare as stated, and a guard that failed becomes an error in one sentence."""
 
 import numpy as np
 import pytest
 from scipy.stats import binom
 
-from visuohaptic.guards.verdicts import ALARM, highest_mean, uniform_p_value, widest_gap
+from visuohaptic.errors import GuardError
+from visuohaptic.guards.verdicts import (
+    ALARM,
+    failed_guards,
+    highest_mean,
+    require_guards,
+    uniform_p_value,
+    widest_gap,
+)
+from visuohaptic.tables.guards import GUARDS
+from visuohaptic.tables.schema import build_table, write_table
 
 
 @pytest.mark.parametrize("draws", [20, 40])
@@ -28,3 +38,22 @@ def test_uniform_values_have_any_p_value_and_others_a_small_one():
     values = np.random.default_rng(0).random(4000)
     assert uniform_p_value(values, 16) > 0.01
     assert uniform_p_value(values**1.3, 16) < ALARM
+
+
+def guarded(folder, **rows):
+    columns = {"guard": list(rows), "outcome": list(rows.values()), "found": ["So."] * len(rows)}
+    write_table(GUARDS, build_table(GUARDS, columns), folder / "guards.parquet")
+    return folder / "guards.parquet"
+
+
+def test_guards_that_held_or_were_not_tested_raise_nothing(tmp_path):
+    path = guarded(tmp_path, one="held", other="not tested")
+    assert failed_guards(path) == []
+    require_guards(path, "report.html")
+
+
+def test_a_guard_that_failed_ends_in_one_sentence_that_names_it(tmp_path):
+    path = guarded(tmp_path, one="held", other="failed")
+    assert failed_guards(path) == ["other: failed. So."]
+    with pytest.raises(GuardError, match=r"as report.html says, too: other: failed\. So\."):
+        require_guards(path, "report.html")

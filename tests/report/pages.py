@@ -63,6 +63,11 @@ class _Reader(HTMLParser):
             self.page.texts.append(data)
 
 
+def plain(text):
+    """Give a text with breaks allowed at its blanks, as a test writes it."""
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
 def read_page(text):
     """Read a page; tags that do not match are listed."""
     reader = _Reader()

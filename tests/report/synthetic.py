@@ -42,7 +42,7 @@ def write_run(
     fixations = _fixations(objects, strategies, generator)
     scores, predictions = _answers(objects, strategies, pipelines, generator)
     written = {
-        "views": _views(objects, distinct, generator),
+        "views": _views(objects, distinct),
         "fixations": fixations,
         "touches": _touches(fixations, generator),
         "features": _features(fixations, generator),
@@ -149,69 +149,60 @@ def _shaded_ball():
     return np.where((towards > 0)[..., None], colour, 217).astype(np.uint8)
 
 
-def _views(objects, distinct, generator):
-    rows = [(key, number) for key in objects for number in range(VIEWPOINTS)]
-    eyes = np.array([place_cameras(PARAMETERS.viewpoints)[number].eye for _, number in rows])
+def _views(objects, distinct):
     picture, grey = png(_shaded_ball()), png(_shaded_ball().max(axis=2))
-    return _table(
+    seen = {
+        "view": picture,
+        "saliency": grey,
+        "conspicuity": [("intensity", grey), ("edge", grey)],
+        "skipped": [("colour", "every pixel is grey")],
+        "distinct_fixations": distinct,
+    }
+    return _rows(
         phases.VIEWS,
-        {
-            **_owners([key for key, _ in rows]),
-            "viewpoint": [number for _, number in rows],
-            **dict(zip(("eye_x", "eye_y", "eye_z"), eyes.T, strict=True)),
-            "view": [picture] * len(rows),
-            "saliency": [grey] * len(rows),
-            "conspicuity": [[("intensity", grey), ("edge", grey)]] * len(rows),
-            "skipped": [[("colour", "every pixel is grey")]] * len(rows),
-            "distinct_fixations": [distinct] * len(rows),
-        },
+        [
+            {**_owner(key), "viewpoint": number, **_named("eye_{}", camera.eye), **seen}
+            for key in objects
+            for number, camera in enumerate(place_cameras(PARAMETERS.viewpoints)[:VIEWPOINTS])
+        ],
     )
 
 
 def _fixations(objects, strategies, generator):
-    rows = [
-        (key, number, strategy, touch)
-        for key in objects
-        for number in range(VIEWPOINTS)
-        for strategy in strategies
-        for touch in range(TOUCHES)
-    ]
-    normals = generator.normal(size=(len(rows), 3))
+    places = list(itertools.product(objects, range(VIEWPOINTS), strategies, range(TOUCHES)))
+    normals = generator.normal(size=(len(places), 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return _table(
+
+    def pixel(strategy, touch):
+        if strategy != "fixation":
+            return {}
+        return {"pixel_row": 8 * touch + 3, "pixel_column": 40 - 8 * touch, "saliency": 1.0}
+
+    return _rows(
         phases.FIXATIONS,
-        {
-            **_owners([row[0] for row in rows]),
-            "viewpoint": [row[1] for row in rows],
-            "strategy": [row[2] for row in rows],
-            "touch": [row[3] for row in rows],
-            "pixel_row": [8 * row[3] + 3 if row[2] == "fixation" else None for row in rows],
-            "pixel_column": [40 - 8 * row[3] if row[2] == "fixation" else None for row in rows],
-            "saliency": [1.0 if row[2] == "fixation" else None for row in rows],
-            "face": [0] * len(rows),
-            "unreachable": [None] * len(rows),
-            "chance": [row[2] for row in rows],
-            **dict(zip("xyz", normals.T, strict=True)),
-            **dict(zip(("normal_x", "normal_y", "normal_z"), normals.T, strict=True)),
-        },
-    )
+        [
+            {
+                **_owner(key), "viewpoint": viewpoint, "strategy": strategy, "touch": touch,
+                "chance": strategy, **pixel(strategy, touch), **_named("{}", normal),
+                **_named("normal_{}", normal),
+            }
+            for (key, viewpoint, strategy, touch), normal in zip(places, normals, strict=True)
+        ],
+    )  # fmt: skip
 
 
 def _touches(fixations, generator):
-    normals = matrix(fixations, ("normal_x", "normal_y", "normal_z"))
-    tangents = column_axes(normals)
+    tangents = column_axes(matrix(fixations, phases.NORMAL_NAMES))
     count = fixations.num_rows
+    copied = (*phases.TOUCHES.keys, *phases.POINT_NAMES, *phases.NORMAL_NAMES)
     return _table(
         phases.TOUCHES,
         {
-            **{key: fixations.column(key) for key in phases.TOUCHES.keys},
-            **{key: fixations.column(key) for key in ("x", "y", "z")},
-            **dict(zip(("normal_x", "normal_y", "normal_z"), normals.T, strict=True)),
-            **dict(zip(("tangent_x", "tangent_y", "tangent_z"), tangents.T, strict=True)),
+            **{name: fixations.column(name) for name in copied},
+            **dict(zip(phases.TANGENT_NAMES, tangents.T, strict=True)),
             "image": generator.random((count, 32, 32), dtype=np.float32),
             "sensor_size": generator.uniform(0.02, 0.3, count),
             "contact_state": ["full", "shrunk", "at_minimum", "blocked", "partial"] * (count // 5),
-            "penetration": np.zeros(count),
             "rank": fixations.column("touch"),
         },
     )
@@ -229,58 +220,63 @@ def _features(fixations, generator):
 
 
 def _effects(objects):
-    rows = [(key, effect) for key in objects for effect in ("noise", "adaptive_size", "texture")]
-    ran = [effect == "adaptive_size" for _, effect in rows]
-    return _table(
+    ran = {"reason": "something penetrates", "needed": 30, "runs": 30, "seconds": 0.25}
+    did_not = {"reason": "its strength is 0"}
+    return _rows(
         phases.EFFECTS,
-        {
-            **_owners([key for key, _ in rows]),
-            "effect": [effect for _, effect in rows],
-            "mode": ["auto"] * len(rows),
-            "reason": ["something penetrates" if yes else "its strength is 0" for yes in ran],
-            "touches": [40] * len(rows),
-            "needed": [30 if yes else 0 for yes in ran],
-            "runs": [30 if yes else 0 for yes in ran],
-            "seconds": [0.25 if yes else 0.0 for yes in ran],
-        },
+        [
+            {**_owner(key), "effect": effect, "mode": "auto", "touches": 40, **found}
+            for key in objects
+            for effect, found in (("noise", did_not), ("adaptive_size", ran), ("texture", did_not))
+        ],
     )
 
 
 def _answers(objects, strategies, pipelines, generator):
-    classes = sorted({key.split("/", 1)[0] for key in objects})
+    classes = sorted({_owner(key)["class"] for key in objects})
     scores, predictions = [], []
-    for cell in itertools.product(pipelines, strategies, CLASSIFIERS):
+    for pipeline, strategy, classifier in itertools.product(pipelines, strategies, CLASSIFIERS):
+        cell = {"pipeline": pipeline, "strategy": strategy, "classifier": classifier}
         for split in range(2):
-            right = []
-            for key, viewpoint in itertools.product(objects[split::2], range(VIEWPOINTS)):
-                named = str(generator.choice(classes))
-                predictions.append((*cell, split, 0, key, viewpoint, named))
-                right.append(named == key.split("/", 1)[0])
-            scores.append((*cell, split, 0, np.mean(right), 0.5, len(right)))
-    cell = ("pipeline", "strategy", "classifier", "split", "seed")
-    scored = _columns((*cell, "accuracy", "object_accuracy", "sequences"), scores)
-    predicted = _columns((*cell, "key", "viewpoint", "predicted"), predictions)
-    predicted |= _owners(predicted.pop("key"))
-    return _table(phases.SCORES, scored), _table(phases.PREDICTIONS, predicted)
+            tested = [
+                {
+                    **cell, **_owner(key), "split": split, "viewpoint": viewpoint,
+                    "predicted": str(generator.choice(classes)),
+                }
+                for key, viewpoint in itertools.product(objects[split::2], range(VIEWPOINTS))
+            ]  # fmt: skip
+            right = [one["predicted"] == one["class"] for one in tested]
+            found = {"accuracy": np.mean(right), "object_accuracy": 0.5, "sequences": len(right)}
+            scores.append({**cell, "split": split, **found})
+            predictions += tested
+    return _rows(phases.SCORES, scores), _rows(phases.PREDICTIONS, predictions)
 
 
-def _columns(names, rows):
-    return {name: [row[place] for row in rows] for place, name in enumerate(names)}
+def _owner(key):
+    category, name = key.split("/", 1)
+    return {"class": category, "object": name}
 
 
-def _owners(keys):
-    parts = [key.split("/", 1) for key in keys]
-    return {"class": [part[0] for part in parts], "object": [part[1] for part in parts]}
+def _named(pattern, vector):
+    return {pattern.format(axis): value for axis, value in zip("xyz", vector, strict=True)}
+
+
+def _rows(schema, rows):
+    names = dict.fromkeys(name for row in rows for name in row)
+    return _table(
+        schema, {name: [row.get(name, _neutral(schema, name)) for row in rows] for name in names}
+    )
 
 
 def _table(schema, columns):
     """Build a table; a column that the page does not read is empty or neutral."""
     count = max(len(values) for values in columns.values())
-    neutral = {column.name: [_neutral(column)] * count for column in schema.columns}
+    neutral = {one.name: [_neutral(schema, one.name)] * count for one in schema.columns}
     return build_table(schema, {**neutral, **columns})
 
 
-def _neutral(column):
+def _neutral(schema, name):
+    (column,) = (one for one in schema.columns if one.name == name)
     if column.nullable:
         return None
     return "" if column.dtype == TEXT else 0
@@ -289,13 +285,8 @@ def _neutral(column):
 def _write_mesh(folder, key):
     category, name = key.split("/", 1)
     # A file's name may be shorter than an object's: such an object is without a model.
-    path = (
-        folder
-        / "meshes"
-        / category.replace("/", "_")
-        / "block"
-        / f"{name.replace('/', '_')[:240]}.ply"
-    )
+    place = category.replace("/", "_"), "block", f"{name.replace('/', '_')[:240]}.ply"
+    path = folder.joinpath("meshes", *place)
     write_surface(ball(6), path)
     return path
 

@@ -1,7 +1,7 @@
 """What accuracy costs: the steps and the sentences follow from the rows."""
 
-import numpy as np
 import pytest
+from report.pages import plain
 from report.synthetic import PARAMETERS
 from studies.cost.test_front import BLIND, RENDER, cost_rows
 
@@ -10,8 +10,6 @@ from visuohaptic.report.cost import (
     cost_verdict,
     cue_sentences,
     read_cost,
-    robot_sentence,
-    step_rows,
     time_parts,
 )
 from visuohaptic.report.estimates import Figure
@@ -23,7 +21,6 @@ POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0
 
 def test_what_was_not_measured_has_no_figures(tmp_path):
     assert read_cost(None, PARAMETERS) is None
-    assert read_cost(tmp_path / "none.parquet", PARAMETERS) is None
     write_table(COST, COST.arrow.empty_table(), tmp_path / "empty.parquet")
     assert read_cost(tmp_path / "empty.parquet", PARAMETERS) is None
 
@@ -41,16 +38,15 @@ def test_the_parts_of_a_recognition_are_those_of_its_row():
     assert time_parts({**row, "seconds": None}) == time_parts(None) == []
 
 
-def plain(text):
-    return text.replace("\N{NO-BREAK SPACE}", " ")
-
-
 def test_the_steps_are_rows_the_quickest_first():
     rows = cost_rows([("5 touches", 0.1, 0.08), ("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.1)])
     for row in rows:
         row |= {"step": row["setting"] != "5 touches", "as_quick": row["setting"] == "1 touch"}
-    assert [row["setting"] for row in step_rows(rows)] == ["1 touch", "2 touches"]
-    assert step_rows([]) == []
+    assert [row["setting"] for row in CostFigures(rows, PARAMETERS).steps] == [
+        "1 touch",
+        "2 touches",
+    ]
+    assert CostFigures([], PARAMETERS).steps == []
 
 
 def test_what_positions_imprints_and_the_map_give_is_stated_where_it_was_measured():
@@ -78,29 +74,11 @@ def test_the_price_of_a_look_up_to_which_looking_saves_time():
             ("looking", 0.1, 0.04, {"touches": 2, "viewpoints": 2, "looks": 2}),
         ]
     )
-    assert plain(robot_sentence(rows, PARAMETERS.cost)) == (
+    assert plain(CostFigures(rows, PARAMETERS).price) == (
         "Without a look, 12 touches give the lowest error rate, 5.0 %; 4 touches with 2 looks are as "
         "accurate. So looking saves time if a look takes less than 20 s (here 0.5 s)."
     )
-    assert robot_sentence(rows[:1], PARAMETERS.cost) == ""
-
-
-def test_the_first_step_does_not_depend_on_an_order_that_timing_leaves_open():
-    generator = np.random.default_rng(0)
-    steps, answers = set(), set()
-    for _ in range(20):
-        noise = 1 + 0.05 * generator.random(4)
-        times = noise * [0.01, 0.01, 0.01, 0.1]
-        settings = zip(("1", "2", "3", "5"), times, (0.4, 0.3, 0.35, 0.1), strict=True)
-        rows = cost_rows([(f"{name} touches", time, error) for name, time, error in settings])
-        for place, row in enumerate(rows):
-            row |= {"as_quick": place < 3, "step": place == 1}
-        steps.add(tuple(row["setting"] for row in step_rows(rows)))
-        answers.add(plain(cost_verdict(rows).sentence).split(";")[0])
-    assert steps == {("2 touches",)}
-    assert answers == {
-        "of computing for an error rate of 30.0 % (touches, 2 touches, pipeline “best”)"
-    }
+    assert CostFigures(rows[:1], PARAMETERS).price == ""
 
 
 def test_where_the_quickest_setting_is_the_most_accurate_the_answer_names_it_once():
@@ -113,6 +91,10 @@ def test_where_the_quickest_setting_is_the_most_accurate_the_answer_names_it_onc
     rows[0]["error"], rows[1]["error"], rows[1]["on_front"] = 0.02, 0.0, True
     answer = cost_verdict(rows)
     assert (answer.verdict, answer.number) == ("depends", "73 ms (64 ms to 84 ms)")
+    assert plain(answer.sentence) == (
+        "of computing for an error rate of 2.0 % (touches, 1 touch, pipeline “best”); the lowest, 0.0 %, "
+        "takes 150 ms."
+    )
 
 
 def test_settings_of_a_group_are_one_row():

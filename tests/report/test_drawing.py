@@ -8,9 +8,8 @@ import matplotlib as mpl
 import pytest
 
 from visuohaptic.report import figures
-from visuohaptic.report.drawing import inline_svg, write_svg
+from visuohaptic.report.drawing import COLOURS, inline_svg, write_svg
 from visuohaptic.report.estimates import Figure
-from visuohaptic.report.palette import COLOURS
 
 NASTY = '<script>alert(1)</script> & "x"'
 

@@ -14,8 +14,8 @@ from visuohaptic.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.gaze.summary import summarise
 from visuohaptic.report import figures
+from visuohaptic.report.drawing import look
 from visuohaptic.report.estimates import Figure
-from visuohaptic.report.palette import look
 from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import strategy_place
 from visuohaptic.stability.rows import result_table

@@ -28,10 +28,10 @@ def test_without_anything_measured_the_section_says_how_to_get_it():
 def test_the_section_shows_each_predictor_and_the_worst_objects():
     found = gaze_figures(MeasuredGaze(TABLE))
     text = page(found)
-    for row in found.rows:
+    for row in found["rows"]:
         assert row.predictor.label in text
-    assert [row.objects for row in found.rows] == [4] * len(found.rows)
-    correlations = [one["correlation"] for one in found.worst]
+    assert [row.objects for row in found["rows"]] == [4] * len(found["rows"])
+    correlations = [one["correlation"] for one in found["worst"]]
     assert correlations == sorted(correlations)
     assert "1 object for tests" in text
     assert "Measured once" not in text
@@ -54,7 +54,7 @@ def test_pictures_are_shown_worst_first(tmp_path):
     path = tmp_path / "pictures.parquet"
     write_table(GAZE_PICTURES, build_table(GAZE_PICTURES, columns), path)
     found = gaze_figures(MeasuredGaze(TABLE), path)
-    assert [one["object"] for one in found.pictures] == ["bad<", "good"]
+    assert [one["object"] for one in found["pictures"]] == ["bad<", "good"]
     text = page(found)
     assert "bad&lt;" in text
     assert "data:image/png;base64," in text

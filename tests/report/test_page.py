@@ -3,6 +3,7 @@
 import json
 import re
 from base64 import b64encode
+from dataclasses import replace
 from hashlib import sha256
 from types import SimpleNamespace
 
@@ -10,11 +11,12 @@ import pytest
 from report.pages import read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 
+from visuohaptic.errors import ReportError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import PlugIn
 from visuohaptic.report.object_pictures import make_pictures
-from visuohaptic.report.page import PAPER_ADDRESS, make_environment, render_page
-from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.report.page import PAPER_ADDRESS, make_environment, make_report, render_page
+from visuohaptic.report.run import read_run
 from visuohaptic.report.section import ReportContext
 from visuohaptic.report.sections import comparison_title, methods_values, parameters_values
 from visuohaptic.report.wording import percent
@@ -70,23 +72,22 @@ def test_nothing_is_loaded_from_anywhere(page, source):
     assert not any("url(" in style or "@import" in style for style in styles)
 
 
-def test_browsers_may_load_nothing(page):
-    policies = [
-        element.attributes["content"]
-        for element in page.named("meta")
-        if element.attributes.get("http-equiv") == "Content-Security-Policy"
-    ]
-    assert len(policies) == 1
-    assert policies[0].startswith("default-src 'none'")
-    assert "http" not in policies[0]
-
-
-def test_only_the_scripts_of_the_page_may_run(page, source):
-    (policy,) = (
+@pytest.fixture(scope="module")
+def policy(page):
+    (found,) = (
         element.attributes["content"]
         for element in page.named("meta")
         if element.attributes.get("http-equiv") == "Content-Security-Policy"
     )
+    return found
+
+
+def test_browsers_may_load_nothing(policy):
+    assert policy.startswith("default-src 'none'")
+    assert "http" not in policy
+
+
+def test_only_the_scripts_of_the_page_may_run(policy, source):
     allowed = policy.split("script-src ")[1].split()
     assert all(one.startswith("'sha256-") for one in allowed)
     scripts = re.findall(r"<script>(.*?)</script>", source, re.DOTALL)
@@ -140,11 +141,6 @@ def test_the_numbers_are_those_of_the_metrics(page, files):
         assert str(strategies["random"]["p_value"]) in shown
 
 
-def test_the_published_table_stands_beside_it(page):
-    for value in ("85.58 %", "84.94 %", "93.45 %", "86.14 %", "56.68 %", "57.16 %"):
-        assert value in page.text
-
-
 def test_every_object_has_its_place(page):
     articles = [element.attributes["data-name"] for element in page.named("article")]
     assert articles == sorted(OBJECTS)
@@ -162,13 +158,6 @@ def test_of_many_objects_some_of_each_class_are_shown_and_all_are_counted(
     assert "4 objects" in page.text
     counted = re.compile(r"Number of touches in each contact state.*?</table>", re.DOTALL)
     assert counted.search(render(files))[0] == counted.search(source)[0]
-
-
-def test_methods_text_holds_the_parameters(page):
-    assert "4 objects of 2 classes" in page.text
-    assert "48 × 48 pixels" in page.text
-    assert "32 × 32 sensing points" in page.text
-    assert "The seed was 2018." in page.text
 
 
 @pytest.mark.parametrize(
@@ -195,32 +184,28 @@ def test_methods_text_says_which_splits_were_taken(files, protocol, sentence):
     assert sentence in template.render(parameters=parameters, **values)
 
 
-def test_seconds_are_summed_over_jobs(page):
-    assert "fixations 2 1.0 5.0" in page.text
+EFFECTS = (
+    "Effects of the view",
+    "texture auto 0 160 0.000",
+    "Effects of touch",
+    "adaptive size auto 120 160 1.000 something penetrates",
+    "noise auto 0 160 0.000 its strength is 0",
+)
+SAID = (
+    *("85.58 %", "84.94 %", "93.45 %", "86.14 %", "56.68 %", "57.16 %"),
+    *("4 objects of 2 classes", "48 × 48 pixels", "32 × 32 sensing points", "The seed was 2018."),
+    "fixations 2 1.0 5.0",
+    "Not computed: colour (every pixel is grey).",
+    "colour 0 16 every pixel is grey",
+    "edge 16 0",
+    *EFFECTS,
+)
 
 
-def test_skipped_channels_are_named_with_the_reason(page):
-    assert "Not computed: colour (every pixel is grey)." in page.text
-
-
-def test_effects_are_summed_over_jobs_with_their_reasons(page):
-    assert "adaptive size auto 120 160 1.000 something penetrates" in page.text
-    assert "noise auto 0 160 0.000 its strength is 0" in page.text
-    assert "texture auto 0 160 0.000" in page.text
-    order = [
-        "Effects of the view",
-        "texture auto",
-        "Effects of touch",
-        "adaptive size",
-        "noise auto",
-    ]
-    places = [page.text.index(text) for text in order]
+def test_the_page_has_the_papers_table_the_parameters_and_sums_over_jobs(page):
+    assert [said for said in SAID if said not in page.text] == []
+    places = [page.text.index(text) for text in EFFECTS]
     assert places == sorted(places)
-    assert "colour 0 16 every pixel is grey" in page.text
-    assert "edge 16 0" in page.text
-
-
-def test_no_warning_where_nothing_is_wrong(page):
     assert "Warnings" not in page.text
 
 
@@ -244,20 +229,12 @@ def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     pictures = tmp_path / "without_meshes.parquet"
     tables = files.views, files.touches, tmp_path / "held.parquet"
     make_pictures({}, *tables, pictures, shown=OBJECTS, faces=4000)
-    bare = RunFiles(
-        metrics=files.metrics,
-        predictions=files.predictions,
-        views=files.views,
-        fixations=files.fixations,
-        touches=files.touches,
-        features=files.features,
-        pictures=[pictures],
-        meshes=["nowhere/cup/mug/mug.ply"],
-        credits=["nowhere.csv"],
-        logs=tmp_path / "nowhere",
-        folder=tmp_path,
-        extras={"cost": tmp_path / "nowhere", "stability": tmp_path / "nowhere.json"},
-    )
+    nowhere = {
+        "pictures": [pictures], "meshes": ["nowhere/cup/mug/mug.ply"], "credits": ["nowhere.csv"],
+        "logs": tmp_path / "nowhere", "effects": (),
+        "extras": {"cost": tmp_path / "nowhere", "stability": tmp_path / "nowhere.json"},
+    }  # fmt: skip
+    bare = replace(files, **nowhere)
     source = render(bare)
     page = read_page(source)
     assert page.mismatches == []
@@ -341,3 +318,16 @@ def test_the_page_names_the_plug_ins_of_the_run(monkeypatch):
     assert "plugins" not in dict(values["groups"])
     page = make_environment().get_template("parameters.html.jinja").render(**values)
     assert "Plug-ins: <code>mine.py</code>, <code>packaged</code>." in page
+
+
+@pytest.mark.slow
+def test_a_report_replaces_the_old_one_whole_or_not_at_all(tmp_path):
+    files = write_run(tmp_path)
+    output = tmp_path / "reports" / "report.html"
+    make_report(files, output, PARAMETERS, OBJECTS)
+    before = output.read_text()
+    broken = replace(files, metrics=tmp_path / "none.json")
+    with pytest.raises(ReportError, match="holds no metrics of this workflow"):
+        make_report(broken, output, PARAMETERS, OBJECTS)
+    assert output.read_text() == before
+    assert [file.name for file in output.parent.iterdir()] == ["report.html"]

@@ -1,6 +1,7 @@
 """The two questions are answered by a rule, from tables alone."""
 
 import pytest
+from report.pages import plain
 from report.test_comparison import BAYES, SVM, metrics
 
 from visuohaptic.report.comparison import read_tables
@@ -11,10 +12,6 @@ from visuohaptic.report.questions import (
     reproduction_answer,
 )
 from visuohaptic.report.readings import ReadingsSummary, Spread
-
-
-def plain(text):
-    return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def run_of(fixation=0.7, random=0.6):

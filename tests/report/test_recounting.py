@@ -8,8 +8,7 @@ from report.synthetic import lay_out
 from studies.cost.test_front import cost_table
 
 from visuohaptic.report import sections
-from visuohaptic.report.questions import row_of
-from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
+from visuohaptic.report.recounting import recount_accuracy, recount_cost
 from visuohaptic.report.run import read_run
 from visuohaptic.report.run_folder import find_run
 from visuohaptic.report.section import ReportContext
@@ -28,8 +27,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def run(folder):
-    found = find_run(folder)
-    return read_run(found.files, found.parameters, found.objects)
+    return read_run(*find_run(folder))
 
 
 @pytest.fixture
@@ -44,18 +42,6 @@ def printed(folder, monkeypatch):
         return said.getvalue().strip()
 
     return run_lines
-
-
-def test_the_accuracy_is_that_of_the_metrics(run, printed):
-    table = run.pipelines[0]
-    found = row_of(table).accuracy["fixation"].mean
-    assert printed(recount_accuracy(run, table)) == f"{100 * found:.1f} %"
-
-
-def test_the_lead_is_that_of_the_paired_comparison(run, printed):
-    table = run.pipelines[0]
-    found = row_of(table).comparisons["random"].difference.mean
-    assert printed(recount_lead(run, table, "random")) == f"{100 * found:+.1f} points"
 
 
 @pytest.mark.parametrize(("setting", "expected"), [("1 touch", "0.0104 s"), ('it\'s "5"', "0.02")])

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from report.pages import read_page
+from report.pages import plain, read_page
 from report.synthetic import lay_out, write_study
 from report.test_certainty import evaluation_table, write_certainty
 from report.test_gaze import TABLE as GAZED
@@ -81,8 +81,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def run(folder):
-    found = find_run(folder)
-    return read_run(found.files, found.parameters, found.objects)
+    return read_run(*find_run(folder))
 
 
 def sources_of(run):
@@ -131,8 +130,7 @@ def test_the_named_rows_give_the_accuracy_of_the_page(folder, sources):
 
 
 def test_what_this_run_has_not_measured_is_not_named(tmp_path):
-    found = find_run(lay_out(tmp_path))
-    sources = sources_of(read_run(found.files, found.parameters, found.objects))
+    sources = sources_of(read_run(*find_run(lay_out(tmp_path))))
     named = {source.file for section in sources.values() for source in section}
     assert "cost" not in sources
     assert all(list(tmp_path.glob(file)) for file in named)
@@ -169,7 +167,7 @@ def test_the_page_says_what_the_tables_say_and_names_their_files(folder, run, so
     source = render_page(run)
     page = read_page(source)
     assert page.mismatches == []
-    text = page.text.replace("\N{NO-BREAK SPACE}", " ")
+    text = plain(page.text)
     assert [said for said in SAID if said not in text] == []
     folded = [one for one in page.named("details") if one.attributes.get("class") == "sources"]
     assert len(folded) == len(sources)

@@ -8,14 +8,13 @@ from markupsafe import Markup
 from report.pages import read_page
 from report.synthetic import PARAMETERS, write_run
 
-from visuohaptic.errors import ReportError, TableError
+from visuohaptic.errors import ReportError
 from visuohaptic.report import sections
 from visuohaptic.report.page import render_page
-from visuohaptic.report.run import RunFiles, read_run
+from visuohaptic.report.run import read_run
 from visuohaptic.report.stability import (
     describe_checks,
     read_precision,
-    read_stability,
     stability_answer,
     stability_figures,
 )
@@ -23,7 +22,7 @@ from visuohaptic.stability.findings import Result
 from visuohaptic.stability.rows import result_table
 from visuohaptic.stability.stored import StoredHardCases, stored_hard_cases
 from visuohaptic.stability.tolerances import TOLERANCES, Tolerance
-from visuohaptic.tables.schema import write_table
+from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.stability import STABILITY
 
 DRAWING = '<svg viewBox="0 0 1 1"><line x1="0"/></svg>'
@@ -69,12 +68,6 @@ def stored(monkeypatch):
     return store
 
 
-def page_of(folder, **extras):
-    files = write_run(folder)
-    files = RunFiles(**{**vars(files), "extras": extras})
-    return read_page(render_page(read_run(files, PARAMETERS, [])))
-
-
 @pytest.mark.slow
 def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(tmp_path, stored):
     stored([broken(GRAZING, np.inf)])
@@ -82,8 +75,9 @@ def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(tm
     for key in ("cup/mug", "ball/marble"):
         result = broken(ON_OBJECT) if key == "cup/mug" else ON_OBJECT
         written(tmp_path / "objects", [result], key, name=f"{key.replace('/', '-')}.parquet")
-    page = page_of(tmp_path, stability=tmp_path / "objects")
-    found = " ".join(page.text.split())
+    files = replace(write_run(tmp_path), extras={"stability": tmp_path / "objects"})
+    page = read_page(render_page(read_run(files, PARAMETERS, [])))
+    found = page.text
     assert page.mismatches == []
     assert "8 hard cases of 1 kind: 1 tolerance exceeded (cup/mug: objects, touches" in found
     assert "1 tolerance exceeded (rays, grazing)" in found
@@ -106,7 +100,7 @@ def test_objects_share_a_requirement_and_the_worst_is_named(tmp_path):
         written(tmp_path, [ON_OBJECT], "cup/mug", name="a.parquet"),
         written(tmp_path, [broken(ON_OBJECT)], "ball/marble", name="b.parquet"),
     ]
-    figures = read_stability(paths)
+    figures = stability_figures(read_table(STABILITY, paths))
     (check,) = figures.families["objects"]
     assert (check.cases, check.held) == (8, False)
     assert check.hardest == "ball/marble: viewpoint 3, fixation, touch 2"
@@ -114,10 +108,8 @@ def test_objects_share_a_requirement_and_the_worst_is_named(tmp_path):
     assert set(figures.objects) == {"cup/mug", "ball/marble"}
 
 
-def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to_its_tolerance(
-    tmp_path,
-):
-    figures = read_stability([written(tmp_path, [GRAZING, EXACT])])
+def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to_its_tolerance():
+    figures = stability_figures(result_table([GRAZING, EXACT]))
     sentence = stability_answer([figures])
     assert sentence == (
         "1,240 numerically hard cases computed; every error is within its tolerance."
@@ -129,8 +121,8 @@ def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to
     )
 
 
-def test_the_answer_to_an_exceeded_tolerance_names_it(tmp_path):
-    figures = read_stability([written(tmp_path, [broken(EXACT), GRAZING])])
+def test_the_answer_to_an_exceeded_tolerance_names_it():
+    figures = stability_figures(result_table([broken(EXACT), GRAZING]))
     sentence = stability_answer([figures])
     assert sentence.endswith("1 tolerance exceeded (images, stretched imprints).")
     assert describe_checks(figures.checks) == sentence
@@ -143,28 +135,17 @@ def test_the_answer_to_an_exceeded_tolerance_names_it(tmp_path):
         '<svg ><a href="http://x">x</a></svg>', '<svg \nonclick="x"></svg>', '<svg id="a"/onload="x"></svg>',
     ],
 )  # fmt: skip
-def test_a_drawing_that_is_more_than_shapes_is_left_out(tmp_path, drawing):
-    result = replace(GRAZING, drawing=drawing)
-    (check,) = read_stability([written(tmp_path, [result])]).checks
+def test_a_drawing_that_is_more_than_shapes_is_left_out(drawing):
+    (check,) = stability_figures(result_table([replace(GRAZING, drawing=drawing)])).checks
     assert check.drawing == ""
 
 
-def test_a_plain_drawing_is_shown(tmp_path):
-    (check,) = read_stability([written(tmp_path, [GRAZING])]).checks
+def test_a_plain_drawing_is_shown():
+    (check,) = stability_figures(result_table([GRAZING])).checks
     assert isinstance(check.drawing, Markup)
 
 
-def test_files_that_are_not_there_leave_the_section_out(tmp_path):
-    assert read_stability([]) is None
-    assert read_stability([tmp_path / "none.parquet", tmp_path / "none"]) is None
-    assert read_precision(tmp_path / "none.json") == {}
-
-
 def test_a_file_of_something_else_is_named(tmp_path):
-    path = tmp_path / "stability.parquet"
-    path.write_text("{")
-    with pytest.raises(TableError, match=r"stability.parquet"):
-        read_stability([path])
     precision = tmp_path / "precision.json"
     precision.write_text("{")
     with pytest.raises(ReportError, match=r"precision.json"):

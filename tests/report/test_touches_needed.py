@@ -1,5 +1,6 @@
 """The curves and their words come from the tables: who wins, who does not, and by how much."""
 
+from report.pages import plain
 from report.synthetic import write_study
 
 from visuohaptic.report.touches_needed import (
@@ -68,7 +69,7 @@ def answer(rows):
 
 
 def test_where_attention_does_not_win_the_words_say_so():
-    text = answer(BEHIND).replace("\N{NO-BREAK SPACE}", " ")
+    text = plain(answer(BEHIND))
     assert "2 touches is that of farthest points, 80.0 % of the area" in text
     assert "attention does not win" in text
     assert "ahead of others: farthest points −10.0 and random probing +10.0;" in text

@@ -1,6 +1,6 @@
 """End with an error where a guard of the run failed."""
 
-from visuohaptic.guards.table import require_guards
+from visuohaptic.guards.verdicts import require_guards
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

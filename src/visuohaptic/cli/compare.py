@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import folder_to_write, say, say_json
+from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
 from visuohaptic.optional_packages import require
 from visuohaptic.whole_files import write_whole
 
@@ -27,7 +27,7 @@ def compare(
     out: Annotated[Path, typer.Option(parser=folder_to_write, help="Folder for the page.")] = Path(
         "comparison"
     ),
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+    as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Write one page of what differs between runs: each is compared with the first.
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from visuohaptic.cli.printing import file_to_read, say, say_json
+from visuohaptic.cli.printing import JsonOption, file_to_read, say, say_json
 from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model
 
 TABLE = "reports/evaluation.parquet"
@@ -27,7 +27,7 @@ def evaluate(
     run: Annotated[
         Path, typer.Option(help="Folder whose results/features has the objects.", show_default=".")
     ] = Path(),
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+    as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Classify the objects of a run that a model has not learnt, and count how often it was right.
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from visuohaptic.cli.printing import (
+    JsonOption,
     file_to_read,
     folder_to_write,
     one_of,
@@ -26,12 +27,15 @@ from visuohaptic.plugins import load_installed
 from visuohaptic.studies.cost.budgets import BUDGETS
 
 if TYPE_CHECKING:
-    from visuohaptic.exploration.exploring import Exploration, Recognition, TouchableObject
+    from visuohaptic.exploration.exploring import Exploration, Recognition
     from visuohaptic.parameters import ExperimentParameters
 
 Made = TypeVar("Made")
 
-_TOUCH_COLUMNS = ("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z")
+_TOUCH_COLUMNS = [
+    *("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z"),
+    *("sensor_size", "contact_state"),
+]
 
 
 def _with_plug_ins(parameters: Path | None) -> Path | None:
@@ -89,7 +93,6 @@ BudgetOption = Annotated[
         help="Viewpoints for the time that you have, instead of --viewpoints.",
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
 
 
 def touch(
@@ -133,19 +136,29 @@ def touch(
     viewpoints = _viewpoints(viewpoints, budget)
 
     def touch_one(mesh: Path) -> tuple[Exploration, list[Path]]:
-        found = _explore(_load(mesh, up, chosen, unit), mesh, viewpoints, strategy, chosen)
+        found = _explore(mesh, up, unit, viewpoints, strategy, chosen)
         return found, found.save(folders[mesh])
 
     def say_one(mesh: Path, made: tuple[Exploration, list[Path]]) -> None:
         found, files = made
-        say(f"{mesh}: {_counts(found)}, {_seconds(found.seconds)}")
+        touches, views = found.touches.num_rows, found.views.num_rows
+        say(
+            f"{mesh}: {touches} touches from {views} viewpoints by {found.strategy}, "
+            f"{_seconds(found.seconds)}"
+        )
         _say_up(up, found)
         for file in files:
             say(f"  {file}")
 
     def values(mesh: Path, made: tuple[Exploration, list[Path]]) -> dict[str, object]:
         found, files = made
-        return _exploration_values(mesh, found) | {
+        return {
+            "mesh": mesh,
+            "strategy": found.strategy,
+            "viewpoints": found.views.num_rows,
+            "touches": found.touches.num_rows,
+            "features": found.features.drop_columns(["class", "object", "strategy"]).to_pylist(),
+            "seconds": dict(found.seconds),
             "up": found.frame.up_axis,
             "out": folders[mesh],
             "files": files,
@@ -184,8 +197,7 @@ def recognise(
     strategy, chosen = recogniser.model.strategy, recogniser.parameters
 
     def recognise_one(mesh: Path) -> Recognition:
-        explored = _explore(_load(mesh, up, chosen), mesh, viewpoints, strategy, chosen)
-        return explored.recognise(recogniser)
+        return _explore(mesh, up, None, viewpoints, strategy, chosen).recognise(recogniser)
 
     def say_one(mesh: Path, found: Recognition) -> None:
         say(_answer_line(mesh, found))
@@ -198,7 +210,22 @@ def recognise(
         )
 
     def values(mesh: Path, found: Recognition) -> dict[str, object]:
-        return _recognition_values(mesh, chosen_model, found)
+        made = found.exploration
+        return {
+            "mesh": mesh,
+            "model": chosen_model,
+            "class": found.name,
+            "probabilities": dict(found.probabilities),
+            "candidates": found.candidates,
+            "coverage": found.coverage,
+            "unknown": found.unknown,
+            "strangeness": found.strangeness,
+            "strategy": made.strategy,
+            "viewpoints": made.views.num_rows,
+            "touches": found.touches,
+            "touched": made.touches.select(_TOUCH_COLUMNS).to_pylist(),
+            "seconds": dict(found.seconds),
+        }
 
     _each(meshes, recognise_one, values if as_json else None, say_one)
     if not as_json:
@@ -301,66 +328,22 @@ def _viewpoints(viewpoints: int | None, budget: str | None) -> int | None:
     return budgets()[budget].viewpoints
 
 
-def _load(
+def _explore(
     mesh: Path,
     up: str | None,
-    parameters: ExperimentParameters,
-    unit: str | None = None,
-) -> TouchableObject:
-    from visuohaptic.exploration.exploring import load
-
-    chosen = parameters.meshes
-    if up is not None:
-        chosen = chosen.model_copy(update={"own_up_axis": up})
-    return load(mesh, parameters=chosen, unit=unit)
-
-
-def _explore(
-    ready: TouchableObject,
-    mesh: Path,
+    unit: str | None,
     viewpoints: int | None,
     strategy: str,
     parameters: ExperimentParameters,
 ) -> Exploration:
+    from visuohaptic.exploration.exploring import load
+
+    turned = {} if up is None else {"own_up_axis": up}
+    ready = load(mesh, parameters=parameters.meshes.model_copy(update=turned), unit=unit)
     track: Any = partial(show_progress, doing=f"touching {mesh.name}")
     return ready.touch(viewpoints, strategy, parameters, track)
-
-
-def _counts(found: Exploration) -> str:
-    touches, views = found.touches.num_rows, found.views.num_rows
-    return f"{touches} touches from {views} viewpoints by {found.strategy}"
 
 
 def _seconds(seconds: Any) -> str:
     parts = ", ".join(f"{phase} {value:.2f}" for phase, value in seconds.items())
     return f"{sum(seconds.values()):.2f} s ({parts})"
-
-
-def _exploration_values(mesh: Path, found: Exploration) -> dict[str, object]:
-    return {
-        "mesh": mesh,
-        "strategy": found.strategy,
-        "viewpoints": found.views.num_rows,
-        "touches": found.touches.num_rows,
-        "features": found.features.drop_columns(["class", "object", "strategy"]).to_pylist(),
-        "seconds": dict(found.seconds),
-    }
-
-
-def _recognition_values(mesh: Path, model: Path, found: Recognition) -> dict[str, object]:
-    made = found.exploration.touches
-    return {
-        "mesh": mesh,
-        "model": model,
-        "class": found.name,
-        "probabilities": dict(found.probabilities),
-        "candidates": None if found.candidates is None else list(found.candidates),
-        "coverage": found.coverage,
-        "unknown": found.unknown,
-        "strangeness": found.strangeness,
-        "strategy": found.exploration.strategy,
-        "viewpoints": found.exploration.views.num_rows,
-        "touches": found.touches,
-        "touched": made.select([*_TOUCH_COLUMNS, "sensor_size", "contact_state"]).to_pylist(),
-        "seconds": dict(found.seconds),
-    }

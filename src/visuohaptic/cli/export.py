@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import folder_to_write, say, say_json
+from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
 
 
 def export(
@@ -20,7 +20,7 @@ def export(
         ),
     ],
     run: Annotated[Path, typer.Option(help="Folder of a finished run.", show_default=".")] = Path(),
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+    as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Write a finished run's touches as a data set for Hugging Face `datasets`.
 
@@ -32,9 +32,11 @@ def export(
     from visuohaptic.export.files import export_run
     from visuohaptic.report.provenance import find_commit
 
-    written = export_run(run, folder, find_commit())
-    contents = written.contents
-    sizes = {name: written.size_of(name) for name in ("data", "lite")}
+    contents = export_run(run, folder, find_commit())
+    sizes = {
+        name: sum(file.stat().st_size for file in (folder / name).iterdir())
+        for name in ("data", "lite")
+    }
     values = {
         "folder": folder,
         "touches": sum(contents.touches.values()),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from visuohaptic.cli.printing import say, say_json, show_progress
+from visuohaptic.cli.printing import JsonOption, say, say_json, show_progress
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.intervals import Interval
@@ -37,7 +37,7 @@ def gaze(
         str, typer.Option(help="Where the recordings come from, for that file.")
     ] = "own recordings",
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes.")] = 1,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+    as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Compare the attention model with where people looked on objects.
 

@@ -26,30 +26,11 @@ def split_accuracies(
     train_share: float,
     generator: np.random.Generator,
 ) -> NDArray[np.float64]:
-    """Train and test a support vector machine on random splits of the images of each class.
+    """Give the share (splits,) of test images that a support vector machine classifies correctly.
 
-    Parameters
-    ----------
-    groups : mapping of str to numpy.ndarray
-        Shape (n, k) each, float64: groups of features. All groups count alike, whatever their width.
-    classes : sequence of str
-        The n images' classes.
-    splits : int
-        How many splits.
-    train_share : float
-        Share of each class's images that trains.
-    generator : numpy.random.Generator
-        Draws the splits.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (splits,), float64: the share of test images correctly classified.
-
-    Raises
-    ------
-    RecognitionError
-        If there is one class, or one has too few images to train and to test.
+    Of the n images of `classes`, `groups` hold features (n, k) each, which count alike, whatever their
+    width; `train_share` of each class's images trains. Raises `RecognitionError` if there is one class,
+    or one has too few images to train and to test.
     """
     from threadpoolctl import threadpool_limits
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import say, say_json
+from visuohaptic.cli.printing import JsonOption, say, say_json
 
 
 def images(
@@ -27,7 +27,7 @@ def images(
         float, typer.Option(min=0.01, max=0.99, help="Share of each class's images that trains.")
     ] = 0.8,
     seed: Annotated[int, typer.Option(min=0, help="Random seed of the splits.")] = 2018,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+    as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Describe tactile images of any size: contourlet bands, pressure, shape and spectrum.
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import say, say_json, show_progress
+from visuohaptic.cli.printing import JsonOption, say, say_json, show_progress
 from visuohaptic.errors import MeshError
 from visuohaptic.meshes.catalogue import Model, find_own_models, models_of_set
 
@@ -30,7 +30,6 @@ SetOption = Annotated[SetName, typer.Option("--set", help="Which objects of the 
 FolderOption = Annotated[
     Path, typer.Option("--meshes", help="Folder with catalogue.csv, paper/, own/ and downloaded/.")
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
 
 
 @app.command()

@@ -7,13 +7,15 @@ import sys
 import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import typer
 
 from visuohaptic.errors import VisuohapticError
 
 Item = TypeVar("Item")
+
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
 
 WHOLE_LINE = 500
 """Longest error, in characters; an object's own text may be of any length."""

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import folder_to_write, say, say_json
+from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
 from visuohaptic.optional_packages import require
 
 PAGE = "report.html"
@@ -20,7 +20,7 @@ def report(
     out: Annotated[Path, typer.Option(parser=folder_to_write, help="Folder for the page.")] = Path(
         "report"
     ),
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")] = False,  # noqa: FBT002
+    as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Write the report of a finished run: one HTML page that needs no network.
 
@@ -32,10 +32,10 @@ def report(
     from visuohaptic.report.page import make_report
     from visuohaptic.report.run_folder import find_run
 
-    found = find_run(run)
+    files, parameters, objects = find_run(run)
     page = out / PAGE
-    make_report(found.files, page, found.parameters, found.objects)
+    make_report(files, page, parameters, objects)
     if as_json:
-        say_json({"page": page, "bytes": page.stat().st_size, "objects": list(found.objects)})
+        say_json({"page": page, "bytes": page.stat().st_size, "objects": objects})
         return
-    say(f"{page}: {len(found.objects)} objects, {page.stat().st_size / 1e6:.1f} MB")
+    say(f"{page}: {len(objects)} objects, {page.stat().st_size / 1e6:.1f} MB")

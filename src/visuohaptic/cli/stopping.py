@@ -34,11 +34,7 @@ def stop_at_ctrl_c(command: Callable[[], None]) -> None:
     An exception may be swallowed, or printed where nothing can catch it. So another thread takes
     Ctrl-C: it interrupts the main thread, again each second, lets nothing of this be seen, and ends
     the process itself where that does not help. After the command's end Ctrl-C changes nothing.
-
-    Raises
-    ------
-    SystemExit
-        With status 130.
+    Raises `SystemExit` with status 130.
     """
     try:
         if sys.platform != "win32":  # Typer stops there

@@ -31,16 +31,9 @@ FORMATS = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm")
 
 @dataclass(frozen=True)
 class TactileImages:
-    """Images of one size, each of an object.
+    """Images (n, rows, columns) in [0, 1], each of an object; 1 is the full scale.
 
-    Attributes
-    ----------
-    images : numpy.ndarray
-        Shape (n, rows, columns), float64, in [0, 1]: 1 is the full scale.
-    classes : tuple of str
-        The n images' classes: the folders' names.
-    names : tuple of str
-        The files' names.
+    `classes` and `names` are the n folders' and files' names.
     """
 
     images: NDArray[np.float64]
@@ -49,22 +42,9 @@ class TactileImages:
 
 
 def read_tactile_images(folder: str | Path) -> TactileImages:
-    """Read `folder/<class>/<image>`, sorted by class and name.
+    """Read grey images, `folder/<class>/<image>`, of 8 or 16 bit, sorted by class and name.
 
-    Parameters
-    ----------
-    folder : path
-        Holds a folder for each class, with grey images (PNG, JPEG, BMP, TIFF, PGM; 8 or 16 bit).
-
-    Returns
-    -------
-    TactileImages
-        All of them.
-
-    Raises
-    ------
-    RecognitionError
-        If there is no image, one can't be read, or two differ in size.
+    Raises `RecognitionError` if there is no image, one can't be read, or two differ in size.
     """
     folder = Path(folder)
     files = sorted(path for path in folder.glob("*/*") if path.suffix.lower() in FORMATS)
@@ -89,28 +69,14 @@ def read_tactile_images(folder: str | Path) -> TactileImages:
 def describe_tactile_images(
     images: NDArray[np.float64], levels: Sequence[int] = LEVELS
 ) -> Mapping[str, NDArray[np.float64]]:
-    """Describe tactile images by groups of features.
+    """Describe images (n, rows, columns) in [0, 1] by groups of features (n, k).
 
-    Parameters
-    ----------
-    images : numpy.ndarray
-        Shape (n, rows, columns), float64, in [0, 1].
-    levels : sequence of int
-        Contourlet levels: l of every pyramid level, the coarsest first.
-
-    Returns
-    -------
-    mapping of str to numpy.ndarray
-        Shape (n, k) each, float64; each row depends on its own image alone:
-        `contourlet`, deviations of the bands; `pressure`, mean, deviation, peak and share of touched
-        taxels; `ordered`, the largest, … smallest value at 16 ranks; `shape`, total, principal
-        extents and moments of the pressure, and its sums over 12 rings around its centre;
-        `spectrum`, logarithms of the amplitudes of the lowest 12 × 12 frequencies of either sign.
-
-    Raises
-    ------
-    LevelsError
-        If the levels are not allowed.
+    Each row depends on its own image alone: `contourlet`, deviations of the bands of `levels`, l of
+    every pyramid level, the coarsest first; `pressure`, mean, deviation, peak and share of touched
+    taxels; `ordered`, the largest, … smallest value at 16 ranks; `shape`, total, principal extents and
+    moments of the pressure, and its sums over 12 rings around its centre; `spectrum`, logarithms of the
+    amplitudes of the lowest 12 × 12 frequencies of either sign. Raises `LevelsError` if the levels are
+    not allowed.
     """
     from contourlets import Contourlet, band_deviations
 

@@ -12,7 +12,7 @@ import yaml
 
 from visuohaptic.export.columns import COLUMNS, IMAGE, IMPRINT, LITE_COLUMNS
 from visuohaptic.export.contents import SPLITS, Contents
-from visuohaptic.export.experiment import Baseline, Experiment
+from visuohaptic.export.experiment import Experiment
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import Column
 
@@ -85,15 +85,14 @@ def _header(contents: Contents) -> dict[str, Any]:
         "dataset_info": [
             {
                 "config_name": name,
-                "features": [_feature(column, contents) for column in one.columns],
+                "features": [
+                    {"name": column.name, "dtype": _dtype(column, contents)}
+                    for column in one.columns
+                ],
             }
             for name, one in CONFIGURATIONS.items()
         ],
     }
-
-
-def _feature(column: Column, contents: Contents) -> dict[str, Any]:
-    return {"name": column.name, "dtype": _dtype(column, contents)}
 
 
 def _dtype(column: Column, contents: Contents) -> Any:
@@ -176,17 +175,16 @@ models are in `credits.csv`, licence and author also in each row.
 
 def _baseline_rows(experiment: Experiment) -> list[tuple[str, ...]]:
     return [
-        (one.pipeline, one.strategy, one.classifier, f"{_percent(one.accuracy)} % ({_ends(one)})")
+        (
+            *(one.pipeline, one.strategy, one.classifier),
+            f"{_percent(one.accuracy)} % ({_percent(one.low)} to {_percent(one.high)})",
+        )
         for one in experiment.baselines
     ]
 
 
 def _percent(value: float | None) -> str:
     return "none" if value is None else f"{100 * value:.1f}"
-
-
-def _ends(one: Baseline) -> str:
-    return f"{_percent(one.low)} to {_percent(one.high)}"
 
 
 def _class_rows(contents: Contents) -> list[tuple[str, ...]]:

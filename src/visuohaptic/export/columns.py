@@ -39,26 +39,10 @@ COLUMNS = (
 def data_rows(
     touches: pa.Table, classes: Sequence[str], credited: Mapping[str, Credit]
 ) -> pa.Table:
-    """Turn touches into rows of the data set.
+    """Turn touches, one or more rows of `tables.TOUCHES`, into rows of `COLUMNS` in the same order.
 
-    Parameters
-    ----------
-    touches : pyarrow.Table
-        Rows of `tables.TOUCHES`, one or more.
-    classes : sequence of str
-        All classes; a label is a place in it.
-    credited : mapping of str to Credit
-        By `class/name`; an object without one gets empty texts.
-
-    Returns
-    -------
-    pyarrow.Table
-        `COLUMNS`, in the order of the touches.
-
-    Raises
-    ------
-    TableError
-        If the imprints differ in size, or are no squares.
+    A label is a place in `classes`, which are all. `credited` goes by `class/name`; an object without
+    a credit gets empty texts. Raises `TableError` if the imprints differ in size, or are no squares.
     """
     imprints = images(touches)
     found = [credited.get(key) for key in keys_of(touches).to_pylist()]

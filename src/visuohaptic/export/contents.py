@@ -27,20 +27,10 @@ LITE_BYTES = 25_000_000
 
 @dataclass(frozen=True)
 class Contents:
-    """A data set in numbers.
+    """A data set in numbers; objects are `class/name`.
 
-    Attributes
-    ----------
-    touches : mapping of str to int
-        Touches of each object, `class/name`, sorted.
-    tested : frozenset of str
-        The objects of split `test`.
-    taxels : int
-        Edge of an imprint.
-    credits : mapping of str to Credit
-        Of the objects that have one.
-    seed : int
-        By which the objects were divided.
+    `touches` counts those of each object, sorted; `tested` are the objects of split `test`; `taxels` is
+    the edge of an imprint; `credits` has the objects with one; by `seed` the objects were divided.
     """
 
     touches: Mapping[str, int]
@@ -110,9 +100,9 @@ def find_contents(files: Sequence[Path], credited: Mapping[str, Credit], seed: i
 
 
 def choose_tested(keys: Iterable[str], seed: int) -> list[str]:
-    """Draw the test objects of each class, `class/name`; a class's draw depends on nothing else.
+    """Draw the test objects of each class, `class/name`, by itself; a class with one object has none.
 
-    A class with one object has none. Raises `ExportError` if all have one.
+    Raises `ExportError` if all have one.
     """
     by_class: dict[str, list[str]] = {}
     for key in sorted(keys):

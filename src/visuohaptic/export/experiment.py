@@ -32,18 +32,9 @@ class Baseline:
 class Experiment:
     """What others need to compare with the experiment.
 
-    Attributes
-    ----------
-    features : pyarrow.Table
-        `tables.FEATURES` of all touches.
-    tested : sequence of sequence of str
-        For each division of the objects those that tested, `class/name`; the others trained.
-    parameters : mapping
-        Every parameter, as in ``params.yaml``.
-    baselines : sequence of Baseline
-        The experiment's own results.
-    commit : str
-        Of the code that writes the data set, or why none is known.
+    `features` are `tables.FEATURES` of all touches; `tested` gives for each division of the objects
+    those that tested, `class/name`; `parameters` are as in ``params.yaml``; `commit` is of the code that
+    writes the data set, or says why none is known.
     """
 
     features: pa.Table

@@ -6,7 +6,6 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -39,21 +38,7 @@ _OF_TOUCHES = {
 }
 
 
-@dataclass(frozen=True)
-class Export:
-    """A written data set: where it lies, and what it holds."""
-
-    folder: Path
-    contents: Contents
-
-    def size_of(self, folder: str) -> int:
-        """Give the bytes of a folder's Parquet files."""
-        return sum(
-            (self.folder / name).stat().st_size for name in PARQUET if name.startswith(f"{folder}/")
-        )
-
-
-def export_run(run: str | Path, folder: str | Path, commit: str) -> Export:
+def export_run(run: str | Path, folder: str | Path, commit: str) -> Contents:
     """Export the touches of a finished run, in its folder as the workflow lays it out.
 
     Takes ``params.yaml``, ``results/touches`` and the credits below ``meshes``. Raises what
@@ -84,36 +69,13 @@ def make_export(
     folder: str | Path,
     seed: int,
     experiment: Experiment,
-) -> Export:
+) -> Contents:
     """Write touches as a data set that `datasets.load_dataset(folder)` reads as it is.
 
-    The same touches, credits, seed and experiment give the same files bit for bit.
-
-    Parameters
-    ----------
-    touches : sequence of path
-        Parts of table `touches`, in any order.
-    credit_files : sequence of path
-        CSV files with the columns class, object, author, licence and source_url; one that is
-        missing is passed over.
-    folder : path
-        New, empty, or an earlier export, which is replaced.
-    seed : int
-        By which objects are divided into training and test objects.
-    experiment : Experiment
-        What the touches were made for, and what it found.
-
-    Returns
-    -------
-    Export
-        What was written.
-
-    Raises
-    ------
-    ExportError
-        If the folder holds anything else, or the touches can't be divided.
-    TableError
-        If a part of the touches breaks its schema.
+    The same touches, in any order of their files, credits, seed and experiment give the same files bit
+    for bit. The folder is new, empty, or an earlier export, which is replaced; a missing file of credits
+    is passed over. Raises `ExportError` if the folder holds anything else, or the touches can't be
+    divided, and `TableError` if a part of them breaks its schema.
     """
     files, folder = sorted(map(Path, touches)), Path(folder)
     contents = find_contents(files, read_credits(credit_files), seed)
@@ -130,7 +92,7 @@ def make_export(
         )
     written = {name: folder / name for name in PARQUET}
     write_whole(folder / CROISSANT, describe_files(contents, written))
-    return Export(folder, contents)
+    return contents
 
 
 def _take_over(folder: Path) -> None:
@@ -138,7 +100,9 @@ def _take_over(folder: Path) -> None:
     if folder.exists() and not folder.is_dir():
         raise ExportError(f"{folder} is a file; name a folder.")
     present = list(_entries(folder))
-    if any(file.is_file() for file in present) and not _is_marked(folder / CARD):
+    card = folder / CARD
+    is_marked = card.is_file() and MARK in card.read_text(encoding="utf-8", errors="replace")
+    if any(file.is_file() for file in present) and not is_marked:
         raise ExportError(
             f"{folder} is not empty and holds no export; name a new or an empty folder."
         )
@@ -159,10 +123,6 @@ def _entries(folder: Path) -> Iterator[Path]:
                     "folder."
                 )
             yield entry
-
-
-def _is_marked(card: Path) -> bool:
-    return card.is_file() and MARK in card.read_text(encoding="utf-8", errors="replace")
 
 
 def _write_rows(files: Sequence[Path], contents: Contents, folder: Path) -> None:

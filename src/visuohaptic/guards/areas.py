@@ -24,21 +24,9 @@ SLIVER = 1e-6
 def coordinates(surface: Surface, points: Floats, faces: NDArray[np.int64]) -> Floats:
     """Give three numbers of each point that are uniform in [0, 1] if points are uniform by area.
 
-    Parameters
-    ----------
-    surface : Surface
-        The object.
-    points : numpy.ndarray
-        Shape (n, 3): points on it.
-    faces : numpy.ndarray
-        Shape (n,), int64: the face of each.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (m, 3), m at most n: the share of area of all smaller faces and of the part of its own
-        that is nearer to the first corner; that part's share of its face; and how far along the
-        opposite edge it lies. Points on slivers are left out.
+    Of points (n, 3) on faces (n,) of the surface it gives (m, 3), as points on slivers are left out:
+    the share of area of all smaller faces and of the part of its own that is nearer to the first
+    corner; that part's share of its face; and how far along the opposite edge it lies.
     """
     triangles = surface.triangles[faces]
     first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
@@ -63,18 +51,7 @@ def coordinates(surface: Surface, points: Floats, faces: NDArray[np.int64]) -> F
 
 
 def guard_areas(drawn: Sequence[Floats]) -> Verdict:
-    """Test by chi-squared that places are uniform by area.
-
-    Parameters
-    ----------
-    drawn : sequence of numpy.ndarray
-        `coordinates` of each object's places, those that were passed over among them.
-
-    Returns
-    -------
-    Verdict
-        What was found.
-    """
+    """Test by chi-squared that each object's `coordinates`, those passed over among them, are uniform by area."""
     values = np.concatenate([np.empty((0, 3)), *drawn])
     if len(values) < LEAST:
         found = f"There are {len(values)} random places, and {LEAST} are needed."

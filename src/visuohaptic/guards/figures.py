@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from visuohaptic.guards.p_values import guard_signs
 from visuohaptic.guards.sums import guard_sums
-from visuohaptic.guards.table import table_of
+from visuohaptic.guards.verdicts import table_of
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import PREDICTIONS
@@ -28,15 +28,11 @@ def make_guards(
     """Try the guards of the figures, and write them after those of `make_training_guards`; one that fails raises nothing here."""
     predicted = read_table(PREDICTIONS, predictions)
     published = json.loads(Path(metrics).read_text(encoding="utf-8"))
-    generator = spawn_generator(seed, "guards", "figures")
+    counted = predicted.group_by(["class", "object"]).aggregate([([], "count_all")])
+    weights = counted.column("count_all").to_numpy().astype(np.float64)
     verdicts = [
         guard_sums(published, predicted),
-        guard_signs(_object_weights(predicted), generator),
+        guard_signs(weights, spawn_generator(seed, "guards", "figures")),
     ]
     table = pa.concat_tables([read_table(GUARDS, training), table_of(verdicts)])
     write_table(GUARDS, table, output)
-
-
-def _object_weights(predicted: pa.Table) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    counted = predicted.group_by(["class", "object"]).aggregate([([], "count_all")])
-    return counted.column("count_all").to_numpy().astype(np.float64)

@@ -36,20 +36,7 @@ UNSEEN = "test objects change nothing that is fitted"
 
 
 def sample_objects(features: pa.Table, generator: np.random.Generator) -> pa.Table:
-    """Take the rows of some classes, of some objects of each with at least two, and of some views.
-
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`.
-    generator : numpy.random.Generator
-        Draws classes and objects.
-
-    Returns
-    -------
-    pyarrow.Table
-        Some of the rows, in their order.
-    """
+    """Take the rows, in order, of some classes, some objects of each with at least two, and some views."""
     names = np.array(features.column("class").to_pylist(), dtype=object)
     objects = np.array(features.column("object").to_pylist(), dtype=object)
     members = {name: sorted(set(objects[names == name])) for name in sorted(set(names))}
@@ -73,20 +60,6 @@ def guard_chance(
     Test objects whose sequences also train are then recognised all the same. Each shuffle tests one
     split; the mean over classes of the share correctly classified has the expectation 1/c for c
     classes, as the labels of a split's test objects are as likely in any order.
-
-    Parameters
-    ----------
-    sequences : TouchSequences
-        Sequences of the run.
-    parameters : RecognitionParameters
-        The run's.
-    generator : numpy.random.Generator
-        Shuffles, and trains.
-
-    Returns
-    -------
-    Verdict
-        What was found.
     """
     if parameters.protocol.protocol == "new_viewpoint":
         return Verdict(CHANCE, "not tested", "The protocol trains on other views of each object.")
@@ -136,23 +109,7 @@ def guard_unseen(
 ) -> Verdict:
     """Replace test objects by noise, and want the other test sequences classified as before.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy.
-    pipeline : str
-        Which pipeline.
-    parameters : RecognitionParameters
-        The run's.
-    seed : int
-        The experiment's random seed.
-    generator : numpy.random.Generator
-        Draws the split and the noise.
-
-    Returns
-    -------
-    Verdict
-        What was found.
+    The rows of `tables.FEATURES` are of one strategy; the generator draws the split and the noise.
     """
     guard = f"{UNSEEN}, pipeline {pipeline}"
     sequences = gather_pipeline(features, parameters, pipeline, seed)

@@ -23,20 +23,7 @@ LEAST = 5
 
 
 def guard_signs(weights: Floats, generator: np.random.Generator) -> Verdict:
-    """Compare differences of random sign, and want p values that are two-sided and uniform.
-
-    Parameters
-    ----------
-    weights : numpy.ndarray
-        Shape (o,): the weights of the run's objects.
-    generator : numpy.random.Generator
-        Draws the differences.
-
-    Returns
-    -------
-    Verdict
-        What was found.
-    """
+    """Compare differences of random sign, weighted as the run's objects (o,), and want two-sided, uniform p values."""
     limits = EXACT if len(weights) <= MOST_EXACT else SAMPLED
     objects, permutations = min(len(weights), limits["objects"]), limits["permutations"]
     quick = IntervalParameters(bootstrap_samples=100, permutations=permutations)

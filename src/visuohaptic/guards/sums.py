@@ -31,20 +31,7 @@ _KEYS = [
 
 
 def guard_sums(metrics: Mapping[str, Any], predictions: pa.Table) -> Verdict:
-    """Sum the metrics again, from the rows of the predictions.
-
-    Parameters
-    ----------
-    metrics : mapping
-        `reports/metrics.json`.
-    predictions : pyarrow.Table
-        `tables.PREDICTIONS`, all of the run.
-
-    Returns
-    -------
-    Verdict
-        What was found; of several wrong figures it names the first.
-    """
+    """Sum `reports/metrics.json` again, from all predictions of the run; of several wrong figures name the first."""
     pairs = list(_pairs(metrics, predictions))
     wrong = [
         name
@@ -72,13 +59,11 @@ def _pairs(
     for pipeline, classifiers in metrics["comparisons"].items():
         for classifier, others in classifiers.items():
             for other, found in others.items():
-                first, second = (
-                    _shares(cells[pipeline, strategy, classifier])
-                    for strategy in ("fixation", other)
-                )
+                rows, against = (cells[pipeline, one, classifier] for one in ("fixation", other))
+                first, second = _shares(rows), _shares(against)
                 name = f"fixation against {other}, {pipeline}, {classifier}"
                 apart = {key: first[key] - second[key] for key in first}
-                weights = _weights(cells[pipeline, "fixation", classifier])
+                weights = _sums(rows, rows)
                 yield f"difference: {name}", found["difference"]["mean"], _mean(apart, weights)
                 if found["exact"] and len(apart) <= MOST_SIGNS:
                     yield f"p value: {name}", found["p_value"], _sign_test(apart, weights)
@@ -122,18 +107,14 @@ def _credit(rows: list[Row]) -> float:
     return fmean(shares)
 
 
-def _weights(rows: list[Row]) -> dict[Owner, float]:
-    """Give each object's weight: over splits, the sum of its share of the sequences."""
-    return _sums(rows, rows)
-
-
 def _shares(rows: list[Row]) -> dict[Owner, float]:
-    """Give each object's accuracy over its splits, weighted as `_weights` are."""
+    """Give each object's accuracy over its splits, weighted as `_sums` are."""
     right = _sums([row for row in rows if row["predicted"] == row["class"]], rows)
-    return {key: right.get(key, 0.0) / weight for key, weight in sorted(_weights(rows).items())}
+    return {key: right.get(key, 0.0) / weight for key, weight in sorted(_sums(rows, rows).items())}
 
 
 def _sums(rows: list[Row], all_rows: list[Row]) -> dict[Owner, float]:
+    """Give each object's weight: over splits, the sum of its rows' share of all sequences."""
     sizes: Counter[tuple[int, int]] = Counter()
     for row in all_rows:
         sizes[row["split"], row["seed"]] += row["viewpoint_count"]

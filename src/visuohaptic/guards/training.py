@@ -14,8 +14,7 @@ from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.geometry.surface import read_surface, set_aside_reason
 from visuohaptic.guards.areas import coordinates, guard_areas
 from visuohaptic.guards.leaks import guard_chance, guard_unseen, sample_objects
-from visuohaptic.guards.table import table_of
-from visuohaptic.guards.verdicts import Verdict
+from visuohaptic.guards.verdicts import Verdict, table_of
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import take_strategy

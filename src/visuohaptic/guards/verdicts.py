@@ -1,12 +1,19 @@
-"""What a guard found, and the bounds that its false alarms are limited by."""
+"""What a guard found, the table of it, and the bounds that its false alarms are limited by."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
+
+from visuohaptic.errors import GuardError
+from visuohaptic.tables.guards import GUARDS
+from visuohaptic.tables.schema import build_rows, read_table
 
 ALARM = 1e-5
 """Probability of a false alarm of one random test; a run makes at most six."""
@@ -16,17 +23,7 @@ Outcome = Literal["held", "failed", "not tested"]
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one guard found.
-
-    Attributes
-    ----------
-    guard : str
-        Its name.
-    outcome : {"held", "failed", "not tested"}
-        ``not tested`` where the run is too small, or has no such thing.
-    found : str
-        In one sentence what was found, or why nothing was tested.
-    """
+    """What one guard found, in one sentence, or why nothing was tested."""
 
     guard: str
     outcome: Outcome
@@ -38,23 +35,35 @@ def judge(guard: str, *, held: bool, found: str) -> Verdict:
     return Verdict(guard, "held" if held else "failed", found)
 
 
+def table_of(verdicts: Sequence[Verdict]) -> pa.Table:
+    """Give verdicts as rows of `tables.GUARDS`."""
+    return build_rows(GUARDS, [asdict(verdict) for verdict in verdicts])
+
+
+def failed_guards(path: str | Path) -> list[str]:
+    """Name the guards that failed, in a sentence each."""
+    return [
+        f"{row['guard']}: failed. {row['found']}"
+        for row in read_table(GUARDS, [path]).to_pylist()
+        if row["outcome"] == "failed"
+    ]
+
+
+def require_guards(path: str | Path, report: str | Path) -> None:
+    """Raise `GuardError` if a guard of the run failed."""
+    failed = failed_guards(path)
+    if failed:
+        raise GuardError(
+            f"The run's figures can't be trusted, as {report} says, too: {' '.join(failed)}"
+        )
+
+
 def highest_mean(expected: float, draws: int) -> float:
     """Give the mean of independent values in [0, 1] that chance exceeds with probability `ALARM` at most.
 
     The bound of W. Hoeffding, J. Am. Stat. Assoc. 58(301), 1963, theorem 1: a mean of n values with
     expectation p reaches a with probability exp(-n KL(a | p)) at most, whatever their distribution.
-
-    Parameters
-    ----------
-    expected : float
-        Mean of the values' expectations, above 0 and below 1.
-    draws : int
-        How many values.
-
-    Returns
-    -------
-    float
-        The mean; 1 where so few values can't exceed chance.
+    The expectation is above 0 and below 1; the mean is 1 where so few values can't exceed chance.
     """
     from scipy.optimize import brentq
     from scipy.special import rel_entr

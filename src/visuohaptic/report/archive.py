@@ -37,15 +37,15 @@ class Archive:
 
 def summarise_run(run: Run, seconds: Sequence[PhaseSeconds]) -> dict[str, Any]:
     """Give what the page carries, JSON-able."""
-    return {
-        "form": FORM,
-        "metrics": dict(run.metrics),
-        "parameters": run.parameters.model_dump(mode="json", exclude={"workflow"}),
-        "seconds": [asdict(phase) for phase in seconds],
-        "commit": find_commit(),
-        "machine": dict(describe_machine()),
-        "versions": dict(find_versions()),
-    }
+    archive = Archive(
+        metrics=run.metrics,
+        parameters=run.parameters.model_dump(mode="json", exclude={"workflow"}),
+        seconds=tuple(seconds),
+        commit=find_commit(),
+        machine=dict(describe_machine()),
+        versions=dict(find_versions()),
+    )
+    return {"form": FORM, **asdict(archive)}
 
 
 def read_archive(page: str, source: str) -> Archive:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
-from visuohaptic.guards.table import failed_guards
+from visuohaptic.guards.verdicts import failed_guards
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.stability import describe_checks
@@ -136,10 +135,9 @@ def _missing_models(run: Run) -> list[str]:
 
 
 def _failed_guards(run: Run) -> list[str]:
-    path = run.files.extras.get("guards")
-    if path is None or not Path(path).is_file():
-        return []
-    return [f"The figures can't be trusted. {sentence}" for sentence in failed_guards(path)]
+    path = run.file_of("guards")
+    failed = failed_guards(path) if path else []
+    return [f"The figures can't be trusted. {sentence}" for sentence in failed]
 
 
 def _broken_tolerances(run: Run) -> list[str]:

@@ -12,19 +12,9 @@ from visuohaptic.gaze.stored import read_measured
 from visuohaptic.report import sections
 from visuohaptic.report.gaze import gaze_figures
 from visuohaptic.report.glossary import WORDS
-from visuohaptic.report.looking import ANSWERS, looking_figures
+from visuohaptic.report.objects import ObjectPage
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import (
-    Reads,
-    Section,
-    by_fixation,
-    each_best,
-    each_pipeline,
-    first_best,
-    given,
-    shown_touch,
-    shown_view,
-)
+from visuohaptic.report.section import Reads, Rows, Section, given
 from visuohaptic.report.studies import read_own_studies, read_study
 from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.studies.registry import PACKAGED
@@ -44,6 +34,32 @@ from visuohaptic.tables.studies import (
 
 _SHARE = "share of rows with predicted = class, averaged over splits"
 _VOTES = "Whole objects: voted, or the majority of predicted where it is missing"
+
+
+def each_pipeline(run: Run, _: ObjectPage) -> list[Rows]:
+    """Select the rows of each pipeline."""
+    return [{"pipeline": table.name} for table in run.pipelines]
+
+
+def each_best(run: Run, _: ObjectPage) -> list[Rows]:
+    """Select the rows of each pipeline's best classifier."""
+    return [{"pipeline": table.name, "classifier": table.best.key} for table in run.pipelines]
+
+
+def first_best(run: Run, page: ObjectPage) -> list[Rows]:
+    """Select the rows of the first pipeline's best classifier."""
+    return each_best(run, page)[:1]
+
+
+def shown_view(_: Run, page: ObjectPage) -> list[Rows]:
+    """Select the view that explains the method."""
+    return [page.shown_rows]
+
+
+def shown_touch(run: Run, page: ObjectPage) -> list[Rows]:
+    """Select the first touch of that view."""
+    return [{**rows, "touch": 0} for rows in shown_view(run, page)]
+
 
 BEST = Reads(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", each_best)
 COSTS = (
@@ -89,7 +105,7 @@ CHAPTERS = {
         Section(
             "touches_needed", "Accuracy against touches",
             lambda context: given(
-                pipelines=curve_figures(context.file_of("studies"), context.file_of("touches_needed"))
+                pipelines=curve_figures(context.run.file_of("studies"), context.run.file_of("touches_needed"))
             ),
             (
                 Reads("Area and touches needed", TOUCHES_NEEDED, "touches_needed"),
@@ -108,10 +124,7 @@ CHAPTERS = {
             ),
         ),
         Section(
-            "looking", "What the eye alone recognises, and what touch adds",
-            lambda context: given(
-                looking=looking_figures(context.file_of("looking_figures")), answers=ANSWERS
-            ),
+            "looking", "What the eye alone recognises, and what touch adds", sections.looking_values,
             (Reads("Looking, touching and both", LOOKING, "looking"),),
         ),
     ),
@@ -144,7 +157,8 @@ CHAPTERS = {
             "objects", "The objects", sections.objects_values,
             (
                 Reads("Views and maps", VIEWS, "views"),
-                Reads("Fixations, and which were touched", FIXATIONS, "fixations", by_fixation),
+                Reads("Fixations, and which were touched", FIXATIONS, "fixations",
+                    lambda _, __: [{"strategy": "fixation"}]),
                 Reads("Imprints, sizes and contact states", TOUCHES, "touches"),
                 Reads("Classes predicted", PREDICTIONS, "predictions", first_best),
             ),
@@ -159,7 +173,7 @@ CHAPTERS = {
             "gaze", "Attention compared with human gaze",
             lambda context: {
                 "gaze": gaze_figures(
-                    read_measured(context.file_of("gaze")), context.file_of("gaze_pictures")
+                    read_measured(context.run.file_of("gaze")), context.run.file_of("gaze_pictures")
                 )
             },
             (
@@ -169,12 +183,12 @@ CHAPTERS = {
         ),
         Section(
             "ablations", "Ablations",
-            lambda context: given(study=read_study(context.file_of("studies"), "ablations")),
+            lambda context: given(study=read_study(context.run.file_of("studies"), "ablations")),
             (of_study("ablations"),),
         ),
         Section(
             "studies", "Own studies",
-            lambda context: given(studies=read_own_studies(context.file_of("studies"))),
+            lambda context: given(studies=read_own_studies(context.run.file_of("studies"))),
             of_own_studies,
         ),
     ),

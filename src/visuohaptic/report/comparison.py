@@ -42,10 +42,7 @@ _ORDER = ("fixation", "random")
 
 @dataclass(frozen=True)
 class Comparison:
-    """Fixations against another strategy, over the same objects.
-
-    `adjusted_p` is Holm's over the classifiers of the table.
-    """
+    """Fixations against another strategy, over the same objects; p is adjusted over the table's classifiers."""
 
     difference: Figure
     p_value: float
@@ -81,10 +78,7 @@ class ClassifierRow:
 
 @dataclass(frozen=True)
 class PipelineTable:
-    """One pipeline's classifiers, in the order of the paper's table, its strategies, and how much was tested.
-
-    Of the strategies, fixations are first.
-    """
+    """One pipeline's classifiers, as in the paper's table, its strategies, fixations first, and what was tested."""
 
     name: str
     strategies: tuple[str, ...]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from markupsafe import Markup
 
-from visuohaptic.parameters import CostParameters, ExperimentParameters
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.estimates import Figure, figure_of, with_interval
 from visuohaptic.report.questions import Answer, pipeline_name
 from visuohaptic.report.tables import NONE
@@ -54,18 +55,26 @@ class CostFigures:
     @property
     def timed(self) -> bool:
         """Whether a setting was both run and timed."""
-        return any(row["failed"] is None and row["seconds"] is not None for row in self.rows)
+        return bool(timed(self.rows))
 
     @property
     def steps(self) -> list[Row]:
-        """Settings that are worth their time, the quickest first; each has its ``name``."""
-        return [{**row, "name": _named(row)} for row in step_rows(self.rows)]
+        """Settings that are worth their time, the quickest first; each has its ``name``.
+
+        The first is the most accurate of those as quick as the quickest; each further one is significantly
+        slower and significantly more accurate than the one before.
+        """
+        first = first_step(self.rows)
+        further = [row for row in self.rows if row["step"] and row is not first]
+        further.sort(key=lambda row: -float(row["error"]))
+        steps = [] if first is None else [first, *further]
+        return [{**row, "name": _named(row)} for row in steps]
 
     @property
     def groups(self) -> list[Row]:
         """Settings that differ significantly neither in time nor in error, a row together."""
         groups = dict.fromkeys(row["group"] for row in self.rows)
-        return [group_row([row for row in self.rows if row["group"] == one]) for one in groups]
+        return [_group_row([row for row in self.rows if row["group"] == one]) for one in groups]
 
     @property
     def savings(self) -> list[Row]:
@@ -74,8 +83,25 @@ class CostFigures:
 
     @property
     def price(self) -> str:
-        """When looking pays on a robot; may be empty."""
-        return robot_sentence(self.rows, self.run.cost)
+        """Up to which price of a look looking pays on a robot; empty where one strategy was measured."""
+        found = break_even(self.rows)
+        if found is None or not any(row["looks"] for row in self.rows):
+            return ""
+        blind = (
+            f"Without a look, {counted(all_touches(found.blind), 'touch')} give the lowest error rate, "
+            f"{percent(found.error)}"
+        )
+        price, cost = found.touches_a_look, self.run.cost
+        if found.looking is None or price is None:
+            return f"{blind}; no setting that looks is as accurate."
+        touches = counted(all_touches(found.looking), "touch")
+        looked = f"{touches} with {counted(found.looking['looks'], 'look')} are as accurate"
+        if price <= 0:
+            return f"{blind}; {looked}, so a look saves no touch."
+        return (
+            f"{blind}; {looked}. So looking saves time if a look takes less than "
+            f"{price * cost.touch_seconds:.3g} s (here {cost.look_seconds:g} s)."
+        )
 
     @property
     def robot(self) -> Sequence[Row]:
@@ -98,12 +124,15 @@ class CostFigures:
         return reference_row(self.rows)
 
 
-def read_cost(path: str | Path | None, run: ExperimentParameters) -> CostFigures | None:
+def read_cost(path: Path | None, run: ExperimentParameters) -> CostFigures | None:
     """Read what accuracy costs from `tables.COST`; None where nothing was measured."""
-    if path is None or not Path(path).is_file():
-        return None
-    rows = read_costs(path)
+    rows = read_costs(path) if path else []
     return CostFigures(rows, run) if rows else None
+
+
+def timed(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Give the rows of `tables.COST` that have both seconds and an error rate."""
+    return [row for row in rows if row["failed"] is None and row["seconds"] is not None]
 
 
 def cost_verdict(rows: Sequence[Row]) -> Answer | None:
@@ -180,20 +209,7 @@ def cue_sentences(rows: Sequence[Row]) -> list[str]:
     ]
 
 
-def step_rows(rows: Sequence[Row]) -> list[Row]:
-    """Give the settings that are worth their time, the quickest first.
-
-    The first is the most accurate of those as quick as the quickest; each further one is significantly
-    slower and significantly more accurate than the one before.
-    """
-    first = first_step(rows)
-    if first is None:
-        return []
-    further = [row for row in rows if row["step"] and row is not first]
-    return [first, *sorted(further, key=lambda row: -float(row["error"]))]
-
-
-def group_row(rows: Sequence[Row]) -> Row:
+def _group_row(rows: Sequence[Row]) -> Row:
     """Give the table's row of settings that are alike, rows of `tables.COST`, with ranges as texts."""
     families = dict.fromkeys(row["family"] for row in rows)
     settings = (
@@ -214,28 +230,6 @@ def group_row(rows: Sequence[Row]) -> Row:
         "verdict": _verdict(rows),
         "mark": "best" if any(row["on_front"] for row in rows) else None,
     }
-
-
-def robot_sentence(rows: Sequence[Row], cost: CostParameters) -> str:
-    """Say up to which price of a look looking pays on a robot; empty where one strategy was measured."""
-    found = break_even(rows)
-    if found is None or not any(row["looks"] for row in rows):
-        return ""
-    blind = (
-        f"Without a look, {counted(all_touches(found.blind), 'touch')} give the lowest error rate, "
-        f"{percent(found.error)}"
-    )
-    price = found.touches_a_look
-    if found.looking is None or price is None:
-        return f"{blind}; no setting that looks is as accurate."
-    touches = counted(all_touches(found.looking), "touch")
-    looked = f"{touches} with {counted(found.looking['looks'], 'look')} are as accurate"
-    if price <= 0:
-        return f"{blind}; {looked}, so a look saves no touch."
-    return (
-        f"{blind}; {looked}. So looking saves time if a look takes less than "
-        f"{price * cost.touch_seconds:.3g} s (here {cost.look_seconds:g} s)."
-    )
 
 
 def _saving_row(saving: Saving) -> Row:

@@ -1,4 +1,4 @@
-"""Charts in one style, and their SVG for a page, whose colours and font they take.
+"""Charts in one style, their colours and marks, and their SVG for a page, whose colours and font they take.
 
 A chart is 360 units wide. A phone shows a unit as about one pixel, so no text is smaller than 9.
 """
@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import Any
 
 from markupsafe import Markup, escape
@@ -16,7 +17,18 @@ from matplotlib import rc_context, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from visuohaptic.report.palette import COLOURS
+COLOURS: Mapping[str, str] = MappingProxyType(
+    {
+        "ink": "#1c2126", "quiet": "#555d66", "line": "#c9cdd1", "paper": "#fdfdfb", "bad": "#b3261e",
+        "fixation": "#0b57a4", "random": "#a34a00", "third": "#5c2a86", "fourth": "#3d5c1e",
+        "fifth": "#00707a", "sixth": "#a0195c", "seventh": "#6b6100", "eighth": "#4a5560",
+        "ninth": "#7a3b12", "tenth": "#1f7a55",
+    }
+)  # fmt: skip
+"""Colours by the names that the page's style gives them; a dark page has others of these names."""
+
+_SERIES = tuple(COLOURS)[5:]
+_MARKS = "osD^vP*XpH"
 
 INCH = 72
 """Units."""
@@ -61,6 +73,11 @@ _WITHOUT_EFFECT = re.compile(r"<g/>| transform=\"rotate\(-?0 [^\"]*\"|<defs>\s*<
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
 
 
+def look(place: int) -> tuple[str, str]:
+    """Give the colour and the mark of a series, so that none is known by its colour alone."""
+    return COLOURS[_SERIES[place % len(_SERIES)]], _MARKS[place % len(_MARKS)]
+
+
 class Chart(Figure):
     """A figure that a notebook shows as the page does, without pyplot."""
 
@@ -75,7 +92,7 @@ def style() -> Iterator[None]:
         yield
 
 
-def new_chart(height: float, width: float) -> tuple[Chart, Axes]:
+def new_chart(height: float, width: float = 360) -> tuple[Chart, Axes]:
     """Give an empty chart of some size, in units; called within `style`."""
     chart = Chart(figsize=(width / INCH, height / INCH), layout="constrained")
     axes = chart.subplots()

@@ -13,10 +13,7 @@ from visuohaptic.scene.parameters import EffectModes
 
 
 def sum_effects(table: pa.Table) -> list[Row]:
-    """Sum up `tables.EFFECTS` over all jobs, a row an effect in the scene's order.
-
-    It has ``touches_sum``, ``runs_sum`` and ``seconds_sum``, and all ``modes`` and ``reasons`` that occur.
-    """
+    """Sum up `tables.EFFECTS` over all jobs, an effect a row, in the scene's order, with all modes and reasons."""
     order = {name: place for place, name in enumerate(EffectModes.model_fields)}
     sums = [(name, "sum") for name in ("touches", "runs", "seconds")]
     texts = [(name, "distinct") for name in ("mode", "reason")]

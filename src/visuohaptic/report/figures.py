@@ -10,20 +10,21 @@ import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import wraps
-from typing import TYPE_CHECKING, Any, Literal, ParamSpec, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import pyarrow as pa
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from visuohaptic.errors import ReportError
 from visuohaptic.gaze.summary import PredictorRow
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.cost import time_parts
+from visuohaptic.report.cost import time_parts, timed
+from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.estimates import estimate, figure_of
-from visuohaptic.report.palette import COLOURS, look
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
     counted,
@@ -38,12 +39,8 @@ from visuohaptic.studies.cost.front import reference_row
 from visuohaptic.studies.looking.settings import CHECKED, LOOK
 from visuohaptic.tables.studies import STATED_COVERAGES
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 Rows: TypeAlias = pa.Table | Sequence[Mapping[str, Any]]
-Parameters = ParamSpec("Parameters")
+Write: TypeAlias = Callable[[float, float], str] | str
 
 LARGEST_SHARE = 1.25
 """Where errors beyond their tolerance end, as a share of it."""
@@ -59,10 +56,7 @@ _MOST_TICKS = 5
 
 @dataclass(frozen=True)
 class Series:
-    """Estimates of one kind, one a row, or None.
-
-    `place` gives its colour and its mark; `ground` is what fills the mark, if not its colour.
-    """
+    """Estimates of one kind, one a row; `place` gives colour and mark, `ground` fills it, if not its colour."""
 
     label: str
     place: int
@@ -70,45 +64,26 @@ class Series:
     ground: str | None = None
 
 
-def _styled(draw: Callable[Parameters, Figure]) -> Callable[Parameters, Figure]:
-    """Let a function draw in the page's style; Matplotlib is imported by its first call."""
-
-    @wraps(draw)
-    def drawn(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Figure:
-        from visuohaptic.report.drawing import style
-
-        with style():
-            return draw(*args, **kwargs)
-
-    return drawn
-
-
-@_styled
+@style()
 def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
-    """Draw each classifier's accuracy by strategy, here and as published, with chance.
-
-    `metrics` is what ``reports/metrics.json`` holds.
-    """
+    """Draw each classifier's accuracy in ``reports/metrics.json`` by strategy, here and as published, with chance."""
     (table,) = (one for one in read_tables(metrics) if one.name == pipeline)
     here = {name: [row.accuracy.get(name) for row in table.rows] for name in table.strategies}
     published = {
-        f"{strategy_name(name)}, published": (name, [row.published.get(name) for row in table.rows])
+        name: [Estimate(row.published[name]) if row.published else None for row in table.rows]
         for name in table.strategies
         if any(name in row.published for row in table.rows)
     }
-    series = [
-        *_by_strategy(here),
-        *(
-            Series(label, strategy_place(name), _without_ends(values), COLOURS["paper"])
-            for label, (name, values) in published.items()
-        ),
+    series = _by_strategy(here) + [
+        Series(f"{strategy_name(name)}, published", strategy_place(name), values, COLOURS["paper"])
+        for name, values in published.items()
     ]
     names = [titled(row.name) for row in table.rows]
     chance = 1 / len(table.best.class_accuracy[table.leading])
     return _draw_intervals(names, "classifier", series, chance=chance)
 
 
-@_styled
+@style()
 def conditions(table: Rows, chance: float | None = None) -> Figure:
     """Draw the accuracy under each condition of a study, by strategy.
 
@@ -123,22 +98,19 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
     return _draw_intervals(list(words.values()), "condition", series, chance=chance)
 
 
-@_styled
+@style()
 def runs(names: Sequence[str], estimates: Mapping[str, Sequence[Estimate | None]]) -> Figure:
     """Draw figures of several runs side by side: `names` of the rows, and a run's estimates by its label."""
     series = [Series(label, place, row) for place, (label, row) in enumerate(estimates.items())]
     return _draw_intervals(names, "classifier", series)
 
 
-@_styled
+@style()
 def touches_needed(table: Rows) -> Figure:
-    """Draw accuracy against touches by strategy.
-
-    The rows are those of study ``curves`` in `tables.STUDY_FIGURES`, of one pipeline and classifier.
-    """
+    """Draw accuracy against touches by strategy: rows of study ``curves``, of one pipeline and classifier."""
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
     strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
-    chart, axes = _new(215 + _legend_height(strategies))
+    chart, axes = new_chart(215 + _legend_height(strategies))
     for number, strategy in enumerate(strategies):
         own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
         aside = 0.06 * (number - (len(strategies) - 1) / 2)
@@ -155,17 +127,16 @@ def touches_needed(table: Rows) -> Figure:
     return chart
 
 
-@_styled
+@style()
 def coverage(table: pa.Table) -> Figure:
     """Draw the share of known objects whose class is in the set, against the stated coverage.
 
-    Of rows of `tables.CERTAINTY`, those of the largest number of views are drawn. On the dashed line
-    the coverage is as stated.
+    Of rows of `tables.CERTAINTY`, those of the largest number of views are drawn.
     """
     most = select(table, views=max(table.column("views").to_pylist()), known=True)
     strategies = list(dict.fromkeys(most.column("strategy").to_pylist()))
     stated = np.array(STATED_COVERAGES) / 100
-    chart, axes = _new(190 + _legend_height([*strategies, "as stated"]))
+    chart, axes = new_chart(190 + _legend_height([*strategies, "as stated"]))
     for strategy in strategies:
         _draw_line(axes, strategy, stated, covered_shares(most, strategy))
     ends = [stated[0], 1]
@@ -176,7 +147,7 @@ def coverage(table: pa.Table) -> Figure:
     return chart
 
 
-@_styled
+@style()
 def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     """Draw accuracy after a look, and after each touch that follows, against the robot's time.
 
@@ -186,34 +157,31 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     looks = [row for row in curves if row["answer"] == LOOK]
     both = [row for row in curves if row["answer"] == CHECKED]
     strategies = list(dict.fromkeys(row["strategy"] for row in both))
-    chart, axes = _new(190 + _legend_height(strategies))
+    chart, axes = new_chart(190 + _legend_height(strategies))
     for strategy in strategies:
         line = [*looks, *(row for row in both if row["strategy"] == strategy)]
         points = sorted((row["seconds"], row["accuracy"]) for row in line)
         _draw_line(axes, strategy, *zip(*points, strict=True))
     axes.set_xscale("log")
-    _name_axes(
-        axes, "the robot's time, s", "correctly classified", across_as="{:g}".format, up_as=_whole
-    )
+    _name_axes(axes, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=_whole)
     _legend(chart, axes)
     return chart
 
 
-@_styled
+@style()
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes.
 
-    An error rate of 0 has its place below the axis's first tick, from where on it is linear.
-
-    Of rows of `tables.COST`, those that failed or were not timed are left out; lines join settings of a
-    family of which one thing changes; `across` says what the seconds are. Raises `ReportError` if no
-    setting was both run and timed.
+    An error rate of 0 has its place below the axis's first tick, from where on it is linear. Of rows of
+    `tables.COST`, those that failed or were not timed are left out; lines join settings of a family of
+    which one thing changes; `across` says what the seconds are. Raises `ReportError` if no setting was
+    both run and timed.
     """
-    rows = timed(table)
+    rows = timed(_rows(table))
     if not rows:
         raise ReportError("No setting was both run and timed, so there is nothing to draw.")
     families = list(dict.fromkeys(row["family"] for row in rows))
-    chart, axes = _new(250 + _legend_height([*families, "front"]))
+    chart, axes = new_chart(250 + _legend_height([*families, "front"]))
     errors = log_ticks([row[name] for row in rows for name in ("error", "error_high")])
     axes.set_xscale("log")
     axes.set_yscale("symlog", linthresh=errors[0], linscale=0.3)
@@ -241,11 +209,11 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     return chart
 
 
-@_styled
+@style()
 def parts_of_time(table: Rows) -> Figure:
     """Draw where the time of a recognition by the run's own setting goes: rows of `tables.COST`."""
     parts = time_parts(reference_row([dict(row) for row in _rows(table)]))
-    chart, axes = _new(_AROUND + 20 * len(parts))
+    chart, axes = new_chart(_AROUND + 20 * len(parts))
     seconds = [part.seconds for part in parts]
     axes.barh([part.name for part in parts], seconds, height=0.6, color=look(0)[0])
     for row, part in enumerate(parts):
@@ -255,24 +223,20 @@ def parts_of_time(table: Rows) -> Figure:
     axes.invert_yaxis()
     axes.set_xlim(0, 1.6 * max(seconds))
     _name_axes(
-        axes,
-        "median time in one recognition",
-        "part",
-        across_as=duration,
+        axes, "median time in one recognition", "part", across_as=lambda tick, _: duration(tick)
     )
     axes.grid(visible=False)
     return chart
 
 
-@_styled
+@style()
 def stability(table: pa.Table) -> Figure:
-    """Draw the worst error of each requirement as a share of its tolerance, by family.
+    """Draw the worst error of each requirement in `tables.STABILITY` as a share of its tolerance, by family.
 
-    A mark is a requirement, of rows of `tables.STABILITY`; those beyond their tolerance stand at the
-    right end.
+    Those beyond their tolerance stand at the right end.
     """
     families = stability_figures(table).families
-    chart, axes = _new(_AROUND + 26 * len(families))
+    chart, axes = new_chart(_AROUND + 26 * len(families))
     for row, checks in enumerate(families.values()):
         shares = [min(check.share, LARGEST_SHARE) for check in checks]
         held = all(check.held for check in checks)
@@ -292,12 +256,9 @@ def stability(table: pa.Table) -> Figure:
     return chart
 
 
-@_styled
+@style()
 def gaze(rows: Sequence[PredictorRow]) -> Figure:
-    """Draw the correlation of predictions with where people looked.
-
-    The rows are those of `gaze.summary.summarise`, which sums `tables.GAZE` up.
-    """
+    """Draw the correlation of predictions with where people looked: what `gaze.summary.summarise` gives."""
     found = [row.measures["correlation"] for row in rows]
     chart = _draw_intervals(
         [row.predictor.label for row in rows], "prediction", [Series("", 0, [*map(estimate, found)])],
@@ -309,20 +270,15 @@ def gaze(rows: Sequence[PredictorRow]) -> Figure:
     return chart
 
 
-@_styled
+@style()
 def bands(deviations: Sequence[float]) -> Figure:
     """Draw the deviations of the sub-bands of an imprint's contourlet transform."""
-    chart, axes = _new(105, width=150)
+    chart, axes = new_chart(105, width=150)
     axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
     axes.set_xticks([1, len(deviations)])
     _name_axes(axes, "sub-band", "deviation")
     axes.locator_params(axis="y", nbins=3)
     return chart
-
-
-def timed(table: Rows) -> list[Mapping[str, Any]]:
-    """Give the rows of `tables.COST` that have both seconds and an error rate."""
-    return [row for row in _rows(table) if row["failed"] is None and row["seconds"] is not None]
 
 
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
@@ -376,12 +332,13 @@ def _draw_intervals(
     places = list(dict.fromkeys(one.place for one in series))
     rows = max(len(names) * (_GAP + _ROW * len(places)), _LEAST_ROWS)
     legend = [*(one.label for one in series if one.label), "chance"]
-    chart, axes = _new(_AROUND + rows + _legend_height(legend))
+    chart, axes = new_chart(_AROUND + rows + _legend_height(legend))
     step = _ROW / (_GAP + _ROW * len(places))
     for one in series:
         _draw_series(axes, one, step * (places.index(one.place) - (len(places) - 1) / 2))
     # Small distances count where all lies above half.
-    start = _HALF if min(map(_lowest, shown)) >= _HALF else 0.0
+    lowest = min(one.mean if one.low is None else one.low for one in shown)
+    start = _HALF if lowest >= _HALF else 0.0
     if chance is not None and chance >= start:
         axes.axvline(chance, color=COLOURS["ink"], linestyle="--", linewidth=1, label="chance")
     if any(one.is_limit for one in shown):
@@ -431,27 +388,17 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         )  # fmt: skip
 
 
-def _new(height: float, width: float = 360) -> tuple[Figure, Axes]:
-    from visuohaptic.report.drawing import new_chart
-
-    return new_chart(height, width)
-
-
 def _name_axes(
     axes: Axes,
     across: str,
     up: str,
-    across_as: Callable[[float], str] | None = None,
-    up_as: Callable[[float], str] | None = None,
+    across_as: Write | None = None,
+    up_as: Write | None = None,
 ) -> None:
     axes.set(xlabel=across, ylabel=up)
     for axis, write in ((axes.xaxis, across_as), (axes.yaxis, up_as)):
         if write is not None:
-            axis.set_major_formatter(_formatter(write))
-
-
-def _formatter(write: Callable[[float], str]) -> Callable[[float, float], str]:
-    return lambda value, _: write(value)
+            axis.set_major_formatter(write)
 
 
 def _columns_of(labels: Sequence[str]) -> int:
@@ -471,7 +418,7 @@ def _legend(chart: Figure, axes: Axes) -> None:
         )  # fmt: skip
 
 
-def _whole(share: float) -> str:
+def _whole(share: float, _place: float = 0) -> str:
     return percent(share, 0)
 
 
@@ -486,14 +433,6 @@ def _place_in_study(row: Mapping[str, Any]) -> int:
 def _end(row: Mapping[str, Any], end: str) -> float:
     """Give the end of an interval; one object alone has none."""
     return float(row["accuracy"] if row[end] is None else row[end])
-
-
-def _without_ends(values: Sequence[float | None]) -> list[Estimate | None]:
-    return [None if value is None else Estimate(value) for value in values]
-
-
-def _lowest(estimate: Estimate) -> float:
-    return estimate.mean if estimate.low is None else estimate.low
 
 
 def _family_label(family: str, checks: Sequence[Any]) -> str:

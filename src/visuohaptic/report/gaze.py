@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from visuohaptic.gaze.stored import MeasuredGaze
 from visuohaptic.gaze.summary import PredictorRow, beside_peer, summarise
-from visuohaptic.recognition.intervals import Interval
 from visuohaptic.report.estimates import Row, estimate, with_interval
 from visuohaptic.report.pictures import data_uri
 from visuohaptic.report.wording import decimal
@@ -18,63 +15,35 @@ from visuohaptic.tables.schema import read_table
 WORST_NAMED = 6
 
 
-@dataclass(frozen=True)
-class GazeFigures:
-    """What the page shows of gaze.
+def gaze_figures(measured: MeasuredGaze | None, pictures: Path | None = None) -> Row | None:
+    """Give what the page shows; None where nothing was measured.
 
-    Attributes
-    ----------
-    sentence : str
-        What the chart says.
-    rows, tests, peer : sequence of PredictorRow
-        Objects held out in turn; those for tests; those that others predicted, with gains over them.
-    shown : sequence of PredictorRow
-        The few of `rows` that the sentence is about.
-    worst : sequence of mapping
-        Rows of `tables.GAZE` with the lowest correlations, lowest first.
-    pictures : sequence of mapping
-        Rows of `tables.GAZE_PICTURES`, the worst object's first, each with its address as ``source``.
-    largest_error : float
-        Largest alignment error, object radii.
-    origin : mapping or None
-        Where figures come from that are not of this run.
+    ``rows`` are of objects held out in turn, ``tests`` of those for tests, ``peer`` of those that others
+    predicted, with gains over them; ``shown`` are the few of ``rows`` that the ``sentence`` is about.
+    ``worst`` are rows of `tables.GAZE` with the lowest correlations, lowest first, and ``pictures`` rows of
+    `tables.GAZE_PICTURES`, the worst object's first, each with its address as ``source``. ``largest_error``
+    is that of alignment, in object radii; ``origin`` says where figures come from that are not of this run.
     """
-
-    sentence: str
-    rows: Sequence[PredictorRow]
-    tests: Sequence[PredictorRow]
-    peer: Sequence[PredictorRow]
-    shown: Sequence[PredictorRow]
-    worst: Sequence[Row]
-    pictures: Sequence[Row]
-    largest_error: float
-    origin: Row | None
-
-
-def gaze_figures(
-    measured: MeasuredGaze | None, pictures: str | Path | None = None
-) -> GazeFigures | None:
-    """Give what the page shows; None where nothing was measured."""
     rows = [] if measured is None else summarise(measured.table, "training")
     if measured is None or not rows:
         return None
     held = [row for row in measured.table.to_pylist() if row["predictor"] == "human"]
     held.sort(key=lambda row: (row["correlation"], row["object"]))
-    shown = shown_predictors(rows)
-    return GazeFigures(
-        _sentence(*shown),
-        rows,
-        summarise(measured.table, "test"),
-        beside_peer(measured.table),
-        shown,
-        held[:WORST_NAMED],
-        _pictures(pictures),
-        max(row["alignment_error"] for row in held),
-        measured.origin,
-    )
+    shown = _shown(rows)
+    return {
+        "sentence": _sentence(*shown),
+        "rows": rows,
+        "tests": summarise(measured.table, "test"),
+        "peer": beside_peer(measured.table),
+        "shown": shown,
+        "worst": held[:WORST_NAMED],
+        "pictures": [] if pictures is None else _pictures(pictures),
+        "largest_error": max(row["alignment_error"] for row in held),
+        "origin": measured.origin,
+    }
 
 
-def shown_predictors(rows: Sequence[PredictorRow]) -> tuple[PredictorRow, ...]:
+def _shown(rows: list[PredictorRow]) -> tuple[PredictorRow, ...]:
     """Choose equal weights, the best floor, place alone, and the chosen terms."""
     by_name = {row.predictor.name: row for row in rows}
     floor = max(
@@ -88,7 +57,8 @@ def _sentence(
     equal: PredictorRow, floor: PredictorRow, placed: PredictorRow, chosen: PredictorRow
 ) -> str:
     own, least, place, most = (
-        _written(row.measures["correlation"]) for row in (equal, floor, placed, chosen)
+        with_interval(estimate(row.measures["correlation"]), decimal)
+        for row in (equal, floor, placed, chosen)
     )
     return (
         f"On {equal.objects} objects the saliency map's correlation with the time that people looked at "
@@ -99,12 +69,6 @@ def _sentence(
     )
 
 
-def _written(interval: Interval) -> str:
-    return with_interval(estimate(interval), decimal)
-
-
-def _pictures(path: str | Path | None) -> list[Row]:
-    if path is None or not Path(path).is_file():
-        return []
+def _pictures(path: Path) -> list[Row]:
     rows = sorted(read_table(GAZE_PICTURES, [path]).to_pylist(), key=lambda row: row["rank"])
     return [{**row, "source": data_uri(row["picture"], "image/png")} for row in rows]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import pyarrow as pa
@@ -20,49 +19,30 @@ from visuohaptic.tables.studies import EFFECT_INFLUENCE
 _SAME = {True: "bit for bit", False: "no", None: "effects are off"}
 
 
-@dataclass(frozen=True)
-class InfluenceFigures:
-    """All effects on a sample, those of the view apart, and each scene as a whole.
+def influence_figures(path: Path, scene: str) -> Row:
+    """Read `tables.EFFECT_INFLUENCE`: effects on a sample of so many ``views`` and ``touches``.
 
-    Attributes
-    ----------
-    view, touch : list of mapping
-        An effect each: ``name``; ``milliseconds`` and ``milliseconds_always`` of one view, or of a
-        thousand touches; ``shifts``, how far images move without it, 0 to 1, by scene.
-    scenes : list of mapping
-        ``name``; ``needed`` and ``unneeded`` effects; ``milliseconds`` and ``milliseconds_always``
-        of a thousand touches; ``equal``, whether both gave the same images, and ``same``, in words.
-    views, touches : int
-        Sizes of the samples.
+    A row of ``view`` and ``touch`` is an effect, the latter in one scene: ``name``; ``milliseconds`` and
+    ``milliseconds_always`` of one view, or of a thousand touches; ``shifts``, how far images move without it,
+    0 to 1, by scene. A row of ``scenes`` has ``name``; ``needed`` and ``unneeded`` effects; ``milliseconds``
+    and ``milliseconds_always`` of a thousand touches; ``equal``, whether both gave the same images, and
+    ``same``, in words.
     """
-
-    view: list[Row]
-    touch: list[Row]
-    scenes: list[Row]
-    views: int
-    touches: int
-
-
-def influence_figures(path: str | Path | None, scene: str) -> InfluenceFigures | None:
-    """Read `tables.EFFECT_INFLUENCE`, with the seconds of one scene; None where nothing was measured."""
-    if path is None or not Path(path).is_file():
-        return None
     rows = read_table(EFFECT_INFLUENCE, path).to_pylist()
     view = [_effect(row, rows, 1) for row in _ordered(rows, "any", VISUAL_EFFECTS)]
     touch = [_effect(row, rows, 1000) for row in _ordered(rows, scene, EffectModes.model_fields)]
     scenes = [_ordered(rows, name, EffectModes.model_fields) for name in PRESETS]
-    return InfluenceFigures(
-        view,
-        touch,
-        [_scene(found) for found in scenes if found],
-        max((row["units"] for row in view), default=0),
-        max((row["units"] for row in touch), default=0),
-    )
+    return {
+        "view": view,
+        "touch": touch,
+        "scenes": [_scene(found) for found in scenes if found],
+        "views": max((row["units"] for row in view), default=0),
+        "touches": max((row["units"] for row in touch), default=0),
+    }
 
 
-def effects_answer(figures: InfluenceFigures) -> str:
+def effects_answer(scenes: Sequence[Row]) -> str:
     """Say how many effects each scene needs, and what leaving out the others saves and changes."""
-    scenes = figures.scenes
     if not scenes:
         return ""
     count = max(len(scene["needed"]) + len(scene["unneeded"]) for scene in scenes)

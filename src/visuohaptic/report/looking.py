@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
-from visuohaptic.errors import ReportError
 from visuohaptic.report.estimates import Row, figure_of
+from visuohaptic.report.json_files import read_json
 from visuohaptic.report.wording import counted, percent
 from visuohaptic.studies.looking.settings import CHECKED, LOOK, PRODUCT, TOUCH
 
@@ -15,30 +14,18 @@ ANSWERS = {LOOK: "look", TOUCH: "touch", PRODUCT: "product", CHECKED: "checked p
 """What is shown, by the names of `tables.LOOKING`."""
 
 
-@dataclass(frozen=True)
-class LookingFigures:
-    """The answer, a row a sight with a `Figure` of each answer, and the curves of ``reports/looking.json``."""
+def looking_figures(path: Path) -> Row:
+    """Read ``reports/looking.json``: its ``curves``, and ``rows``, a sight each with a `Figure` of each answer.
 
-    sentence: str
-    rows: tuple[Row, ...]
-    curves: tuple[Row, ...]
-
-
-def looking_figures(path: str | Path | None) -> LookingFigures | None:
-    """Read the figures of study looking; None where it was not measured.
-
-    Raises `ReportError` if they can't be read.
+    The ``sentence`` says it in words. Raises `ReportError` if the figures can't be read.
     """
-    if path is None or not Path(path).is_file():
-        return None
-    try:
-        found = json.loads(Path(path).read_text(encoding="utf-8"))
-        rows = tuple(_row(one) for one in found["sights"])
-        return LookingFigures(_sentence(found, rows), rows, tuple(found["curves"]))
-    except (OSError, ValueError, TypeError, LookupError) as error:
-        raise ReportError(
-            f"{path} holds no figures of looking ({error}); run `snakemake -j2 looking_all` again."
-        ) from error
+    way_out = "run `snakemake -j2 looking_all` again"
+    return read_json(path, _figures, "holds no figures of looking", way_out)
+
+
+def _figures(found: Row) -> Row:
+    rows = [_row(one) for one in found["sights"]]
+    return {"sentence": _sentence(found, rows), "rows": rows, "curves": found["curves"]}
 
 
 def _row(one: Row) -> Row:
@@ -46,7 +33,7 @@ def _row(one: Row) -> Row:
     return {"sight": one["sight"], **found}
 
 
-def _sentence(found: Row, rows: tuple[Row, ...]) -> str:
+def _sentence(found: Row, rows: Sequence[Row]) -> str:
     """Say what looking, touching and both reach in clean sight, and in the poorest."""
     clean, poorest = rows[0], min(rows, key=lambda row: row[LOOK].mean)
     price, touches = found["prices"], found["touches"]

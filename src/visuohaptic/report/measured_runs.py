@@ -14,22 +14,28 @@ from visuohaptic.errors import ReportError
 from visuohaptic.optional_packages import require
 from visuohaptic.report.archive import Archive, read_archive
 from visuohaptic.report.estimates import Figure
+from visuohaptic.report.run_folder import METRICS, PARAMETERS
 
 MEASURES = ("accuracy", "object_accuracy", "balanced_accuracy")
-METRICS = "reports/metrics.json"
 
 Cell = tuple[str, str, str]
 """Pipeline, strategy and classifier."""
-ByObject = Mapping[str, tuple[float, float]]
-"""An object's accuracy and its weight, by its name."""
 
-_PARAMETERS = "params.yaml"
 _REPORT = "report.html"
+
+
+class CellFigures(BaseModel):
+    """What the metrics say of a cell; `by_object` has each object's accuracy and its weight."""
+
+    accuracy: Figure | None = None
+    object_accuracy: Figure | None = None
+    balanced_accuracy: Figure | None = None
+    by_object: dict[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """One run's figures by measure and cell, and where they and its parameters were read from.
+    """One run's figures by cell, and where they and its parameters were read from.
 
     `parameters` are as in ``params.yaml``, None where unknown; `archive` is what the run's report
     carries, None where no report of these figures is at hand.
@@ -38,9 +44,12 @@ class MeasuredRun:
     source: str
     parameters: Mapping[str, Any] | None
     parameters_source: str
-    figures: Mapping[tuple[str, Cell], Figure]
-    by_object: Mapping[Cell, ByObject]
+    cells: Mapping[Cell, CellFigures]
     archive: Archive | None = None
+
+    def figure(self, measure: str, cell: Cell) -> Figure | None:
+        """Give one of `MEASURES` of a cell; None where it is missing."""
+        return getattr(self.cells.get(cell), measure, None)
 
 
 def read_measured_run(source: str | Path) -> MeasuredRun:
@@ -49,9 +58,8 @@ def read_measured_run(source: str | Path) -> MeasuredRun:
     `source` is a metrics file, or a report; or the folder of a run or of its reports; or a DVC
     experiment or Git revision of the repository around the working folder. Of a metrics file with
     its own report beside it, the report gives parameters, seconds, code, packages and machine;
-    without one, a ``params.yaml`` beside the file or one folder above is taken as the run's.
-
-    Raises `ReportError` if there are no metrics, or they are not of this workflow.
+    without one, a ``params.yaml`` beside the file or one folder above is taken as the run's. Raises
+    `ReportError` if there are no metrics, or they are not of this workflow.
     """
     path = Path(source)
     if not path.exists() and not path.suffix:
@@ -75,10 +83,7 @@ def read_measured_run(source: str | Path) -> MeasuredRun:
 
 
 def list_experiments() -> list[str]:
-    """Name the experiments that DVC keeps of the repository around the working folder.
-
-    Raises `ReportError` if there is none.
-    """
+    """Name the experiments that DVC keeps of the repository around the working folder; `ReportError` if none."""
     require("workflow", "dvc")
     import dvc.api  # type: ignore[import-untyped]
     from dvc.exceptions import DvcException  # type: ignore[import-untyped]
@@ -99,7 +104,7 @@ def _read_experiment(name: str) -> MeasuredRun:
 
     try:
         metrics, parameters = (
-            dvc.api.read(path, rev=name).encode() for path in (METRICS, _PARAMETERS)
+            dvc.api.read(path, rev=name).encode() for path in (METRICS, PARAMETERS)
         )
     # DVC and the Git libraries below it raise many types; the cause is a wrong name.
     except (DvcException, OSError, ValueError, KeyError) as error:
@@ -107,7 +112,7 @@ def _read_experiment(name: str) -> MeasuredRun:
             f"{name} is no file, and no experiment of this repository that has {METRICS} "
             f"({error}); `dvc exp show` lists the experiments."
         ) from error
-    source = f"{name}:{_PARAMETERS}"
+    source = f"{name}:{PARAMETERS}"
     try:
         page = dvc.api.read(f"reports/{_REPORT}", rev=name)
     except (DvcException, OSError, ValueError, KeyError):
@@ -130,20 +135,11 @@ def _beside(
         found = _measured(source, carried, archive.parameters, f"{source}: report", archive)
     except ReportError:
         return alone
-    return found if found.figures == alone.figures else alone
-
-
-class _Cell(BaseModel):
-    """What the metrics say of a pipeline, strategy and classifier."""
-
-    accuracy: Figure | None = None
-    object_accuracy: Figure | None = None
-    balanced_accuracy: Figure | None = None
-    by_object: dict[str, tuple[float, float]]
+    return found if found.cells == alone.cells else alone
 
 
 class _Metrics(BaseModel):
-    results: dict[str, dict[str, dict[str, _Cell]]]
+    results: dict[str, dict[str, dict[str, CellFigures]]]
 
 
 def _measured(
@@ -165,14 +161,7 @@ def _measured(
         for strategy, classifiers in strategies.items()
         for classifier, cell in classifiers.items()
     }
-    figures = {
-        (measure, key): figure
-        for measure in MEASURES
-        for key, cell in cells.items()
-        if (figure := getattr(cell, measure)) is not None
-    }
-    by_object = {key: cell.by_object for key, cell in cells.items()}
-    return MeasuredRun(source, parameters, parameters_source, figures, by_object, archive)
+    return MeasuredRun(source, parameters, parameters_source, cells, archive)
 
 
 def _metrics_file(path: Path) -> Path:
@@ -185,7 +174,7 @@ def _metrics_file(path: Path) -> Path:
 
 def _find_parameters(file: Path) -> Path | None:
     folder = file.resolve().parent
-    beside = (folder / _PARAMETERS, folder.parent / _PARAMETERS)
+    beside = (folder / PARAMETERS, folder.parent / PARAMETERS)
     return next((path for path in beside if path.is_file()), None)
 
 

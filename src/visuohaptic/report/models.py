@@ -21,12 +21,12 @@ COORDINATE_STEPS = 16384
 class PackedModel:
     """A thinned model and its touches as one block of bytes, compressed.
 
-    The bytes of `data` are, little-endian and in this order: `vertices` × 3 int16
-    coordinates in steps of 1 / `COORDINATE_STEPS`, `touches` × 10 int16 (point, normal,
-    column axis, size; same steps), `faces` × 3 uint32 corners, `faces` × 3 uint8 sRGB.
+    The bytes of `model` are, little-endian and in this order: `vertices` × 3 int16 coordinates in steps of
+    1 / `COORDINATE_STEPS`, `touches` × 10 int16 (point, normal, column axis, size; same steps), `faces` × 3
+    uint32 corners, `faces` × 3 uint8 sRGB.
     """
 
-    data: bytes
+    model: bytes
     vertices: int
     faces: int
     touches: int
@@ -35,13 +35,13 @@ class PackedModel:
     @property
     def text(self) -> str:
         """The compressed bytes in base64."""
-        return base64.b64encode(self.data).decode("ascii")
+        return base64.b64encode(self.model).decode("ascii")
 
 
 def thin(surface: Surface, faces: int) -> Surface:
-    """Simplify a surface to about so many faces, each of the colour of the original's nearest face.
+    """Simplify a surface to about so many faces, by quadric error decimation (Garland & Heckbert 1997).
 
-    By quadric error decimation (Garland & Heckbert 1997), as Open3D has it.
+    Each has the colour of the original's nearest face.
     """
     if len(surface.faces) <= faces:
         return surface
@@ -57,10 +57,7 @@ def thin(surface: Surface, faces: int) -> Surface:
 
 
 def pack_model(surface: Surface, touches: NDArray[np.float64], faces: int) -> PackedModel:
-    """Thin a model and pack it with its touches.
-
-    `touches` has the shape (n, 10), float64: point, normal, column axis and size.
-    """
+    """Thin a model and pack it with its touches (n, 10): point, normal, column axis and size."""
     thinned = thin(surface, faces)
     used, corners = np.unique(thinned.faces, return_inverse=True)
     vertices = thinned.vertices[used]

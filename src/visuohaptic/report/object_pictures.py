@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from visuohaptic.geometry.surface import read_surface
-from visuohaptic.report.models import pack_model
+from visuohaptic.report.models import PackedModel, pack_model
 from visuohaptic.report.pictures import imprint_sheet, imprint_strip, shrink_picture
 from visuohaptic.tables.phases import (
     NORMAL_NAMES,
@@ -27,7 +28,6 @@ from visuohaptic.tables.schema import build_rows, images, matrix, read_table, wr
 from visuohaptic.tables.stability import STABILITY
 
 _PACKED = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
-_NO_MODEL = dict.fromkeys(("model", "vertices", "faces", "touches", "original_faces"))
 
 
 def make_pictures(
@@ -39,10 +39,7 @@ def make_pictures(
     shown: Collection[str],
     faces: int,
 ) -> None:
-    """Make the pictures of objects, `class/name`, and write the table; models have at most so many faces.
-
-    The objects are those of `shown`, and all others at which a tolerance was exceeded.
-    """
+    """Write the pictures of objects that are `shown`, `class/name`, and of those that exceeded a tolerance."""
     wanted = {*shown, *_broken(read_table(STABILITY, stability))}
     felt = dict(by_object(read_table(TOUCHES, touches)))
     untouched = TOUCHES.arrow.empty_table()
@@ -84,9 +81,9 @@ def _pictures_of_views(seen: pa.Table, fixated: pa.Table) -> dict[str, Any]:
 def _model(mesh: str | Path | None, felt: pa.Table, faces: int) -> dict[str, Any]:
     """Give the thinned model, and the imprints that it shows."""
     if mesh is None:
-        return {**_NO_MODEL, "sheets": []}
-    model = vars(pack_model(read_surface(mesh), matrix(felt, _PACKED), faces))
-    return {**model, "model": model["data"], "sheets": list(_sheets(felt))}
+        return {**dict.fromkeys(one.name for one in fields(PackedModel)), "sheets": []}
+    model = pack_model(read_surface(mesh), matrix(felt, _PACKED), faces)
+    return {**vars(model), "sheets": list(_sheets(felt))}
 
 
 def _sheets(felt: pa.Table) -> Iterator[tuple[str, bytes]]:

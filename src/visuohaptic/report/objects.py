@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,7 @@ from visuohaptic.tables.phases import (
     TANGENT_NAMES,
     by_object,
     key_of,
+    keys_of,
 )
 from visuohaptic.tables.schema import images, matrix
 
@@ -44,18 +45,11 @@ PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 class ViewPage:
     """One view of an object: pictures, fixations in order, and what was felt there.
 
-    Attributes
-    ----------
-    marks : list of mapping
-        Each fixation's ``number`` from 1, ``column`` and ``row`` in pixels, its ``place`` in words,
-        and the corners of the sensor's ``square`` around it.
-    touches : list of mapping
-        Each touch's ``number`` from 1, ``size`` in object radii, contact ``state``, and the share of
-        the square nearly touched, ``near``.
-    distinct : int
-        Distinct fixations.
-    right : mapping of str to float
-        The share of its tests that were correctly classified, by strategy.
+    A row of `marks` is a fixation: its ``number`` from 1, ``column`` and ``row`` in pixels, its ``place``
+    in words, and the corners of the sensor's ``square`` around it. A row of `touches` has ``number``
+    from 1, ``size`` in object radii, contact ``state``, and the share of the square nearly touched,
+    ``near``. `distinct` counts the distinct fixations; `right` is the share of its tests that were
+    correctly classified, by strategy.
     """
 
     viewpoint: int
@@ -81,24 +75,17 @@ class ViewPage:
 class ObjectPage:
     """All that the page shows of one object, `class/name`.
 
-    Attributes
-    ----------
-    conspicuity, skipped : tuple of (str, str)
-        Channel and picture of each map of the view shown; channels that did not run, and why.
-    predicted : mapping of str to mapping of str to float
-        By strategy: the share of its test sequences for which each class was predicted.
-    median_size : mapping of str to float
-        By strategy: median edge of the square, object radii.
-    model : PackedModel or None
-        With its touches; None where the object's mesh is not at hand.
-    touch_keys : list of (str, int, int, str)
-        Strategy, viewpoint, number from 1 and contact state of each touch of the model.
-    sheets : mapping of str to str
-        By strategy: a picture of these touches' imprints, a row a viewpoint and a column a touch.
+    One view is `shown` large; `conspicuity` has channel and picture of each of its maps, `skipped` the channels that did
+    not run, and why. By strategy, `predicted` gives the share of its test sequences for which each class
+    was predicted, `median_size` the median edge of the square in object radii, and `sheets` a picture of
+    the touches' imprints, a row a viewpoint and a column a touch. `model` is None where the object's mesh
+    is not at hand; `touch_keys` are strategy, viewpoint, number from 1 and contact state of each touch of
+    it.
     """
 
     key: str
     views: tuple[ViewPage, ...]
+    shown: ViewPage
     conspicuity: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     predicted: Mapping[str, Mapping[str, float]]
@@ -128,13 +115,8 @@ class ObjectPage:
         return Markup('<a href="#{}">{}: {}</a>').format(self.anchor, self.category, self.name)
 
     @property
-    def shown(self) -> ViewPage:
-        """The view that is shown large."""
-        return choose_shown(self.views)
-
-    @property
     def shown_rows(self) -> dict[str, str | int]:
-        """The rows of the tables that hold that view's fixations."""
+        """The rows of the tables that hold the fixations of the view shown."""
         return {
             "class": self.category,
             "object": self.name,
@@ -154,7 +136,7 @@ def choose_objects(run: Run) -> list[str]:
     All that have pictures, up to `OBJECTS_AT_MOST`; of more than that those at which a tolerance was
     exceeded, and others evenly spread over all, so that classes keep their shares.
     """
-    pictured = sorted(map(key_of, run.pictures.select(["class", "object"]).to_pylist()))
+    pictured = sorted(keys_of(run.pictures).to_pylist())
     if len(pictured) <= OBJECTS_AT_MOST:
         return pictured
     broken = {check.key for check in run.stability.broken} if run.stability is not None else set()
@@ -183,13 +165,6 @@ def describe_objects(run: Run) -> list[ObjectPage]:
     ]
 
 
-def choose_shown(views: Sequence[ViewPage]) -> ViewPage:
-    """Choose the view that is shown large: the one nearest to 45 degrees, from which most is seen."""
-    return min(
-        views, key=lambda view: (abs((view.azimuth - 45.0 + 180.0) % 360.0 - 180.0), view.viewpoint)
-    )
-
-
 def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
     """Choose the object that explains the method: its view shown has the most different squares."""
     return max(pages, key=lambda page: _variety([note["size"] for note in page.shown.touches]))
@@ -213,17 +188,17 @@ def _describe(
     looked, fixated = (select(table, strategy="fixation") for table in (fixations, touches))
     stored = [dict(pictures[name]) for name in ("views", "saliency", "imprints")]
     views = tuple(_view_page(key, row, stored, looked, fixated, cameras, answers) for row in rows)
-    shown = select(seen, viewpoint=choose_shown(views).viewpoint)
+    # From 45 degrees most is seen.
+    shown = min(views, key=lambda one: (abs((one.azimuth - 45 + 180) % 360 - 180), one.viewpoint))
+    maps = select(seen, viewpoint=shown.viewpoint)["conspicuity"][0].as_py()
     strategies = sorted(set(touches.column("strategy").to_pylist()))
     felt = {strategy: select(touches, strategy=strategy) for strategy in strategies}
     keys = ("strategy", "viewpoint", "touch", "contact_state")
     return ObjectPage(
         key=key,
         views=views,
-        conspicuity=tuple(
-            (channel, data_uri(png, "image/png"))
-            for channel, png in shown["conspicuity"][0].as_py()
-        ),
+        shown=shown,
+        conspicuity=tuple((channel, data_uri(png, "image/png")) for channel, png in maps),
         skipped=_skipped(rows),
         predicted=_predicted(answers),
         median_size={name: float(np.median(own["sensor_size"])) for name, own in felt.items()},
@@ -239,10 +214,8 @@ def _describe(
 
 
 def _model(pictures: Row) -> PackedModel | None:
-    if pictures["model"] is None:
-        return None
-    counts = ("vertices", "faces", "touches", "original_faces")
-    return PackedModel(pictures["model"], *(pictures[name] for name in counts))
+    stored = {one.name: pictures[one.name] for one in fields(PackedModel)}
+    return None if stored["model"] is None else PackedModel(**stored)
 
 
 def _view_page(

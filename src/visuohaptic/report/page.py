@@ -26,7 +26,7 @@ from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, find_sources
 from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error
-from visuohaptic.report.tables import NONE, NUMBER, table
+from visuohaptic.report.tables import NONE, NUMBER, each, table
 from visuohaptic.report.touches_needed import touches_needed
 from visuohaptic.whole_files import write_whole
 
@@ -135,7 +135,9 @@ def make_environment() -> Environment:
         NUMBER: lambda text: text,
         "whole_percent": lambda share: wording.percent(share, 0),
         "exact_percent": lambda share: wording.percent(share, 2),
-        "exact_probability": _exact_probability,
+        "exact_probability": lambda value: Markup('<data value="{}">{}</data>').format(
+            value, wording.probability(value)
+        ),
         "accuracy_or_error": accuracy_or_error,
         "touches_needed": touches_needed,
         "recomputed": RECOMPUTED.__getitem__,
@@ -144,12 +146,9 @@ def make_environment() -> Environment:
         "grouped": lambda value: f"{value:,}" if isinstance(value, int) else value,
         "error_size": lambda error: "not finite" if error is None else f"{error:.2g}",
     }
-    environment.globals["charts"] = figures
+    macros = environment.get_template("macros.html.jinja").module
+    environment.globals |= {"charts": figures, "draw": macros, "each": each}
     return environment
-
-
-def _exact_probability(value: float) -> Markup:
-    return Markup('<data value="{}">{}</data>').format(value, wording.probability(value))
 
 
 def _text(name: str) -> str:

@@ -12,9 +12,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import visuohaptic
+from visuohaptic import pipeline
 from visuohaptic.job_logs import read_seconds
 
-PHASES = ("downloads", "meshes", "fixations", "touches", "features", "recognition", "metrics")
+PHASES = ("downloads", *(phase.name for phase in pipeline.PHASES), "metrics")
 _PACKAGE = Path(visuohaptic.__file__).parent
 _DISTRIBUTIONS = (
     *("contourlets", "numpy", "scipy", "opencv-contrib-python-headless", "open3d-cpu", "open3d"),
@@ -25,10 +26,7 @@ _DISTRIBUTIONS = (
 
 @dataclass(frozen=True)
 class PhaseSeconds:
-    """Seconds that the finished jobs of a phase took, when each last ran, and logs of jobs that did not finish.
-
-    Jobs that ran side by side count each.
-    """
+    """Seconds of a phase's finished jobs, summed up, when each last ran, and logs of those that did not finish."""
 
     phase: str
     jobs: int

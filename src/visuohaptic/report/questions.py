@@ -84,10 +84,7 @@ def recognition_answer(
 
 
 def fixation_answer(tables: Sequence[PipelineTable], readings: ReadingsSummary) -> Answer | None:
-    """Answer whether it helps to touch where the eye would fixate, against random places in reach.
-
-    None for a run without random touches in reach.
-    """
+    """Answer whether it helps to touch where the eye would fixate; None without random touches in reach."""
     compared = [
         (table, row_of(table).comparisons[MAIN_OPPONENT]) for table in tables if has_opponent(table)
     ]

@@ -6,14 +6,13 @@ sentences, which a run of it writes and `readings.json` beside this file keeps.
 
 from __future__ import annotations
 
-import json
 from importlib.resources import files
 from pathlib import Path
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
-from visuohaptic.errors import ReportError
+from visuohaptic.report.json_files import read_json
 from visuohaptic.studies.stored import Source
 
 Verdict = Literal["yes", "no", "depends", "not shown"]
@@ -49,19 +48,17 @@ class ReadingsSummary(BaseModel):
     source: Source | None = None
 
 
-def read_readings(path: str | Path | None = None) -> ReadingsSummary:
+def read_readings(path: Path | None = None) -> ReadingsSummary:
     """Read what a run of the study wrote, ``reports/readings.json``, else what is kept with the package.
 
     Raises `ReportError` if the run's file holds none.
     """
-    if path is None or not Path(path).is_file():
+    if path is None:
         kept = files("visuohaptic.report").joinpath(KEPT).read_text("utf-8")
         return ReadingsSummary.model_validate_json(kept)
-    try:
-        found = json.loads(Path(path).read_text(encoding="utf-8"))
-        return ReadingsSummary.model_validate(found["report"])
-    except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:
-        raise ReportError(
-            f"{path} has no summary of the readings ({' '.join(str(error).split())}); run "
-            "`snakemake -j2 readings_all` again, or delete the file."
-        ) from error
+    return read_json(
+        path,
+        lambda found: ReadingsSummary.model_validate(found["report"]),
+        "has no summary of the readings",
+        "run `snakemake -j2 readings_all` again, or delete the file",
+    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,12 +10,12 @@ from typing import Any
 
 import pyarrow as pa
 
-from visuohaptic.errors import ReportError
 from visuohaptic.geometry.surface import object_of, set_aside_reason
 from visuohaptic.meshes.catalogue import Credit, read_credits
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
-from visuohaptic.report.stability import StabilityFigures, read_stability
+from visuohaptic.report.json_files import read_json
+from visuohaptic.report.stability import StabilityFigures, stability_figures
 from visuohaptic.tables.phases import (
     EFFECTS,
     FEATURES,
@@ -24,10 +23,11 @@ from visuohaptic.tables.phases import (
     PREDICTIONS,
     TOUCHES,
     VIEWS,
-    key_of,
+    keys_of,
 )
 from visuohaptic.tables.pictures import PICTURES
 from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.stability import STABILITY
 from visuohaptic.touches.choosing import touched_places
 
 
@@ -73,7 +73,7 @@ class Run:
     touches: pa.Table
     features: pa.Table
     pictures: pa.Table
-    effects: pa.Table | None = None
+    effects: pa.Table
 
     @cached_property
     def pipelines(self) -> list[PipelineTable]:
@@ -83,17 +83,17 @@ class Run:
     @cached_property
     def objects(self) -> list[str]:
         """Objects that were looked at, `class/name`, sorted."""
-        return sorted({key_of(row) for row in _owners(self.views)})
+        return sorted(keys_of(self.views).unique().to_pylist())
 
     @cached_property
     def tested_objects(self) -> list[str]:
         """Objects that recognition tested, `class/name`, sorted."""
-        return sorted({key_of(row) for row in _owners(self.predictions)})
+        return sorted(keys_of(self.predictions).unique().to_pylist())
 
     @cached_property
     def classes(self) -> list[str]:
         """Classes that recognition distinguishes, sorted."""
-        return sorted({row["class"] for row in _owners(self.predictions)})
+        return sorted(self.predictions.column("class").unique().to_pylist())
 
     @cached_property
     def meshes(self) -> dict[str, Path]:
@@ -110,13 +110,28 @@ class Run:
     @cached_property
     def stability(self) -> StabilityFigures | None:
         """What this run found on its objects."""
-        extras = self.files.extras
-        return read_stability([extras["stability"]] if "stability" in extras else [])
+        parts = self.parts("stability")
+        return stability_figures(read_table(STABILITY, parts)) if parts else None
 
     @cached_property
     def credits(self) -> dict[str, Credit]:
         """Credit of each object that has one."""
         return read_credits(self.files.credits)
+
+    def file_of(self, name: str) -> Path | None:
+        """Give the file or folder of a table that not every run has; None where it is not there."""
+        path = self.files.extras.get(name)
+        return None if path is None or not Path(path).exists() else Path(path)
+
+    def parts(self, name: str) -> list[Path]:
+        """Give the files of a table that are there; ``studies/NAME`` is that of a study."""
+        extra, _, study = name.partition("/")
+        if extra not in self.files.extras:
+            return [Path(path) for path in getattr(self.files, name, ())]
+        path = Path(self.files.extras[extra], f"{study}.parquet" if study else "")
+        if path.is_dir():
+            return sorted(path.rglob("*.parquet"))
+        return [path] if path.is_file() else []
 
 
 def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequence[str]) -> Run:
@@ -137,20 +152,14 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
         touches=touches,
         features=read_table(FEATURES, files.features),
         pictures=read_table(PICTURES, files.pictures),
-        effects=read_table(EFFECTS, files.effects) if files.effects else None,
+        effects=read_table(EFFECTS, files.effects)
+        if files.effects
+        else EFFECTS.arrow.empty_table(),
     )
 
 
 def _read_metrics(path: Path) -> Mapping[str, Any]:
-    try:
-        metrics = json.loads(path.read_text(encoding="utf-8"))
+    def parts(metrics: Any) -> Mapping[str, Any]:
         return {part: metrics[part] for part in ("comparisons", "method", "results")}
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise ReportError(
-            f"{path} holds no metrics of this workflow ({error}); run rule metrics again."
-        ) from error
 
-
-def _owners(table: pa.Table) -> list[dict[str, str]]:
-    keys = ["class", "object"]
-    return table.select(keys).group_by(keys).aggregate([]).to_pylist()
+    return read_json(path, parts, "holds no metrics of this workflow", "run rule metrics again")

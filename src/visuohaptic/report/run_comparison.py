@@ -18,7 +18,7 @@ from visuohaptic.errors import ParameterError, ReportError
 from visuohaptic.parameters import ExperimentParameters, leaves
 from visuohaptic.report.comparison import pipeline_order
 from visuohaptic.report.estimates import Figure, points_above_interval
-from visuohaptic.report.measured_runs import MEASURES, ByObject, Cell, MeasuredRun
+from visuohaptic.report.measured_runs import MEASURES, Cell, CellFigures, MeasuredRun
 from visuohaptic.report.wording import classifier_name, counted, strategy_name
 
 Direction = Literal["equal", "higher", "lower", "open"]
@@ -134,14 +134,14 @@ def compare_runs(runs: Sequence[MeasuredRun]) -> RunComparison:
     known = len({source for source, _ in described}) == len(described) and all(
         run.parameters is not None for run in runs
     )
-    keys = dict.fromkeys(key for run in runs for key in run.figures)
-    ordered = sorted(keys, key=lambda key: MEASURES.index(key[0]))
+    cells = dict.fromkeys(cell for run in runs for cell in run.cells)
+    compared = [_compared(measure, cell, runs) for measure in MEASURES for cell in cells]
     return RunComparison(
         tuple(ascii_uppercase[: len(runs)]),
         tuple(run.source for run in runs),
         known,
         (*(_parameters(runs) if known else ()), *_circumstances(runs), *_seconds(runs)),
-        tuple(_compared(key, runs) for key in ordered),
+        tuple(one for one in compared if any(one.figures)),
     )
 
 
@@ -203,15 +203,15 @@ def difference_of(first: Figure, second: Figure) -> Figure:
     )
 
 
-def paired_difference(first: ByObject, second: ByObject) -> Difference:
+def _paired_difference(first: CellFigures, second: CellFigures) -> Difference:
     """Give second minus first over the same objects, with its interval and p value."""
     from visuohaptic.recognition.intervals import compare_paired
     from visuohaptic.recognition.parameters import IntervalParameters
     from visuohaptic.seeds import spawn_generator
 
-    names = sorted(first)
-    before, weights = np.array([first[name] for name in names]).T
-    after = np.array([second[name][0] for name in names])
+    names = sorted(first.by_object)
+    before, weights = np.array([first.by_object[name] for name in names]).T
+    after = np.array([second.by_object[name][0] for name in names])
     if np.array_equal(before, after):
         return Difference(EQUAL, 1.0)
     generator = spawn_generator(0, "compared runs")
@@ -220,24 +220,23 @@ def paired_difference(first: ByObject, second: ByObject) -> Difference:
     return Difference(Figure(ends.mean, ends.low, ends.high), found.p_value)
 
 
-def _compared(key: tuple[str, Cell], runs: Sequence[MeasuredRun]) -> ComparedFigure:
-    measure, cell = key
-    found = tuple(run.figures.get(key) for run in runs)
-    differences = tuple(_difference(key, runs[0], run) for run in runs[1:])
+def _compared(measure: str, cell: Cell, runs: Sequence[MeasuredRun]) -> ComparedFigure:
+    found = tuple(run.figure(measure, cell) for run in runs)
+    differences = tuple(_difference(measure, cell, runs[0], run) for run in runs[1:])
     return ComparedFigure(measure, *cell, found, differences)
 
 
 def _difference(
-    key: tuple[str, Cell], first: MeasuredRun, second: MeasuredRun
+    measure: str, cell: Cell, first: MeasuredRun, second: MeasuredRun
 ) -> Difference | None:
-    before, after = first.figures.get(key), second.figures.get(key)
+    before, after = (run.figure(measure, cell) for run in (first, second))
     if before is None or after is None:
         return None
-    measure, cell = key
-    sides = [run.by_object.get(cell, {}) for run in (first, second)]
-    if measure != MEASURES[0] or not sides[0] or set(sides[0]) != set(sides[1]):
+    sides = first.cells[cell], second.cells[cell]
+    objects, others = (set(side.by_object) for side in sides)
+    if measure != MEASURES[0] or not objects or objects != others:
         return Difference(difference_of(before, after))
-    return paired_difference(*sides)
+    return _paired_difference(*sides)
 
 
 def _parameters(runs: Sequence[MeasuredRun]) -> list[Fact]:

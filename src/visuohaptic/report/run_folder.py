@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -39,27 +38,18 @@ _KERNELS = "reports/precision.json"
 def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
     """Name the tables that not every run has, as `RunFiles.extras` has them, whether they are there or not.
 
-    `run` holds `results` and `reports`; in the `reports` of `checks` `make test-hard` leaves the
-    precision of kernels.
+    In the `reports` of `checks` `make test-hard` leaves the precision of kernels.
     """
     found = {name: Path(run, path) for name, path in _EXTRAS.items()}
     return found | {"precision": Path(checks, _KERNELS)}
 
 
-@dataclass(frozen=True)
-class RunFolder:
-    """A finished run: its tables, what its ``params.yaml`` says, and the objects that were to take part."""
+def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[str, ...]]:
+    """Find a run's tables in its folder, as the workflow lays it out.
 
-    files: RunFiles
-    parameters: ExperimentParameters
-    objects: tuple[str, ...]
-
-
-def find_run(folder: str | Path) -> RunFolder:
-    """Find the tables of a run in its folder, as the workflow lays it out.
-
-    Raises `ReportError` if the parameters, the metrics or a table is missing, and `ParameterError`
-    if the parameters are not allowed. A table with no file is left to its reader, who names it.
+    Gives them, what ``params.yaml`` says, and the objects that were to take part, `class/name`. Raises
+    `ReportError` if the parameters, the metrics or a table is missing, and `ParameterError` if the
+    parameters are not allowed.
     """
     folder = Path(folder)
     results = folder / "results"
@@ -87,7 +77,7 @@ def find_run(folder: str | Path) -> RunFolder:
         folder=folder,
         extras=find_extras(folder, folder),
     )
-    return RunFolder(files, parameters, _objects(folder, parameters, files))
+    return files, parameters, _objects(folder, parameters, files)
 
 
 def _parts(folder: Path) -> list[Path]:

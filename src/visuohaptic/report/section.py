@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.report.cost import CostFigures, read_cost
-from visuohaptic.report.influence import InfluenceFigures, influence_figures
+from visuohaptic.report.influence import influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.readings import ReadingsSummary, read_readings
@@ -20,41 +20,6 @@ from visuohaptic.tables.schema import Schema
 Values = Mapping[str, Any]
 Rows = Mapping[str, str | int]
 Selection = Callable[[Run, ObjectPage], Sequence[Rows]]
-
-
-def all_rows(_: Run, __: ObjectPage) -> list[Rows]:
-    """Select everything."""
-    return [{}]
-
-
-def each_pipeline(run: Run, _: ObjectPage) -> list[Rows]:
-    """Select the rows of each pipeline."""
-    return [{"pipeline": table.name} for table in run.pipelines]
-
-
-def each_best(run: Run, _: ObjectPage) -> list[Rows]:
-    """Select the rows of each pipeline's best classifier."""
-    return [{"pipeline": table.name, "classifier": table.best.key} for table in run.pipelines]
-
-
-def first_best(run: Run, page: ObjectPage) -> list[Rows]:
-    """Select the rows of the first pipeline's best classifier."""
-    return each_best(run, page)[:1]
-
-
-def by_fixation(_: Run, __: ObjectPage) -> list[Rows]:
-    """Select what was fixated."""
-    return [{"strategy": "fixation"}]
-
-
-def shown_view(_: Run, page: ObjectPage) -> list[Rows]:
-    """Select the view that explains the method."""
-    return [page.shown_rows]
-
-
-def shown_touch(run: Run, page: ObjectPage) -> list[Rows]:
-    """Select the first touch of that view."""
-    return [{**rows, "touch": 0} for rows in shown_view(run, page)]
 
 
 @dataclass(frozen=True)
@@ -68,7 +33,7 @@ class Reads:
     what: str
     schema: Schema
     files: str
-    selection: Selection = all_rows
+    selection: Selection = lambda _, __: [{}]
 
 
 @dataclass(frozen=True)
@@ -79,26 +44,21 @@ class ReportContext:
     pages: Sequence[ObjectPage]
     seconds: Sequence[PhaseSeconds]
 
-    def file_of(self, name: str) -> Path | None:
-        """Give the file or folder of a study that not every run has."""
-        path = self.run.files.extras.get(name)
-        return None if path is None or not Path(path).exists() else Path(path)
-
     @cached_property
     def frontier(self) -> CostFigures | None:
         """What accuracy costs in this run."""
-        return read_cost(self.file_of("frontier"), self.run.parameters)
+        return read_cost(self.run.file_of("frontier"), self.run.parameters)
 
     @cached_property
-    def influence(self) -> InfluenceFigures | None:
+    def influence(self) -> Values | None:
         """What effects cost and change."""
-        scene = self.run.parameters.scene.preset
-        return influence_figures(self.file_of("effect_influence"), scene)
+        path = self.run.file_of("effect_influence")
+        return influence_figures(path, self.run.parameters.scene.preset) if path else None
 
     @cached_property
     def readings(self) -> ReadingsSummary:
         """What the readings of the paper say together, of this run or as kept with the package."""
-        return read_readings(self.file_of("readings"))
+        return read_readings(self.run.file_of("readings"))
 
     @cached_property
     def explaining(self) -> ObjectPage:
@@ -150,20 +110,9 @@ class Source:
 def find_sources(reads: Sequence[Reads], run: Run, page: ObjectPage) -> Iterator[Source]:
     """Give what a section reads of a run; `page` is the object that explains the method."""
     for one in reads:
-        files = _files(run, one.files)
+        files = run.parts(one.files)
         for rows in one.selection(run, page) if files else ():
             yield Source(one, _pattern(run, _narrowed(files, rows)), rows)
-
-
-def _files(run: Run, name: str) -> list[Path]:
-    """Give the files that are there."""
-    extra, _, study = name.partition("/")
-    if extra not in run.files.extras:
-        return [Path(path) for path in getattr(run.files, name, ())]
-    path = Path(run.files.extras[extra], f"{study}.parquet" if study else "")
-    if path.is_dir():
-        return sorted(path.rglob("*.parquet"))
-    return [path] if path.is_file() else []
 
 
 def _narrowed(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
@@ -180,7 +129,7 @@ def relative_to_run(run: Run, file: str | Path) -> Path:
 
 def predictions_of(run: Run, pipeline: str) -> Sequence[Path]:
     """Give the files that hold a pipeline's predictions."""
-    return _narrowed(_files(run, "predictions"), {"pipeline": pipeline})
+    return _narrowed(run.parts("predictions"), {"pipeline": pipeline})
 
 
 def folder_of(files: Sequence[Path]) -> Path:

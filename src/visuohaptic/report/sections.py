@@ -1,7 +1,4 @@
-"""The values of each section's template, from the tables of the run.
-
-A function gives None where the run has nothing for its section.
-"""
+"""The values of each section's template, from the tables of the run; None where it has nothing for the section."""
 
 from __future__ import annotations
 
@@ -32,6 +29,7 @@ from visuohaptic.report.influence import (
     rows_of_scenes,
     scene_strips,
 )
+from visuohaptic.report.looking import ANSWERS, looking_figures
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
     MAIN_OPPONENT,
@@ -90,15 +88,14 @@ def answer_values(context: ReportContext) -> Values:
         "answers": [one for one in answers if one is not None],
         "untested": not context.run.pipelines,
         "confidence": percent(context.run.parameters.recognition.intervals.confidence, 0),
-        "effects": effects_answer(context.influence) if context.influence else None,
+        "effects": effects_answer(context.influence["scenes"]) if context.influence else None,
         "stability": stability_answer([found, *_hard_cases().values()]) if found else None,
     }
 
 
 def _hard_cases() -> dict[str, StabilityFigures]:
     """Give the hard cases that are kept with the package, by their title."""
-    stored = stored_hard_cases()
-    return {} if stored is None else {"Hard cases of the code": stability_figures(stored.table)}
+    return {"Hard cases of the code": stability_figures(stored_hard_cases().table)}
 
 
 def _recognition_answers(context: ReportContext) -> tuple[Answer | None, ...]:
@@ -168,29 +165,36 @@ def comparison_values(context: ReportContext) -> Values | None:
 
 def certainty_values(context: ReportContext) -> Values:
     """Give how sure answers are, or None where it was not measured; on new objects also as kept."""
-    parameters, measured = context.run.parameters, read_evaluation(context.file_of("evaluation"))
-    intervals = parameters.recognition.intervals
-    certainty = certainty_figures(
-        context.file_of("certainty"), context.file_of("certainty_figures")
+    run, parameters = context.run, context.run.parameters
+    table, figures = run.file_of("certainty"), run.file_of("certainty_figures")
+    evaluation = evaluation_figures(
+        read_evaluation(run.file_of("evaluation")),
+        parameters.recognition.intervals,
+        parameters.seed,
     )
     return {
-        "certainty": certainty,
-        "evaluation": evaluation_figures(measured, intervals, parameters.seed),
+        "certainty": certainty_figures(table, figures) if table and figures else None,
+        "evaluation": evaluation,
     }
+
+
+def looking_values(context: ReportContext) -> Values | None:
+    """Give what looking and touching reach, or None where it was not measured."""
+    path = context.run.file_of("looking_figures")
+    return {"looking": looking_figures(path), "answers": ANSWERS} if path else None
 
 
 def cost_values(context: ReportContext) -> Values | None:
     """Give what accuracy costs in time: in this run, and in the whole study where it was made."""
-    if not any(context.file_of(name) for name in ("frontier", "cost")):
+    if not any(context.run.file_of(name) for name in ("frontier", "cost")):
         return None
-    study = read_cost(context.file_of("cost"), context.run.parameters)
+    study = read_cost(context.run.file_of("cost"), context.run.parameters)
     return {"frontier": context.frontier, "study": study, "objects": len(context.run.objects)}
 
 
 def effects_values(context: ReportContext) -> Values:
     """Give what was simulated and computed, and what was not needed."""
-    table, preset = context.run.effects, context.run.parameters.scene.preset
-    effects = [] if table is None else sum_effects(table)
+    effects, preset = sum_effects(context.run.effects), context.run.parameters.scene.preset
     seen = [row for row in effects if row["effect"] in VISUAL_EFFECTS]
     felt = [row for row in effects if row["effect"] not in VISUAL_EFFECTS]
     return {
@@ -205,7 +209,7 @@ def effects_values(context: ReportContext) -> Values:
 def influence_values(context: ReportContext) -> Values:
     """Give hard places, and what effects cost and change where that was measured."""
     run, page = context.run, context.explaining
-    accuracy = read_study(context.file_of("studies"), "effects")
+    accuracy = read_study(run.file_of("studies"), "effects")
     locations = select(run.fixations, **page.shown_rows)
     mesh = run.meshes.get(page.key) if locations.num_rows else None
     return {
@@ -213,7 +217,7 @@ def influence_values(context: ReportContext) -> Values:
         "strips": scene_strips(mesh, locations, run.parameters) if mesh else {},
         "places": hard_places(run.parameters),
         "influence": context.influence,
-        "answer": effects_answer(context.influence) if context.influence else "",
+        "answer": effects_answer(context.influence["scenes"]) if context.influence else "",
         "accuracy": accuracy,
         "by_scene": rows_of_scenes(accuracy) if accuracy else [],
         "chance": 1 / max(len(run.classes), 1),
@@ -221,18 +225,15 @@ def influence_values(context: ReportContext) -> Values:
     }
 
 
-def stability_values(context: ReportContext) -> Values | None:
+def stability_values(context: ReportContext) -> Values:
     """Give how exact numbers are: on this run's objects, and in hard cases as kept with the package."""
     stored, found = stored_hard_cases(), context.run.stability
-    kernels = read_precision(context.file_of("precision"))
-    parts = ({"Objects of this run": found} if found else {}) | _hard_cases()
-    if not parts and not kernels:
-        return None
+    precision = context.run.file_of("precision")
     return {
-        "parts": parts,
-        "made": {} if stored is None else stored.made,
-        "further": {} if stored is None else stored.further,
-        "kernels": kernels,
+        "parts": ({"Objects of this run": found} if found else {}) | _hard_cases(),
+        "made": stored.made,
+        "further": stored.further,
+        "kernels": read_precision(precision) if precision else {},
         "anchors": {page.key: page.anchor for page in context.pages},
         "describe_checks": describe_checks,
     }
@@ -240,7 +241,7 @@ def stability_values(context: ReportContext) -> Values | None:
 
 def guards_values(context: ReportContext) -> Values | None:
     """Give what the run's guards found."""
-    path, marks = context.file_of("guards"), {"failed": "exceeded"}
+    path, marks = context.run.file_of("guards"), {"failed": "exceeded"}
     rows = read_table(GUARDS, [path]).to_pylist() if path else []
     return given(rows=[{**row, "mark": marks.get(row["outcome"])} for row in rows])
 
@@ -250,9 +251,10 @@ def confusion_values(context: ReportContext) -> Values | None:
     if not context.run.pipelines:
         return None
     run, table = context.run, context.run.pipelines[0]
+    predicted = select(run.predictions, pipeline=table.name)
     rows = sorted(table.rows, key=lambda row: row is not table.best)
     found = [
-        (row, strategy, confusion(_predicted(run, table.name, strategy, row.key)))
+        (row, strategy, confusion(select(predicted, strategy=strategy, classifier=row.key)))
         for row in rows
         for strategy in table.strategies
         if strategy in row.accuracy
@@ -264,10 +266,6 @@ def confusion_values(context: ReportContext) -> Values | None:
         "class_accuracy": _class_rows(table, run.classes),
         "strategies": [name for name in table.strategies if name in table.best.class_accuracy],
     }
-
-
-def _predicted(run: Run, pipeline: str, strategy: str, classifier: str) -> Any:
-    return select(run.predictions, pipeline=pipeline, strategy=strategy, classifier=classifier)
 
 
 def _class_rows(table: PipelineTable, classes: list[str]) -> list[dict[str, Any]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -11,11 +10,9 @@ from pathlib import Path
 import pyarrow as pa
 from markupsafe import Markup
 
-from visuohaptic.errors import ReportError
 from visuohaptic.report.estimates import Row
+from visuohaptic.report.json_files import read_json
 from visuohaptic.report.wording import counted, percent
-from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.stability import STABILITY
 
 # Elements and attributes that a drawing may have; all others are removed.
 _DRAWING = re.compile(
@@ -101,15 +98,6 @@ class StabilityFigures:
         return [check for check in self.checks if not check.held]
 
 
-def read_stability(paths: Sequence[str | Path]) -> StabilityFigures | None:
-    """Read files of `tables.STABILITY`, or folders of them; None where there is none.
-
-    Raises `TableError` if a file breaks the schema.
-    """
-    there = [path for path in map(Path, paths) if path.is_file() or any(path.rglob("*.parquet"))]
-    return stability_figures(read_table(STABILITY, there)) if there else None
-
-
 def stability_figures(table: pa.Table) -> StabilityFigures:
     """Give the figures of rows of `tables.STABILITY`."""
     return StabilityFigures(tuple(map(_check, table.to_pylist())), table)
@@ -143,21 +131,18 @@ def stability_answer(figures: Sequence[StabilityFigures]) -> str:
     return f"{cases} computed; every error is within its tolerance."
 
 
-def read_precision(path: str | Path | None) -> dict[str, list[Row]]:
+def read_precision(path: Path) -> dict[str, list[Row]]:
     """Read errors and seconds of each kernel's settings, ``reports/precision.json``, by kernel.
 
-    Raises `ReportError` if the file is there but holds no such rows.
+    Raises `ReportError` if the file holds no such rows.
     """
+    return read_json(path, _by_kernel, "holds no rows of kernels", "run make test-hard again")
+
+
+def _by_kernel(rows: Iterable[Row]) -> dict[str, list[Row]]:
     kernels: dict[str, list[Row]] = {}
-    if path is None or not Path(path).exists():
-        return kernels
-    try:
-        for row in json.loads(Path(path).read_text(encoding="utf-8")):
-            kernels.setdefault(row["kernel"], []).append(row)
-    except (ValueError, KeyError, TypeError) as error:
-        raise ReportError(
-            f"{path} holds no rows of kernels ({error}); run make test-hard again."
-        ) from error
+    for row in rows:
+        kernels.setdefault(row["kernel"], []).append(row)
     return kernels
 
 

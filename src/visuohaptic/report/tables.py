@@ -17,6 +17,7 @@ from visuohaptic.report.estimates import (
     points_above_interval,
     share_above_interval,
 )
+from visuohaptic.report.wording import strategy_name, titled
 
 Column = Sequence[str]
 """Heading, key and format; without a format the value is written as it is."""
@@ -31,6 +32,11 @@ NONE = "\N{EN DASH}"
 """Stands where there is no value."""
 
 
+def each(keys: Iterable[str], heading: str, key: str, form: str = "") -> list[Column]:
+    """Give a column for each strategy, with its name and its key in the places of ``{}``."""
+    return [(titled(heading.format(strategy_name(one))), key.format(one), form) for one in keys]
+
+
 @pass_environment
 def table(
     environment: Environment,
@@ -42,22 +48,11 @@ def table(
 ) -> Markup:
     """Write rows as a table that scrolls where the screen is narrow.
 
-    Parameters
-    ----------
-    environment : jinja2.Environment
-        Has the formats.
-    rows : iterable of mapping or object
-        The first column heads its row. A row with ``mark`` has that class.
-    label : str
-        What the table is called, once on the page.
-    columns : sequence of Column
-        A key is a name, or several joined by points; without one it is the whole row. A format is
-        the name of a filter, of several joined by ``|``, or as for ``%`` and `format`; after ``±``
-        it writes the interval, too. A column of numbers stands to the right.
-    caption : str
-        What stands above the table, if not the label.
-    best : object
-        The row that stands out.
+    The first column heads its row; a row with ``mark`` has that class, and the row `best` stands out. The
+    key of a column is a name, or several joined by points; without one it is the whole row. A format is
+    the name of a filter, of several joined by ``|``, or as for ``%`` and `format`; after ``±`` it writes
+    the interval, too. A column of numbers stands to the right. `label` is what the table is called, once
+    on the page; `caption` stands above it, if not the label.
     """
     listed = list(rows)
     numeric = [

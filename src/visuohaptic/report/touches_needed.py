@@ -27,16 +27,9 @@ from visuohaptic.tables.studies import TOUCHES_NEEDED
 
 @dataclass(frozen=True)
 class CurveFigures:
-    """One pipeline's curves.
+    """The curves of one pipeline and classifier: `points` are rows of `tables.STUDY_FIGURES`.
 
-    Attributes
-    ----------
-    pipeline, classifier : str
-        Of what.
-    rows : list of mapping
-        Rows of `tables.TOUCHES_NEEDED` with ``adjusted_p``, the largest area first.
-    points : list of mapping
-        Rows of `tables.STUDY_FIGURES`.
+    `rows` are those of `tables.TOUCHES_NEEDED` with ``adjusted_p``, the largest area first.
     """
 
     pipeline: str
@@ -64,10 +57,7 @@ class CurveFigures:
 
 
 def curve_figures(studies: str | Path | None, needed: str | Path | None) -> list[CurveFigures]:
-    """Read the curves over touches, the paper's pipeline first; empty where nothing was measured.
-
-    `studies` is the folder of `tables.STUDY_FIGURES`, `needed` the file of `tables.TOUCHES_NEEDED`.
-    """
+    """Read the curves over touches, the paper's pipeline first; empty where nothing was measured."""
     points_of = read_figures(studies, "curves")
     if not points_of or needed is None or not Path(needed).is_file():
         return []
@@ -94,10 +84,7 @@ def touches_needed(row: Row) -> Markup:
 
 
 def verdict(ranked: Sequence[Row]) -> str:
-    """Say whether attention has the largest area, and which differences are beyond chance.
-
-    The rows are those of `CurveFigures`.
-    """
+    """Say of rows of `CurveFigures` whether attention has the largest area, and what is beyond chance."""
     best = ranked[0]
     first = (
         f"The largest area under the curve of 1 to {counted(best['most_touches'], 'touch')} is that of "

@@ -70,11 +70,10 @@ def decimal(value: float) -> str:
     return _with_minus(f"{value:.2f}".replace("-0.00", "0.00"))
 
 
-def duration(seconds: float, digits: int = 2) -> str:
-    """Write seconds, or milliseconds where they are few."""
-    if seconds >= 1:
-        return f"{seconds:.0f} s" if seconds >= 99.5 else f"{seconds:.{digits}g} s"
-    return f"{1000 * seconds:.{digits}g} ms" if seconds < 0.0995 else f"{1000 * seconds:.0f} ms"
+def duration(seconds: float) -> str:
+    """Write seconds, or milliseconds where they are few, with two digits or whole."""
+    value, unit = (seconds, "s") if seconds >= 1 else (1000 * seconds, "ms")
+    return f"{value:.0f} {unit}" if value >= 99.5 else f"{value:.2g} {unit}"
 
 
 def listed(names: Sequence[str]) -> str:

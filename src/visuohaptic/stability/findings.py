@@ -13,20 +13,11 @@ from visuohaptic.stability.tolerances import Tolerance
 
 @dataclass(frozen=True)
 class Finding:
-    """The errors of some cases.
+    """The errors of some cases, by the tolerance's name, `family/requirement`.
 
-    Attributes
-    ----------
-    tolerance : str
-        Its name, `family/requirement`.
-    errors : array_like
-        Any shape, in the tolerance's unit; True is an error of 1, and NaN is infinite.
-    hardest : str or callable
-        The case in words; a function takes its place among the flat errors.
-    drawing : str or callable
-        The same as SVG; may be empty.
-    cases : int or None
-        How many cases were tried, where one error stands for several.
+    `errors` have any shape and the tolerance's unit; True is an error of 1, and NaN is infinite.
+    `hardest` is the case in words and `drawing` the same as SVG, or empty; a function takes its place
+    among the flat errors. `cases` counts those that were tried, where one error stands for several.
     """
 
     tolerance: str
@@ -38,20 +29,9 @@ class Finding:
 
 @dataclass(frozen=True)
 class Result:
-    """The worst error of all cases that share a tolerance.
+    """The worst error of all cases that share a tolerance, with that case in words and as SVG.
 
-    Attributes
-    ----------
-    name : str
-        The tolerance's name, `family/requirement`.
-    tolerance : Tolerance
-        What is allowed, and why.
-    cases : int
-        How many were tried.
-    worst_error : float
-        In the tolerance's unit; may be infinite.
-    hardest, drawing : str
-        The worst case in words and as SVG.
+    `name` is `family/requirement`; `worst_error` has the tolerance's unit and may be infinite.
     """
 
     name: str
@@ -85,20 +65,10 @@ def worst_of(finding: Finding, tolerances: Mapping[str, Tolerance]) -> Result | 
 def measure(
     check: Callable[[], Iterable[Finding]], tolerances: Mapping[str, Tolerance]
 ) -> list[Result]:
-    """Make a check.
+    """Make a check, and give a result for each finding that has cases.
 
-    Parameters
-    ----------
-    check : callable
-        Gives what it finds.
-    tolerances : mapping of str to Tolerance
-        All that it may find, by name.
-
-    Returns
-    -------
-    list of Result
-        One for each finding that has cases. A check that breaks off, for a kernel may fail in any
-        way, has an infinite error under each of its tolerances instead.
+    `tolerances` are all that it may find, by name. A check that breaks off, for a kernel may fail in
+    any way, has an infinite error under each of them instead.
     """
     try:
         found = [worst_of(finding, tolerances) for finding in check()]
@@ -112,18 +82,7 @@ def measure(
 
 
 def merge_results(results: Iterable[Result]) -> dict[str, Result]:
-    """Sum up cases and keep the worst error by tolerance.
-
-    Parameters
-    ----------
-    results : iterable of Result
-        In any number for each tolerance; of equal errors the first one is kept.
-
-    Returns
-    -------
-    dict of str to Result
-        One for each tolerance that has cases, in the order in which they come.
-    """
+    """Sum up cases and keep the worst error by tolerance, in the order in which they come; the first of equal ones."""
     merged: dict[str, Result] = {}
     for result in results:
         kept = merged.get(result.name)

@@ -30,19 +30,7 @@ TOUCHED_AGAIN = 4
 
 @dataclass(frozen=True)
 class SensedObject:
-    """An object and what the run has of it.
-
-    Attributes
-    ----------
-    surface : Surface
-        Its mesh.
-    fixations, touches : pyarrow.Table
-        n rows of `tables.FIXATIONS` and of `tables.TOUCHES`, in one order: the places touched.
-    attention, sensor, scene : AttentionParameters, SensorParameters, Scene
-        What it was looked at and touched with.
-    seed : int
-        The experiment's random seed.
-    """
+    """An object and what the run has of it: fixations and touches are n rows in one order, the places touched."""
 
     surface: Surface
     fixations: pa.Table
@@ -54,20 +42,7 @@ class SensedObject:
 
 
 def check_object(sensed: SensedObject, generator: np.random.Generator) -> dict[str, Result]:
-    """Make every check on an object.
-
-    Parameters
-    ----------
-    sensed : SensedObject
-        The object.
-    generator : numpy.random.Generator
-        For the rays and for the touches that are repeated.
-
-    Returns
-    -------
-    dict of str to Result
-        The worst case by tolerance. A check that breaks off has an infinite error.
-    """
+    """Make every check on an object, and give the worst case by tolerance, as `measure` does."""
     return merge_results(
         result
         for check, names in _CHECKS

@@ -11,62 +11,39 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from visuohaptic.stability.findings import Result
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.phases import owner_columns
+from visuohaptic.tables.schema import build_rows
 from visuohaptic.tables.stability import STABILITY
 
 
 def result_table(results: Iterable[Result], key: str = "/") -> pa.Table:
-    """Give results as a table.
-
-    Parameters
-    ----------
-    results : iterable of Result
-        One for each tolerance.
-    key : str
-        `class/name` of the object that they are about.
-
-    Returns
-    -------
-    pyarrow.Table
-        Rows of `tables.STABILITY`, one a result.
-    """
-    rows = list(results)
-    category, name = key.split("/")
-    tolerances = [result.tolerance for result in rows]
-    return build_table(
-        STABILITY,
-        {
-            "family": [result.name.split("/")[0] for result in rows],
-            "requirement": [result.name.split("/", 1)[1] for result in rows],
-            "class": category,
-            "object": name,
-            "cases": [result.cases for result in rows],
-            "worst_error": [
-                result.worst_error if np.isfinite(result.worst_error) else None for result in rows
-            ],
-            "tolerance": [tolerance.bound for tolerance in tolerances],
-            "unit": [tolerance.unit for tolerance in tolerances],
-            "reason": [tolerance.reason for tolerance in tolerances],
-            "hardest": [result.hardest for result in rows],
-            "drawing": [result.drawing for result in rows],
-        },
-    )
+    """Give results, one for each tolerance, about an object, `class/name`, as rows of `tables.STABILITY`."""
+    rows = []
+    for result in results:
+        family, _, requirement = result.name.partition("/")
+        worst = result.worst_error if np.isfinite(result.worst_error) else None
+        rows.append(
+            {
+                **owner_columns(key),
+                "family": family,
+                "requirement": requirement,
+                "cases": result.cases,
+                "worst_error": worst,
+                "tolerance": result.tolerance.bound,
+                "unit": result.tolerance.unit,
+                "reason": result.tolerance.reason,
+                "hardest": result.hardest,
+                "drawing": result.drawing,
+            }
+        )
+    return build_rows(STABILITY, rows)
 
 
 def broken_tolerances(paths: Iterable[str | Path]) -> list[str]:
-    """Name the tolerances that were exceeded.
+    """Name the tolerances that were exceeded, in a sentence each, and each file that can't be read.
 
-    Parameters
-    ----------
-    paths : iterable of path
-        Files of the table. They were checked when they were written, and are not checked again: this
-        is called at the end of each run.
-
-    Returns
-    -------
-    list of str
-        One sentence each, which names the object if it is about one; and one for each file that
-        can't be read.
+    The files were checked when they were written, and are not checked again: this is called at the end
+    of each run.
     """
     return [sentence for path in paths for sentence in _broken_of(path)]
 

@@ -29,13 +29,10 @@ class StoredHardCases:
     further: Mapping[str, list[Mapping[str, Any]]]
 
 
-def stored_hard_cases() -> StoredHardCases | None:
-    """Read what is kept with the package; None where there is nothing."""
+def stored_hard_cases() -> StoredHardCases:
+    """Read what is kept with the package."""
     folder = files(__package__)
-    kept = folder.joinpath(f"{NAME}.parquet")
-    if not kept.is_file():
-        return None
     further = json.loads(folder.joinpath(f"{NAME}.json").read_text("utf-8"))
     made = further.pop("made")
-    with as_file(kept) as file:
+    with as_file(folder.joinpath(f"{NAME}.parquet")) as file:
         return StoredHardCases(read_table(STABILITY, [file]), made, further)
