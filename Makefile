@@ -79,6 +79,7 @@ readme: $(DEVELOP) report
 	python docs/make_claims.py
 	python docs/make_lead_picture.py
 	python docs/make_looking.py
+	python docs/make_curves.py
 	python docs/make_scaling.py
 	python docs/make_tables.py
 	python docs/make_api.py
