@@ -3,7 +3,7 @@
 import pytest
 from report.pages import plain
 from report.synthetic import PARAMETERS
-from studies.cost.test_front import BLIND, RENDER, cost_rows
+from studies.cost.test_front import RENDER, cost_rows
 
 from visuohaptic.report.cost import (
     CostFigures,
@@ -67,20 +67,6 @@ def test_what_positions_imprints_and_the_map_give_is_stated_where_it_was_measure
     assert cue_sentences(rows[:1]) == []
 
 
-def test_the_price_of_a_look_up_to_which_looking_saves_time():
-    rows = cost_rows(
-        [
-            ("blind", 0.01, 0.05, {**BLIND, "touches": 3, "viewpoints": 4}),
-            ("looking", 0.1, 0.04, {"touches": 2, "viewpoints": 2, "looks": 2}),
-        ]
-    )
-    assert plain(CostFigures(rows, PARAMETERS).price) == (
-        "Without a look, 12 touches give the lowest error rate, 5.0 %; 4 touches with 2 looks are as "
-        "accurate. So looking saves time if a look takes less than 20 s (here 0.5 s)."
-    )
-    assert CostFigures(rows[:1], PARAMETERS).price == ""
-
-
 def test_where_the_quickest_setting_is_the_most_accurate_the_answer_names_it_once():
     rows = cost_rows([("1 touch", 0.073, 0.0), ("5 touches", 0.15, 0.01)])
     for place, row in enumerate(rows):
@@ -97,16 +83,14 @@ def test_where_the_quickest_setting_is_the_most_accurate_the_answer_names_it_onc
     )
 
 
-def test_settings_of_a_group_are_one_row():
-    rows = cost_rows([("a", 0.010, 0.30), ("b", 0.011, 0.31), ("c", 0.5, 0.3)], failed=["8 × 8"])
-    rows[1]["group"] = rows[0]["group"]
-    together, alone, failed = CostFigures(rows, PARAMETERS).groups
-    assert together["settings"] == '<span class="setting">touches: a; b</span>'
-    assert together["seconds"] == '10–11<span class="interval">9–13</span>'
-    assert together["error"] == '30.00–31.00<span class="interval">15.0–72.0</span>'
-    assert together["look"] == "2.5–2.8"
-    assert (together["verdict"], alone["verdict"]) == ("on the front", "dominated")
-    assert alone["seconds"].startswith("500<")
+def test_a_setting_is_a_row_with_its_ends_and_whether_it_is_on_the_front():
+    rows = cost_rows([("a", 0.010, 0.30), ("c", 0.5, 0.3)], failed=["8 × 8"])
+    first, second, failed = CostFigures(rows, PARAMETERS).settings
+    assert first["setting"] == "Touches, a"
+    assert first["seconds"] == '10<span class="interval">9–12</span>'
+    assert first["error"] == '30.0<span class="interval">15.0–70.0</span>'
+    assert first["look"] == "2.5"
+    assert (first["verdict"], second["verdict"]) == ("on the front", "dominated")
     assert (failed["look"], failed["verdict"]) == ("–", "failed: images are too small.")
 
 

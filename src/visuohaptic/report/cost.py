@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,12 +14,10 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.estimates import Figure, figure_of, with_interval
 from visuohaptic.report.questions import Answer, pipeline_name
 from visuohaptic.report.tables import NONE
-from visuohaptic.report.wording import counted, duration, listed, percent, strategy_name, titled
+from visuohaptic.report.wording import duration, listed, percent, strategy_name, titled
 from visuohaptic.studies.cost.front import (
     Row,
-    Saving,
     all_touches,
-    break_even,
     find_savings,
     first_step,
     front_rows,
@@ -28,11 +26,8 @@ from visuohaptic.studies.cost.front import (
     reference_row,
 )
 
-_VERDICTS = {
-    "free": "costs less than 1 point",
-    "open": "no clear difference",
-    "costs": "costs accuracy",
-}
+POINT = 0.01
+"""A loss of accuracy that does not matter to most users."""
 _CUES = {
     ("cues", "pose alone", "skin alone"): "In pipeline best, positions and normals alone reach {} "
     "correctly classified, imprints alone {}. All objects stand upright.",
@@ -71,37 +66,14 @@ class CostFigures:
         return [{**row, "name": _named(row)} for row in steps]
 
     @property
-    def groups(self) -> list[Row]:
-        """Settings that differ significantly neither in time nor in error, a row together."""
-        groups = dict.fromkeys(row["group"] for row in self.rows)
-        return [_group_row([row for row in self.rows if row["group"] == one]) for one in groups]
+    def settings(self) -> list[Row]:
+        """Each setting's time, error rate and parts of the time, as texts."""
+        return [_setting_row(row) for row in self.rows]
 
     @property
     def savings(self) -> list[Row]:
         """What each smaller setting saves, and what it loses."""
-        return [_saving_row(saving) for saving in find_savings(self.rows)]
-
-    @property
-    def price(self) -> str:
-        """Up to which price of a look looking pays on a robot; empty where one strategy was measured."""
-        found = break_even(self.rows)
-        if found is None or not any(row["looks"] for row in self.rows):
-            return ""
-        blind = (
-            f"Without a look, {counted(all_touches(found.blind), 'touch')} give the lowest error rate, "
-            f"{percent(found.error)}"
-        )
-        price, cost = found.touches_a_look, self.run.cost
-        if found.looking is None or price is None:
-            return f"{blind}; no setting that looks is as accurate."
-        touches = counted(all_touches(found.looking), "touch")
-        looked = f"{touches} with {counted(found.looking['looks'], 'look')} are as accurate"
-        if price <= 0:
-            return f"{blind}; {looked}, so a look saves no touch."
-        return (
-            f"{blind}; {looked}. So looking saves time if a look takes less than "
-            f"{price * cost.touch_seconds:.3g} s (here {cost.look_seconds:g} s)."
-        )
+        return [_saving_row(row) for row in find_savings(self.rows)]
 
     @property
     def robot(self) -> Sequence[Row]:
@@ -209,65 +181,52 @@ def cue_sentences(rows: Sequence[Row]) -> list[str]:
     ]
 
 
-def _group_row(rows: Sequence[Row]) -> Row:
-    """Give the table's row of settings that are alike, rows of `tables.COST`, with ranges as texts."""
-    families = dict.fromkeys(row["family"] for row in rows)
-    settings = (
-        (strategy_name(one), "; ".join(row["setting"] for row in rows if row["family"] == one))
-        for one in families
-    )
-    limit = "†" if any(row["error"] in (0.0, 1.0) for row in rows) else ""
+def _setting_row(row: Row) -> Row:
+    limit = "†" if row["error"] in {0.0, 1.0} else ""
     return {
-        "settings": Markup("").join(
-            Markup('<span class="setting">{}: {}</span>').format(*one) for one in settings
-        ),
-        "seconds": _range_above(rows, "seconds", "{:.0f}", 1000, "{:.0f}"),
-        "error": _range_above(rows, "error", "{:.2f}", 100, "{:.1f}", limit),
+        "setting": titled(_named(row)),
+        "seconds": _with_ends(row, "seconds", 1000, ".0f"),
+        "error": _with_ends(row, "error", 100, ".1f", limit),
         **{
-            part: _range(rows, f"seconds_{part}", f"seconds_{part}", "{:.1f}", 1000)
+            part: NONE if row["seconds"] is None else f"{1000 * row[f'seconds_{part}']:.1f}"
             for part in ("look", "touch", "describe", "classify")
         },
-        "verdict": _verdict(rows),
-        "mark": "best" if any(row["on_front"] for row in rows) else None,
+        "verdict": _verdict(row),
+        "mark": "best" if row["on_front"] else None,
     }
 
 
-def _saving_row(saving: Saving) -> Row:
-    changes = json.loads(saving.row["changes"])
-    return {
-        "setting": titled(_named(saving.row)),
-        "changes": listed([f"{name} {_short(value)}" for name, value in changes.items()]),
-        "saved": saving.saved,
-        "lost": figure_of(saving.row, "lost"),
-        "verdict": _VERDICTS[saving.verdict],
-        "objects": saving.row["objects"],
-    }
-
-
-def _verdict(rows: Sequence[Row]) -> str:
-    if rows[0]["failed"]:
-        return f"failed: {rows[0]['failed']}"
-    if any(row["on_front"] for row in rows):
-        return "on the front"
-    return "dominated" if rows[0]["dominated"] else "not timed"
-
-
-def _range_above(
-    rows: Sequence[Row], name: str, form: str, scale: float, ends_as: str, limit: str = ""
-) -> Markup:
-    ends = _range(rows, f"{name}_low", f"{name}_high", ends_as, scale)
-    return Markup('{}<span class="interval">{}{}</span>').format(
-        _range(rows, name, name, form, scale), ends, limit
+def _with_ends(row: Row, name: str, scale: float, form: str, limit: str = "") -> Markup | str:
+    if row[name] is None:
+        return NONE
+    value, low, high = (f"{scale * row[name + end]:{form}}" for end in ("", "_low", "_high"))
+    return Markup('{}<span class="interval">{}\N{EN DASH}{}{}</span>').format(
+        value, low, high, limit
     )
 
 
-def _range(rows: Sequence[Row], low: str, high: str, form: str, scale: float) -> str:
-    """Write the lowest and the highest value of rows, once if they are written alike."""
-    if rows[0][low] is None:
-        return NONE
-    ends = min(row[low] for row in rows), max(row[high] for row in rows)
-    write: Callable[[float], str] = form.format
-    return "\N{EN DASH}".join(dict.fromkeys(write(scale * end) for end in ends))
+def _verdict(row: Row) -> str:
+    if row["failed"]:
+        return f"failed: {row['failed']}"
+    if row["on_front"]:
+        return "on the front"
+    return "dominated" if row["dominated"] else "not timed"
+
+
+def _saving_row(row: Row) -> Row:
+    changes = json.loads(row["changes"])
+    if row["lost_high"] < POINT:
+        verdict = "costs less than 1 point"
+    else:
+        verdict = "no clear difference" if row["lost_low"] <= 0 else "costs accuracy"
+    return {
+        "setting": titled(_named(row)),
+        "changes": listed([f"{name} {_short(value)}" for name, value in changes.items()]),
+        "saved": row["saved"],
+        "lost": figure_of(row, "lost"),
+        "verdict": verdict,
+        "objects": row["objects"],
+    }
 
 
 def _short(value: object) -> str:

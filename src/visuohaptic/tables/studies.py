@@ -294,10 +294,7 @@ COST = Schema(
             "whether it is the most accurate of those as quick as the quickest, or significantly slower and significantly more accurate than the step before",
         ),
         Column(
-            "group",
-            COUNT,
-            "settings of one number differ significantly neither in time nor in error",
-            minimum=0,
+            "quicker", pa.bool_(), "whether it is significantly quicker than the run's own setting"
         ),
     ),
 )

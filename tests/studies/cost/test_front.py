@@ -1,4 +1,4 @@
-"""The front holds what nothing beats; steps and groups are what paired comparisons tell apart."""
+"""The front holds what nothing beats; steps are what paired comparisons tell apart."""
 
 import numpy as np
 import pytest
@@ -7,13 +7,12 @@ from studies.surfaces import RUN
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.intervals import exact_limit
 from visuohaptic.studies.cost.front import (
-    break_even,
     error_rate,
     find_savings,
     first_step,
     front_rows,
     mark_front,
-    mark_groups,
+    mark_quicker,
     mark_steps,
     more_accurate,
     on_robot,
@@ -55,8 +54,8 @@ def cost_rows(points, failed=()):
     ]
     return mark_front(
         [
-            {**empty, **row, **mark, "group": place}
-            for place, (row, mark) in enumerate(zip(rows, marks, strict=True))
+            {**empty, **row, **mark, "quicker": row.get("seconds", 1.0) < 0.1}
+            for row, mark in zip(rows, marks, strict=True)
         ]
     )
 
@@ -144,7 +143,6 @@ def marked(levels, times, noise=NOISE):
     rows = setting_rows(settings, cells, np.tile(taken[..., None, None], 8), BOTH)
     slower = slower_settings(np.log(taken[..., None]), 0.95)
     mark_steps(rows, cells, slower, BOTH)
-    mark_groups(rows, cells, slower, BOTH)
     return rows
 
 
@@ -182,16 +180,14 @@ def test_a_gain_that_is_significant_alone_is_not_among_many():
     assert more_accurate([last, cell([0.6] * 5)], last, BOTH) == []
 
 
-def test_settings_of_a_group_differ_neither_in_time_nor_in_error():
-    rows = marked([0.9, 0.9, 0.5, 0.9], [0.1, AROUND, AROUND, 0.2])
-    assert [row["group"] for row in rows] == [0, 0, 1, 2]
-
-
-def test_a_paired_difference_tells_apart_settings_whose_intervals_overlap():
-    # Objects differ by much, and the second setting is worse by the same on each of them.
-    spread = np.linspace(0.0, 0.4, 12)
-    rows = marked([0.5, 0.47], [0.1, AROUND], [spread, spread])
-    assert rows[0]["group"] != rows[1]["group"]
+def test_a_setting_is_quicker_than_the_runs_own_where_it_is_on_each_object():
+    taken = np.stack([np.multiply(time, FACTORS) for time in (0.1, 0.08, AROUND)])
+    slower = slower_settings(np.log(taken[..., None]), 0.95)
+    rows = [{"lost_low": lost, "lost_high": lost} for lost in (0.0, 0.1, 0.1)]
+    mark_quicker(rows, slower)
+    assert [row["quicker"] for row in rows] == [False, True, False]
+    mark_quicker(rows[1:], slower[1:, 1:])
+    assert not any(row["quicker"] for row in rows[1:])
 
 
 def test_a_time_of_one_object_alone_says_nothing_of_which_is_slower():
@@ -225,52 +221,19 @@ def test_times_stand_by_setting_object_and_turn_and_what_was_not_timed_is_missin
 RENDER = '{"rendering.resolution": 64}'
 
 
-def savings(*lost):
+def test_a_saving_is_of_the_run_with_one_thing_made_smaller():
     own = ("own", 0.1, 0.01, {"lost": 0.0, "lost_low": 0.0, "lost_high": 0.0})
-    figures = dict(zip(("lost", "lost_low", "lost_high"), lost, strict=True))
-    lean = ("lean", 0.06, 0.02, {**figures, "changes": RENDER})
-    named = ("other cues", 0.05, 0.02, {**figures, "changes": '{"recognition.best.cues": []}'})
-    fewer = ("fewer touches", 0.04, 0.02, {**figures, "changes": RENDER, "touches": 2})
-    slower = ("slower", 0.2, 0.02, {**figures, "changes": RENDER})
-    alike = ("alike", 0.09, 0.02, {**figures, "changes": RENDER})
-    rows = cost_rows([own, lean, named, fewer, slower, alike])
-    rows[-1]["group"] = rows[0]["group"]
-    return find_savings(rows)
-
-
-@pytest.mark.parametrize(
-    ("lost", "verdict"),
-    [
-        ((0.001, -0.002, 0.009), "free"),
-        ((0.001, -0.002, 0.02), "open"),
-        ((0.03, 0.005, 0.06), "costs"),
-    ],
-)
-def test_a_saving_is_of_the_run_with_one_thing_made_smaller(lost, verdict):
-    (found,) = savings(*lost)
-    assert found.row["setting"] == "lean"
-    assert found.saved == pytest.approx(0.4)
-    assert found.verdict == verdict
+    lost = {"lost": 0.001, "lost_low": -0.002, "lost_high": 0.009, "changes": RENDER}
+    lean = ("lean", 0.06, 0.02, lost)
+    named = ("other cues", 0.05, 0.02, {**lost, "changes": '{"recognition.best.cues": []}'})
+    fewer = ("fewer touches", 0.04, 0.02, {**lost, "touches": 2})
+    alike = ("as quick as chance allows", 0.1, 0.02, lost)
+    (found,) = find_savings(cost_rows([own, lean, named, fewer, alike]))
+    assert found["setting"] == "lean"
+    assert found["saved"] == pytest.approx(0.4)
 
 
 BLIND = {"strategy": "random", "looks": 0}
-
-
-def test_looking_pays_below_the_touches_that_it_saves_a_look():
-    rows = cost_rows(
-        [
-            ("blind, many", 0.01, 0.05, {**BLIND, "touches": 3, "viewpoints": 4}),
-            ("blind, few", 0.01, 0.3, {**BLIND, "touches": 1}),
-            ("looking, few", 0.1, 0.2, {"touches": 1}),
-            ("looking, two", 0.1, 0.04, {"touches": 2, "viewpoints": 2, "looks": 2}),
-        ]
-    )
-    found = break_even(rows)
-    assert found.error == 0.05
-    assert (found.blind["setting"], found.looking["setting"]) == ("blind, many", "looking, two")
-    assert found.touches_a_look == (12 - 4) / 2
-    assert break_even(rows[:3]).touches_a_look is None
-    assert break_even(rows[2:]) is None
 
 
 def test_a_robot_pays_for_touches_and_looks_and_its_front_is_its_own():

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -29,9 +29,6 @@ _OF_SETTING = (
 )
 _TIMES = ("seconds", *(name for name, _ in COST_PARTS))
 
-POINT = 0.01
-"""A loss of accuracy that does not matter to most users."""
-
 
 def make_cost(given: Given) -> None:
     """Join error rates and seconds of all settings, and mark the front: `tables.COST`."""
@@ -44,7 +41,7 @@ def make_cost(given: Given) -> None:
     rows = setting_rows(settings, cells, times, run)
     slower = slower_settings(np.log(times[..., 0]), run.recognition.intervals.confidence)
     mark_steps(rows, cells, slower, run)
-    mark_groups(rows, cells, slower, run)
+    mark_quicker(rows, slower)
     write_table(COST, build_rows(COST, rows), given.outputs[0])
 
 
@@ -84,7 +81,7 @@ def setting_rows(
 ) -> list[Row]:
     """Give each setting with its error rate, its seconds, and whether it is on the front.
 
-    Rows have no steps, and each is in a group of its own.
+    No row is a step, or quicker than the run's own setting, before `mark_steps` and `mark_quicker`.
     """
     reference = next(
         (cell for one, cell in zip(settings, cells, strict=True) if is_reference(one, run)), None
@@ -100,9 +97,9 @@ def setting_rows(
             **time_quantiles(own),
             "as_quick": False,
             "step": False,
-            "group": place,
+            "quicker": False,
         }
-        for place, (setting, cell, own) in enumerate(zip(settings, cells, times, strict=True))
+        for setting, cell, own in zip(settings, cells, times, strict=True)
     ]
     return mark_front(rows)
 
@@ -157,31 +154,11 @@ def mark_steps(
         quick = as_quick([later[place] for place in better])
 
 
-def mark_groups(
-    rows: Sequence[Row],
-    cells: Sequence[Cell],
-    slower: NDArray[np.bool_],
-    run: ExperimentParameters,
-) -> None:
-    """Give each setting the number of the first group where it differs from none in time or in error."""
-
-    def are_alike(first: int, second: int) -> bool:
-        if not (is_known(rows[first]) and is_known(rows[second])):
-            return False
-        if slower[first, second] or slower[second, first]:
-            return False
-        gain = accuracy_gain(cells[second], cells[first], run)
-        return gain is not None and gain.low <= 0 <= gain.high
-
-    groups: dict[int, list[int]] = {}
+def mark_quicker(rows: Sequence[Row], slower: NDArray[np.bool_]) -> None:
+    """Mark the settings that are significantly quicker than the run's own; `slower` is as for `mark_steps`."""
+    own = next((place for place, row in enumerate(rows) if _is_own(row)), None)
     for place, row in enumerate(rows):
-        fitting = (
-            number
-            for number, group in groups.items()
-            if all(are_alike(one, place) for one in group)
-        )
-        row["group"] = next(fitting, len(groups))
-        groups.setdefault(row["group"], []).append(place)
+        row["quicker"] = own is not None and bool(slower[place, own])
 
 
 def slower_settings(logarithms: NDArray[np.float64], confidence: float) -> NDArray[np.bool_]:
@@ -255,7 +232,11 @@ def first_step(rows: Sequence[Row]) -> Row | None:
 
 def reference_row(rows: Sequence[Row]) -> Row | None:
     """Give the row of the run's own setting from one viewpoint, if it is among the rows."""
-    return next((row for row in rows if row["lost_low"] == 0 == row["lost_high"]), None)
+    return next((row for row in rows if _is_own(row)), None)
+
+
+def _is_own(row: Row) -> bool:
+    return bool(row["lost_low"] == 0 == row["lost_high"])
 
 
 def all_touches(row: Row) -> int:
@@ -263,72 +244,25 @@ def all_touches(row: Row) -> int:
     return int(row["touches"] * row["viewpoints"])
 
 
-@dataclass(frozen=True)
-class Saving:
-    """What a smaller setting, a row of `tables.COST`, saves against the run's own: a share of the seconds."""
+def find_savings(rows: Sequence[Row]) -> list[Row]:
+    """Give the quicker ways to look and touch, with the share of the run's own seconds that is ``saved``.
 
-    row: Row
-    saved: float
-
-    @property
-    def verdict(self) -> Literal["free", "open", "costs"]:
-        """Whether it surely costs less than `POINT`, has no clear difference from the run's own, or surely costs."""
-        if self.row["lost_high"] < POINT:
-            return "free"
-        return "open" if self.row["lost_low"] <= 0 else "costs"
-
-
-def find_savings(rows: Sequence[Row]) -> list[Saving]:
-    """Compare quicker ways to look and touch, rows of `tables.COST`, with the run's own setting.
-
-    They look, touch or describe otherwise, with as many touches from as many viewpoints; the largest
-    saving first. Those that do not differ significantly, neither in time nor in error, are left out.
+    They look, touch or describe otherwise, with as many touches from as many viewpoints, and are
+    significantly quicker; the largest saving first.
     """
     own = reference_row(rows)
     if own is None or own["seconds"] is None:
         return []
     found = [
-        Saving(row, 1 - row["seconds"] / own["seconds"])
+        {**row, "saved": 1 - row["seconds"] / own["seconds"]}
         for row in rows
-        if row["changes"] != "{}"
+        if row["quicker"]
+        and row["lost_high"] is not None
+        and row["changes"] != "{}"
         and not any(name.startswith("recognition.") for name in json.loads(row["changes"]))
         and (row["touches"], row["viewpoints"]) == (own["touches"], own["viewpoints"])
-        and None not in (row["seconds"], row["lost_high"])
-        and row["seconds"] < own["seconds"]
-        and row["group"] != own["group"]
     ]
-    return sorted(found, key=lambda saving: -saving.saved)
-
-
-@dataclass(frozen=True)
-class BreakEven:
-    """The least error rate without a look, and the settings with the fewest touches that reach it.
-
-    `blind` looks at nothing; `looking` does, and is None where no setting that looks reaches it.
-    """
-
-    error: float
-    blind: Row
-    looking: Row | None
-
-    @property
-    def touches_a_look(self) -> float | None:
-        """Price of a look, in touches, below which looking pays; None where it never does."""
-        if self.looking is None:
-            return None
-        return (all_touches(self.blind) - all_touches(self.looking)) / self.looking["looks"]
-
-
-def break_even(rows: Sequence[Row]) -> BreakEven | None:
-    """Find the price of a look from which on touching without one is cheaper; None where every strategy looks."""
-    known = [row for row in rows if row["error"] is not None]
-    blind = [row for row in known if not row["looks"]]
-    if not blind:
-        return None
-    best = min(blind, key=lambda row: (row["error"], all_touches(row)))
-    reached = [row for row in known if row["looks"] and row["error"] <= best["error"]]
-    fewest = min(reached, key=lambda row: (all_touches(row), row["looks"]), default=None)
-    return BreakEven(best["error"], best, fewest)
+    return sorted(found, key=lambda row: -float(row["saved"]))
 
 
 def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
