@@ -1,15 +1,17 @@
 """Small surfaces whose fixations are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import trimesh
 from numerics.surfaces import of_trimesh
+from scipy.spatial.transform import Rotation
 
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
 
 
 def sphere():
@@ -23,7 +25,7 @@ def sphere_with_bump(direction, height=0.08, width=0.1):
     cosine = plain.vertices @ direction / 0.9
     angle = np.arccos(np.clip(cosine, -1, 1))
     growth = 1 + height * np.exp(-0.5 * (angle / width) ** 2)
-    return Surface(plain.vertices * growth[:, None], plain.faces, plain.face_colours)
+    return replace(plain, vertices=plain.vertices * growth[:, None])
 
 
 def sphere_with_patch(direction, colour=(40, 40, 40), radius=0.15):
@@ -34,42 +36,37 @@ def sphere_with_patch(direction, colour=(40, 40, 40), radius=0.15):
     angle = np.arccos(np.clip(centres @ direction / np.linalg.norm(centres, axis=1), -1, 1))
     colours = plain.face_colours.copy()
     colours[angle < radius] = colour
-    return Surface(plain.vertices, plain.faces, colours)
+    return replace(plain, face_colours=colours)
 
 
 def turned(surface, degrees):
     """Turn about the vertical axis, from +z towards +x."""
-    angle = np.radians(degrees)
-    rotation = np.array(
-        [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
-    )
-    return Surface(surface.vertices @ rotation.T, surface.faces, surface.face_colours)
+    rotation = Rotation.from_euler("y", degrees, degrees=True)
+    return replace(surface, vertices=rotation.apply(surface.vertices))
 
 
 def mirrored(surface):
     """Mirror left and right; faces keep their outer side."""
-    return Surface(
-        surface.vertices * np.array([-1.0, 1.0, 1.0]),
-        surface.faces[:, ::-1],
-        surface.face_colours,
-    )
+    across = np.array([-1.0, 1.0, 1.0])
+    return replace(surface, vertices=surface.vertices * across, faces=surface.faces[:, ::-1])
 
 
-def look(surface, cameras, attention=None, modes=None, background=0.85):
+def look(surface, cameras, attention=None, modes=None, background=0.85, **eye):
     """Render a surface and compute its fixations."""
     attention = AttentionParameters() if attention is None else attention
     rendering = RenderingParameters(background=background)
     views = render_views(RayCaster(surface), cameras, rendering, modes)
-    return views, attend_to(views, attention)
+    return views, attend_to(views, attention, **eye)
 
 
-def attend_to(views, attention, brightness=1.0):
+def attend_to(views, attention, **eye):
     return attend(
-        colour=views.colour * np.float32(brightness),
+        colour=views.colour,
         mask=views.mask,
         point=views.point,
         normal=views.normal,
         face=views.face,
         curvature=views.curvature,
         parameters=attention,
+        **eye,
     )

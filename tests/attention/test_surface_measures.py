@@ -71,32 +71,13 @@ def test_normalised_saliency_is_the_mean_of_z_scores_where_people_looked():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_divergence_is_the_relative_entropy_of_shares(seed):
+def test_divergence_is_the_relative_entropy_of_shares_and_similarity_what_they_have_in_common(seed):
     gazed, predicted = drawn(seed)
     scaled = (predicted * gazed.area)[gazed.seen]
     time = (gazed.density * gazed.area)[gazed.seen]
     assert divergence(predicted, gazed) == pytest.approx(entropy(time, scaled), abs=1e-9)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_similarity_is_one_less_half_the_distance_of_shares(seed):
-    gazed, predicted = drawn(seed)
-    scaled = (predicted * gazed.area)[gazed.seen]
-    time = (gazed.density * gazed.area)[gazed.seen]
     distance = np.abs(scaled / scaled.sum() - time / time.sum()).sum()
     assert similarity(predicted, gazed) == pytest.approx(1 - distance / 2, abs=1e-12)
-
-
-def test_people_themselves_are_the_best_prediction():
-    gazed, _ = drawn(0)
-    found = {name: measure(gazed.density, gazed) for name, measure in MEASURES.items()}
-    assert found["correlation"] == pytest.approx(1)
-    assert found["auc_top"] == pytest.approx(1)
-    assert found["similarity"] == pytest.approx(1)
-    assert found["divergence"] == pytest.approx(0, abs=1e-9)
-    other = np.random.default_rng(1).random(400)
-    assert found["auc_gaze"] > MEASURES["auc_gaze"](other, gazed)
-    assert found["normalised_saliency"] > MEASURES["normalised_saliency"](other, gazed)
 
 
 def test_an_even_prediction_is_at_chance():
@@ -106,13 +87,6 @@ def test_an_even_prediction_is_at_chance():
     assert normalised_saliency(even, gazed) == 0
     assert area_under_curve_of_top(even, gazed) == 0.5
     assert area_under_curve_of_gaze(even, gazed) == 0.5
-
-
-@pytest.mark.parametrize("name", MEASURES)
-def test_points_that_no_view_sees_do_not_count(name):
-    gazed, predicted = drawn(2)
-    changed = np.where(gazed.seen, predicted, 1e6)
-    assert MEASURES[name](changed, gazed) == MEASURES[name](predicted, gazed)
 
 
 @pytest.mark.parametrize("name", MEASURES)

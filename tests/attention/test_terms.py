@@ -12,7 +12,6 @@ from visuohaptic.attention import (
     AttentionParameters,
     ChannelWeights,
     TermWeights,
-    attend,
     feature_planes,
 )
 from visuohaptic.attention.learnt import read_learnt
@@ -28,21 +27,6 @@ CAMERA = Camera(30.0, 20.0, 3.0, 40.0)
 def seen_of(surface, camera=CAMERA):
     views = render_views(RayCaster(surface), [camera], RenderingParameters())
     return prepare_surface(views.mask[0], views.point[0], views.normal[0], camera.eye)
-
-
-def looked(surface, parameters, camera=CAMERA, **eye):
-    views = render_views(RayCaster(surface), [camera], RenderingParameters())
-    (found,) = attend(
-        views.colour,
-        views.mask,
-        views.point,
-        views.normal,
-        views.face,
-        views.curvature,
-        parameters,
-        **eye,
-    )
-    return found
 
 
 def planes_of(surface, *names):
@@ -104,9 +88,8 @@ def test_nearness_to_the_middle_falls_as_a_gaussian_of_the_distance():
 
 
 def test_without_weights_of_terms_an_eye_changes_no_bit():
-    surface, parameters = scenes.sphere_with_bump([1, 1, 1]), AttentionParameters()
-    plain = looked(surface, parameters)
-    given = looked(surface, parameters, eye=CAMERA.eye[None])
+    views, (plain,) = scenes.look(scenes.sphere_with_bump([1, 1, 1]), [CAMERA])
+    (given,) = scenes.attend_to(views, AttentionParameters(), eye=CAMERA.eye[None])
     np.testing.assert_array_equal(plain.saliency, given.saliency)
     np.testing.assert_array_equal(plain.scanpath.points, given.scanpath.points)
 
@@ -115,8 +98,7 @@ def test_a_term_of_large_weight_decides_where_the_eye_rests_first():
     surface = scenes.sphere_with_bump([0, 0, 1])
     for weight in (40.0, -40.0):
         parameters = AttentionParameters(terms=TermWeights(height=weight))
-        found = looked(surface, parameters, eye=CAMERA.eye[None])
-        views = render_views(RayCaster(surface), [CAMERA], RenderingParameters())
+        views, (found,) = scenes.look(surface, [CAMERA], parameters, eye=CAMERA.eye[None])
         heights = views.point[0][views.mask[0]][:, 1]
         first = found.scanpath.points[0, 1]
         assert weight * (first - np.median(heights)) > 0
@@ -127,22 +109,15 @@ def test_a_term_of_large_weight_decides_where_the_eye_rests_first():
 def test_terms_without_an_eye_are_refused():
     parameters = AttentionParameters(terms=TermWeights(centre=1.0))
     with pytest.raises(AttentionError, match="terms need the eye"):
-        looked(scenes.sphere(), parameters)
+        scenes.look(scenes.sphere(), [CAMERA], parameters)
     with pytest.raises(AttentionError, match="eye has shape"):
-        looked(scenes.sphere(), parameters, eye=CAMERA.eye)
+        scenes.look(scenes.sphere(), [CAMERA], parameters, eye=CAMERA.eye)
 
 
 def test_features_are_all_channels_and_terms():
-    views = render_views(RayCaster(scenes.sphere()), [CAMERA], RenderingParameters())
-    planes, certainty = feature_planes(
-        views.colour[0],
-        views.mask[0],
-        views.point[0],
-        views.normal[0],
-        views.curvature[0],
-        CAMERA.eye,
-        AttentionParameters(),
-    )
+    views, _ = scenes.look(scenes.sphere(), [CAMERA])
+    seen = (views.colour, views.mask, views.point, views.normal, views.curvature, CAMERA.eye[None])
+    planes, certainty = feature_planes(*(part[0] for part in seen), AttentionParameters())
     assert tuple(planes) == (*CHANNELS, *TERMS)
     assert {plane.shape for plane in planes.values()} == {certainty.shape}
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from hypothesis import given
-from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from visuohaptic.fixations.strategies.contour import follow_outline, outline_pixels
@@ -72,9 +71,3 @@ def test_places_are_pixels_of_the_object_beside_the_background_each_once(mask):
     around = [padded[rows + down, columns + right] for down in (0, 1, 2) for right in (0, 1, 2)]
     assert not np.all(around, axis=0).any()
     assert len(rows) == 0 or mask.any()
-
-
-@given(st.integers(1, 16), st.floats(0.05, 1.5))
-def test_no_place_stands_twice(count, step):
-    places = follow(count=count, step=step)
-    assert len({tuple(place) for place in places.tolist()}) == len(places) <= count

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from meshes.generated import BOARD
 
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
@@ -14,9 +15,6 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.texture import NO_IMAGE, REPEAT, Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 
-BOARD = np.where(
-    (np.indices((8, 8)).sum(axis=0) % 2 == 0)[..., None], (250, 240, 20), (10, 30, 120)
-).astype(np.uint8)
 HALF = 0.6  # of the square's side
 AHEAD = Camera(0.0, 0.0, 3.0, 40.0)
 ASIDE = Camera(63.0, 28.0, 3.0, 40.0, roll_degrees=17.0)

@@ -29,19 +29,6 @@ def test_a_grey_object_calls_for_no_colour_and_a_uniform_one_for_no_texture():
     assert plans["texture"].simulated
 
 
-def test_even_light_calls_for_neither_shading_nor_shadows():
-    plans = visual(GREY, ambient=1.0)
-    assert not plans["shading"].needed
-    assert not plans["cast_shadows"].needed
-    assert plans["cast_shadows"].reason == "all light is ambient"
-
-
-def test_without_shading_there_are_no_shadows():
-    plans = visual(GREY, shading="never")
-    assert not plans["cast_shadows"].simulated
-    assert plans["cast_shadows"].reason == "without shading no light is blocked"
-
-
 def test_modes_overrule_what_is_needed():
     plans = visual(GREY, colour="always", shading="never")
     assert plans["colour"].simulated

@@ -40,17 +40,6 @@ assert compiled is open3d.pybind
 """)
 
 
-def test_threads_that_load_open3d_at_once_get_the_same():
-    in_a_fresh_process("""
-from concurrent.futures import ThreadPoolExecutor
-def load(_):
-    from visuohaptic.geometry.compiled_open3d import open3d
-    return id(open3d)
-with ThreadPoolExecutor(4) as pool:
-    assert len(set(pool.map(load, range(8)))) == 1
-""")
-
-
 def test_open3d_is_imported_whole_where_its_compiled_part_is_not_where_it_was(monkeypatch):
     import open3d
 

@@ -12,13 +12,6 @@ def sphere(subdivisions=4):
     return surface_of(mesh.vertices, mesh.faces)
 
 
-def inward_rays(generator, count, targets):
-    origins = generator.normal(size=(count, 3))
-    origins *= 2.5 / np.linalg.norm(origins, axis=1, keepdims=True)
-    directions = targets - origins
-    return origins, directions / np.linalg.norm(directions, axis=1, keepdims=True)
-
-
 def test_a_miss_is_infinitely_far_and_has_no_face():
     hits = RayCaster(sphere(1)).first_hits(np.array([[0, 2.0, 0]]), np.array([[0, 1.0, 0]]))
     assert np.isinf(hits.distance[0])
@@ -29,7 +22,9 @@ def test_a_miss_is_infinitely_far_and_has_no_face():
 def test_hits_do_not_depend_on_the_batch():
     generator = np.random.default_rng(3)
     caster = RayCaster(sphere(4))
-    origins, directions = inward_rays(generator, 1000, generator.uniform(-1, 1, (1000, 3)))
+    origins = generator.normal(size=(1000, 3))
+    origins *= 2.5 / np.linalg.norm(origins, axis=1, keepdims=True)
+    directions = generator.uniform(-1, 1, (1000, 3)) - origins
     together = caster.first_hits(origins, directions)
     for start in range(0, 1000, 170):
         part = slice(start, start + 170)
@@ -120,24 +115,6 @@ def test_a_face_without_area_is_harmless():
     assert hits.face[0] == 1
 
 
-def test_distances_agree_with_embreex():
-    pytest.importorskip("embreex", reason="embreex is not installed: pip install -e '.[dev]'")
-    from trimesh.ray.ray_pyembree import RayMeshIntersector
-
-    generator = np.random.default_rng(5)
-    mesh = trimesh.creation.torus(0.6, 0.25)
-    origins, directions = inward_rays(generator, 2000, generator.uniform(-0.5, 0.5, (2000, 3)))
-    faces, rays, points = RayMeshIntersector(mesh).intersects_id(
-        origins, directions, multiple_hits=False, return_locations=True
-    )
-    hits = RayCaster(surface_of(mesh.vertices, mesh.faces)).first_hits(origins, directions)
-    expected = np.full(2000, np.inf)
-    expected[rays] = np.einsum("ij,ij->i", points - origins[rays], directions[rays])
-    assert faces.size > 500
-    np.testing.assert_array_equal(hits.hit, np.isfinite(expected))
-    np.testing.assert_allclose(hits.distance[rays], expected[rays], rtol=0, atol=1e-6)
-
-
 @pytest.mark.parametrize("winding", [1, -1])
 def test_winding_numbers_count_the_solids_around_a_point_in_any_direction(winding):
     solids = joined(box((-0.5,) * 3, (0.5,) * 3), box((-0.3,) * 3, (0.8,) * 3))
@@ -147,8 +124,3 @@ def test_winding_numbers_count_the_solids_around_a_point_in_any_direction(windin
     for count, point in points.items():
         found = caster.winding_numbers(np.tile(point, (200, 1)), directions)
         np.testing.assert_array_equal(found, winding * count)
-
-
-def test_no_rays_have_no_winding_numbers():
-    caster = RayCaster(box((-0.5,) * 3, (0.5,) * 3))
-    assert caster.winding_numbers(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0,)

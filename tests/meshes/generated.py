@@ -1,12 +1,34 @@
 """Models made by a seed, written in each format as other programs write them, and what they are."""
 
+import io
 import itertools
 import json
+import re
 import struct
+import zipfile
 from dataclasses import dataclass
 
 import numpy as np
+from PIL import Image
 from scipy.spatial.transform import Rotation
+
+# An image of eight texels a side, and an upright square that shows it once.
+BOARD = np.where(
+    (np.indices((8, 8)).sum(axis=0) % 2 == 0)[..., None], (250, 240, 20), (10, 30, 120)
+).astype(np.uint8)
+SQUARE = """mtllib a.mtl
+v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
+usemtl paint\nf 1/1 2/2 3/3 4/4\n"""
+
+
+def write_square(folder, image=None, material="Kd 1 1 1\n", text=SQUARE):
+    """Write the square as OBJ, and beside it its material and its image, if any."""
+    if image is not None:
+        Image.fromarray(image).save(folder / "t.png")
+        material += "map_Kd t.png\n"
+    (folder / "a.mtl").write_text(f"newmtl paint\n{material}")
+    (folder / "a.obj").write_text(text)
+    return folder / "a.obj"
 
 
 @dataclass(frozen=True)
@@ -69,6 +91,12 @@ def as_obj_backwards(points, faces):
         rows += ["v {!r} {!r} {!r}".format(*map(float, points[corner])) for corner in face]
         rows.append("f " + " ".join(str(k - len(face)) for k in range(len(face))))
     return "\n".join([*rows, ""]).encode()
+
+
+def as_obj_by_blender(points, faces):
+    """Each corner with a normal, and without a place in an image."""
+    text = re.sub(rb" (\d+)(?=\s)", rb" \1//1", as_obj(points, faces))
+    return b"# Blender\no L\nvn 0 0 1\n" + text + b"s off\n"
 
 
 def as_off(points, faces):
@@ -138,21 +166,79 @@ def as_glb(points, faces):
     return packed_glb(*gltf_parts(points, faces))
 
 
-def as_dae(points, faces, kind="polylist"):
-    numbers = " ".join(repr(float(number)) for number in np.ravel(points))
-    texts = [" ".join(map(str, face)) for face in faces]
-    shape = '<input semantic="VERTEX" source="#v" offset="0"/>'
-    if kind == "polylist":
-        shape += f"<vcount>{' '.join(str(len(face)) for face in faces)}</vcount>"
-        texts = [" ".join(texts)]
-    shape += "".join(f"<p>{text}</p>" for text in texts)
-    return f"""<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="s">
-<float_array id="a" count="{3 * len(points)}">{numbers}</float_array><technique_common>
-<accessor source="#a" count="{len(points)}" stride="3"><param name="X" type="float"/>
+def packed(files, method=zipfile.ZIP_DEFLATED):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", method) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return stream.getvalue()
+
+
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+BUILD = '<build><item objectid="1"/></build>'
+
+
+def object_of(shape, number=1):
+    return f'<object id="{number}">{shape}</object>'
+
+
+def model(resources, build=BUILD, before=""):
+    return (
+        f'{before}<model unit="millimeter" xmlns="{CORE}" xmlns:p="{PRODUCTION}">'
+        f"<resources>{resources}</resources>{build}</model>"
+    )
+
+
+def three_mf(text):
+    return packed({"3D/3dmodel.model": text})
+
+
+def as_3mf(points, faces):
+    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*map(float, p)) for p in points)
+    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*face) for face in faces)
+    shape = f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles>"
+    return three_mf(model(object_of(f"<mesh>{shape}</mesh>")))
+
+
+COLLADA = "http://www.collada.org/2005/11/COLLADASchema"
+GEOMETRY = """<geometry id="g"><mesh>
+<source id="s"><float_array id="a" count="{numbers}">{points}</float_array><technique_common>
+<accessor source="#a" count="{count}" stride="3"><param name="X" type="float"/>
 <param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
-<{kind} count="{len(faces)}">{shape}</{kind}></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="w"><node id="n"><instance_geometry url="#g"/></node>
-</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene>
-</COLLADA>""".encode()
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>{shape}</mesh></geometry>"""
+PLACED = '<node id="n"><instance_geometry url="#g"/></node>'
+
+
+def shape_of(tag, rest, count=1):
+    vertices = '<input semantic="VERTEX" source="#v" offset="0"/>'
+    return f'<{tag} count="{count}">{vertices}{rest}</{tag}>'
+
+
+TRIANGLES = shape_of("triangles", "<p>0 1 2</p>")
+
+
+def collada(
+    shape=TRIANGLES, scene=PLACED, nodes="", before="", points=((0, 0, 0), (1, 0, 0), (0, 1, 0))
+):
+    written = " ".join(repr(float(number)) for number in np.ravel(points))
+    geometry = GEOMETRY.format(
+        numbers=3 * len(points), points=written, count=len(points), shape=shape
+    )
+    return (
+        f'{before}<COLLADA xmlns="{COLLADA}" version="1.4.1"><asset><up_axis>Y_UP</up_axis></asset>'
+        f"<library_geometries>{geometry}</library_geometries>"
+        f"<library_nodes>{nodes}</library_nodes>"
+        f'<library_visual_scenes><visual_scene id="w">{scene}</visual_scene></library_visual_scenes>'
+        '<scene><instance_visual_scene url="#w"/></scene></COLLADA>'
+    )
+
+
+def as_dae(points, faces, kind="polylist"):
+    texts = [" ".join(map(str, face)) for face in faces]
+    rest = ""
+    if kind == "polylist":
+        rest = f"<vcount>{' '.join(str(len(face)) for face in faces)}</vcount>"
+        texts = [" ".join(texts)]
+    rest += "".join(f"<p>{text}</p>" for text in texts)
+    return collada(shape_of(kind, rest, len(faces)), points=points).encode()

@@ -5,11 +5,11 @@ import http.server
 import io
 import tarfile
 import threading
-import zipfile
 from dataclasses import replace
 from typing import ClassVar
 
 import pytest
+from meshes.generated import packed
 
 from visuohaptic.errors import DownloadError
 from visuohaptic.geometry.surface import read_surface
@@ -32,14 +32,6 @@ MODEL = Model(
 )  # fmt: skip
 
 
-def zip_with(members):
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
-        for name, data in members.items():
-            archive.writestr(name, data)
-    return buffer.getvalue()
-
-
 def debian_package(members):
     tar = io.BytesIO()
     with tarfile.open(fileobj=tar, mode="w:xz") as data:
@@ -58,7 +50,7 @@ def debian_package(members):
 @pytest.fixture
 def library(tmp_path):
     path = tmp_path / "Some.sh3f"
-    path.write_bytes(zip_with({MODEL.member: OBJ, "../../evil.obj": b"x"}))
+    path.write_bytes(packed({MODEL.member: OBJ, "../../evil.obj": b"x"}))
     return path
 
 

@@ -1,48 +1,28 @@
 """Model files of every kind are read with their colours, and broken ones are named."""
 
+import json
+
 import numpy as np
 import pytest
 import trimesh
+from meshes import generated
+from meshes.generated import BOARD, write_square
 from PIL import Image
 
 from visuohaptic.errors import MeshError
 from visuohaptic.meshes.in_memory import GREY
 from visuohaptic.meshes.model_files import read_model
 
-SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
-
-def write_square(folder, material="", faces="f 1 2 3 4\n", texture=""):
-    (folder / "a.mtl").write_text(material)
-    (folder / "a.obj").write_text(f"mtllib a.mtl\n{SQUARE}{texture}usemtl paint\n{faces}")
-    return folder / "a.obj"
-
-
-def test_a_material_gives_its_diffuse_colour(tmp_path):
-    surface = read_model(write_square(tmp_path, "newmtl paint\nKd 1 0.5 0\n"))
-    np.testing.assert_allclose(surface.face_colours, [[255, 128, 0]] * 2, atol=1)
-
-
-def test_a_missing_texture_leaves_the_diffuse_colour(tmp_path):
-    path = write_square(
-        tmp_path,
-        "newmtl paint\nKd 0 0 1\nmap_Kd gone.png\n",
-        "f 1/1 2/2 3/3 4/4\n",
-        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n",
-    )
-    np.testing.assert_allclose(read_model(path).face_colours, [[0, 0, 255]] * 2, atol=1)
-
-
-def test_a_texture_outside_the_folder_is_not_read(tmp_path):
-    Image.fromarray(np.full((8, 8, 3), (10, 200, 30), np.uint8)).save(tmp_path / "secret.png")
+@pytest.mark.parametrize("image", ["", "map_Kd gone.png\n", "map_Kd ../secret.png\n"])
+def test_a_material_gives_its_diffuse_colour_where_its_image_is_not_there_or_outside(
+    tmp_path, image
+):
+    Image.fromarray(BOARD).save(tmp_path / "secret.png")
     (tmp_path / "models").mkdir()
-    path = write_square(
-        tmp_path / "models",
-        "newmtl paint\nKd 0 0 1\nmap_Kd ../secret.png\n",
-        "f 1/1 2/2 3/3 4/4\n",
-        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n",
-    )
-    assert not (read_model(path).face_colours == [10, 200, 30]).all(axis=1).any()
+    surface = read_model(write_square(tmp_path / "models", material=f"Kd 1 0.5 0\n{image}"))
+    np.testing.assert_allclose(surface.face_colours, [[255, 128, 0]] * 2, atol=1)
+    assert surface.texture is None
 
 
 def test_vertex_colours_are_averaged_over_the_corners(tmp_path):
@@ -92,22 +72,6 @@ def test_a_file_above_the_limit_is_refused_before_it_is_read(tmp_path):
         read_model(path, largest_megabytes=1e-6)
 
 
-def gltf_of(folder, embedded):
-    shape = trimesh.creation.torus(1, 0.4, 16, 8)
-    for name, data in trimesh.exchange.gltf.export_gltf(
-        trimesh.Scene(shape), merge_buffers=True, embed_buffers=embedded
-    ).items():
-        (folder / name).write_bytes(data)
-    (folder / "model.gltf").rename(folder / "mug.gltf")
-    return folder / "mug.gltf", len(shape.faces)
-
-
-@pytest.mark.parametrize("embedded", [True, False])
-def test_gltf_is_read_with_its_buffers_inside_or_beside(tmp_path, embedded):
-    path, faces = gltf_of(tmp_path, embedded)
-    assert len(read_model(path).faces) == faces
-
-
 @pytest.mark.parametrize(
     ("address", "says"),
     [
@@ -120,11 +84,12 @@ def test_gltf_is_read_with_its_buffers_inside_or_beside(tmp_path, embedded):
 )
 def test_a_buffer_outside_the_folder_is_refused_in_the_users_terms(tmp_path, address, says):
     (tmp_path / "models").mkdir()
-    path, _ = gltf_of(tmp_path / "models", embedded=False)
-    (buffer,) = path.parent.glob("*.bin")
-    (tmp_path / "secret.bin").write_bytes(buffer.read_bytes())
+    document, data = generated.gltf_parts([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    document["buffers"][0]["uri"] = address
+    path = tmp_path / "models" / "mug.gltf"
+    path.write_text(json.dumps(document))
+    (tmp_path / "secret.bin").write_bytes(data)
     (path.parent / "link.bin").symlink_to(tmp_path / "secret.bin")
-    path.write_text(path.read_text().replace(buffer.name, address))
     with pytest.raises(MeshError, match=says) as caught:
         read_model(path)
     assert "Resolver" not in str(caught.value)

@@ -1,20 +1,16 @@
 """Polygons are cut into triangles that cover them and no more, whatever their first corner."""
 
+import io
+
 import numpy as np
 import pytest
 from meshes import generated
 
 from visuohaptic.errors import MeshError
 from visuohaptic.meshes import polygons
-from visuohaptic.meshes.model_files import read_model
+from visuohaptic.meshes.model_files import read_model, read_open_file
 
 PENTAGON = np.array([[0.0, 0], [4, 0], [4, 4], [2, 1], [0, 4]])
-
-
-def read(folder, name, data):
-    path = folder / f"model.{name}"
-    path.write_bytes(data)
-    return read_model(path)
 
 
 def cut(points, first=0):
@@ -85,31 +81,26 @@ def test_a_polygon_that_takes_too_long_to_cut_is_refused():
 
 
 def test_texture_and_colours_stay_with_the_corners_of_a_cut_polygon(tmp_path):
-    from PIL import Image
-
     halves = np.zeros((8, 8, 3), np.uint8)
     halves[:, :4], halves[:, 4:] = (200, 0, 0), (0, 0, 200)
-    Image.fromarray(halves).save(tmp_path / "t.png")
-    (tmp_path / "a.mtl").write_text("newmtl paint\nKd 1 1 1\nmap_Kd t.png\n")
     spots = "vt 0.1 0.5\n" * 5 + "vt 0.9 0.5\n" * 5
     rows = [f"v {x} {y} {z}" for z in (0, 1) for x, y in PENTAGON]
     faces = ["f " + " ".join(f"{k}/{k}" for k in range(start, start + 5)) for start in (1, 6)]
     text = "\n".join(["mtllib a.mtl", *rows, spots.strip(), "usemtl paint", *faces, ""])
-    (tmp_path / "a.obj").write_text(text)
-    surface = read_model(tmp_path / "a.obj")
+    surface = read_model(generated.write_square(tmp_path, halves, text=text))
     low = surface.triangles[..., 2].max(axis=1) == 0
     assert surface.face_areas[low].sum() == pytest.approx(10)
     assert (surface.face_colours[low] == [200, 0, 0]).all()
     assert (surface.face_colours[~low] == [0, 0, 200]).all()
 
 
-def test_a_ply_keeps_a_colour_for_each_polygon(tmp_path):
+def test_a_ply_keeps_a_colour_for_each_polygon():
     rows = [f"{x} {y} {z}" for z in (0, 1) for x, y in PENTAGON]
     rows += ["5 0 1 2 3 4 9 8 7", "5 5 6 7 8 9 1 2 3"]
     head = generated.as_ply(np.zeros((10, 3)), [[0]] * 2, "ascii").split(b"end_header")[0]
     colours = b"".join(b"property uchar %s\n" % name for name in (b"red", b"green", b"blue"))
     data = head + colours + b"end_header\n" + "\n".join([*rows, ""]).encode()
-    surface = read(tmp_path, "ply", data)
+    surface = read_open_file(io.BytesIO(data), "model.ply", ".ply")
     low = surface.triangles[..., 2].max(axis=1) == 0
     assert surface.face_areas.sum() == pytest.approx(20)
     assert (surface.face_colours[low] == [9, 8, 7]).all()

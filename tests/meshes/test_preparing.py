@@ -5,6 +5,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numerics.surfaces import build_plain_surface, of_trimesh
 from scipy.spatial.transform import Rotation
 
 from visuohaptic.errors import MeshError
@@ -16,9 +17,7 @@ from visuohaptic.meshes.preparing import UP_AXES, clean, normalise, prepare_obje
 
 
 def surface_of(mesh):
-    faces = np.asarray(mesh.faces, dtype=np.int64)
-    colours = np.arange(len(faces) * 3).reshape(-1, 3) % 256
-    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours.astype(np.uint8))
+    return of_trimesh(mesh, np.arange(len(mesh.faces) * 3).reshape(-1, 3) % 256)
 
 
 @pytest.fixture(scope="module")
@@ -74,11 +73,7 @@ def test_dimensions_stretch_each_axis():
 
 
 def test_a_flat_sheet_stays_flat_under_dimensions():
-    sheet = Surface(
-        np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1]]),
-        np.array([[0, 1, 2]]),
-        np.zeros((1, 3), np.uint8),
-    )
+    sheet = build_plain_surface([[0, 0, 0], [1, 0, 0], [0, 0, 1]], [[0, 1, 2]])
     result = normalise(sheet, "sheet", dimensions=(2, 1, 1))
     assert np.ptp(result.vertices[:, 1]) == 0
     assert np.isfinite(result.vertices).all()
@@ -98,17 +93,7 @@ def test_coincident_vertices_merge_and_useless_faces_go(lopsided):
     assert (result.face_areas > 0).all()
 
 
-def test_colours_stay_with_their_faces():
-    box = surface_of(trimesh.creation.box((1, 1, 1)))
-    spoiled = Surface(
-        box.vertices,
-        np.concatenate([[[0, 0, 1]], box.faces]),
-        np.concatenate([[[9, 9, 9]], box.face_colours]).astype(np.uint8),
-    )
-    np.testing.assert_array_equal(clean(spoiled, 1e-6).face_colours, box.face_colours)
-
-
-def test_images_stay_with_their_faces():
+def test_colours_and_images_stay_with_their_faces():
     box = surface_of(trimesh.creation.box((1, 1, 1)))
     count = len(box.faces) + 1
     corners = np.arange(6.0 * count, dtype=np.float32).reshape(count, 3, 2)
@@ -120,7 +105,9 @@ def test_images_stay_with_their_faces():
         np.concatenate([[[9, 9, 9]], box.face_colours]).astype(np.uint8),
         Texture(corners, numbers, images, np.zeros((2, 2), np.uint8)),
     )
-    texture = normalise(spoiled, "box", UP_AXES["z"]).texture
+    made = normalise(spoiled, "box", UP_AXES["z"])
+    np.testing.assert_array_equal(made.face_colours, box.face_colours)
+    texture = made.texture
     np.testing.assert_array_equal(texture.corners, corners[1:])
     np.testing.assert_array_equal(texture.image, numbers[1:])
     assert texture.images is images
@@ -141,8 +128,7 @@ TRIANGLE = np.array([[0, 1, 2]])
     ],
 )  # fmt: skip
 def test_what_can_not_be_touched_is_refused_by_name(vertices, faces, sentence):
-    faces = np.asarray(faces)
-    surface = Surface(np.asarray(vertices), faces, np.zeros((len(faces), 3), np.uint8))
+    surface = build_plain_surface(vertices, faces)
     with pytest.raises(MeshError, match=f"a/b.obj {sentence}|a/b.obj .*{sentence}"):
         normalise(surface, "a/b.obj")
 

@@ -5,19 +5,14 @@ import math
 import numpy as np
 import pytest
 import trimesh
+from numerics.surfaces import build_plain_surface, of_trimesh
 
 from visuohaptic.errors import MeshError
-from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.in_memory import surface_of_trimesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import UP_AXES, place_surface
 from visuohaptic.meshes.standing import steadiest_axis, tipping_angle
 
 Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-
-
-def surface_of(mesh):
-    return surface_of_trimesh(mesh, "made")
 
 
 def table():
@@ -48,21 +43,21 @@ def test_what_stands_on_a_line_does_not_stand():
 
 def test_a_table_is_found_upright_in_either_axis():
     upright = table()
-    assert steadiest_axis(surface_of(upright), UP_AXES) == "y"
+    assert steadiest_axis(of_trimesh(upright), UP_AXES) == "y"
     upright.apply_transform(Y_TO_Z)
-    assert steadiest_axis(surface_of(upright), UP_AXES) == "z"
+    assert steadiest_axis(of_trimesh(upright), UP_AXES) == "z"
 
 
 def test_auto_places_an_object_as_its_axis_does():
     turned = table()
     turned.apply_transform(Y_TO_Z)
-    found, way = place_surface(surface_of(turned), "table", MeshParameters(own_up_axis="auto"))
-    named, named_way = place_surface(surface_of(turned), "table", MeshParameters(own_up_axis="z"))
+    found, way = place_surface(of_trimesh(turned), "table", MeshParameters(own_up_axis="auto"))
+    named, named_way = place_surface(of_trimesh(turned), "table", MeshParameters(own_up_axis="z"))
     np.testing.assert_array_equal(found.vertices, named.vertices)
     np.testing.assert_array_equal(way, named_way)
 
 
 def test_a_surface_without_area_is_refused_as_always():
-    flat = Surface(np.zeros((3, 3)), np.array([[0, 1, 2]]), np.zeros((1, 3), np.uint8))
+    flat = build_plain_surface(np.zeros((3, 3)), [[0, 1, 2]])
     with pytest.raises(MeshError):
         place_surface(flat, "flat", MeshParameters(own_up_axis="auto"))

@@ -1,7 +1,6 @@
 """Images of model files lie upon the faces where the file puts them, in the colours it says."""
 
 import csv
-import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from meshes.generated import BOARD, write_square
 from PIL import Image
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
@@ -21,23 +21,10 @@ from visuohaptic.meshes import textures as module
 from visuohaptic.meshes.in_memory import surface_of_trimesh
 from visuohaptic.meshes.model_files import read_model
 
-BOARD = np.where(
-    (np.indices((8, 8)).sum(axis=0) % 2 == 0)[..., None], (250, 240, 20), (10, 30, 120)
-).astype(np.uint8)
 # An upright square of two triangles that shows an image once.
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
 FACES = np.array([[0, 1, 2], [0, 2, 3]])
 PLACES = SQUARE[:, :2]
-TEXT = """mtllib a.mtl
-v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
-usemtl paint\nf 1/1 2/2 3/3 4/4\n"""
-
-
-def write_obj(folder, image=BOARD, material="Kd 1 1 1\n", text=TEXT):
-    Image.fromarray(image).save(folder / "t.png")
-    (folder / "a.mtl").write_text(f"newmtl paint\n{material}map_Kd t.png\n")
-    (folder / "a.obj").write_text(text)
-    return folder / "a.obj"
 
 
 def square_of(image=BOARD, places=PLACES, factor=None, vertices=SQUARE):
@@ -79,7 +66,7 @@ def test_every_texel_lies_where_the_file_puts_it(tmp_path, suffix):
     image = np.random.default_rng(0).integers(0, 256, (5, 9, 3), dtype=np.uint8)
     path = tmp_path / f"a{suffix}"
     if suffix == ".obj":
-        write_obj(tmp_path, image)
+        write_square(tmp_path, image)
     elif suffix == ".ply":
         Image.fromarray(image).save(tmp_path / "t.png")
         path.write_text(
@@ -107,13 +94,6 @@ def test_faces_without_an_image_keep_their_colours(tmp_path):
     assert (surface.texture.image == NO_IMAGE).sum() == 2
     of_plain = surface.face_colours[~surface.texture.textured]
     np.testing.assert_array_equal(of_plain, np.tile([9, 8, 7], (2, 1)))
-    bare = read_model_without_images(tmp_path)
-    assert bare.texture is None
-
-
-def read_model_without_images(folder):
-    trimesh.creation.box().export(folder / "b.glb")
-    return read_model(folder / "b.glb")
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -133,14 +113,14 @@ def test_instances_of_a_mesh_share_one_image_and_stand_where_the_scene_puts_them
 
 
 def test_an_mtl_multiplies_its_image_as_stored_by_its_diffuse_colour(tmp_path):
-    surface = read_model(write_obj(tmp_path, material="Kd 0.5 1 0\n"))
+    surface = read_model(write_square(tmp_path, BOARD, "Kd 0.5 1 0\n"))
     expected = np.rint(BOARD * [0.5, 1, 0])
     np.testing.assert_array_equal(surface.texture.images[0], expected)
 
 
 @pytest.mark.parametrize("material", ["", "Kd 0 0 0\n", "Kd\n"])
 def test_an_mtl_without_a_diffuse_colour_shows_its_image_as_it_is(tmp_path, material):
-    surface = read_model(write_obj(tmp_path, material=material))
+    surface = read_model(write_square(tmp_path, BOARD, material))
     np.testing.assert_array_equal(surface.texture.images[0], BOARD)
 
 
@@ -221,19 +201,16 @@ def test_places_that_do_not_fit_the_vertices_leave_the_material():
 
 
 def test_a_broken_image_is_named(tmp_path):
-    path = write_obj(tmp_path)
-    packed = io.BytesIO()
-    Image.fromarray(np.random.default_rng(0).integers(0, 255, (90, 90, 3), np.uint8)).save(
-        packed, "PNG"
-    )
-    (tmp_path / "t.png").write_bytes(packed.getvalue()[:2000])
+    noise = np.random.default_rng(0).integers(0, 255, (90, 90, 3), np.uint8)
+    path = write_square(tmp_path, noise)
+    (tmp_path / "t.png").write_bytes((tmp_path / "t.png").read_bytes()[:2000])
     with pytest.raises(MeshError, match=r"a\.obj: A texture can't be read: ") as caught:
         read_model(path)
     assert "\n" not in str(caught.value)
 
 
 def test_an_image_of_too_many_pixels_is_refused_before_it_is_unpacked(tmp_path):
-    path = write_obj(tmp_path)
+    path = write_square(tmp_path, BOARD)
     Image.new("L", (8193, 8192)).save(tmp_path / "t.png")
     with pytest.raises(MeshError, match=r"a\.obj: A texture has 8193 × 8192 pixels; 67108864 are"):
         read_model(path)
@@ -257,7 +234,7 @@ def test_images_of_too_many_texels_together_are_halved(monkeypatch):
 def test_a_faces_colour_is_the_mean_light_of_its_image(tmp_path):
     image = np.zeros((64, 64, 3), np.uint8)
     image[::2] = 255
-    surface = read_model(write_obj(tmp_path, image))
+    surface = read_model(write_square(tmp_path, image))
     half = 255 * encode_srgb(np.full((2, 3), 0.5))
     np.testing.assert_allclose(surface.face_colours, half, atol=2)
 

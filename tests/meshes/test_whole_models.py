@@ -3,7 +3,6 @@
 import copy
 import io
 import json
-import zipfile
 
 import numpy as np
 import pytest
@@ -196,6 +195,7 @@ SEEDS = range(12)
 WITH_POLYGONS = {
     "obj": generated.as_obj,
     "backwards obj": generated.as_obj_backwards,
+    "blender obj": generated.as_obj_by_blender,
     "off": generated.as_off,
     "ply": generated.as_ply,
     "text ply": lambda points, faces: generated.as_ply(points, faces, "ascii"),
@@ -218,23 +218,6 @@ def test_a_prism_of_any_outline_has_its_area_and_volume(name):
         assert volume(surface) == pytest.approx(shape.volume, rel=1e-5), seed
 
 
-def as_3mf(points, faces):
-    vertices = "".join(
-        '<vertex x="{!r}" y="{!r}" z="{!r}"/>'.format(*map(float, p)) for p in points
-    )
-    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*face) for face in faces)
-    text = (
-        '<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">'
-        f'<resources><object id="1" type="model"><mesh><vertices>{vertices}</vertices><triangles>'
-        f"{triangles}</triangles></mesh></object></resources>"
-        '<build><item objectid="1"/></build></model>'
-    )
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("3D/3dmodel.model", text)
-    return stream.getvalue()
-
-
 def as_gltf(points, faces):
     data = io.BytesIO(generated.as_glb(points, faces))
     scene = trimesh.load_scene(data, file_type="glb", process=False)
@@ -243,12 +226,12 @@ def as_gltf(points, faces):
 
 
 OF_TRIANGLES = {
-    **{name: WITH_POLYGONS[name] for name in WITH_POLYGONS if name != "backwards obj"},
+    **{name: made for name, made in WITH_POLYGONS.items() if not name.endswith(" obj")},
     "stl": generated.as_stl,
     "text stl": generated.as_text_stl,
     "glb": generated.as_glb,
     "gltf": as_gltf,
-    "3mf": as_3mf,
+    "3mf": generated.as_3mf,
 }
 OPEN3D_READS = {"obj", "off", "ply", "stl", "glb", "gltf"}
 
@@ -313,17 +296,3 @@ def test_a_file_cut_anywhere_is_refused_or_whole(name):
         # Only the end of the last line or tag, or digits of the last number, may be missing.
         assert len(data) - where < 25, (seed, where, len(data))
         assert len(found) == len(faces)
-
-
-def test_an_own_obj_by_blender_is_read_whole(tmp_path):
-    shape = generated.prism(np.array([[0.0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]]))
-    text = generated.as_obj(shape.points, shape.faces).decode()
-    normals = "".join(f"vn 0 0 {k}\n" for k in (1, -1))
-    lines = [
-        "f " + " ".join(f"{word}//1" for word in line.split()[1:])
-        if line.startswith("f ")
-        else line
-        for line in text.splitlines()
-    ]
-    (tmp_path / "l.obj").write_text(f"# Blender\no L\n{normals}" + "\n".join(lines) + "\ns off\n")
-    assert read_model(tmp_path / "l.obj").face_areas.sum() == pytest.approx(22)

@@ -7,7 +7,7 @@ from visuohaptic.sensor.gallery import hard_probes as all_hard_probes
 from visuohaptic.sensor.gallery import join as joined
 from visuohaptic.sensor.gallery import sheet
 
-__all__ = ["box", "hard_probes", "joined", "sheet", "surface_of"]
+__all__ = ["PLATE", "box", "hard_probes", "joined", "sheet", "surface_of"]
 
 
 def hard_probes():
@@ -17,3 +17,6 @@ def hard_probes():
 def box(lower, upper):
     made = trimesh.creation.box(bounds=(lower, upper))
     return surface_of(made.vertices, made.faces)
+
+
+PLATE = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))

@@ -23,12 +23,6 @@ def test_below_the_break_force_a_cell_does_not_conduct():
     np.testing.assert_array_equal(response, np.where(PRESSURES >= 0.1, PRESSURES, 0.0))
 
 
-def test_resistance_falls_as_one_over_force_between_break_and_saturation():
-    forces = np.array([0.02, 0.04, 0.08])
-    resistance = 1 / respond_to_force(forces, 0.01, 0.01)
-    np.testing.assert_allclose(resistance[0] / resistance, forces / forces[0], rtol=1e-3)
-
-
 @given(st.floats(0, 2), st.floats(0, 1), st.floats(0, 10))
 def test_response_never_falls_with_pressure(pressure, more, saturation):
     low, high = respond_to_force(np.array([pressure, pressure + more]), 0.05, saturation)

@@ -15,12 +15,12 @@ GAPS = 5e-4 * np.random.default_rng(1).random((TOUCHES, 4, 4))
 GAPS[0] = 1.0
 
 
-def feel(scene, rows=slice(None)):
+def feel(scene, rows=slice(None), contact=CONTACT, gaps=GAPS):
     """Give the readings of some touches, and the records by effect."""
-    count = len(CONTACT[rows])
+    count = len(contact[rows])
     fields = RandomFields(0, [("touch", k) for k in range(TOUCHES)][rows])
-    situation = Situation(scene, GAPS[rows], np.full(count, 1e-3), fields)
-    readings, records = simulate(situation, CONTACT[rows])
+    situation = Situation(scene, gaps[rows], np.full(count, 1e-3), fields)
+    readings, records = simulate(situation, contact[rows])
     return readings, {record.effect: record for record in records}
 
 
@@ -52,6 +52,16 @@ def test_an_effect_does_to_a_touch_what_it_does_to_it_among_others(effect):
     for k in range(TOUCHES):
         alone, _ = feel(scene, slice(k, k + 1))
         np.testing.assert_array_equal(alone[0], together[k])
+
+
+def test_noise_has_its_deviation_and_a_sensors_dead_cells_read_nothing():
+    even = np.full((TOUCHES, 64, 64), 0.5)
+    noisy, _ = feel(Scene(noise=0.02), contact=even, gaps=0 * even)
+    assert (noisy - even).std() == pytest.approx(0.02, rel=0.03)
+    dead, _ = feel(Scene(dead_fraction=0.1), contact=even, gaps=0 * even)
+    assert set(np.unique(dead)) == {0, 0.5}
+    assert (dead == 0).mean() == pytest.approx(0.1, abs=0.02)
+    np.testing.assert_array_equal(dead, np.broadcast_to(dead[:1], dead.shape))
 
 
 def test_every_mode_has_an_effect_and_every_effect_a_mode():

@@ -104,26 +104,16 @@ def test_pose_and_place_add_no_error(name):
     assert np.abs(heights - expected).max() < 1e-12
 
 
-def test_a_step_is_met_exactly_on_both_sides():
-    step = joined(
-        box((-0.5, -0.5, -0.5), (0.0123, 0.0, 0.5)), box((0.0123, -0.5, -0.5), (0.5, -0.05, 0.5))
-    )
-    heights = heights_over(step, (0.0, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
-    x, _ = sensing_grid(SIZE, 32)
-    np.testing.assert_allclose(heights, np.where(x < 0.0123, 0.0, -0.05), rtol=0, atol=1e-15)
-
-
-def test_a_rectangular_groove_is_met_exactly():
-    groove = joined(
-        box((-0.5, -0.5, -0.5), (-0.031, 0.0, 0.5)),
-        box((-0.031, -0.5, -0.5), (0.031, -0.07, 0.5)),
-        box((0.031, -0.5, -0.5), (0.5, 0.0, 0.5)),
-    )
-    heights = heights_over(groove, (0.05, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
-    x, _ = sensing_grid(SIZE, 32)
-    np.testing.assert_allclose(
-        heights, np.where(np.abs(x + 0.05) < 0.031, -0.07, 0.0), rtol=0, atol=1e-15
-    )
+@pytest.mark.parametrize("left", [-0.031, -0.5], ids=["groove", "step"])
+def test_a_groove_and_a_step_are_met_exactly(left):
+    floor, right = -0.07, 0.031
+    parts = [box((left, -0.5, -0.5), (right, floor, 0.5)), box((right, -0.5, -0.5), (0.5, 0, 0.5))]
+    if left > -0.5:
+        parts.append(box((-0.5, -0.5, -0.5), (left, 0, 0.5)))
+    heights = heights_over(joined(*parts), (0.05, 0.0, 0.0), (0, 1.0, 0), (1, 0, 0))
+    x = sensing_grid(SIZE, 32)[0] + 0.05
+    expected = np.where((x > left) & (x < right), floor, 0.0)
+    np.testing.assert_allclose(heights, expected, rtol=0, atol=1e-15)
 
 
 def test_sensing_points_on_edges_and_vertices_of_the_mesh_meet_it():

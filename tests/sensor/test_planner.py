@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sensor.shapes import box
+from sensor.shapes import PLATE
 
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Scene
@@ -80,9 +80,8 @@ def test_the_peak_is_forgotten_when_the_object_is_let_go(depths, peak):
 
 
 def test_records_of_batches_add_up():
-    plate = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))
     points, normals = np.array([[0.1, 0, 0], [0, 0, 0.2]]), np.tile([0, 1.0, 0], (2, 1))
-    caster, parameters = RayCaster(plate), SensorParameters(resolution=4)
+    caster, parameters = RayCaster(PLATE), SensorParameters(resolution=4)
     parts = [
         touch(caster, points[k : k + 1], normals[k : k + 1], parameters, Scene(bits=3)).effects
         for k in range(2)

@@ -3,34 +3,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from visuohaptic.sensor.readout import (
-    add_noise,
-    break_cells,
-    quantise,
-    read_floating,
-    read_grounded,
-)
+from visuohaptic.sensor.readout import quantise, read_floating, read_grounded
 
 
-def nodal_reading(conductances, row, column, line_resistance):
-    """Kirchhoff's current law written out node by node: 1 V on one row, current of one column."""
-    size = len(conductances)
-    line = 1 / line_resistance
-    system, currents = np.zeros((2 * size, 2 * size)), np.zeros(2 * size)
-    for i in range(size):
-        for j in range(size):
-            for a, b in ((i, size + j), (size + j, i)):
-                system[a, a] += conductances[i, j]
-                system[a, b] -= conductances[i, j]
-    for node in range(2 * size):
-        system[node, node] += line
-    currents[row] = line
-    voltages = np.linalg.solve(system, currents)
-    return line * voltages[size + column]
-
-
-def floating_reading(conductances, row, column):
-    """Effective conductance between two lines: 1 A in at the row, out at the column."""
+def laplacian(conductances):
+    """Kirchhoff's current law written out node by node: first the rows, then the columns."""
     size = len(conductances)
     system = np.zeros((2 * size, 2 * size))
     for i in range(size):
@@ -38,9 +15,24 @@ def floating_reading(conductances, row, column):
             for a, b in ((i, size + j), (size + j, i)):
                 system[a, a] += conductances[i, j]
                 system[a, b] -= conductances[i, j]
+    return system
+
+
+def nodal_reading(conductances, row, column, line_resistance):
+    """Current of one column with 1 V on one row and all lines grounded through their resistance."""
+    size, line = len(conductances), 1 / line_resistance
+    currents = np.zeros(2 * size)
+    currents[row] = line
+    voltages = np.linalg.solve(laplacian(conductances) + line * np.eye(2 * size), currents)
+    return line * voltages[size + column]
+
+
+def floating_reading(conductances, row, column):
+    """Effective conductance between two lines: 1 A in at the row, out at the column."""
+    size = len(conductances)
     currents = np.zeros(2 * size)
     currents[row], currents[size + column] = 1.0, -1.0
-    voltages = np.linalg.lstsq(system, currents, rcond=None)[0]
+    voltages = np.linalg.lstsq(laplacian(conductances), currents, rcond=None)[0]
     return 1 / (voltages[row] - voltages[size + column])
 
 
@@ -104,14 +96,3 @@ def test_quantisation_error_of_even_outputs_has_a_variance_of_a_step_squared_ove
     outputs = np.random.default_rng(5).random(200_000)
     error = quantise(outputs, 8) - outputs
     assert error.var() == pytest.approx((1 / 255) ** 2 / 12, rel=0.02)
-
-
-def test_noise_has_its_deviation_and_dead_cells_read_nothing():
-    generator = np.random.default_rng(6)
-    outputs = np.full((3, 64, 64), 0.5)
-    noisy = add_noise(outputs, 0.02, generator.standard_normal((3, 64, 64)))
-    assert (noisy - outputs).std() == pytest.approx(0.02, rel=0.03)
-    dead = generator.random((64, 64)) < 0.1
-    np.testing.assert_array_equal(
-        break_cells(outputs, dead) == 0, np.broadcast_to(dead, outputs.shape)
-    )

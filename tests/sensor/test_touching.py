@@ -13,16 +13,13 @@ from sensor.scenes import (
     surfaces,
     with_modes,
 )
-from sensor.shapes import box, hard_probes, joined, sheet, surface_of
+from sensor.shapes import PLATE, box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, Scene
-from visuohaptic.sensor import (
-    SensorParameters,
-    touch,
-)
+from visuohaptic.sensor import SensorParameters, touch
 from visuohaptic.sensor.touching import feel, place_sensors
 from visuohaptic.tables.phases import CONTACT_STATES
 
@@ -128,6 +125,7 @@ def test_a_crack_too_narrow_for_the_fingertip_is_at_minimum():
     )
     touches = touch_one(slit, (0, 0, 0), (0, 1, 0))
     assert touches.contact_state[0] == "at_minimum"
+    assert touches.size[0] == SensorParameters().smallest_size
     assert touches.penetration[0] == pytest.approx(0.05)
     # The rigid sensor rests on both banks and hangs over the crack.
     assert (touches.images[0][:, 0] == 1).all()
@@ -136,8 +134,7 @@ def test_a_crack_too_narrow_for_the_fingertip_is_at_minimum():
 
 @pytest.mark.parametrize("normalisation", ["per_imprint", "absolute"])
 def test_a_flat_contact_is_contact_all_over(normalisation):
-    plate = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))
-    touches = touch_one(plate, (0.01, 0, 0), (0, 1, 0), normalisation=normalisation)
+    touches = touch_one(PLATE, (0.01, 0, 0), (0, 1, 0), normalisation=normalisation)
     np.testing.assert_array_equal(touches.images, 1)
     assert touches.contact_state[0] == "full"
 
@@ -211,15 +208,13 @@ def test_noise_stays_the_same_whatever_else_is_switched_on():
 
 
 def test_a_random_scene_without_random_fields_is_refused():
-    plate = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))
     with pytest.raises(ParameterError, match="pass RandomFields"):
-        touch_one(plate, (0, 0, 0), (0, 1, 0), Scene(noise=0.1))
+        touch_one(PLATE, (0, 0, 0), (0, 1, 0), Scene(noise=0.1))
 
 
 def test_no_touches_give_empty_arrays_and_records():
-    plate = box((-0.5, -0.1, -0.5), (0.5, 0, 0.5))
     none = np.zeros((0, 3))
-    touches = touch(RayCaster(plate), none, none, SensorParameters(), Scene())
+    touches = touch(RayCaster(PLATE), none, none, SensorParameters(), Scene())
     assert touches.images.shape == (0, 32, 32)
     assert [record.effect for record in touches.effects] == list(TACTILE_EFFECTS)
 
@@ -232,14 +227,7 @@ def test_presets_call_for_the_effects_that_they_are_about(preset):
         RayCaster(surface), points, normals, SensorParameters(), Scene(preset=preset), fields
     )
     ran = {record.effect for record in touches.effects if record.runs}
-    new = {
-        "elastic_cover",
-        "force_response",
-        "gain_scatter",
-        "crosstalk",
-        "noise",
-        "quantisation",
-    }
+    new = {"elastic_cover", "force_response", "gain_scatter", "crosstalk", "noise", "quantisation"}
     worn = new | {"hysteresis", "drift", "dead_cells"}
     expected = {"ideal": set(), "fsr400": new, "worn_fsr": worn}
     assert ran - {"adaptive_size"} == expected[preset]

@@ -40,21 +40,18 @@ def test_periodic_bands_are_the_toolbox_recursions(shape, name, depth, rng):
         np.testing.assert_allclose(band, reference, atol=1e-12)
 
 
-@pytest.mark.parametrize("depth", range(6))
+ON_THE_TORUS = [(shape, depth, "circular") for shape in SHAPES[:3] for depth in range(6)]
+ON_THE_TORUS += [((32, 32), depth, "periodic") for depth in (1, 2)]
+
+
+@pytest.mark.parametrize(("shape", "depth", "extension"), ON_THE_TORUS)
 @pytest.mark.parametrize("name", ["pkva", "pkva6"])
-@pytest.mark.parametrize("shape", [(32, 32), (64, 32), (32, 64)])
-def test_circular_bands_are_filtered_by_their_frequency_responses(shape, name, depth, rng):
+def test_bands_on_the_torus_are_filtered_by_their_frequency_responses(
+    shape, depth, extension, name, rng
+):
     image = rng.standard_normal(shape)
     expected = frequency_directions(image, depth, name)
-    for band, reference in zip(bands_of(image, depth, name, "circular"), expected, strict=True):
-        np.testing.assert_allclose(band, reference, atol=1e-12)
-
-
-@pytest.mark.parametrize("depth", [1, 2])
-def test_periodic_is_circular_down_to_four_bands(depth, rng):
-    image = rng.standard_normal((32, 32))
-    expected = frequency_directions(image, depth, "pkva")
-    for band, reference in zip(bands_of(image, depth, "pkva", "periodic"), expected, strict=True):
+    for band, reference in zip(bands_of(image, depth, name, extension), expected, strict=True):
         np.testing.assert_allclose(band, reference, atol=1e-12)
 
 
@@ -81,24 +78,11 @@ def test_bands_have_their_frequency_responses_away_from_seams_and_borders(depth,
         np.testing.assert_allclose(band[inner], reference[inner], atol=1e-12)
 
 
-def test_periodic_has_the_toolboxs_seams_from_eight_bands_on(rng):
-    image = rng.standard_normal((32, 32))
-    difference = [
-        np.abs(a - b).max()
-        for a, b in zip(
-            bands_of(image, 3, "pkva", "periodic"),
-            bands_of(image, 3, "pkva", "circular"),
-            strict=True,
-        )
-    ]
-    assert min(difference) > 0.1
-
-
 @pytest.mark.parametrize("extension", EXTENSIONS)
 @pytest.mark.parametrize("name", FILTERS)
 @pytest.mark.parametrize("depth", range(6))
 def test_synthesis_undoes_analysis_and_adjoint_is_the_transpose(depth, name, extension, rng):
-    for shape in [(32, 32), (16, 48)]:
+    for shape in SHAPES:
         tables = directional_tables(shape, depth, name, extension)
         images = rng.standard_normal((shape[0] * shape[1], 3))
         bands = analyse_directions(images.copy(), tables)
@@ -110,28 +94,13 @@ def test_synthesis_undoes_analysis_and_adjoint_is_the_transpose(depth, name, ext
         assert transposed == pytest.approx(product, rel=1e-11, abs=1e-11)
 
 
-@pytest.mark.parametrize("extension", EXTENSIONS)
-@pytest.mark.parametrize("depth", range(1, 6))
-@pytest.mark.parametrize("name", FILTERS)
-def test_every_pixel_is_in_one_band(depth, name, extension):
-    for shape in SHAPES:
-        bands = directional_tables(shape, depth, name, extension).bands
-        pixels = np.concatenate([band.ravel() for band in bands])
-        np.testing.assert_array_equal(np.sort(pixels), np.arange(shape[0] * shape[1]))
-
-
 @pytest.mark.slow
-def test_singular_values_of_sixteen_bands_are_the_known_ones():
-    values = np.linalg.svd(matrix_of((32, 32), 4, "pkva", "periodic"), compute_uv=False)
-    assert values[-1] == pytest.approx(0.331, abs=5e-4)
-    assert values[0] == pytest.approx(3.021, abs=5e-4)
-
-
-@pytest.mark.slow
-def test_symmetric_bank_stays_well_conditioned():
-    values = np.linalg.svd(matrix_of((32, 32), 4, "pkva", "symmetric"), compute_uv=False)
-    assert values[-1] == pytest.approx(0.230, abs=5e-4)
-    assert values[0] == pytest.approx(4.693, abs=5e-4)
+@pytest.mark.parametrize(
+    ("extension", "least", "largest"), [("periodic", 0.331, 3.021), ("symmetric", 0.230, 4.693)]
+)
+def test_singular_values_of_sixteen_bands_are_the_known_ones(extension, least, largest):
+    values = np.linalg.svd(matrix_of((32, 32), 4, "pkva", extension), compute_uv=False)
+    assert values[[-1, 0]] == pytest.approx([least, largest], abs=5e-4)
 
 
 @pytest.mark.parametrize("extension", ["periodic", "circular"])
@@ -150,19 +119,3 @@ def test_circular_commutes_with_shifts_by_the_decimation_step(depth, name, rng):
         for band, moved in zip(bands_of(image, depth, name, "circular"), shifted, strict=True):
             turn = [s * n // 64 for s, n in zip(shift, band.shape, strict=True)]
             np.testing.assert_allclose(moved, np.roll(band, turn, (0, 1)), atol=1e-13)
-
-
-@pytest.mark.parametrize("depth", range(2, 6))
-def test_periodic_commutes_with_shifts_along_the_axis_that_is_not_sheared(depth, rng):
-    image = rng.standard_normal((64, 64))
-    half = 2 ** (depth - 1)
-    original = bands_of(image, depth, "pkva", "periodic")
-    for shift in (2, 10):
-        sideways = bands_of(np.roll(image, shift, 1), depth, "pkva", "periodic")
-        downwards = bands_of(np.roll(image, shift, 0), depth, "pkva", "periodic")
-        for k in range(half):
-            turned = np.roll(original[k], shift // 2, 1)
-            np.testing.assert_allclose(sideways[k], turned, atol=1e-13)
-        for k in range(half, 2 * half):
-            turned = np.roll(original[k], shift // 2, 0)
-            np.testing.assert_allclose(downwards[k], turned, atol=1e-13)

@@ -21,10 +21,6 @@ def test_package_mentions_images_only():
         assert not any(word in text for word in words), path
 
 
-def test_every_public_name_is_there():
-    assert all(hasattr(contourlets, name) for name in contourlets.__all__)
-
-
 def test_deviations_load_numpy_alone():
     program = (
         "import sys, numpy; from contourlets import directional_deviations;"

@@ -35,13 +35,6 @@ def test_bands_are_the_toolboxs(levels, directional, pyramid, rng):
         np.testing.assert_allclose(band, reference, atol=1e-12)
 
 
-def test_sixteen_bands_have_the_toolboxs_sizes():
-    coefficients = Contourlet((4,)).forward(np.eye(32))
-    assert coefficients.coarse.shape == (16, 16)
-    assert [band.shape for band in coefficients.levels[0]] == [(4, 16)] * 8 + [(16, 4)] * 8
-    assert coefficients.ravel().shape == (1280,)
-
-
 @pytest.mark.parametrize("extension", EXTENSIONS)
 @pytest.mark.parametrize("directional", ["pkva", "pkva8", "pkva6", "haar"])
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])

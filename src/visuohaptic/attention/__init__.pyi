@@ -4,8 +4,6 @@ from .channels import reasons_to_skip as reasons_to_skip
 from .errors import AttentionError as AttentionError
 from .fitting import Example as Example
 from .fitting import fit_weights as fit_weights
-from .measures import area_under_curve as area_under_curve
-from .measures import normalised_scanpath_saliency as normalised_scanpath_saliency
 from .model import Attention as Attention
 from .model import attend as attend
 from .model import feature_planes as feature_planes
@@ -34,12 +32,10 @@ __all__ = [
     "Scanpath",
     "TermWeights",
     "WorkingView",
-    "area_under_curve",
     "attend",
     "conspicuity_maps",
     "feature_planes",
     "fit_weights",
-    "normalised_scanpath_saliency",
     "prepare_view",
     "reasons_to_skip",
     "saliency_map",

@@ -7,7 +7,7 @@ its pixels, so that only the object counts.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -15,12 +15,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Booleans, Integers, Plane
 from .errors import AttentionError
 from .parameters import CHANNELS, AttentionParameters
 from .plain_filters import plain_kernel
 from .pyramid import (
     GOES_ON,
-    Plane,
     blur,
     enlarge,
     filled,
@@ -49,30 +49,20 @@ RADIAL_STRICTNESS = 2.0
 FULL_SYMMETRY = 4.95
 
 
-def _in_fours(names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
-    return tuple(tuple(names[start : start + 4]) for start in range(0, len(names), 4))
-
-
-def _slots() -> tuple[tuple[str, ...], ...]:
+def _slots() -> Iterator[tuple[str, ...]]:
     """Name the channel of each plane in the stacks of four."""
-    return _in_fours(
-        [name for name, entry in ENTRIES.items() if entry.planes for _ in range(entry.count)]
-    )
+    names = [name for name, entry in ENTRIES.items() if entry.planes for _ in range(entry.count)]
+    for start in range(0, len(names), 4):
+        yield tuple(names[start : start + 4])
 
 
 @dataclass(frozen=True)
 class Stack:
     """Four planes that are processed together.
 
-    Attributes
-    ----------
-    level : int
-        The centre level that they are on.
-    pyramid : list of numpy.ndarray
-        The planes on that level and on each coarser one that is used,
-        shape (n, n, 4), float32, multiplied by the certainty.
-    channels : tuple of str
-        The channels of the first planes; the others hold zeros.
+    `pyramid` holds them on centre level `level` and on each coarser one that is used, (n, n, 4)
+    float32, multiplied by the certainty. `channels` are those of the first planes; the others hold
+    zeros.
     """
 
     level: int
@@ -82,21 +72,12 @@ class Stack:
 
 @dataclass(frozen=True)
 class WorkingView:
-    """A view on the working image, n rows and columns.
+    """A view on the working image; every plane is (n, n), float32.
 
-    Attributes
-    ----------
-    certainty : numpy.ndarray
-        Shape (n, n), float32: share of each pixel that lies on the object.
-    colour : tuple of numpy.ndarray
-        Red, green and blue, shape (n, n), float32 each: their means over that
-        share, as fractions of the brightest value on the object.
-    intensity : numpy.ndarray
-        Shape (n, n), float32: their mean.
-    backdrop : numpy.ndarray
-        Shape (n, n), float32: intensity, extended beyond the object.
-    curvature : numpy.ndarray
-        Shape (n, n), float32: logarithm of 1 + the surface's curvedness.
+    `certainty` is the share of each pixel that lies on the object; `colour` holds the means of red,
+    green and blue over that share, as fractions of the brightest value on the object, and
+    `intensity` their mean. `backdrop` is intensity, extended beyond the object; `curvature` the
+    logarithm of 1 + the surface's curvedness.
     """
 
     certainty: Plane
@@ -106,24 +87,11 @@ class WorkingView:
     curvature: Plane
 
 
-def prepare_view(
-    colour: NDArray[np.float32], mask: NDArray[np.bool_], curvature: NDArray[np.float32]
-) -> WorkingView:
-    """Resample a view to the working image.
+def prepare_view(colour: Plane, mask: Booleans, curvature: Plane) -> WorkingView:
+    """Resample a view to the working image, of `pyramid.WORKING_SIZE`.
 
-    Parameters
-    ----------
-    colour : numpy.ndarray
-        Shape (h, w, 3), float32.
-    mask : numpy.ndarray
-        Shape (h, w), bool: where the object is.
-    curvature : numpy.ndarray
-        Shape (h, w), float32, per unit of length.
-
-    Returns
-    -------
-    WorkingView
-        The same view at `pyramid.WORKING_SIZE`.
+    Colour (h, w, 3) is float32, the object's mask (h, w) bool, and curvature (h, w) float32, per
+    unit of length.
     """
     share = mask.astype(np.float32)
     inside = mask.view(np.uint8)
@@ -146,28 +114,12 @@ def prepare_view(
 
 
 def reasons_to_skip(
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    curvature: NDArray[np.float32],
-    parameters: AttentionParameters,
+    colour: Plane, mask: Booleans, curvature: Plane, parameters: AttentionParameters
 ) -> dict[str, str]:
-    """Give the channels that a view does not need, and why.
+    """Give the channels that a view, as `prepare_view` takes it, does not need, and why.
 
-    A channel is skipped only if its map would be zero, or if its weight is zero:
-    the saliency map is the same, bit for bit.
-
-    Parameters
-    ----------
-    colour, mask, curvature : numpy.ndarray
-        The view, as `prepare_view` takes it.
-    parameters : AttentionParameters
-        The weights.
-
-    Returns
-    -------
-    dict of str to str
-        A reason by channel, in the order of `CHANNELS`; channels to be
-        computed are absent.
+    A channel is skipped only if its map would be zero, or if its weight is zero: the saliency map
+    is the same, bit for bit. Reasons are in the order of `CHANNELS`.
     """
     found = _dull_channels(colour, mask, curvature)
     weights = parameters.weights.model_dump()
@@ -285,23 +237,11 @@ def symmetry_plane(view: WorkingView, radii: tuple[int, ...]) -> Plane:
 def orientation_stacks(view: WorkingView, parameters: AttentionParameters) -> list[Stack]:
     """Local energy of Gabor pairs at each angle, minus the mean over all angles.
 
-    Itti, Koch & Niebur 1998, with the filters of their authors' toolbox: 9 x 9
-    pixels, period 7, deviation 7/3, phases 0 and 90 degrees, zero mean, unit
-    norm. Angles inhibit each other (Heeger 1992, "Normalization of cell responses
-    in cat striate cortex", in its subtractive form); without this the two ends of
-    an upright bar would count as two horizontal bars.
-
-    Parameters
-    ----------
-    view : WorkingView
-        The view.
-    parameters : AttentionParameters
-        Centre levels and the number of angles.
-
-    Returns
-    -------
-    list of Stack
-        For each centre level, the angles in stacks of four.
+    For each centre level the angles are in stacks of four. Itti, Koch & Niebur 1998, with the
+    filters of their authors' toolbox: 9 x 9 pixels, period 7, deviation 7/3, phases 0 and 90
+    degrees, zero mean, unit norm. Angles inhibit each other (Heeger 1992, "Normalization of cell
+    responses in cat striate cortex", in its subtractive form); without this the two ends of an
+    upright bar would count as two horizontal bars.
     """
     deepest = max(parameters.centre_levels)
     images = reductions(view.backdrop, deepest, GOES_ON)
@@ -325,27 +265,11 @@ def orientation_stacks(view: WorkingView, parameters: AttentionParameters) -> li
 def feature_stacks(
     view: WorkingView, channels: Collection[str], parameters: AttentionParameters
 ) -> list[Stack]:
-    """Compute the planes of some channels, for each centre level.
+    """Compute the planes of some channels out of `parameters.CHANNELS`, for each centre level.
 
-    Parameters
-    ----------
-    view : WorkingView
-        The view.
-    channels : collection of str
-        Which, out of `parameters.CHANNELS`.
-    parameters : AttentionParameters
-        Centre levels and the channels' own parameters.
-
-    Returns
-    -------
-    list of Stack
-        Each plane has a fixed place, so that a channel's numbers do not depend on
-        which other channels run; their places hold zeros.
-
-    Raises
-    ------
-    AttentionError
-        If there is no such channel, or one gives another number of planes than its entry says.
+    Each plane has a fixed place, so that a channel's numbers do not depend on which other channels
+    run; their places hold zeros. Raises `AttentionError` if there is no such channel, or one gives
+    another number of planes than its entry says.
     """
     entries = [channel(name) for name in channels]
     stacks = []
@@ -375,9 +299,7 @@ def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> li
     return planes
 
 
-def _dull_channels(
-    colour: NDArray[np.float32], mask: NDArray[np.bool_], curvature: NDArray[np.float32]
-) -> dict[str, str]:
+def _dull_channels(colour: Plane, mask: Booleans, curvature: Plane) -> dict[str, str]:
     if not mask.any():
         return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
     inside = mask.view(np.uint8)
@@ -397,19 +319,11 @@ def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
     return lowest == highest
 
 
-@dataclass(frozen=True)
-class _GaborPair:
-    """A pair of Gabor filters as sums of products of a row and a column, and the pair mirrored at a column."""
-
-    # Cosine and sine of the wave, by the Gaussian; of the pair and of the mirrored one, 1 / norm of
-    # the even filter, its mean, and 1 / norm of the odd one.
-    across: tuple[Plane, Plane]
-    down: tuple[Plane, Plane]
-    scales: tuple[Plane, ...]
-
-
 @cache
-def _gabor_pair(angle: float) -> _GaborPair:
+def _gabor_pair(angle: float) -> tuple[list[Plane], list[Plane], list[Plane]]:
+    """Give a pair of Gabor filters as sums of products of a row and a column, and the pair mirrored at a column."""
+    # Cosine and sine of the wave, by the Gaussian, across and down; of the pair and of the mirrored
+    # one, 1 / norm of the even filter, its mean, and 1 / norm of the odd one.
     reach = np.arange(GABOR_SIZE) - GABOR_SIZE // 2
     envelope = np.exp(-(reach**2) / (2.0 * GABOR_DEVIATION**2))
     waves = [2.0 * np.pi / GABOR_PERIOD * reach * step for step in (np.cos(angle), np.sin(angle))]
@@ -421,11 +335,7 @@ def _gabor_pair(angle: float) -> _GaborPair:
         mean = even.mean()
         triple = 1.0 / np.linalg.norm(even - mean), mean, 1.0 / np.linalg.norm(odd)
         scales.append(plain_kernel(triple))
-    return _GaborPair(
-        (plain_kernel(cos_x), plain_kernel(sin_x)),
-        (plain_kernel(cos_y), plain_kernel(sin_y)),
-        tuple(scales),
-    )
+    return list(map(plain_kernel, (cos_x, sin_x))), list(map(plain_kernel, (cos_y, sin_y))), scales
 
 
 def _gabor_energies(image: Plane, count: int) -> list[Plane]:
@@ -434,14 +344,12 @@ def _gabor_energies(image: Plane, count: int) -> list[Plane]:
     sums = cv2.boxFilter(image, -1, window, normalize=False, borderType=GOES_ON)
     energies: dict[int, Plane] = {}
     for index in range(count // 2 + 1):
-        pair = _gabor_pair(np.pi * index / count)
+        across, down, scales = _gabor_pair(np.pi * index / count)
         (cos_cos, sin_cos), (cos_sin, sin_sin) = (
-            [_filtered(image, row, column) for row in pair.across] for column in pair.down
+            [_filtered(image, row, column) for row in across] for column in down
         )
         waves = ((cos_cos - sin_sin, sin_cos + cos_sin), (cos_cos + sin_sin, sin_cos - cos_sin))
-        for place, (even, odd), scale in zip(
-            (index, count - index), waves, pair.scales, strict=True
-        ):
+        for place, (even, odd), scale in zip((index, count - index), waves, scales, strict=True):
             even_scale, mean, odd_scale = scale
             energies[place] = np.sqrt(
                 np.square(even_scale * (even - mean * sums)) + np.square(odd_scale * odd)
@@ -475,10 +383,7 @@ def _box(planes: Plane) -> Plane:
 
 
 def _cast_votes(
-    places: NDArray[np.int64],
-    steps: NDArray[np.float32],
-    votes: tuple[Plane, Plane],
-    shape: tuple[int, ...],
+    places: Integers, steps: Plane, votes: tuple[Plane, Plane], shape: tuple[int, ...]
 ) -> list[Plane]:
     """Count votes for the point ahead of each place minus those behind it, as absolute values."""
     # A margin holds the votes for points outside the image.

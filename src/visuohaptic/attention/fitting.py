@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Booleans, Floats, Integers, Plane
 from .errors import AttentionError
 from .parameters import CHANNELS, ChannelWeights
 
@@ -17,54 +17,29 @@ from .parameters import CHANNELS, ChannelWeights
 class Example:
     """One view and the places that people looked at.
 
-    Attributes
-    ----------
-    object_name : str
-        The object in the view.
-    conspicuity : dict of str to numpy.ndarray
-        Shape (h, w), float32, by channel, as in `Attention.conspicuity` with
-        equal weights; a channel that did not run counts as zero.
-    mask : numpy.ndarray
-        Shape (h, w), bool: where the object is.
-    places : numpy.ndarray
-        Shape (k, 2), int64: row and column of each place.
+    `conspicuity` holds maps (h, w), float32, by channel, as in `Attention.conspicuity` with equal
+    weights; a channel that did not run counts as zero. `mask` (h, w) says where the object is, and
+    `places` (k, 2), int64, are rows and columns.
     """
 
     object_name: str
-    conspicuity: dict[str, NDArray[np.float32]]
-    mask: NDArray[np.bool_]
-    places: NDArray[np.int64]
+    conspicuity: dict[str, Plane]
+    mask: Booleans
+    places: Integers
 
 
 def fit_weights(
     examples: Sequence[Example], tested: Collection[str], spread: float = 0.03
 ) -> ChannelWeights:
-    """Fit non-negative channel weights to the places that people look at.
+    """Fit non-negative channel weights, whose mean is 1, to the places that people look at.
 
-    Each example's places become a density on the object, a Gaussian around each,
-    and the weighted sum of conspicuity maps is fitted to it by non-negative
-    least squares (Zhao & Koch 2011, "Learning a saliency map using fixated
-    locations in natural scenes").
+    Each example's places become a density on the object, a Gaussian around each, whose standard
+    deviation is `spread` of the view's longer edge, and the weighted sum of conspicuity maps is
+    fitted to it by non-negative least squares (Zhao & Koch 2011, "Learning a saliency map using
+    fixated locations in natural scenes").
 
-    Parameters
-    ----------
-    examples : sequence of Example
-        Views of training objects.
-    tested : collection of str
-        Names of the objects that are used for tests.
-    spread : float
-        Standard deviation of the Gaussians, as a fraction of the view's longer edge.
-
-    Returns
-    -------
-    ChannelWeights
-        Their mean is 1, that of equal weights.
-
-    Raises
-    ------
-    AttentionError
-        If an example shows a tested object, there are no examples, or no channel
-        predicts the places.
+    Raises `AttentionError` if an example shows one of the `tested` objects, there are no examples,
+    or no channel predicts the places.
     """
     leaked = sorted({example.object_name for example in examples} & set(tested))
     if leaked:
@@ -98,14 +73,14 @@ def fit_weights(
     return ChannelWeights(**dict(zip(CHANNELS, weights.tolist(), strict=True)))
 
 
-def _stacked_maps(example: Example) -> NDArray[np.float64]:
+def _stacked_maps(example: Example) -> Floats:
     nothing = np.zeros(example.mask.shape, dtype=np.float32)
     return np.stack(
         [example.conspicuity.get(name, nothing)[example.mask] for name in CHANNELS]
     ).astype(np.float64)
 
 
-def _density(example: Example, spread: float) -> NDArray[np.float64]:
+def _density(example: Example, spread: float) -> Floats:
     points = np.zeros(example.mask.shape)
     np.add.at(points, (example.places[:, 0], example.places[:, 1]), 1.0)
     smooth = cv2.GaussianBlur(

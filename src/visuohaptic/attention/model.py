@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Booleans, Floats, Integers, Plane
 from .channels import prepare_view, reasons_to_skip
 from .errors import AttentionError
 from .parameters import CHANNELS, AttentionParameters
 from .plain_filters import plain_filters
-from .pyramid import Plane
 from .saliency import conspicuity_maps, on_view, saliency_map
 from .scanpath import Scanpath, scan
 from .term_registry import TERMS
@@ -28,110 +28,62 @@ SMALLEST_PEAK = 1e-30
 class Attention:
     """Saliency and fixations of one view.
 
-    Attributes
-    ----------
-    saliency : numpy.ndarray
-        Shape (h, w), float32: 0 to 1, the view's maximum 1; zero on the background.
-    conspicuity : dict of str to numpy.ndarray
-        Shape (h, w), float32, at least 0, for each channel that ran, before
-        its weight: larger where fewer places stand out in that channel.
-    skipped : dict of str to str
-        Reasons, by channel, why the others did not run.
-    scanpath : Scanpath
-        The fixations in order.
+    `saliency` (h, w), float32, is 0 to 1, the view's maximum 1, and zero on the background.
+    `conspicuity` holds for each channel that ran a map (h, w), float32, at least 0, before its
+    weight: larger where fewer places stand out in that channel. `skipped` says, by channel, why the
+    others did not run.
     """
 
-    saliency: NDArray[np.float32]
-    conspicuity: dict[str, NDArray[np.float32]]
+    saliency: Plane
+    conspicuity: dict[str, Plane]
     skipped: dict[str, str]
     scanpath: Scanpath
 
 
 @plain_filters()
 def attend(
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    face: NDArray[np.int64],
-    curvature: NDArray[np.float32],
+    colour: Plane,
+    mask: Booleans,
+    point: Floats,
+    normal: Floats,
+    face: Integers,
+    curvature: Plane,
     parameters: AttentionParameters,
-    eye: NDArray[np.float64] | None = None,
+    eye: Floats | None = None,
 ) -> list[Attention]:
-    """Compute saliency and fixations for each of n views.
+    """Compute saliency and fixations for each of n views; each depends on its own view only.
 
-    Parameters
-    ----------
-    colour : numpy.ndarray
-        Shape (n, h, w, 3), float32, at least 0; any scale.
-    mask : numpy.ndarray
-        Shape (n, h, w), bool: where the object is.
-    point : numpy.ndarray
-        Shape (n, h, w, 3), float64: visible points of the surface.
-    normal : numpy.ndarray
-        Shape (n, h, w, 3), float64: their unit normals.
-    face : numpy.ndarray
-        Shape (n, h, w), int64: their faces.
-    curvature : numpy.ndarray
-        Shape (n, h, w), float32, at least 0: curvedness of the surface, per unit of the points.
-    parameters : AttentionParameters
-        The model's parameters.
-    eye : numpy.ndarray, optional
-        Shape (n, 3), float64: where the eye is, in the points' frame; terms need it.
+    `colour` (n, h, w, 3), float32, is at least 0, of any scale; `mask` (n, h, w), bool, says where
+    the object is. `point` and `normal` (n, h, w, 3), float64, are visible points of the surface and
+    their unit normals, `face` (n, h, w), int64, their faces, and `curvature` (n, h, w), float32,
+    the curvedness there, at least 0, per unit of the points. `eye` (n, 3), float64, is where the
+    eye is, in the points' frame; terms need it.
 
-    Returns
-    -------
-    list of Attention
-        One per view; each depends on its own view only.
-
-    Raises
-    ------
-    AttentionError
-        If shapes differ, a view is too small, a value is not finite or below its range, or a
-        term has a weight and no eye is given.
+    Raises `AttentionError` if shapes differ, a view is too small, a value is not finite or below
+    its range, or a term has a weight and no eye is given.
     """
     _check_views(colour, mask, point, normal, face, curvature)
     _check_eyes(eye, len(mask), parameters)
-    return [
-        _attend_view(
-            colour[view],
-            mask[view],
-            point[view],
-            normal[view],
-            face[view],
-            curvature[view],
-            parameters,
-            None if eye is None else eye[view],
-        )
-        for view in range(len(mask))
-    ]
+    eyes = [None] * len(mask) if eye is None else eye
+    views = zip(colour, mask, point, normal, face, curvature, eyes, strict=True)
+    return [_attend_view(parameters, *view) for view in views]
 
 
 @plain_filters()
 def feature_planes(
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    curvature: NDArray[np.float32],
-    eye: NDArray[np.float64],
+    colour: Plane,
+    mask: Booleans,
+    point: Floats,
+    normal: Floats,
+    curvature: Plane,
+    eye: Floats,
     parameters: AttentionParameters,
 ) -> tuple[dict[str, Plane], Plane]:
     """Give all that saliency is a weighted sum of, for one view, to fit weights to.
 
-    Parameters
-    ----------
-    colour, mask, point, normal, curvature, eye
-        One view's part of what `attend` takes.
-    parameters : AttentionParameters
-        Scales and the operator N; a channel without weight is zero.
-
-    Returns
-    -------
-    planes : dict of str to numpy.ndarray
-        Shape (MAP_SIZE, MAP_SIZE), float32: every channel, then every term.
-    certainty : numpy.ndarray
-        The same shape: share of each cell that shows the object.
+    Takes one view's part of what `attend` takes. Gives planes (MAP_SIZE, MAP_SIZE), float32, of
+    every channel, then every term, and the share of each cell that shows the object; a channel
+    without weight is zero.
     """
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     ran = tuple(name for name in CHANNELS if name not in skipped)
@@ -143,14 +95,14 @@ def feature_planes(
 
 
 def _attend_view(
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    face: NDArray[np.int64],
-    curvature: NDArray[np.float32],
     parameters: AttentionParameters,
-    eye: NDArray[np.float64] | None,
+    colour: Plane,
+    mask: Booleans,
+    point: Floats,
+    normal: Floats,
+    face: Integers,
+    curvature: Plane,
+    eye: Floats | None,
 ) -> Attention:
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     channels = tuple(name for name in CHANNELS if name not in skipped)
@@ -168,9 +120,7 @@ def _attend_view(
     )
 
 
-def _check_eyes(
-    eye: NDArray[np.float64] | None, views: int, parameters: AttentionParameters
-) -> None:
+def _check_eyes(eye: Floats | None, views: int, parameters: AttentionParameters) -> None:
     if eye is None:
         if parameters.is_exponential:
             raise AttentionError("a term has a weight and no eye is given; terms need the eye.")
@@ -181,12 +131,7 @@ def _check_eyes(
 
 
 def _check_views(
-    colour: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    face: NDArray[np.int64],
-    curvature: NDArray[np.float32],
+    colour: Plane, mask: Booleans, point: Floats, normal: Floats, face: Integers, curvature: Plane
 ) -> None:
     if mask.ndim != 3 or mask.dtype != np.bool_:
         raise AttentionError(

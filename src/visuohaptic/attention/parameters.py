@@ -37,23 +37,7 @@ class _Weights(BaseModel):
 
     @classmethod
     def only(cls, *channels: str) -> Self:
-        """Give the named channels weight 1 and all others 0.
-
-        Parameters
-        ----------
-        *channels : str
-            Names out of `CHANNELS`.
-
-        Returns
-        -------
-        ChannelWeights
-            The weights.
-
-        Raises
-        ------
-        AttentionError
-            If a channel is unknown.
-        """
+        """Give the named channels weight 1 and all others 0; `AttentionError` if one is unknown."""
         chosen = {channel(name).name for name in channels}
         return cls.model_validate({name: float(name in chosen) for name in CHANNELS})
 

@@ -7,7 +7,9 @@ from contextlib import contextmanager
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from .arrays import Plane
 
 
 @contextmanager
@@ -27,6 +29,6 @@ def plain_filters() -> Iterator[None]:
         cv2.ipp.setUseIPP(primitives)
 
 
-def plain_kernel(values: ArrayLike) -> NDArray[np.float32]:
+def plain_kernel(values: ArrayLike) -> Plane:
     """Round a filter's numbers so that the last digit of an elementary function is lost."""
     return np.round(np.asarray(values, dtype=np.float64), 12).astype(np.float32)

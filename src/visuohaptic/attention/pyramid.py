@@ -13,11 +13,11 @@ large part of the object and makes a mirrored view look different.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+
+from .arrays import Plane
 
 WORKING_SIZE = 128
 # Share of a pixel below which it counts as empty; rounding of float32 averages stays below.
@@ -28,23 +28,12 @@ GOES_ON = cv2.BORDER_REPLICATE
 
 _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)
 
-Plane: TypeAlias = NDArray[np.float32]
-
 
 def to_working_size(plane: Plane) -> Plane:
-    """Resample planes of any size to the square working image.
+    """Resample planes (h, w) or (h, w, k), multiplied by the certainty, to the square working image.
 
-    Parameters
-    ----------
-    plane : numpy.ndarray
-        Shape (h, w) or (h, w, k), float32, already multiplied by the certainty.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (WORKING_SIZE, WORKING_SIZE[, k]); a view that is not square is
-        centred and padded with zeros. Larger views are averaged by area,
-        smaller ones interpolated; a [1 2 1] kernel then limits the bandwidth.
+    A view that is not square is centred and padded with zeros. Larger views are averaged by area,
+    smaller ones interpolated; a [1 2 1] kernel then limits the bandwidth.
     """
     square = _padded_to_square(plane)
     size = (WORKING_SIZE, WORKING_SIZE)
@@ -55,21 +44,10 @@ def to_working_size(plane: Plane) -> Plane:
 def from_map_size(
     plane: Plane, shape: tuple[int, int], interpolation: int = cv2.INTER_CUBIC
 ) -> Plane:
-    """Resample a square map to the pixels of the view.
+    """Resample a square map of at least 0 to the rows and columns of a view.
 
-    Parameters
-    ----------
-    plane : numpy.ndarray
-        Shape (n, n), float32, at least 0.
-    shape : tuple of int
-        Rows and columns of the view.
-    interpolation : int
-        OpenCV's constant; cubic can place a peak between pixels of the map, linear is faster.
-
-    Returns
-    -------
-    numpy.ndarray
-        That shape, at least 0.
+    `interpolation` is OpenCV's constant; cubic can place a peak between pixels of the map, linear
+    is faster.
     """
     side = max(shape)
     large = cv2.resize(plane, (side, side), interpolation=interpolation)
@@ -84,20 +62,10 @@ def blur(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
 
 
 def reduce(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
-    """Halve both sides with the kernel [1 3 3 1] / 8, which is centred on the new pixel.
+    """Halve both sides of (2n, 2n[, k]) with the kernel [1 3 3 1] / 8, which is centred on the new pixel.
 
-    Parameters
-    ----------
-    plane : numpy.ndarray
-        Shape (2n, 2n) or (2n, 2n, k), float32.
-    border : int
-        `NOTHING_BEYOND` for planes that are multiplied by their certainty, `GOES_ON`
-        for an image that fills its grid.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, n) or (n, n, k).
+    The border is `NOTHING_BEYOND` for planes that are multiplied by their certainty, `GOES_ON` for
+    an image that fills its grid.
     """
     half = plane.shape[0] // 2
     return cv2.resize(blur(plane, border), (half, half), interpolation=cv2.INTER_AREA)
@@ -119,17 +87,9 @@ def reductions(plane: Plane, count: int, border: int = NOTHING_BEYOND) -> list[P
 
 
 def quads(planes: Sequence[Plane]) -> list[tuple[Plane, int]]:
-    """Put planes into stacks of four, for which OpenCV is fastest with float32.
+    """Put planes (n, n) into stacks (n, n, 4), for which OpenCV is fastest with float32.
 
-    Parameters
-    ----------
-    planes : sequence of numpy.ndarray
-        Shape (n, n) each.
-
-    Returns
-    -------
-    list of tuple
-        Stacks of shape (n, n, 4), padded with zeros, and the number of planes in each.
+    They are padded with zeros; beside each is the number of planes in it.
     """
     stacks = []
     for start in range(0, len(planes), 4):
@@ -140,37 +100,16 @@ def quads(planes: Sequence[Plane]) -> list[tuple[Plane, int]]:
 
 
 def reciprocal(certainty: Plane) -> Plane:
-    """Give 1 over the certainty; a smoothed plane times this is an average.
-
-    Parameters
-    ----------
-    certainty : numpy.ndarray
-        Shape (n, n), float32, 0 to 1.
-
-    Returns
-    -------
-    numpy.ndarray
-        The same shape; zero where nothing is certain.
-    """
+    """Give 1 over the certainty, and zero where nothing is certain; a smoothed plane times this is an average."""
     return np.divide(1.0, certainty, out=np.zeros_like(certainty), where=certainty > EMPTY)
 
 
 def filled(plane: Plane, certainty: Plane) -> Plane:
     """Extend a plane beyond the object, so that filters find no step at its outline.
 
-    Parameters
-    ----------
-    plane : numpy.ndarray
-        Shape (n, n), multiplied by the certainty; n is a multiple of 4.
-    certainty : numpy.ndarray
-        Shape (n, n), 0 to 1.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, n): the object's own values on it, and outside it averages of
-        its nearest parts over increasingly large neighbourhoods (pull-push,
-        Gortler et al. 1996, "The Lumigraph").
+    The plane (n, n), n a multiple of 4, is multiplied by the certainty. On the object are its own
+    values, and outside averages of its nearest parts over increasingly large neighbourhoods
+    (pull-push, Gortler et al. 1996, "The Lumigraph").
     """
     planes, certainties = [plane], [certainty]
     while planes[-1].shape[0] > 4:

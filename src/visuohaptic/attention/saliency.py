@@ -11,12 +11,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Booleans, Plane
 from .channels import Stack, WorkingView, feature_stacks
 from .parameters import CHANNELS, AttentionParameters
 from .plain_filters import plain_kernel
 from .pyramid import (
     WORKING_SIZE,
-    Plane,
     enlarge,
     from_map_size,
     quads,
@@ -47,22 +47,9 @@ _NEIGHBOURS = np.ones((3, 3), dtype=np.uint8)
 def conspicuity_maps(
     view: WorkingView, channels: tuple[str, ...], parameters: AttentionParameters
 ) -> dict[str, Plane]:
-    """Compute the conspicuity map of each of some channels.
+    """Compute the conspicuity maps (MAP_SIZE, MAP_SIZE), float32, at least 0, of channels out of `CHANNELS`.
 
-    Parameters
-    ----------
-    view : WorkingView
-        The view.
-    channels : tuple of str
-        Which, out of `parameters.CHANNELS`.
-    parameters : AttentionParameters
-        Scales and the operator N.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray
-        Shape (MAP_SIZE, MAP_SIZE) each, float32, at least 0, in the order of
-        the channels. A map that reaches 1 has a single peak.
+    A map that reaches 1 has a single peak.
     """
     deepest = max(parameters.centre_levels) + max(parameters.surround_offsets)
     certainties = reductions(view.certainty, deepest)
@@ -84,20 +71,7 @@ def conspicuity_maps(
 
 
 def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> Plane:
-    """Add conspicuity maps by the channels' weights.
-
-    Parameters
-    ----------
-    maps : mapping of str to numpy.ndarray
-        Conspicuity maps of one shape.
-    parameters : AttentionParameters
-        The weights.
-
-    Returns
-    -------
-    numpy.ndarray
-        Their weighted sum, float32, not scaled.
-    """
+    """Add conspicuity maps by the channels' weights; the sum is not scaled."""
     weights = parameters.weights.model_dump()
     total = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)
     for name in CHANNELS:
@@ -106,25 +80,8 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
     return total
 
 
-def on_view(
-    plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTER_LINEAR
-) -> NDArray[np.float32]:
-    """Resample a map to the pixels of its view and set the background to zero.
-
-    Parameters
-    ----------
-    plane : numpy.ndarray
-        Shape (MAP_SIZE, MAP_SIZE), float32.
-    mask : numpy.ndarray
-        Shape (h, w), bool: where the object is.
-    interpolation : int
-        As `pyramid.from_map_size` takes it.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (h, w), float32, at least 0.
-    """
+def on_view(plane: Plane, mask: Booleans, interpolation: int = cv2.INTER_LINEAR) -> Plane:
+    """Resample a map (MAP_SIZE, MAP_SIZE) to the pixels (h, w) of its view, and set the background to zero."""
     large = from_map_size(plane, (mask.shape[0], mask.shape[1]), interpolation)
     return cv2.copyTo(large, mask.view(np.uint8))
 
@@ -132,17 +89,8 @@ def on_view(
 def promote(planes: Plane, parameters: AttentionParameters) -> Plane:
     """Apply the operator N: few strong peaks are promoted over many similar ones.
 
-    Parameters
-    ----------
-    planes : numpy.ndarray
-        Shape (n, n, 4), float32, at least 0, each scaled to a largest value of 1 or less.
-    parameters : AttentionParameters
-        Which operator, and its rounds.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, n, 4), at least 0; each plane is treated by itself.
+    Each of the planes (n, n, 4), at least 0 and scaled to a largest value of 1 or less, is treated
+    by itself.
     """
     match parameters.normalisation:
         case "local_maxima":
@@ -186,10 +134,7 @@ def _scales(certainties: list[Plane], parameters: AttentionParameters) -> dict[i
 
 
 def _promoted_stack(
-    stack: Stack,
-    scales: list[_Scale],
-    window: tuple[slice, slice],
-    parameters: AttentionParameters,
+    stack: Stack, scales: list[_Scale], window: tuple[slice, slice], parameters: AttentionParameters
 ) -> tuple[Plane, Plane]:
     """Add up the promoted maps of each plane of a stack, and give the largest value of any map."""
     # Presence of a feature stands out, absence does not (search asymmetry, Treisman & Gormley 1988):

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Booleans, Floats, Integers, Plane
 from .parameters import AttentionParameters
 from .plain_filters import plain_filters
 
@@ -27,31 +27,20 @@ CLOSED = -1.0
 
 @dataclass(frozen=True)
 class Scanpath:
-    """The fixations on one view, in order.
+    """The k fixations on one view, in order; no pixel is fixated twice.
 
-    Attributes
-    ----------
-    rows, columns : numpy.ndarray
-        Shape (k,), int64: pixels of the view, from its upper left.
-    points : numpy.ndarray
-        Shape (k, 3), float64: points of the surface, in the frame of the view's points.
-    normals : numpy.ndarray
-        Shape (k, 3), float64: unit normals towards the camera.
-    faces : numpy.ndarray
-        Shape (k,), int64.
-    saliency : numpy.ndarray
-        Shape (k,), float64: of the view's maximum.
-    asked : int
-        Fixations that were asked for; k is smaller if no pixel was left outside
-        the foci. No pixel is fixated twice.
+    `rows` and `columns` (k,), int64, count pixels from the view's upper left. `points` (k, 3), in
+    the frame of the view's points, and `normals` (k, 3), unit and towards the camera, are float64;
+    `faces` (k,) int64. `saliency` (k,), float64, is in units of the view's maximum. `asked`
+    fixations were asked for; k is smaller if no pixel was left outside the foci.
     """
 
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    points: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    saliency: NDArray[np.float64]
+    rows: Integers
+    columns: Integers
+    points: Floats
+    normals: Floats
+    faces: Integers
+    saliency: Floats
     asked: int
 
     @property
@@ -67,33 +56,18 @@ class Scanpath:
 
 @plain_filters()
 def scan(
-    saliency: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    face: NDArray[np.int64],
+    saliency: Plane,
+    mask: Booleans,
+    point: Floats,
+    normal: Floats,
+    face: Integers,
     parameters: AttentionParameters,
 ) -> Scanpath:
-    """Find the fixations on a saliency map.
+    """Find the fixations on a saliency map (h, w), float32, 0 to 1, among the pixels of a mask.
 
-    Parameters
-    ----------
-    saliency : numpy.ndarray
-        Shape (h, w), float32, 0 to 1.
-    mask : numpy.ndarray
-        Shape (h, w), bool: pixels that may be fixated.
-    point, normal : numpy.ndarray
-        Shape (h, w, 3), float64.
-    face : numpy.ndarray
-        Shape (h, w), int64.
-    parameters : AttentionParameters
-        Number of fixations and inhibition of return.
-
-    Returns
-    -------
-    Scanpath
-        At most as many fixations as asked for. Among maxima that tie, the largest within
-        one focus of the first, in row order, wins; of values that differ by rounding, the first.
+    The surface is as `attend` takes it, for one view. There are at most as many fixations as asked
+    for. Among maxima that tie, the largest within one focus of the first, in row order, wins; of
+    values that differ by rounding, the first.
     """
     rows, columns, depth = _off_outline(mask)
     pixels = rows * mask.shape[1] + columns
@@ -117,14 +91,12 @@ def scan(
     )
 
 
-def _winners(
-    drive: NDArray[np.float32], places: NDArray[np.float32], parameters: AttentionParameters
-) -> NDArray[np.int64]:
+def _winners(drive: Plane, places: Plane, parameters: AttentionParameters) -> Integers:
     drive = drive.copy()
     winners: list[int] = []
     while len(winners) < parameters.fixations and drive.max(initial=CLOSED) > CLOSED:
         winner = _winner(drive, places)
-        distance: NDArray[np.float32] = np.sqrt(_squared_distances(places, places[:, winner]))
+        distance: Plane = np.sqrt(_squared_distances(places, places[:, winner]))
         near = np.flatnonzero(distance <= 1.0 + parameters.inhibition_falloff)
         distance, faded = distance[near], drive[near]
         closed = (distance <= 1.0) | (faded == CLOSED)
@@ -136,7 +108,7 @@ def _winners(
     return np.array(winners, dtype=np.int64)
 
 
-def _winner(drive: NDArray[np.float32], places: NDArray[np.float32]) -> int:
+def _winner(drive: Plane, places: Plane) -> int:
     """Give the largest; if others tie with it, the largest within the focus of the first in row order."""
     tied = np.flatnonzero(drive >= drive.max() - TIE)
     near = tied[_squared_distances(places[:, tied], places[:, tied[0]]) <= 1.0]
@@ -144,23 +116,19 @@ def _winner(drive: NDArray[np.float32], places: NDArray[np.float32]) -> int:
     return int(near[np.argmax(largest)])
 
 
-def _squared_distances(
-    places: NDArray[np.float32], centre: NDArray[np.float32]
-) -> NDArray[np.float32]:
+def _squared_distances(places: Plane, centre: Plane) -> Plane:
     total = np.zeros(places.shape[1], dtype=np.float32)
     for axis, middle in zip(places, centre, strict=True):
         total += (axis - middle) ** 2
     return total
 
 
-def _release(progress: NDArray[np.float32]) -> NDArray[np.float32]:
+def _release(progress: Plane) -> Plane:
     step = np.clip(progress, 0.0, 1.0)
     return step * step * (3.0 - 2.0 * step)
 
 
-def _off_outline(
-    mask: NDArray[np.bool_],
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
+def _off_outline(mask: Booleans) -> tuple[Integers, Integers, Plane]:
     """Give the rows and columns off the outline, near the middle of thin parts, and their distances from it."""
     inside = mask.view(np.uint8)
     left, top, width, height = cv2.boundingRect(inside)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Booleans, Floats
 from .errors import AttentionError
 
 TOP_SHARE = 0.2
@@ -22,26 +23,16 @@ SMALLEST_SHARE = 2.2204e-16
 
 @dataclass(frozen=True)
 class GazedSurface:
-    """Points of a surface and how long people looked at them.
+    """Points of a surface, shape (n,), and how long people looked at them.
 
-    Attributes
-    ----------
-    density : numpy.ndarray
-        Shape (n,), float64, at least 0: time per area at each point, any unit.
-    area : numpy.ndarray
-        Shape (n,), float64, at least 0: area that each point stands for.
-    seen : numpy.ndarray
-        Shape (n,), bool: points that count, because a viewpoint sees them.
-
-    Raises
-    ------
-    AttentionError
-        If shapes differ, a value is negative or not finite, or no time or area is seen.
+    `density` is time per area at each point, in any unit; `area` is what each point stands for;
+    `seen` are the points that count, because a viewpoint sees them. Raises `AttentionError` if
+    shapes differ, a value is negative or not finite, or no time or area is seen.
     """
 
-    density: NDArray[np.float64]
-    area: NDArray[np.float64]
-    seen: NDArray[np.bool_]
+    density: Floats
+    area: Floats
+    seen: Booleans
 
     def __post_init__(self) -> None:
         if not self.density.shape == self.area.shape == self.seen.shape or self.seen.ndim != 1:
@@ -55,17 +46,17 @@ class GazedSurface:
         if not (self.density * self.area)[self.seen].sum() > 0:
             raise AttentionError("no seen point was looked at; at least one is needed.")
 
-    def weights(self) -> NDArray[np.float64]:
+    def weights(self) -> Floats:
         """Share of the seen area at each seen point, shape (k,)."""
         area = self.area[self.seen]
         return area / area.sum()
 
-    def shares(self) -> NDArray[np.float64]:
+    def shares(self) -> Floats:
         """Share of the seen time at each seen point, shape (k,)."""
         time = (self.density * self.area)[self.seen]
         return time / time.sum()
 
-    def of_seen(self, predicted: NDArray[np.floating]) -> NDArray[np.float64]:
+    def of_seen(self, predicted: NDArray[np.floating]) -> Floats:
         """Give the prediction at the seen points; `AttentionError` if it does not fit them."""
         if predicted.shape != self.density.shape or not np.isfinite(predicted).all():
             raise AttentionError(
@@ -124,15 +115,13 @@ def similarity(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
     return float(np.minimum(_predicted_shares(predicted, gazed), gazed.shares()).sum())
 
 
-def _predicted_shares(predicted: NDArray[np.floating], gazed: GazedSurface) -> NDArray[np.float64]:
+def _predicted_shares(predicted: NDArray[np.floating], gazed: GazedSurface) -> Floats:
     values = gazed.of_seen(predicted)
     shifted = (values - min(0.0, float(values.min()))) * gazed.weights()
     return shifted / shifted.sum() if shifted.sum() > 0 else gazed.weights()
 
 
-def _probability_above(
-    values: NDArray[np.float64], upper: NDArray[np.float64], lower: NDArray[np.float64]
-) -> float:
+def _probability_above(values: Floats, upper: Floats, lower: Floats) -> float:
     """Give the probability that a value drawn by `upper` exceeds one drawn by `lower`."""
     _, place = np.unique(values, return_inverse=True)
     above = np.bincount(place, upper)

@@ -19,18 +19,9 @@ from .registry import by_name
 class Term:
     """One thing that people's gaze depends on.
 
-    Attributes
-    ----------
-    name : str
-        What parameters and tables call it.
-    description : str
-        What it measures, in a few words.
-    source : str
-        Who found that people use it, or where the measure comes from.
-    plane : callable
-        Takes what a view shows of the surface; gives shape (n, n), float32, of about unit size.
-    kind : str
-        ``view``, ``place`` or ``shape``: what of the surface it depends on.
+    `source` says who found that people use it, or where the measure comes from. `plane` takes what
+    a view shows of the surface and gives (n, n), float32, of about unit size. `kind` is ``view``,
+    ``place`` or ``shape``: what of the surface it depends on.
     """
 
     name: str

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Booleans, Floats, Plane
 from .parameters import AttentionParameters
-from .pyramid import NOTHING_BEYOND, Plane, filled, reciprocal, reduce, to_working_size
+from .pyramid import NOTHING_BEYOND, filled, reciprocal, reduce, to_working_size
 from .term_registry import TERMS
 
 # A grid cell counts as seen if so much of it shows the object.
@@ -19,57 +19,29 @@ SMALLEST_LENGTH = 1e-9
 
 @dataclass(frozen=True)
 class SeenSurface:
-    """What a view shows of a surface, averaged over the object in each cell of the maps' grid.
+    """What a view shows of a surface, averaged over the object in each cell of the maps' grid, float32.
 
-    Attributes
-    ----------
-    point : numpy.ndarray
-        Shape (n, n, 3), float32: the frame of the view's points, y up and z to the front, the
-        object's middle at the origin and its farthest point at 1; zero off the object.
-    normal : numpy.ndarray
-        Shape (n, n, 3), float32: unit normals; zero off the object.
-    certainty : numpy.ndarray
-        Shape (n, n), float32: share of each cell that shows the object.
-    facing : numpy.ndarray
-        Shape (n, n), float32: cosine between the normal and the direction to the eye, 0 to 1.
-    sight : numpy.ndarray
-        Shape (3,), float32: unit vector from the eye to the middle of what is seen.
-    cell : float
-        Width of a cell, in the points' unit.
-    protrusions : dict of float to numpy.ndarray
-        What `protrusion` found, by its reach: two terms use each.
+    `point` (n, n, 3) is in the frame of the view's points, y up and z to the front, the object's
+    middle at the origin and its farthest point at 1; `normal` (n, n, 3) is unit; both are zero off
+    the object. `certainty` (n, n) is the share of each cell that shows the object, and `facing` (n,
+    n) the cosine, 0 to 1, between the normal and the direction to the eye. `sight` (3,) is the unit
+    vector from the eye to the middle of what is seen, `cell` a cell's width in the points' unit.
+    `protrusions` keeps what `protrusion` found, by its reach, as two terms use each.
     """
 
-    point: NDArray[np.float32]
-    normal: NDArray[np.float32]
+    point: Plane
+    normal: Plane
     certainty: Plane
     facing: Plane
-    sight: NDArray[np.float32]
+    sight: Plane
     cell: float
     protrusions: dict[float, Plane] = field(default_factory=dict, repr=False)
 
 
-def prepare_surface(
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    eye: NDArray[np.float64],
-) -> SeenSurface:
-    """Bring what a view shows of a surface to the maps' grid.
+def prepare_surface(mask: Booleans, point: Floats, normal: Floats, eye: Floats) -> SeenSurface:
+    """Bring what a view shows of a surface to the maps' grid, by normalised convolution as in `pyramid`.
 
-    Parameters
-    ----------
-    mask : numpy.ndarray
-        Shape (h, w), bool: where the object is.
-    point, normal : numpy.ndarray
-        Shape (h, w, 3), float64, as `attend` takes them.
-    eye : numpy.ndarray
-        Shape (3,), float64: where the eye is, in the points' frame.
-
-    Returns
-    -------
-    SeenSurface
-        Averages by normalised convolution, as in `pyramid`.
+    Takes what `attend` takes, for one view.
     """
     cover = mask.astype(np.float32)
     certainty = reduce(to_working_size(cover))
@@ -106,20 +78,9 @@ def weighted_terms(seen: SeenSurface, parameters: AttentionParameters) -> Plane:
 def exponential(total: Plane, seen: SeenSurface, parameters: AttentionParameters) -> Plane:
     """Give the saliency map of a log-linear model: the exponential of channels and terms together.
 
-    Parameters
-    ----------
-    total : numpy.ndarray
-        Shape (n, n), float32: the weighted sum of the conspicuity maps.
-    seen : SeenSurface
-        The view on the same grid.
-    parameters : AttentionParameters
-        The terms' weights.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, n), float32, its largest value on the object 1; off the object it goes on as on
-        its nearest parts, so that no step stands at the outline.
+    `total` (n, n) is the weighted sum of the conspicuity maps, on the grid of `seen`. The largest
+    value on the object is 1; off the object the map goes on as on its nearest parts, so that no
+    step stands at the outline.
     """
     exponent = total + weighted_terms(seen, parameters)
     largest = float(exponent[seen.certainty > 0].max(initial=-np.inf))
@@ -170,14 +131,12 @@ def visible_share(seen: SeenSurface, reach: float) -> Plane:
     return _smooth(seen.certainty, reach / 1.5 / seen.cell)
 
 
-def _smooth(planes: NDArray[np.float32], deviation: float) -> NDArray[np.float32]:
+def _smooth(planes: Plane, deviation: float) -> Plane:
     deviation = max(deviation, 0.5)
     return cv2.GaussianBlur(planes, (0, 0), deviation, borderType=NOTHING_BEYOND)
 
 
-def _cell_width(
-    points: NDArray[np.float32], seen: NDArray[np.bool_], sight: NDArray[np.float32]
-) -> float:
+def _cell_width(points: Plane, seen: Booleans, sight: Plane) -> float:
     """Measure the median distance, across the line of sight, of cells side by side."""
     both = seen[:, 1:] & seen[:, :-1]
     step = (points[:, 1:] - points[:, :-1])[both]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
@@ -24,23 +24,13 @@ FRUITLESS_BATCHES = 64
 
 @dataclass(frozen=True)
 class ProbingLocations:
-    """Points to touch, in order.
+    """Points (n, 3) to touch, in order, object frame, with unit normals (n, 3) and the face (n,) of each."""
 
-    Attributes
-    ----------
-    points : numpy.ndarray
-        Shape (n, 3), float64, object frame.
-    normals : numpy.ndarray
-        Shape (n, 3), float64: unit normals, by the winding of the face.
-    faces : numpy.ndarray
-        Shape (n,), int64: the face on which each point lies.
-    """
+    points: Floats
+    normals: Floats
+    faces: Integers
 
-    points: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    faces: NDArray[np.int64]
-
-    def take(self, places: NDArray[np.int64]) -> ProbingLocations:
+    def take(self, places: Integers) -> ProbingLocations:
         """Give some of the locations, in the order of their places."""
         return ProbingLocations(self.points[places], self.normals[places], self.faces[places])
 
@@ -61,7 +51,7 @@ def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -
     return ProbingLocations(points, surface.face_normals[faces], faces)
 
 
-def sees(caster: RayCaster, camera: Camera, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+def sees(caster: RayCaster, camera: Camera, points: Floats) -> Booleans:
     """Find which points of a surface, shape (n, 3), a camera sees: shape (n,), bool.
 
     They are within its view, a square about its axis, and not behind another part.

@@ -19,6 +19,7 @@ from visuohaptic.fixations.visual_effects import (
     seen_colours,
     seen_texture,
 )
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.curvature import SurfaceShape, shape_of
 from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
@@ -34,42 +35,26 @@ SHADOW_OFFSET = 1e-4
 
 @dataclass(frozen=True)
 class Views:
-    """What n cameras see, each over h rows and w columns.
+    """What n cameras see, each over h rows and w columns; lengths are in object radii.
 
-    Attributes
-    ----------
-    colour : numpy.ndarray
-        Shape (n, h, w, 3), float32: sRGB, 0 to 1.
-    mask : numpy.ndarray
-        Shape (n, h, w), bool: whether a pixel sees the surface.
-    depth : numpy.ndarray
-        Shape (n, h, w), float32: along the viewing axis from the camera's
-        plane, object radii; infinite on the background.
-    point : numpy.ndarray
-        Shape (n, h, w, 3), float64: seen point, object frame; zero on the background.
-    normal : numpy.ndarray
-        Shape (n, h, w, 3), float64: interpolated unit normal on the side of
-        the camera, object frame; zero on the background.
-    face : numpy.ndarray
-        Shape (n, h, w), int64: seen face; -1 on the background.
-    curvature : numpy.ndarray
-        Shape (n, h, w), float32: curvedness of the surface, at least 0, per
-        object radius; zero on the background.
-    lit : numpy.ndarray
-        Shape (n, h, w), bool: whether no cast shadow falls on the pixel; true where none is
-        simulated or needed.
-    effects : tuple of EffectRecord
-        Record of each visual effect; its touches are views.
+    `colour` (n, h, w, 3), float32, is sRGB, 0 to 1; `mask` (n, h, w) says whether a pixel sees the
+    surface. `depth` (n, h, w), float32, is along the viewing axis from the camera's plane, infinite
+    on the background. `point` and `normal` (n, h, w, 3), float64, are the seen point and the
+    interpolated unit normal on the side of the camera, object frame, zero on the background; `face`
+    (n, h, w), int64, is -1 there. `curvature` (n, h, w), float32, is the curvedness of the surface,
+    at least 0, zero on the background. `lit` (n, h, w) says whether no cast shadow falls on the
+    pixel; true where none is simulated or needed. In the records of `effects` a view counts as a
+    touch.
     """
 
     colour: NDArray[np.float32]
-    mask: NDArray[np.bool_]
+    mask: Booleans
     depth: NDArray[np.float32]
-    point: NDArray[np.float64]
-    normal: NDArray[np.float64]
-    face: NDArray[np.int64]
+    point: Floats
+    normal: Floats
+    face: Integers
     curvature: NDArray[np.float32]
-    lit: NDArray[np.bool_]
+    lit: Booleans
     effects: tuple[EffectRecord, ...]
 
     def __len__(self) -> int:
@@ -82,32 +67,13 @@ def render_views(
     parameters: RenderingParameters,
     modes: VisualModes | None = None,
 ) -> Views:
-    """Render a surface from several cameras.
+    """Render a surface from several cameras; each view depends on its own camera alone.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The surface, prepared for rays.
-    cameras : sequence of Camera
-        n cameras; each view depends on its own camera alone.
-    parameters : RenderingParameters
-        How to render.
-    modes : VisualModes, optional
-        When colour, texture, shading and cast shadows are simulated; by default as in a
-        scene where nothing is given.
-
-    Returns
-    -------
-    Views
-        n views of ``resolution`` rows and columns. Simulating an effect that is not needed
-        changes no bit of them.
-
-    Notes
-    -----
-    One ray goes through the centre of each pixel. The light is fixed to
-    the camera, so rotating the object is the same as rotating the camera.
-    A pixel that meets an image has the mean light of the part of the image that it covers, on
-    the plane of the face that its ray meets (`Texture.light`).
+    One ray goes through the centre of each pixel. The light is fixed to the camera, so rotating the
+    object is the same as rotating the camera. A pixel that meets an image has the mean light of the
+    part of the image that it covers, on the plane of the face that its ray meets (`Texture.light`).
+    The modes are by default those of a scene where nothing is given; simulating an effect that is
+    not needed changes no bit.
     """
     return colour_views(
         caster, cameras, meet_surface(caster, cameras, parameters), parameters, modes
@@ -122,13 +88,13 @@ class Met:
     their barycentric `weights` and `normals` (p, 3), float64.
     """
 
-    pixels: NDArray[np.int64]
-    directions: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    points: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    curvature: NDArray[np.float64]
+    pixels: Integers
+    directions: Floats
+    faces: Integers
+    points: Floats
+    weights: Floats
+    normals: Floats
+    curvature: Floats
 
 
 def meet_surface(
@@ -173,21 +139,8 @@ def colour_views(
     return Views(**views, effects=log.records(len(cameras)))
 
 
-def light_direction(camera: Camera, parameters: RenderingParameters) -> NDArray[np.float64]:
-    """Give the unit vector towards the light, which is infinitely far.
-
-    Parameters
-    ----------
-    camera : Camera
-        The camera that the light is fixed to.
-    parameters : RenderingParameters
-        Direction of the light.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (3,), object frame.
-    """
+def light_direction(camera: Camera, parameters: RenderingParameters) -> Floats:
+    """Give the unit vector (3,), object frame, towards the light of a camera, which is infinitely far."""
     angles = [parameters.light_azimuth_degrees, parameters.light_elevation_degrees]
     (aside, rise), (ahead, level) = sin_cos(np.radians(angles))
     right, up, back = camera.axes
@@ -245,7 +198,7 @@ def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArra
 def _seen_surface(
     caster: RayCaster,
     met: Met,
-    face_colours: NDArray[np.float64],
+    face_colours: Floats,
     texture: Texture | None,
     camera: Camera,
     parameters: RenderingParameters,
@@ -282,12 +235,8 @@ def _seen_surface(
 
 
 def _normals_towards(
-    shape: SurfaceShape,
-    caster: RayCaster,
-    faces: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    directions: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    shape: SurfaceShape, caster: RayCaster, faces: Integers, weights: Floats, directions: Floats
+) -> Floats:
     flat = caster.surface.face_normals.take(faces, axis=0)
     away = np.where(np.einsum("nd,nd->n", flat, directions) > 0.0, -1.0, 1.0)[:, None]
     normals = away * shape.normals(faces, weights)
@@ -298,11 +247,8 @@ def _normals_towards(
 
 
 def _weight_steps(
-    caster: RayCaster,
-    faces: NDArray[np.int64],
-    directions: NDArray[np.float64],
-    sides: tuple[NDArray[np.float64], NDArray[np.float64]],
-) -> NDArray[np.float64]:
+    caster: RayCaster, faces: Integers, directions: Floats, sides: tuple[Floats, Floats]
+) -> Floats:
     """Give how the second and third weight change along both sides of a pixel, shape (n, 2, 2)."""
     # The pixel's sides at the depth of the face are carried along the ray on to the face's plane.
     normals = caster.surface.face_crosses.take(faces, axis=0)
@@ -318,12 +264,7 @@ def _weight_steps(
     return steps
 
 
-def _lit(
-    caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    light: NDArray[np.float64],
-) -> NDArray[np.bool_]:
+def _lit(caster: RayCaster, points: Floats, normals: Floats, light: Floats) -> Booleans:
     towards = np.einsum("nd,d->n", normals, light) > 0.0
     origins = points[towards] + SHADOW_OFFSET * normals[towards]
     blocked = caster.first_hits(origins, np.broadcast_to(light, origins.shape)).hit
@@ -333,11 +274,7 @@ def _lit(
 
 
 def _shade(
-    colours: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    lit: NDArray[np.bool_],
-    light: NDArray[np.float64],
-    ambient: float,
-) -> NDArray[np.float64]:
+    colours: Floats, normals: Floats, lit: Booleans, light: Floats, ambient: float
+) -> Floats:
     lambert = np.maximum(np.einsum("nd,d->n", normals, light), 0.0) * lit
     return dim_srgb(colours, ambient + (1.0 - ambient) * lambert)

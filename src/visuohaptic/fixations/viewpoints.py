@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.fixations.parameters import ViewpointParameters
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.elementary import sin_cos, tangent
 
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
@@ -17,22 +17,12 @@ GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 
 @dataclass(frozen=True)
 class Camera:
-    """One viewpoint: an eye that looks at the origin of the object frame.
+    """One viewpoint: an eye that looks at the origin of the object frame from a distance in object radii.
 
-    Attributes
-    ----------
-    azimuth_degrees : float
-        Around the vertical axis, from +z towards +x.
-    elevation_degrees : float
-        Above the horizontal plane, -90 to 90.
-    distance : float
-        From the origin to the eye, object radii.
-    field_of_view_degrees : float
-        Angle between the view's top and bottom edge.
-    projection : str
-        ``perspective`` or ``orthographic``.
-    roll_degrees : float
-        Turn about the viewing axis, counter-clockwise as the camera sees itself turn.
+    The azimuth is around the vertical axis, from +z towards +x; the elevation above the horizontal
+    plane, -90 to 90; the field of view the angle between the view's top and bottom edge; the roll a
+    turn about the viewing axis, counter-clockwise as the camera sees itself turn. `projection` is
+    ``perspective`` or ``orthographic``.
     """
 
     azimuth_degrees: float
@@ -43,7 +33,7 @@ class Camera:
     roll_degrees: float = 0.0
 
     @cached_property
-    def axes(self) -> NDArray[np.float64]:
+    def axes(self) -> Floats:
         """Unit vectors right, up and back (towards the eye), rows of a rotation, shape (3, 3).
 
         They follow from the angles without a cross product, so a camera
@@ -57,7 +47,7 @@ class Camera:
         return np.stack([upright * right + turn * up, upright * up - turn * right, back])
 
     @cached_property
-    def eye(self) -> NDArray[np.float64]:
+    def eye(self) -> Floats:
         """Centre of the camera in the object frame, shape (3,)."""
         return self.distance * self.axes[2]
 
@@ -66,22 +56,11 @@ class Camera:
         """Height of the view in the plane through the object's centre, object radii."""
         return 2.0 * self.distance * self._half_height
 
-    def window(self, points: NDArray[np.float64], resolution: int) -> NDArray[np.int64]:
-        """List the pixels of the least upright rectangle that shows all of some points.
+    def window(self, points: Floats, resolution: int) -> Integers:
+        """List the pixels (m,), int64, of the least upright rectangle that shows all of some points (k, 3).
 
-        Parameters
-        ----------
-        points : numpy.ndarray
-            Shape (k, 3), float64, object frame.
-        resolution : int
-            Pixels along each edge of the view, n.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (m,), int64: pixels, counted row by row from the view's upper left. Only they can
-            see a surface whose corners are the points. All n·n where a point is not in front of
-            the camera.
+        They are counted row by row from the view's upper left. Only they can see a surface whose
+        corners are the points. All pixels where a point is not in front of the camera.
         """
         right, up, back = np.einsum("nd,kd->kn", points, self.axes)
         depth = np.full_like(back, self.distance)
@@ -93,23 +72,11 @@ class Camera:
         rows = _pixels_between(-up / depth, self._steps(resolution))
         return (resolution * rows[:, None] + columns).reshape(-1)
 
-    def rays(
-        self, resolution: int, pixels: NDArray[np.int64] | None = None
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Give the rays through the centres of pixels of a square view.
+    def rays(self, resolution: int, pixels: Integers | None = None) -> tuple[Floats, Floats]:
+        """Give origins and directions (m, 3) of the rays through the centres of pixels (m,), by default of all.
 
-        Parameters
-        ----------
-        resolution : int
-            Pixels along each edge, n.
-        pixels : numpy.ndarray, optional
-            Shape (m,), int64, counted row by row from the view's upper left; by default all n·n.
-
-        Returns
-        -------
-        origins, directions : numpy.ndarray
-            Shape (m, 3) each, in the object frame. An optical-axis component of a direction has
-            length 1, so the distance along a ray is the depth along the viewing axis.
+        Pixels are counted as `window` does, over a square view. A direction's component along the
+        optical axis has length 1, so the distance along a ray is the depth along the viewing axis.
         """
         right, up, back = self.axes
         steps = self._steps(resolution)
@@ -121,9 +88,7 @@ class Camera:
             return self.eye + self.distance * plane, np.broadcast_to(-back, plane.shape)
         return np.broadcast_to(self.eye, plane.shape), plane - back
 
-    def pixel_sides(
-        self, resolution: int, depths: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def pixel_sides(self, resolution: int, depths: Floats) -> tuple[Floats, Floats]:
         """Give a pixel's sides to the right and up where it is at some depths, shape (n, 3) each."""
         size = self.view_height / (self.distance * resolution)
         if self.projection == "orthographic":
@@ -131,7 +96,7 @@ class Camera:
         right, up, _ = self.axes
         return np.outer(size * depths, right), np.outer(size * depths, up)
 
-    def _steps(self, resolution: int) -> NDArray[np.float64]:
+    def _steps(self, resolution: int) -> Floats:
         """Give the pixels' places along an edge, in the plane at depth 1."""
         steps = np.arange(resolution, dtype=np.float64) - 0.5 * (resolution - 1)
         return steps * (2.0 * self._half_height / resolution)
@@ -145,22 +110,9 @@ class Camera:
 def place_cameras(parameters: ViewpointParameters) -> list[Camera]:
     """Place every camera of an arrangement.
 
-    Parameters
-    ----------
-    parameters : ViewpointParameters
-        The arrangement; rings follow each other in the order of their
-        elevations, each from its first azimuth on; the Fibonacci sphere runs
-        from top to bottom.
-
-    Returns
-    -------
-    list of Camera
-        In an order that depends on the parameters alone.
-
-    Notes
-    -----
-    The Fibonacci sphere takes heights at the middle of equal slices and turns by
-    the golden angle (Swinbank & Purser 2006, Q. J. R. Meteorol. Soc. 132).
+    Rings follow each other in the order of their elevations, each from its first azimuth on. The
+    Fibonacci sphere runs from top to bottom: heights at the middle of equal slices, turned by the
+    golden angle (Swinbank & Purser 2006, Q. J. R. Meteorol. Soc. 132).
     """
     if parameters.arrangement == "fibonacci":
         angles = _fibonacci_angles(parameters.count)
@@ -193,7 +145,7 @@ def _fibonacci_angles(count: int) -> list[tuple[float, float]]:
     ]
 
 
-def _pixels_between(places: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.int64]:
+def _pixels_between(places: Floats, steps: Floats) -> Integers:
     """List the pixels along an edge that lie among some places, and one more at either end."""
     if not len(places):
         return np.arange(0)

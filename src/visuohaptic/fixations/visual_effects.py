@@ -8,25 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RegistryError
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, Mode, VisualModes
 
 
 @dataclass(frozen=True)
 class VisualPlan:
-    """Whether a visual effect is simulated, and why or why not.
-
-    Attributes
-    ----------
-    effect : str
-        Its name among the effect modes.
-    mode : {"auto", "always", "never"}
-        When it may be simulated.
-    needed, simulated : bool
-        Whether the object or the light needs it, and whether it is simulated.
-    reason : str
-        Why it is needed, or why not.
-    """
+    """Whether a visual effect is needed by the object or the light and is simulated, and why or why not."""
 
     effect: str
     mode: Mode
@@ -38,27 +27,10 @@ class VisualPlan:
 def plan_visual(
     modes: VisualModes, colours: NDArray[np.uint8], ambient: float
 ) -> tuple[VisualPlan, ...]:
-    """Decide which visual effects the views of an object need.
+    """Decide which of `VISUAL_EFFECTS` the views of an object need; to simulate another one changes no view.
 
-    Parameters
-    ----------
-    modes : VisualModes
-        When each effect may be simulated.
-    colours : numpy.ndarray
-        Shape (n, 3), uint8, sRGB: those of all faces and images.
-    ambient : float
-        Share of light that comes evenly from everywhere, 0 to 1.
-
-    Returns
-    -------
-    tuple of VisualPlan
-        One for each of `VISUAL_EFFECTS`. Simulating an effect that is not needed changes no
-        view.
-
-    Raises
-    ------
-    RegistryError
-        If an effect is declared and has no plan.
+    `colours` (n, 3), uint8, are those of all faces and images. Raises `RegistryError` if an effect
+    is declared and has no plan.
     """
     coloured = bool((colours != colours[:, :1]).any())
     patterned = bool((colours != colours[:1]).any())
@@ -91,26 +63,12 @@ def plan_visual(
 
 
 def seen_colours(
-    face_colours: NDArray[np.uint8], face_areas: NDArray[np.float64], modes: VisualModes
+    face_colours: NDArray[np.uint8], face_areas: Floats, modes: VisualModes
 ) -> NDArray[np.uint8]:
-    """Give the faces' colours without the effects that are never simulated.
+    """Give the faces' colours (f, 3), uint8, without the effects that are never simulated.
 
-    Without texture all faces have the mean colour by area; without colour each face
-    has the grey of its luma (ITU-R BT.601).
-
-    Parameters
-    ----------
-    face_colours : numpy.ndarray
-        Shape (f, 3), uint8, sRGB.
-    face_areas : numpy.ndarray
-        Shape (f,), float64, any unit.
-    modes : VisualModes
-        When each effect may be simulated.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3), uint8.
+    Without texture all faces have the mean colour by area; without colour each face has the grey of
+    its luma (ITU-R BT.601).
     """
     if "never" not in (modes.texture, modes.colour):
         return face_colours
@@ -133,7 +91,7 @@ def seen_texture(texture: Texture, modes: VisualModes) -> Texture:
     return replace(texture, images=images)
 
 
-def _greys(colours: NDArray[np.float64]) -> NDArray[np.float64]:
+def _greys(colours: Floats) -> Floats:
     luma = np.einsum("...c,c->...", colours, np.array([0.299, 0.587, 0.114]))
     return np.repeat(luma[..., None], 3, axis=-1)
 

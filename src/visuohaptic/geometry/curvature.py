@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.elementary import arc_tangent
 from visuohaptic.geometry.surface import Surface
 
@@ -27,51 +27,33 @@ SMALLEST_CROSS = 1e-12
 class FaceAdjacency:
     """Pairs of faces that share an edge.
 
-    Attributes
-    ----------
-    faces : numpy.ndarray
-        Shape (e, 2), int64: the two faces.
-    edges : numpy.ndarray
-        Shape (e, 2), int64: number of the shared edge within each face, 0 to 2;
-        edge k runs from corner k to corner k + 1.
-    aligned : numpy.ndarray
-        Shape (e,), bool: the two faces are wound alike, as they run along the
-        edge in opposite directions.
+    `faces` (e, 2), int64, are the two faces, and `edges` (e, 2), int64, the number of the shared
+    edge within each, 0 to 2; edge k runs from corner k to corner k + 1. `aligned` (e,) says whether
+    the two are wound alike, as they run along the edge in opposite directions.
     """
 
-    faces: NDArray[np.int64]
-    edges: NDArray[np.int64]
-    aligned: NDArray[np.bool_]
+    faces: Integers
+    edges: Integers
+    aligned: Booleans
 
 
 @dataclass(frozen=True)
 class SurfaceShape:
-    """Normals and curvature of a surface, ready to be looked up at any point of it.
+    """Normals and curvature of a surface, ready to be looked up at any point of it; float64.
 
-    Attributes
-    ----------
-    corner_normals : numpy.ndarray
-        Shape (f, 3, 3), float64: unit normal at each face's three corners, on
-        the side that the face's winding gives.
-    corner_curvature : numpy.ndarray
-        Shape (f, 3), float64: curvedness of the smooth surface at each corner,
-        per object radius.
-    crease_angles : numpy.ndarray
-        Shape (f, 3), float64: angle of the fold along each edge, radians; zero
-        where the surface is smooth or ends.
-    crease_scales : numpy.ndarray
-        Shape (f, 3), float64: density of a fold's curvature on its own edge.
-    heights : numpy.ndarray
-        Shape (f, 3), float64: distance of each edge from the corner across.
-    crease_width : float
-        How far a fold's curvature reaches to either side, object radii.
+    `corner_normals` (f, 3, 3) are unit, on the side that the face's winding gives.
+    `corner_curvature` (f, 3) is the curvedness of the smooth surface at each corner, per object
+    radius. `crease_angles` (f, 3) are the folds along each edge, radians, zero where the surface is
+    smooth or ends, and `crease_scales` (f, 3) the density of a fold's curvature on its own edge.
+    `heights` (f, 3) are the distances of each edge from the corner across, and `crease_width` is
+    how far a fold's curvature reaches to either side, object radii.
     """
 
-    corner_normals: NDArray[np.float64]
-    corner_curvature: NDArray[np.float64]
-    crease_angles: NDArray[np.float64]
-    crease_scales: NDArray[np.float64]
-    heights: NDArray[np.float64]
+    corner_normals: Floats
+    corner_curvature: Floats
+    crease_angles: Floats
+    crease_scales: Floats
+    heights: Floats
     crease_width: float
 
     @property
@@ -83,42 +65,15 @@ class SurfaceShape:
         """
         return 3.0 / self.crease_width
 
-    def normals(
-        self, faces: NDArray[np.int64], weights: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Interpolate the unit normal at points of the surface.
-
-        Parameters
-        ----------
-        faces : numpy.ndarray
-            Shape (n,), the face of each point.
-        weights : numpy.ndarray
-            Shape (n, 3), barycentric weights of the face's corners.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n, 3), on the side of each face's winding.
-        """
+    def normals(self, faces: Integers, weights: Floats) -> Floats:
+        """Interpolate unit normals (n, 3), on the side of each face's winding, by barycentric weights (n, 3)."""
         blend = np.einsum("nk,nkd->nd", weights, self.corner_normals.take(faces, axis=0))
         return unit_vectors(blend)
 
-    def curvature(
-        self, faces: NDArray[np.int64], weights: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Give the curvedness at points of the surface, folds included.
+    def curvature(self, faces: Integers, weights: Floats) -> Floats:
+        """Give the curvedness (n,), folds included, at barycentric weights (n, 3) of faces (n,).
 
-        Parameters
-        ----------
-        faces : numpy.ndarray
-            Shape (n,), the face of each point.
-        weights : numpy.ndarray
-            Shape (n, 3), barycentric weights of the face's corners.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n,), at least 0, per object radius: 1/R on a sphere of radius R.
+        It is at least 0, per object radius: 1/R on a sphere of radius R.
         """
         smooth = np.einsum("nk,nk->n", weights, self.corner_curvature.take(faces, axis=0))
         # The corner across edge k is k + 2, and its weight is the distance from the edge
@@ -146,21 +101,9 @@ def measure_shape(
 ) -> SurfaceShape:
     """Measure the normals and the curvature of a surface.
 
-    Parameters
-    ----------
-    surface : Surface
-        Any triangle surface: open sheets, loose parts, mixed windings and edges
-        of more than two faces are allowed. Vertices at the same place are taken
-        as one.
-    crease_angle_degrees : float
-        Faces whose normals differ by more than this are folded, not curved.
-    crease_width : float
-        How far the curvature of a fold is spread to either side, object radii.
-
-    Returns
-    -------
-    SurfaceShape
-        Normals and curvature; a free edge has no curvature across it.
+    Open sheets, loose parts, mixed windings and edges of more than two faces are allowed; a free
+    edge has no curvature across it. Vertices at the same place are taken as one. Faces whose
+    normals differ by more than the crease angle are folded, not curved.
     """
     faces = weld_vertices(surface)
     normals = unit_vectors(surface.face_crosses)
@@ -185,18 +128,10 @@ def measure_shape(
     )
 
 
-def weld_vertices(surface: Surface) -> NDArray[np.int64]:
-    """Give each face's corners numbers by place, so that equal vertices are one.
+def weld_vertices(surface: Surface) -> Integers:
+    """Give each face's corners (f, 3) numbers by place, so that equal vertices are one.
 
-    Parameters
-    ----------
-    surface : Surface
-        The surface; places are compared in float32, as meshes are stored.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3), int64.
+    Places are compared in float32, as meshes are stored.
     """
     # Adding zero makes one of the two signs of zero.
     places = np.ascontiguousarray(surface.vertices, dtype=np.float32) + np.float32(0.0)
@@ -205,18 +140,10 @@ def weld_vertices(surface: Surface) -> NDArray[np.int64]:
     return index.reshape(-1)[surface.faces].astype(np.int64)
 
 
-def face_adjacency(faces: NDArray[np.int64]) -> FaceAdjacency:
-    """Find the pairs of faces that share an edge.
+def face_adjacency(faces: Integers) -> FaceAdjacency:
+    """Find the pairs of faces that share an edge, from welded vertex numbers (f, 3).
 
-    Parameters
-    ----------
-    faces : numpy.ndarray
-        Shape (f, 3), welded vertex numbers.
-
-    Returns
-    -------
-    FaceAdjacency
-        An edge of m faces gives m - 1 pairs; edges without length give none.
+    An edge of m faces gives m - 1 pairs; edges without length give none.
     """
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
     low, high = np.minimum(start, end), np.maximum(start, end)
@@ -231,55 +158,29 @@ def face_adjacency(faces: NDArray[np.int64]) -> FaceAdjacency:
     )
 
 
-def consistent_sides(count: int, adjacency: FaceAdjacency) -> NDArray[np.float64]:
-    """Find which faces to flip so that neighbours have the same winding.
+def consistent_sides(count: int, adjacency: FaceAdjacency) -> Floats:
+    """Find which of `count` faces to flip (-1) so that neighbours have the same winding; 1 is to keep.
 
-    Every face gets two nodes, one for each side; neighbours link equal sides
-    where they are wound alike and opposite sides where they are not. A part
-    whose two sides fall apart is orientable, and all its faces take one side.
-
-    Parameters
-    ----------
-    count : int
-        Number of faces.
-    adjacency : FaceAdjacency
-        Pairs of faces that share an edge.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (count,): 1 to keep, -1 to turn over; the first face of each part
-        is kept, and so is every face of a one-sided part.
+    Every face gets two nodes, one for each side; neighbours link equal sides where they are wound
+    alike and opposite sides where they are not. A part whose two sides fall apart is orientable,
+    and all its faces take one side. The first face of each part is kept, and so is every face of a
+    one-sided part.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     first, second = adjacency.faces.T
     across = np.where(adjacency.aligned, 0, count)
     rows = np.concatenate([first, first + count])
     columns = np.concatenate([second + across, second + count - across])
-    graph = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * count, 2 * count))
-    labels = connected_components(graph, directed=False)[1]
+    labels = _components(rows, columns, 2 * count)
     front, back = labels[:count], labels[count:]
     first_face = np.full(labels.max(initial=-1) + 1, 2 * count)
     np.minimum.at(first_face, labels, np.arange(2 * count))
     return np.where(first_face[front] <= first_face[back], 1.0, -1.0)
 
 
-def fold_angles(normals: NDArray[np.float64], adjacency: FaceAdjacency) -> NDArray[np.float64]:
-    """Give the angle by which the surface turns along each shared edge.
+def fold_angles(normals: Floats, adjacency: FaceAdjacency) -> Floats:
+    """Give the angle (e,) by which the surface turns along each shared edge, from unit normals (f, 3).
 
-    Parameters
-    ----------
-    normals : numpy.ndarray
-        Shape (f, 3), unit normals by winding; zero for a face without area.
-    adjacency : FaceAdjacency
-        Pairs of faces, e of them.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (e,), radians, 0 (flat) to pi (folded back); 0 beside a face without area.
+    Radians, 0 (flat) to pi (folded back); 0 beside a face without area, whose normal is zero.
     """
     first, second = normals[adjacency.faces[:, 0]], normals[adjacency.faces[:, 1]]
     second = np.where(adjacency.aligned[:, None], second, -second)
@@ -287,28 +188,12 @@ def fold_angles(normals: NDArray[np.float64], adjacency: FaceAdjacency) -> NDArr
     return arc_tangent(sine, np.einsum("nd,nd->n", first, second))
 
 
-def corner_groups(
-    faces: NDArray[np.int64], adjacency: FaceAdjacency, smooth: NDArray[np.bool_]
-) -> NDArray[np.int64]:
-    """Join the corners around each vertex that no fold parts.
+def corner_groups(faces: Integers, adjacency: FaceAdjacency, smooth: Booleans) -> Integers:
+    """Join the corners around each vertex that no fold parts: the number (f, 3), int64, of each corner's group.
 
-    Parameters
-    ----------
-    faces : numpy.ndarray
-        Shape (f, 3), welded vertex numbers.
-    adjacency : FaceAdjacency
-        Pairs of faces, e of them.
-    smooth : numpy.ndarray
-        Shape (e,), whether the surface runs on smoothly across the pair.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3), int64: number of the group of each corner, from 0.
+    `faces` (f, 3) are welded vertex numbers, and `smooth` (e,) says whether the surface runs on
+    smoothly across each pair.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     face_pairs, edge_pairs = adjacency.faces[smooth], adjacency.edges[smooth]
     starts = 3 * face_pairs + edge_pairs
     ends = 3 * face_pairs + (edge_pairs + 1) % 3
@@ -321,32 +206,24 @@ def corner_groups(
             np.where(opposite, starts[:, 1], ends[:, 1]),
         ]
     )
-    graph = coo_array(
-        (np.ones(len(rows), np.int8), (rows, columns)), shape=(faces.size, faces.size)
-    )
-    return connected_components(graph, directed=False)[1].reshape(-1, 3).astype(np.int64)
+    return _components(rows, columns, faces.size).reshape(-1, 3).astype(np.int64)
 
 
-def smooth_normals(
-    surface: Surface, signs: NDArray[np.float64], groups: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Average face normals over each corner group, weighted by angle.
+def _components(starts: Integers, ends: Integers, count: int) -> Integers:
+    """Give the number of each node's part, (count,), in a graph of links from starts to ends."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
 
-    Parameters
-    ----------
-    surface : Surface
-        The surface, f faces.
-    signs : numpy.ndarray
-        Shape (f,), -1 for faces wound against their part.
-    groups : numpy.ndarray
-        Shape (f, 3), the group of each corner.
+    graph = coo_array((np.ones(len(starts), np.int8), (starts, ends)), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
 
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3, 3), unit normals by each face's own winding (Thürmer &
-        Wüthrich 1998 for the weighting, which no triangulation of a flat corner
-        changes). The face's own normal stands in where the average vanishes.
+
+def smooth_normals(surface: Surface, signs: Floats, groups: Integers) -> Floats:
+    """Average face normals over each corner group, weighted by angle: (f, 3, 3), by each face's winding.
+
+    No triangulation of a flat corner changes the weighting (Thürmer & Wüthrich 1998). `signs` (f,)
+    are -1 for faces wound against their part. The face's own normal stands in where the average
+    vanishes.
     """
     face_normals = unit_vectors(surface.face_crosses)
     turned = (signs[:, None] * face_normals)[:, None, :] * _corner_angles(surface)[:, :, None]
@@ -361,33 +238,14 @@ def smooth_normals(
 
 
 def smooth_curvature(
-    surface: Surface,
-    corner_normals: NDArray[np.float64],
-    groups: NDArray[np.int64],
-    largest: float,
-) -> NDArray[np.float64]:
-    """Give the curvedness of the smooth surface at each corner.
+    surface: Surface, corner_normals: Floats, groups: Integers, largest: float
+) -> Floats:
+    """Give the curvedness (f, 3) of the smooth surface at each corner, 0 to `largest`, per object radius.
 
-    Each face's shape operator is the derivative of its interpolated normal
-    (Rusinkiewicz 2004, "Estimating curvatures and their derivatives on triangle
-    meshes"); its curvedness is the root mean square of the principal curvatures
-    (Koenderink & van Doorn 1992), averaged over each corner group by area.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface, f faces.
-    corner_normals : numpy.ndarray
-        Shape (f, 3, 3), unit normals at the corners.
-    groups : numpy.ndarray
-        Shape (f, 3), the group of each corner.
-    largest : float
-        Curvature to stop at, per object radius; a sliver's may be any number.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3), float64, 0 to `largest`.
+    Each face's shape operator is the derivative of its interpolated normal (Rusinkiewicz 2004,
+    "Estimating curvatures and their derivatives on triangle meshes"); its curvedness is the root
+    mean square of the principal curvatures (Koenderink & van Doorn 1992), averaged over each corner
+    group by area. It stops at `largest`, as a sliver's may be any number.
     """
     crosses = surface.face_crosses
     double_area = _lengths(crosses)
@@ -422,7 +280,7 @@ def smooth_curvature(
     return np.divide(total, mass, out=np.zeros_like(total), where=mass > 0)[groups]
 
 
-def _divide(turns: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.float64]:
+def _divide(turns: Floats, steps: Floats) -> Floats:
     """Give the 2 x 2 matrices that take `steps` to `turns`; LAPACK's depend on the processor."""
     first, second, third, fourth = np.moveaxis(steps.reshape(-1, 4), 1, 0)
     inverse = np.stack([fourth, -second, -third, first], axis=1).reshape(-1, 2, 2)
@@ -430,40 +288,27 @@ def _divide(turns: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[n
     return np.einsum("fab,fbc->fac", turns, inverse) / determinant[:, None, None]
 
 
-def unit_vectors(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Scale vectors to length 1.
-
-    Parameters
-    ----------
-    vectors : numpy.ndarray
-        Shape (..., d).
-
-    Returns
-    -------
-    numpy.ndarray
-        The same shape; a vector shorter than rounding stays zero.
-    """
+def unit_vectors(vectors: Floats) -> Floats:
+    """Scale vectors along the last axis to length 1; one shorter than rounding becomes zero."""
     lengths = _lengths(vectors)[..., None]
     # What is divided by infinity is zero.
     return vectors / np.where(lengths > SMALLEST_CROSS, lengths, np.inf)
 
 
-def _lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _lengths(vectors: Floats) -> Floats:
     """Give the lengths along the last axis; summed one by one, which is faster for so few."""
-    squares: NDArray[np.float64] = sum(part * part for part in np.moveaxis(vectors, -1, 0))
+    squares: Floats = sum(part * part for part in np.moveaxis(vectors, -1, 0))
     return np.sqrt(squares)
 
 
-def _heights_and_lengths(
-    surface: Surface,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _heights_and_lengths(surface: Surface) -> tuple[Floats, Floats]:
     corners = surface.triangles
     lengths = _lengths(np.roll(corners, -1, axis=1) - corners)
     double_area = _lengths(surface.face_crosses)[:, None]
     return np.divide(double_area, lengths, out=np.zeros_like(lengths), where=lengths > 0), lengths
 
 
-def _corner_angles(surface: Surface) -> NDArray[np.float64]:
+def _corner_angles(surface: Surface) -> Floats:
     corners = surface.triangles
     onward = np.roll(corners, -1, axis=1) - corners
     backward = np.roll(corners, 1, axis=1) - corners
@@ -471,9 +316,7 @@ def _corner_angles(surface: Surface) -> NDArray[np.float64]:
     return arc_tangent(sine, np.einsum("fkd,fkd->fk", onward, backward))
 
 
-def _crease_scales(
-    angles: NDArray[np.float64], heights: NDArray[np.float64], width: float
-) -> NDArray[np.float64]:
+def _crease_scales(angles: Floats, heights: Floats, width: float) -> Floats:
     # Half of the fold's mean curvature, angle / 2 for each unit of its length, belongs to
     # either face. The tent max(1 - d / width, 0) over a triangle that narrows from its edge
     # integrates to `share` for each unit of length, so the whole half lies on the face

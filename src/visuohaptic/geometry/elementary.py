@@ -11,7 +11,9 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from visuohaptic.geometry.arrays import Floats
 
 # Two parts of pi / 2 and of ln 2: the first has so few digits that its multiples are exact.
 _QUARTER_TURN = (1.5707963267341256, 6.077100506506192e-11)
@@ -25,19 +27,8 @@ _LOGARITHM = [2.0 / (2 * k + 1) for k in range(12)]
 _BLOCK = 1 << 13
 
 
-def sin_cos(angles: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Give the sine and the cosine of angles.
-
-    Parameters
-    ----------
-    angles : array_like
-        Radians, of any shape; absolute values up to 1e5.
-
-    Returns
-    -------
-    sine, cosine : numpy.ndarray
-        The same shape, float64.
-    """
+def sin_cos(angles: ArrayLike) -> tuple[Floats, Floats]:
+    """Give the sine and the cosine of angles of any shape, radians, of absolute values up to 1e5."""
     turned = np.asarray(angles, dtype=np.float64)
     quarters = np.rint(turned / (0.5 * math.pi))
     rest = turned - quarters * _QUARTER_TURN[0] - quarters * _QUARTER_TURN[1]
@@ -58,23 +49,15 @@ def tangent(angle: float) -> float:
     return float(sine / cosine)
 
 
-def arc_tangent(across: ArrayLike, along: ArrayLike) -> NDArray[np.float64]:
-    """Give the angle of points of a half plane from its axis.
+def arc_tangent(across: ArrayLike, along: ArrayLike) -> Floats:
+    """Give the angle of points of a half plane from its axis: radians, 0 to pi, and 0 at the origin.
 
-    Parameters
-    ----------
-    across, along : array_like
-        Coordinates, of shapes that broadcast; `across` at least 0.
-
-    Returns
-    -------
-    numpy.ndarray
-        Radians, 0 to pi, float64; 0 at the origin.
+    The shapes of the coordinates broadcast, and `across` is at least 0.
     """
     return _by_blocks(_arc_tangent, across, along)
 
 
-def exponential(values: ArrayLike) -> NDArray[np.float64]:
+def exponential(values: ArrayLike) -> Floats:
     """Give e to the power of values, -700 to 700, of any shape."""
     power = np.asarray(values, dtype=np.float64)
     doublings = np.rint(power / _LN_2[0])
@@ -82,7 +65,7 @@ def exponential(values: ArrayLike) -> NDArray[np.float64]:
     return np.ldexp(_series(_EXPONENTIAL, rest), doublings.astype(np.int64))
 
 
-def logarithm(values: ArrayLike) -> NDArray[np.float64]:
+def logarithm(values: ArrayLike) -> Floats:
     """Give the natural logarithm of positive values of any shape."""
     fraction, doublings = np.frexp(np.asarray(values, dtype=np.float64))
     small = fraction < math.sqrt(0.5)
@@ -93,14 +76,12 @@ def logarithm(values: ArrayLike) -> NDArray[np.float64]:
     return doublings * _LN_2[0] + (tail + doublings * _LN_2[1])
 
 
-def power(values: ArrayLike, exponent: float) -> NDArray[np.float64]:
+def power(values: ArrayLike, exponent: float) -> Floats:
     """Raise values of at least 0, of any shape, to a positive exponent."""
     return _by_blocks(lambda base: _power(base, exponent), values)
 
 
-def _by_blocks(
-    function: Callable[..., NDArray[np.float64]], *values: ArrayLike
-) -> NDArray[np.float64]:
+def _by_blocks(function: Callable[..., Floats], *values: ArrayLike) -> Floats:
     """Apply a function value by value, so many at a time that its arrays stay within the cache."""
     arrays = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in values))
     flat = [array.reshape(-1) for array in arrays]
@@ -111,13 +92,13 @@ def _by_blocks(
     return result.reshape(arrays[0].shape)
 
 
-def _power(base: NDArray[np.float64], exponent: float) -> NDArray[np.float64]:
+def _power(base: Floats, exponent: float) -> Floats:
     positive = base > 0.0
     raised = exponential(exponent * logarithm(np.where(positive, base, 1.0)))
     return np.where(positive, raised, 0.0)
 
 
-def _arc_tangent(across: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
+def _arc_tangent(across: Floats, along: Floats) -> Floats:
     width = np.abs(along)
     longer = np.maximum(across, width)
     longer[longer == 0.0] = 1.0
@@ -133,7 +114,7 @@ def _arc_tangent(across: NDArray[np.float64], along: NDArray[np.float64]) -> NDA
     return angle
 
 
-def _series(coefficients: Sequence[float], values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _series(coefficients: Sequence[float], values: Floats) -> Floats:
     """Sum a power series by Horner's rule."""
     total = np.full_like(values, coefficients[-1])
     for coefficient in reversed(coefficients[:-1]):

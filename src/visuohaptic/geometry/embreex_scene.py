@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.vectors import dot
 
 if TYPE_CHECKING:
-    from visuohaptic.geometry.scenes import Crossings, Faces, FirstFaces, Points, Rays
+    from visuohaptic.geometry.scenes import Crossings, FirstFaces, Rays
 
 # Pairs of a ray or a point and a face that are compared at once, for the memory that they take.
 _PAIRS = 1 << 18
@@ -22,7 +22,7 @@ _PAIRS = 1 << 18
 class EmbreexScene:
     """Triangles in a scene of Embree; see `scenes.Scene`."""
 
-    def __init__(self, corners: Points, faces: Faces) -> None:
+    def __init__(self, corners: Floats, faces: Integers) -> None:
         self._triangles = corners[faces]
         self._scene = EmbreeScene(robust=True)
         # The scene reads these as long as it lives.
@@ -48,11 +48,11 @@ class EmbreexScene:
         rays_met, faces_met = zip(*found, strict=True)
         return np.concatenate(rays_met), np.concatenate(faces_met)
 
-    def count_crossings(self, rays: Rays) -> Faces:
+    def count_crossings(self, rays: Rays) -> Integers:
         """Count the faces that each ray meets."""
         return np.bincount(self.crossings(rays)[0], minlength=len(rays))
 
-    def nearest_faces(self, points: Points) -> Faces:
+    def nearest_faces(self, points: Floats) -> Integers:
         """Give the face nearest to each point; all faces are tried."""
         nearest = [np.zeros(0, np.int64)]
         for part in _parts(np.arange(len(points)), len(self._triangles)):
@@ -63,12 +63,12 @@ class EmbreexScene:
         return np.concatenate(nearest)
 
 
-def _parts(rows: Faces, faces: int) -> list[Faces]:
+def _parts(rows: Integers, faces: int) -> list[Integers]:
     """Divide rows so that each part has at most so many pairs with all faces."""
     return np.array_split(rows, -(-len(rows) * faces // _PAIRS) or 1) if len(rows) else []
 
 
-def _meets(triangles: Points, rays: Points) -> NDArray[np.bool_]:
+def _meets(triangles: Floats, rays: Floats) -> Booleans:
     """Whether each of n rays meets each of f triangles, shape (n, f), bool; in its plane it does not."""
     origins, directions = np.split(rays[:, None], 2, axis=-1)
     edges = np.roll(triangles, -1, axis=1) - triangles

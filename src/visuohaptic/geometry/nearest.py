@@ -3,26 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.vectors import dot
 
 
-def nearest_on(triangles: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give the nearest points of triangles to points.
-
-    Parameters
-    ----------
-    triangles : numpy.ndarray
-        Shape (n, 3, 3), float64: the corners of one for each point.
-    points : numpy.ndarray
-        Shape (n, 3), float64.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64: on the face or an edge.
-    """
+def nearest_on(triangles: Floats, points: Floats) -> Floats:
+    """Give the nearest points (n, 3) of triangles (n, 3, 3), on the face or an edge, to points (n, 3)."""
     edges = np.roll(triangles, -1, axis=1) - triangles
     offsets = points[:, None] - triangles
     squares = dot(edges, edges)

@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.compiled_open3d import open3d
 
 if TYPE_CHECKING:
-    from visuohaptic.geometry.scenes import Crossings, Faces, FirstFaces, Points, Rays
+    from visuohaptic.geometry.scenes import Crossings, FirstFaces, Rays
 
 
 class Open3DScene:
     """Triangles in a scene of Open3D; see `scenes.Scene`."""
 
-    def __init__(self, corners: Points, faces: Faces) -> None:
+    def __init__(self, corners: Floats, faces: Integers) -> None:
         self._tensor = open3d.core.Tensor
         self._miss = open3d.t.geometry.RaycastingScene.INVALID_ID
         self._scene = open3d.t.geometry.RaycastingScene(nthreads=1)
@@ -42,13 +43,13 @@ class Open3DScene:
         ray, face = (found[name].numpy().astype(np.int64) for name in ("ray_ids", "primitive_ids"))
         return ray, face
 
-    def count_crossings(self, rays: Rays) -> Faces:
+    def count_crossings(self, rays: Rays) -> Integers:
         """Count the faces that each ray meets."""
-        counts: Faces = self._scene.count_intersections(self._tensor(rays)).numpy()
+        counts: Integers = self._scene.count_intersections(self._tensor(rays)).numpy()
         return counts
 
-    def nearest_faces(self, points: Points) -> Faces:
+    def nearest_faces(self, points: Floats) -> Integers:
         """Give the face nearest to each point."""
         answer = self._scene.compute_closest_points(self._tensor(points.astype(np.float32)))
-        faces: Faces = answer["primitive_ids"].numpy().astype(np.int64)
+        faces: Integers = answer["primitive_ids"].numpy().astype(np.int64)
         return faces

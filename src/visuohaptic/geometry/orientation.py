@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats
 
 if TYPE_CHECKING:
     from visuohaptic.geometry.raycasting import RayCaster
@@ -13,30 +14,14 @@ if TYPE_CHECKING:
 _STAND_OFF = 1e-5
 
 
-def orient_outwards(
-    caster: RayCaster, points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Turn normals to the side from which a sensor can come.
+def orient_outwards(caster: RayCaster, points: Floats, normals: Floats) -> Floats:
+    """Turn unit normals (n, 3) at points (n, 3) of the surface to the side from which a sensor can come.
 
-    A ray is sent off each side. The side with the longer free way is outside; a ray that
-    leaves the object has an endless one. Where both ways end, as in a gap, a side that lies in no solid, by
-    the winding of the faces that its ray crosses, is outside if the other lies in one. Where both sides are
-    equally free (a single sheet), outside is the side that faces away from the object's centre,
-    independent of the face's winding.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    points : numpy.ndarray
-        Shape (n, 3), float64, on the surface, object frame.
-    normals : numpy.ndarray
-        Shape (n, 3), float64, unit normals of either sign.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64: each the given normal or its opposite.
+    A ray is sent off each side. The side with the longer free way is outside; a ray that leaves the
+    object has an endless one. Where both ways end, as in a gap, a side that lies in no solid, by
+    the winding of the faces that its ray crosses, is outside if the other lies in one. Where both
+    sides are equally free (a single sheet), outside is the side that faces away from the object's
+    centre, independent of the face's winding.
     """
     facing_away = np.einsum("ij,ij->i", points, normals) >= 0
     normals = np.where(facing_away[:, None], normals, -normals)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import dot
 
@@ -23,21 +23,12 @@ _LEAST_OVERLAP = 1e-6
 _PAIRS = 1 << 18
 
 
-def overlapping_faces(surface: Surface, distance: float) -> NDArray[np.int64]:
-    """Find the pairs of faces that lie on each other.
+def overlapping_faces(surface: Surface, distance: float) -> Integers:
+    """Find the pairs (p, 2), int64, of faces that lie on each other, each in both orders, sorted.
 
-    Parameters
-    ----------
-    surface : Surface
-        Near unit size, as prepared surfaces are.
-    distance : float
-        How near to the other's plane the corners of one of the two must be, in the surface's unit.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (p, 2), int64: each pair in both orders, sorted. Faces that meet in an edge or a vertex
-        alone are none, nor are those that cross at an angle.
+    The corners of one of the two must be within `distance` of the other's plane. Faces that meet in
+    an edge or a vertex alone are none, nor are those that cross at an angle. The surface is near
+    unit size, as prepared ones are.
     """
     cells = _nearest_to_vantage(surface) / _CELL
     whole = np.floor(cells)
@@ -52,16 +43,14 @@ def overlapping_faces(surface: Surface, distance: float) -> NDArray[np.int64]:
     return np.unique(np.concatenate([found, found[:, ::-1]]), axis=0)
 
 
-def _nearest_to_vantage(surface: Surface) -> NDArray[np.float64]:
+def _nearest_to_vantage(surface: Surface) -> Floats:
     """Give, seen from the vantage, the nearest point of each face's plane, shape (f, 3); either winding has the same."""
     normals = surface.face_normals
     heights = np.einsum("fd,fd->f", surface.triangles[:, 0] - _VANTAGE, normals)
     return heights[:, None] * normals
 
 
-def _candidates(
-    surface: Surface, cells: NDArray[np.float64]
-) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+def _candidates(surface: Surface, cells: Floats) -> Iterator[tuple[Integers, Integers]]:
     """Give pairs of faces in equal cells whose extents overlap along an axis, some at a time."""
     solid = np.flatnonzero(surface.face_areas > 0)
     _, group, count = np.unique(
@@ -80,18 +69,26 @@ def _candidates(
     order = np.argsort(low, kind="stable")
     faces, low, high = faces[order], low[order], high[order]
     follow = np.searchsorted(low, high, side="right") - np.arange(len(low)) - 1
-    ends = np.cumsum(follow)
-    for part in np.split(np.arange(len(low)), np.flatnonzero(np.diff(ends // _PAIRS)) + 1):
-        first = np.repeat(part, follow[part])
-        step = np.arange(len(first)) - np.repeat(
-            ends[part] - follow[part] - ends[part[0]] + follow[part[0]], follow[part]
-        )
-        yield faces[first], faces[first + 1 + step]
+    for part in in_parts(np.arange(len(low)), follow, _PAIRS):
+        first, second = paired(part, part + 1, follow[part])
+        yield faces[first], faces[second]
+
+
+def in_parts(rows: Integers, counts: Integers, most: int) -> list[Integers]:
+    """Divide rows wherever their counts, added up, pass a multiple of `most`."""
+    ends = np.cumsum(counts, dtype=np.int64) // most
+    return np.split(rows, np.flatnonzero(np.diff(ends)) + 1)
+
+
+def paired(rows: Integers, starts: Integers, counts: Integers) -> tuple[Integers, Integers]:
+    """Give each row as often as it counts, beside whole numbers from its start on."""
+    firsts = np.repeat(starts - np.cumsum(counts) + counts, counts)
+    return np.repeat(rows, counts), firsts + np.arange(len(firsts))
 
 
 def _lying_on_each_other(
-    surface: Surface, first: NDArray[np.int64], second: NDArray[np.int64], distance: float
-) -> NDArray[np.int64]:
+    surface: Surface, first: Integers, second: Integers, distance: float
+) -> Integers:
     """Keep the pairs of faces that lie in one plane and overlap, shape (k, 2)."""
     near = _extents_meet(surface, first, second, distance)
     pairs = np.column_stack([first[near], second[near]])
@@ -103,9 +100,7 @@ def _lying_on_each_other(
     return pairs[apart <= distance]
 
 
-def _extents_meet(
-    surface: Surface, first: NDArray[np.int64], second: NDArray[np.int64], distance: float
-) -> NDArray[np.bool_]:
+def _extents_meet(surface: Surface, first: Integers, second: Integers, distance: float) -> Booleans:
     """Tell whether the boxes around two faces meet."""
     meet = np.ones(len(first), dtype=bool)
     for corners in np.moveaxis(surface.triangles, 2, 0):
@@ -115,9 +110,7 @@ def _extents_meet(
     return meet
 
 
-def _overlaps_along(
-    surface: Surface, one: NDArray[np.int64], other: NDArray[np.int64], edge: int
-) -> NDArray[np.float64]:
+def _overlaps_along(surface: Surface, one: Integers, other: Integers, edge: int) -> Floats:
     """Give how far two triangles of a plane overlap across an edge of the first, shape (p,)."""
     # By the separating axis theorem they overlap if they do across each edge of both.
     start, end, across = (surface.triangles[one, (edge + step) % 3] for step in range(3))
@@ -130,9 +123,7 @@ def _overlaps_along(
     return np.minimum(height, highest) - np.maximum(0.0, lowest)
 
 
-def _heights(
-    surface: Surface, one: NDArray[np.int64], other: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _heights(surface: Surface, one: Integers, other: Integers) -> Floats:
     """Give the largest distance of the first faces' corners from the planes of the others, shape (p,)."""
     origins, normals = surface.triangles[other, 0], surface.face_normals[other]
     heights = [

@@ -19,19 +19,7 @@ _END = re.compile(rb"^end_header[ \t]*\r?(\n|$)", re.MULTILINE)
 
 @dataclass(frozen=True)
 class PlyHeader:
-    """A header.
-
-    Attributes
-    ----------
-    ascii : bool
-        Whether the data are text.
-    rows : int
-        Rows of all elements.
-    least_bytes : int
-        Bytes that these rows take at least.
-    length : int
-        Bytes of the header itself.
-    """
+    """A header of `length` bytes: whether text follows, how many rows of all elements, and their least bytes."""
 
     ascii: bool
     rows: int

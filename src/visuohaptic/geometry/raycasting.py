@@ -21,18 +21,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.nearest import nearest_on
-from visuohaptic.geometry.overlaps import overlapping_faces
+from visuohaptic.geometry.overlaps import in_parts, overlapping_faces, paired
 from visuohaptic.geometry.scenes import SCENES, Scene, installed_package
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import dot
 
 MISS = -1
 
-Pairs = Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]
+Pairs = Iterator[tuple[Integers, Integers]]
 """Rays, ascending, each with a face that it may meet, some at a time."""
 
-Suspects = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+Suspects = Callable[[Floats], Booleans]
 
 # Embree's float32 may take a ray this far (in the surface's unit) to the wrong side of an edge:
 # eight roundings of coordinates of size 3.
@@ -68,40 +69,24 @@ _BOX_FACES = np.array(
 class Hits:
     """Where each of n rays first meets the surface.
 
-    Attributes
-    ----------
-    distance : numpy.ndarray
-        Shape (n,), float64: along the ray in lengths of its direction; infinite for a miss.
-    face : numpy.ndarray
-        Shape (n,), int64: the face that was hit, or `MISS`.
+    `distance` (n,), float64, is along the ray in lengths of its direction, infinite for a miss;
+    `face` (n,), int64, is the face that was hit, or `MISS`.
     """
 
-    distance: NDArray[np.float64]
-    face: NDArray[np.int64]
+    distance: Floats
+    face: Integers
 
     @property
-    def hit(self) -> NDArray[np.bool_]:
+    def hit(self) -> Booleans:
         """Whether each ray met the surface, shape (n,)."""
         return self.face != MISS
 
 
 class RayCaster:
-    """A surface prepared for rays.
+    """A surface prepared for rays; `bounds` (2, 3) are the lower and upper corner of its bounding box.
 
-    Parameters
-    ----------
-    surface : Surface
-        The surface; keep it near the origin and near unit size, for faces are
-        found in float32.
-    package : str, optional
-        Which of `scenes.SCENES` casts the rays. The first one that is installed if it is not given.
-
-    Attributes
-    ----------
-    surface : Surface
-        The same surface.
-    bounds : numpy.ndarray
-        Shape (2, 3), float64: lower and upper corner of its bounding box.
+    Keep it near the origin and near unit size, for faces are found in float32. Of `scenes.SCENES`
+    the one that is named by `package` casts the rays, or else the first one that is installed.
     """
 
     def __init__(self, surface: Surface, package: str | None = None) -> None:
@@ -125,30 +110,17 @@ class RayCaster:
         return float(np.sqrt(dot(across, across)))
 
     def first_hits(
-        self,
-        origins: NDArray[np.float64],
-        directions: NDArray[np.float64],
-        suspects: Suspects | None = None,
+        self, origins: Floats, directions: Floats, suspects: Suspects | None = None
     ) -> Hits:
-        """Cast rays and give the first hit of each, the same bits on every x86-64 processor.
+        """Cast rays (n, 3) and give the first hit of each, the same bits on every x86-64 processor.
 
-        Doubtful is a ray that meets its face so near an edge or vertex, or so
-        grazing, that float32 may have taken the wrong face; and all that `suspects` names,
-        such as a miss between hits. These are settled in float64. Every ray is compared in float64
-        with the faces that are too narrow for float32, if the surface has such.
-
-        Parameters
-        ----------
-        origins, directions : numpy.ndarray
-            Shape (n, 3) each; the frame and unit of the surface's vertices.
-        suspects : callable, optional
-            Takes the distances of the first cast, shape (n,), and gives further doubtful
-            rays, shape (n,), bool.
-
-        Returns
-        -------
-        Hits
-            One entry a ray; independent of what else is in the batch as far as `suspects` is.
+        Origins and directions are in the frame and unit of the surface's vertices. Doubtful is a
+        ray that meets its face so near an edge or vertex, or so grazing, that float32 may have
+        taken the wrong face; and all that `suspects` names, such as a miss between hits: it takes
+        the distances (n,) of the first cast and gives further doubtful rays (n,), bool. These are
+        settled in float64. Every ray is compared in float64 with the faces that are too narrow for
+        float32, if the surface has such. A ray's hit is independent of what else is in the batch as
+        far as `suspects` is.
         """
         hits, doubtful = self._cast(origins, directions)
         if suspects is not None:
@@ -169,20 +141,10 @@ class RayCaster:
         _put_nearer(hits, *twins)
         return hits
 
-    def weights(self, points: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Give the barycentric weights of points on faces.
+    def weights(self, points: Floats, faces: Integers) -> Floats:
+        """Give barycentric weights (n, 3) of points (n, 3), each on the plane of its face, which has an area.
 
-        Parameters
-        ----------
-        points : numpy.ndarray
-            Shape (n, 3), float64, each on the plane of its face.
-        faces : numpy.ndarray
-            Shape (n,), int64: faces with an area.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n, 3), float64: at least 0, their sum is 1.
+        They are at least 0, and a point's sum is 1.
         """
         slopes = self.slopes.take(faces, axis=0)
         offsets = points - self._corners[:, 0].take(faces, axis=0)
@@ -191,7 +153,7 @@ class RayCaster:
         return weights / weights.sum(axis=1, keepdims=True)
 
     @cached_property
-    def slopes(self) -> NDArray[np.float64]:
+    def slopes(self) -> Floats:
         """How the weights of each face's second and third corner grow in space, shape (f, 2, 3)."""
         crosses = self.surface.face_crosses
         squares = dot(crosses, crosses)
@@ -204,48 +166,23 @@ class RayCaster:
             where=squares[:, None, None] > 0,
         )
 
-    def winding_numbers(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> NDArray[np.int64]:
-        """Count in how many solids each ray begins: the faces through which it leaves less those it enters by.
+    def winding_numbers(self, origins: Floats, directions: Floats) -> Integers:
+        """Count in how many solids each ray begins: faces by which it leaves less those by which it enters.
 
-        Parameters
-        ----------
-        origins, directions : numpy.ndarray
-            Shape (n, 3) each; the frame and unit of the surface's vertices.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n,), int64. Of a closed surface whose faces are wound alike it is the winding number of the
-            origin, 0 outside of all solids. Faces are found in float32; one that is met on its edge may
-            count twice.
+        Of a closed surface whose faces are wound alike it is the winding number of the origin, 0
+        outside of all solids. Faces are found in float32; one that is met on its edge may count
+        twice.
         """
         which, faces = self._scene.crossings(_as_float32(origins, directions))
         leaving = np.sign(dot(self._planes[faces], directions[which]))
         return np.bincount(which, leaving, minlength=len(origins)).astype(np.int64)
 
-    def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Give the surface's nearest point to each point.
-
-        Parameters
-        ----------
-        points : numpy.ndarray
-            Shape (n, 3), float64; the frame and unit of the surface's vertices.
-
-        Returns
-        -------
-        points : numpy.ndarray
-            Shape (n, 3), float64, on the surface.
-        faces : numpy.ndarray
-            Shape (n,), int64: the face that each lies on, found in float32.
-        """
+    def nearest(self, points: Floats) -> tuple[Floats, Integers]:
+        """Give the surface's nearest points (n, 3) to points (n, 3), and their faces (n,), found in float32."""
         faces = self._scene.nearest_faces(points)
         return nearest_on(self._corners[faces], points), faces
 
-    def _cast(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> tuple[Hits, NDArray[np.bool_]]:
+    def _cast(self, origins: Floats, directions: Floats) -> tuple[Hits, Booleans]:
         """Cast rays once: their hits, and which of them float32 may have given the wrong face."""
         faces, second, third = self._scene.first_faces(_as_float32(origins, directions))
         hit = faces != MISS
@@ -259,9 +196,7 @@ class RayCaster:
         doubtful = hit & (least_weight * np.abs(along) < planes[:, 4] * length)
         return Hits(distance, faces), doubtful
 
-    def _settle(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64], first: Hits
-    ) -> Hits:
+    def _settle(self, origins: Floats, directions: Floats, first: Hits) -> Hits:
         """Choose each ray's face in float64, among those that rays close by meet."""
         candidates = self._faces_around(origins, directions)
         exact = self._nearest_of(candidates, origins, directions)
@@ -275,7 +210,7 @@ class RayCaster:
         )
 
     def _nearest_pairs(
-        self, pairs: Pairs, origins: NDArray[np.float64], directions: NDArray[np.float64]
+        self, pairs: Pairs, origins: Floats, directions: Floats
     ) -> tuple[NDArray[np.intp], Hits]:
         """Give the rays that meet a face of their pairs, ascending, and where each meets the first of them."""
         nothing = np.zeros(0, np.int64)
@@ -290,7 +225,7 @@ class RayCaster:
         return rays[order[first]], _take(hits, order[first])
 
     @cached_property
-    def _faces_at(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    def _faces_at(self) -> tuple[Integers, Integers, Integers]:
         """Number each face's corners by their places, (f, 3); where a place's faces begin in a list; and the list."""
         _, corners = np.unique(self._corners.reshape(-1, 3), axis=0, return_inverse=True)
         corners = corners.reshape(-1)
@@ -298,12 +233,7 @@ class RayCaster:
         starts = np.searchsorted(corners[order], np.arange(corners.max(initial=-1) + 2))
         return corners.reshape(-1, 3), starts, order // 3
 
-    def _corner_pairs(
-        self,
-        candidates: NDArray[np.int64],
-        origins: NDArray[np.float64],
-        directions: NDArray[np.float64],
-    ) -> Pairs:
+    def _corner_pairs(self, candidates: Integers, origins: Floats, directions: Floats) -> Pairs:
         """Give rays that pass a corner of a candidate, and all faces there, of which a bundle may have missed some."""
         offsets = np.cross(
             self._corners[candidates] - origins[:, None, None], directions[:, None, None]
@@ -315,50 +245,42 @@ class RayCaster:
             return
         corners, starts, faces = self._faces_at
         pairs = np.unique(np.stack([rays, corners[candidates[rays, which], corner]]), axis=1)
-        many = starts[pairs[1] + 1] - starts[pairs[1]]
-        firsts = np.repeat(starts[pairs[1]] - np.cumsum(many) + many, many)
-        yield np.repeat(pairs[0], many), faces[firsts + np.arange(many.sum())]
+        starts, ends = starts[pairs[1]], starts[pairs[1] + 1]
+        met, places = paired(pairs[0], starts, ends - starts)
+        yield met, faces[places]
 
     @cached_property
-    def _twins(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _twins(self) -> tuple[Integers, Integers]:
         """Each face's twins, which lie on it: where they begin in a list of faces, shape (f + 1,), and the list."""
         pairs = overlapping_faces(self.surface, _DEPTH_ERROR)
         return np.searchsorted(pairs[:, 0], np.arange(len(self.surface.faces) + 1)), pairs[:, 1]
 
-    def _twin_pairs(self, met: NDArray[np.int64]) -> Pairs:
+    def _twin_pairs(self, met: Integers) -> Pairs:
         """Give rays and the twins of the faces that they met, some pairs at a time."""
         starts, twins = self._twins
         if not len(twins):
             return
         counts = np.where(met == MISS, 0, starts[met + 1] - starts[met])
         rays = np.flatnonzero(counts)
-        ends = np.cumsum(counts[rays], dtype=np.int64) // _PAIRS
-        for part in np.split(rays, np.flatnonzero(np.diff(ends)) + 1):
-            many = counts[part]
-            firsts = np.repeat(starts[met[part]] - np.cumsum(many) + many, many)
-            yield np.repeat(part, many), twins[firsts + np.arange(many.sum())]
+        for part in in_parts(rays, counts[rays], _PAIRS):
+            again, places = paired(part, starts[met[part]], counts[part])
+            yield again, twins[places]
 
-    def _narrow_pairs(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> Pairs:
+    def _narrow_pairs(self, origins: Floats, directions: Floats) -> Pairs:
         """Give rays and the narrow faces that they come near to, some pairs at a time."""
         if not len(self._narrow):
             return
         rays = _as_float32(origins, directions)
         counts = self._around_narrow.count_crossings(rays)
         near = np.flatnonzero(counts)
-        ends = np.cumsum(counts[near], dtype=np.int64) // _PAIRS
-        for part in np.split(near, np.flatnonzero(np.diff(ends)) + 1):
+        for part in in_parts(near, counts[near], _PAIRS):
             if not len(part):
                 continue
             which, met = self._around_narrow.crossings(rays[part])
             pairs = np.unique(which * len(self._narrow) + met // len(_BOX_FACES))
             yield part[pairs // len(self._narrow)], self._narrow[pairs % len(self._narrow)]
 
-    def _nearest_of(
-        self,
-        candidates: NDArray[np.int64],
-        origins: NDArray[np.float64],
-        directions: NDArray[np.float64],
-    ) -> Hits:
+    def _nearest_of(self, candidates: Integers, origins: Floats, directions: Floats) -> Hits:
         """Meet each of m rays with its own candidates, shape (m, c), in float64."""
         corners = self._corners[candidates] - origins[:, None, None, :]
         # Two faces at an edge have exactly opposite numbers for it, so no ray slips between;
@@ -381,9 +303,7 @@ class RayCaster:
         face = np.take_along_axis(candidates, nearest, axis=1)[:, 0]
         return Hits(distance, np.where(np.isfinite(distance), face, MISS))
 
-    def _faces_around(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> NDArray[np.int64]:
+    def _faces_around(self, origins: Floats, directions: Floats) -> Integers:
         least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
         first = _unit(np.cross(directions, least))
         second = _unit(np.cross(directions, first))
@@ -395,9 +315,7 @@ class RayCaster:
         return hits.face.reshape(-1, len(_BUNDLE))
 
 
-def _as_float32(
-    origins: NDArray[np.float64], directions: NDArray[np.float64]
-) -> NDArray[np.float32]:
+def _as_float32(origins: Floats, directions: Floats) -> NDArray[np.float32]:
     rays = np.empty((len(origins), 6), dtype=np.float32)
     # Column by column, for inner loops of three are slow.
     for axis in range(3):
@@ -406,7 +324,7 @@ def _as_float32(
     return rays
 
 
-def _face_planes(surface: Surface) -> NDArray[np.float64]:
+def _face_planes(surface: Surface) -> Floats:
     """Give normal (not unit), offset, and the edge band of each face, shape (f, 5)."""
     # The distance from a point to a face's nearest edge is at least its least barycentric weight ×
     # twice the area / the longest edge; `RayCaster` compares that with `LATERAL_ERROR` undivided.
@@ -416,9 +334,7 @@ def _face_planes(surface: Surface) -> NDArray[np.float64]:
     return np.column_stack([crosses, offsets, LATERAL_ERROR * edges.max(axis=1)])
 
 
-def _boxes_around(
-    triangles: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _boxes_around(triangles: Floats) -> tuple[Floats, Integers]:
     """Give vertices and faces of a closed box along the longest edge of each narrow triangle."""
     edges = np.roll(triangles, -1, axis=1) - triangles
     rows = np.arange(len(triangles))
@@ -455,11 +371,11 @@ def _join(parts: list[Hits]) -> Hits:
     )
 
 
-def _take(hits: Hits, rays: NDArray[np.intp] | NDArray[np.bool_]) -> Hits:
+def _take(hits: Hits, rays: NDArray[np.intp] | Booleans) -> Hits:
     return Hits(hits.distance[rays], hits.face[rays])
 
 
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _unit(vectors: Floats) -> Floats:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     # A ray without direction goes nowhere; dividing by zero would make it NaN.
     return vectors / np.where(lengths > 0, lengths, 1.0)

@@ -15,31 +15,21 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import MissingPackageError
 from visuohaptic.functions import Function
+from visuohaptic.geometry.arrays import Floats, Integers
 
-Points = NDArray[np.float64]
-Faces = NDArray[np.int64]
 Rays = NDArray[np.float32]
-FirstFaces = tuple[Faces, NDArray[np.float32], NDArray[np.float32]]
-Crossings = tuple[Faces, Faces]
+FirstFaces = tuple[Integers, NDArray[np.float32], NDArray[np.float32]]
+Crossings = tuple[Integers, Integers]
 
 
 class Scene(Protocol):
     """Triangles that rays are cast at, in float32. It is made of corners, shape (v, 3), and faces, shape (f, 3)."""
 
     def first_faces(self, rays: Rays) -> FirstFaces:
-        """Give the face that each ray meets first.
+        """Give the face that each ray (n, 6), origin and direction, meets first, and where on it.
 
-        Parameters
-        ----------
-        rays : numpy.ndarray
-            Shape (n, 6), float32: origin and direction.
-
-        Returns
-        -------
-        faces : numpy.ndarray
-            Shape (n,), int64; -1 for a miss.
-        second, third : numpy.ndarray
-            Shape (n,), float32: weights of the face's second and third corner.
+        The face is int64, -1 for a miss; then come the weights, float32, of its second and third
+        corner.
         """
         ...
 
@@ -47,11 +37,11 @@ class Scene(Protocol):
         """Give every face that rays, shape (n, 6), meet: a ray and a face for each, in any order."""
         ...
 
-    def count_crossings(self, rays: Rays) -> Faces:
+    def count_crossings(self, rays: Rays) -> Integers:
         """Count the faces that rays, shape (n, 6), meet: shape (n,)."""
         ...
 
-    def nearest_faces(self, points: Points) -> Faces:
+    def nearest_faces(self, points: Floats) -> Integers:
         """Give the faces, shape (n,), nearest to points, shape (n, 3)."""
         ...
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.elementary import power
 
 _POWER = 2.4
@@ -15,37 +16,27 @@ _DARK = 0.04045
 _DARK_LIGHT = 0.0031308
 
 
-def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+def encode_srgb(linear: Floats) -> Floats:
     """Encode linear light, 0 to 1, as sRGB."""
     bright = (1.0 + _OFFSET) * power(linear, 1 / _POWER) - _OFFSET
     return np.where(linear <= _DARK_LIGHT, _SLOPE * linear, bright)
 
 
-def decode_srgb(encoded: NDArray[np.float64]) -> NDArray[np.float64]:
+def decode_srgb(encoded: Floats) -> Floats:
     """Decode sRGB to linear light, 0 to 1."""
     bright = power((encoded + _OFFSET) / (1.0 + _OFFSET), _POWER)
     return np.where(encoded <= _DARK, encoded / _SLOPE, bright)
 
 
-def encode_bytes(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
+def encode_bytes(linear: Floats) -> NDArray[np.uint8]:
     """Encode linear light, 0 to 1, as the nearest of the 256 values of sRGB."""
     return np.searchsorted(_BETWEEN_BYTES, linear, side="right").astype(np.uint8)
 
 
-def dim_srgb(encoded: NDArray[np.float64], irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give the colours of surfaces in less than full light.
+def dim_srgb(encoded: Floats, irradiance: Floats) -> Floats:
+    """Give sRGB colours (n, 3), 0 to 1, of surfaces in less than full light: of its share (n,), 0 to 1.
 
-    Parameters
-    ----------
-    encoded : numpy.ndarray
-        Shape (n, 3), float64: sRGB in full light, 0 to 1.
-    irradiance : numpy.ndarray
-        Shape (n,), float64: share of full light, 0 to 1.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64: sRGB; in full light exactly what was given.
+    In full light they are exactly what was given.
     """
     share = irradiance[:, None]
     # The power that decodes is the inverse of the one that encodes, so the light needs one alone.

@@ -13,16 +13,9 @@ from visuohaptic.geometry.surface import read_surface
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """An object and the viewpoints from which it is looked at.
+    """An object, `class/name`, and the viewpoints from which it is looked at.
 
-    Attributes
-    ----------
-    key : str
-        `class/name`.
-    find_caster : callable
-        Gives its surface, prepared for rays.
-    viewpoints : sequence of int
-        Numbers of the viewpoints.
+    `find_caster` gives its surface, prepared for rays.
     """
 
     key: str

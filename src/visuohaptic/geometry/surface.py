@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 from visuohaptic.geometry.texture import NO_IMAGE, WRAPS, Texture
 
@@ -36,21 +37,14 @@ _IMAGE = [("width", "<i4"), ("height", "<i4"), ("wrap_u", "u1"), ("wrap_v", "u1"
 class Surface:
     """A triangle mesh with colours and images on its faces; it is equal to itself alone.
 
-    Attributes
-    ----------
-    vertices : numpy.ndarray
-        Shape (v, 3), float64; right-handed, y up. In the object frame the
-        bounding sphere's centre is the origin and its radius 1.
-    faces : numpy.ndarray
-        Shape (f, 3), int64; rows of `vertices`.
-    face_colours : numpy.ndarray
-        Shape (f, 3), uint8, sRGB; of a face that has an image, the mean.
-    texture : Texture, optional
-        Images of faces; None where no face has one.
+    `vertices` (v, 3), float64, are right-handed, y up; in the object frame the bounding sphere's
+    centre is the origin and its radius 1. `faces` (f, 3), int64, are rows of them. `face_colours`
+    (f, 3), uint8, are sRGB; of a face that has an image, the mean. `texture` is None where no face
+    has an image.
     """
 
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
+    vertices: Floats
+    faces: Integers
     face_colours: NDArray[np.uint8]
     texture: Texture | None = None
 
@@ -64,23 +58,23 @@ class Surface:
         return np.concatenate([self.face_colours, self.texture.texels()])
 
     @cached_property
-    def triangles(self) -> NDArray[np.float64]:
+    def triangles(self) -> Floats:
         """Corners of each face, shape (f, 3, 3)."""
         return self.vertices[self.faces]
 
     @cached_property
-    def face_crosses(self) -> NDArray[np.float64]:
+    def face_crosses(self) -> Floats:
         """Cross product of two edges of each face, shape (f, 3); its length is twice the area."""
         corners = self.triangles
         return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
     @cached_property
-    def face_areas(self) -> NDArray[np.float64]:
+    def face_areas(self) -> Floats:
         """Area of each face in squared units of the vertices, shape (f,)."""
         return 0.5 * np.linalg.norm(self.face_crosses, axis=1)
 
     @cached_property
-    def face_normals(self) -> NDArray[np.float64]:
+    def face_normals(self) -> Floats:
         """Unit normal of each face by its winding, shape (f, 3); zero for a face without area."""
         crosses = self.face_crosses
         lengths = np.linalg.norm(crosses, axis=1, keepdims=True)
@@ -131,21 +125,12 @@ def usable_meshes(paths: Iterable[str | Path]) -> list[Path]:
 
 
 def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None:
-    """Write a surface as binary PLY, gzipped where the name ends in ``.gz``.
+    """Write a surface as binary PLY, gzipped where the name ends in ``.gz``; its folder is made where missing.
 
-    Vertices are stored as float32 (the precision of the ray caster), colours a
-    byte a channel. Images are in the same file: each face has the number of its image and
-    its corners' places there, and elements `image` and `texel` follow; programs that don't know
-    these show the faces' colours. The bytes depend on the surface alone.
-
-    Parameters
-    ----------
-    surface : Surface
-        What to write.
-    path : path
-        The file; its folder is made where missing.
-    comment : str
-        A line for the header.
+    Vertices are stored as float32 (the precision of the ray caster), colours a byte a channel.
+    Images are in the same file: each face has the number of its image and its corners' places
+    there, and elements `image` and `texel` follow; programs that don't know these show the faces'
+    colours. The bytes depend on the surface and the comment, a line of the header, alone.
     """
     from plyfile import PlyData, PlyElement
 
@@ -177,24 +162,10 @@ def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None
 
 
 def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
-    """Read a surface that `write_surface` wrote.
+    """Read a surface that `write_surface` wrote; float32 holds its vertices exactly.
 
-    Parameters
-    ----------
-    path : path
-        A ``.ply`` or ``.ply.gz`` file of triangles with face colours, and images where there are.
-    largest_megabytes : float
-        Files that are larger, unpacked, are refused, in 10⁶ bytes.
-
-    Returns
-    -------
-    Surface
-        Its vertices are float64 numbers that float32 holds exactly.
-
-    Raises
-    ------
-    MeshError
-        If the file is not such a surface, holds less than its header says, or is too large.
+    Raises `MeshError` if the file is no coloured triangle mesh, holds less than its header says, or
+    unpacks to more than `largest_megabytes`, of 10⁶ bytes.
     """
     from plyfile import PlyData, PlyParseError
 

@@ -8,10 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.srgb import decode_srgb, encode_bytes
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 WRAPS = REPEAT, CLAMP, MIRROR = 0, 1, 2
 """How an image goes on beyond its edges: again, as its last texels, or mirrored."""
@@ -39,17 +37,11 @@ _QUARTERS = np.array(
 class Texture:
     """Images upon faces; a texel is one number triple of an image, a square of one colour.
 
-    Attributes
-    ----------
-    corners : numpy.ndarray
-        Shape (f, 3, 2), float32: place of each face's corners in its image; (0, 0) is the image's
-        lower left and (1, 1) its upper right. Anything finite for a face without image.
-    image : numpy.ndarray
-        Shape (f,), int32: number of each face's image, or `NO_IMAGE`.
-    images : tuple of numpy.ndarray
-        Shape (h, w, 3) each, uint8, sRGB; the upper row first.
-    wraps : numpy.ndarray
-        Shape (i, 2), uint8: `REPEAT`, `CLAMP` or `MIRROR` across and up, for each image.
+    `corners` (f, 3, 2), float32, are the places of each face's corners in its image; (0, 0) is the
+    image's lower left and (1, 1) its upper right, and anything finite stands for a face without
+    image. `image` (f,), int32, is the number of each face's image, or `NO_IMAGE`. Each of `images`
+    is (h, w, 3), uint8, sRGB, the upper row first; `wraps` (i, 2), uint8, is `REPEAT`, `CLAMP` or
+    `MIRROR` across and up, for each.
     """
 
     corners: NDArray[np.float32]
@@ -58,7 +50,7 @@ class Texture:
     wraps: NDArray[np.uint8]
 
     @property
-    def textured(self) -> NDArray[np.bool_]:
+    def textured(self) -> Booleans:
         """Whether each face has an image, shape (f,)."""
         return self.image != NO_IMAGE
 
@@ -66,38 +58,24 @@ class Texture:
         """Give all images' texels, one row and image after another, shape (t, 3)."""
         return np.concatenate([image.reshape(-1, 3) for image in self.images])
 
-    def take(self, faces: NDArray[np.bool_] | NDArray[np.integer]) -> Texture:
+    def take(self, faces: Booleans | NDArray[np.integer]) -> Texture:
         """Give the texture of some of the faces."""
         return replace(self, corners=self.corners[faces], image=self.image[faces])
 
     def light(self, faces: Integers, weights: Floats, steps: Floats) -> Floats:
-        """Give the mean light of patches of faces that have an image.
+        """Give the mean linear light (n, 3), 0 to 1, of patches of faces (n,) that have an image.
 
-        Parameters
-        ----------
-        faces : numpy.ndarray
-            Shape (n,), int64: the face that each patch lies on.
-        weights : numpy.ndarray
-            Shape (n, 3), float64: barycentric weights of the patch's middle.
-        steps : numpy.ndarray
-            Shape (n, 2, 2), float64: how the second and third weight change along each of the
-            patch's two sides; a patch is a parallelogram.
+        A patch is a parallelogram: `weights` (n, 3) are the barycentric ones of its middle, and
+        `steps` (n, 2, 2) say how the second and third weight change along each of its two sides. Of
+        an image of one colour it is exactly that.
 
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n, 3), float64: linear light, 0 to 1. Of an image of one colour exactly that.
-
-        Notes
-        -----
         The patch is taken for the ellipse that its sides span, and that for equal squares along its
-        longer axis, as graphics cards filter anisotropically
-        (`EXT_texture_filter_anisotropic`): as few as are at most a tenth wider than the ellipse,
-        but no more than `MOST_SQUARES`.
-        A square w texels wide gets, for w up to 1, the mean of the four texels around its
-        middle by the share of the square that each covers; for w between 2^k and 2^(k + 1) the mean by
-        w of what two images give, halved k and k + 1 times (Williams 1983, Pyramidal
-        parametrics). Means are of linear light.
+        longer axis, as graphics cards filter anisotropically (`EXT_texture_filter_anisotropic`): as
+        few as are at most a tenth wider than the ellipse, but no more than `MOST_SQUARES`. A square
+        w texels wide gets, for w up to 1, the mean of the four texels around its middle by the
+        share of the square that each covers; for w between 2^k and 2^(k + 1) the mean by w of what
+        two images give, halved k and k + 1 times (Williams 1983, Pyramidal parametrics). Means are
+        of linear light.
         """
         parts = [slice(start, start + _AT_ONCE) for start in range(0, len(faces), _AT_ONCE)]
         found = [self._patch_light(faces[part], weights[part], steps[part]) for part in parts]

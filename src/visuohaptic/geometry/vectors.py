@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats
 
 
-def dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+def dot(first: Floats, second: Floats) -> Floats:
     """Give the dot products of vectors of three, along the last axis; a BLAS may order the sums by the batch."""
     return (
         first[..., 0] * second[..., 0]
@@ -15,7 +16,7 @@ def dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.f
     )
 
 
-def product(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+def product(first: Floats, second: Floats) -> Floats:
     """Give the product of matrices, (n, k) and (k, m): of points and frames, never of a size that needs a BLAS."""
-    found: NDArray[np.float64] = np.einsum("nk,km->nm", first, second)
+    found: Floats = np.einsum("nk,km->nm", first, second)
     return found

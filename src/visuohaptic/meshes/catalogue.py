@@ -57,22 +57,10 @@ class Credit:
 class Model:
     """One object of the experiment and where its model comes from.
 
-    Attributes
-    ----------
-    category : str
-        The object's class.
-    name : str
-        Its name within the class.
-    library, member : str
-        Archive within the package and file within the archive; empty for a user's own file.
-    sha256 : str
-        Hash of the member; empty for a user's own file.
-    dimensions : tuple of float or None
-        Width, height and depth in cm (x, y and z after `rotation`); None keeps the file's own.
-    rotation : tuple of float or None
-        Nine numbers, row by row, that turn the model upright; None for an upright one.
-    credit : Credit or None
-        None for a user's own file.
+    `library` is an archive within the package, `member` a file in it and `sha256` the member's
+    hash; these are empty, and `credit` is None, for a user's own file. `dimensions` are width,
+    height and depth in cm (x, y and z after `rotation`); None keeps the file's own. `rotation` are
+    nine numbers, row by row, that turn the model upright; None for an upright one.
     """
 
     category: str
@@ -125,14 +113,9 @@ def read_credits(paths: Iterable[str | Path]) -> dict[str, Credit]:
 
 @dataclass(frozen=True)
 class OwnModels:
-    """The user's own models, and what lies among them but can't take part.
+    """The user's own models with their files, sorted by class and name, and what can't take part.
 
-    Attributes
-    ----------
-    models : dict of Model to pathlib.Path
-        Each object and its file, sorted by class and name.
-    set_aside : dict of pathlib.Path to str
-        Each other file, and a sentence that names it and says what to do.
+    For each file that is `set_aside` a sentence names it and says what to do.
     """
 
     models: dict[Model, Path]

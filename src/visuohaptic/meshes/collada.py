@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.meshes.polygons import check_corners, cuts
 from visuohaptic.meshes.xml_claims import check_placed, parse_xml
 
@@ -64,7 +65,7 @@ def _stride(primitive: Any) -> int:
 def _cut_mesh(mesh: Any) -> bool:
     """Put triangles in the place of concave polygons; tell whether there are any."""
     named = {one.get("id"): one for one in mesh}
-    points: dict[str, NDArray[np.float64]] = {}
+    points: dict[str, Floats] = {}
     changed = False
     for primitive in mesh.iterchildren("{*}triangles", "{*}polylist", "{*}polygons"):
         vertex = primitive.find("{*}input[@semantic='VERTEX']")
@@ -76,7 +77,7 @@ def _cut_mesh(mesh: Any) -> bool:
     return changed
 
 
-def _cut(primitive: Any, offset: int, points: NDArray[np.float64]) -> bool:
+def _cut(primitive: Any, offset: int, points: Floats) -> bool:
     stride = _stride(primitive)
     texts = primitive.findall("{*}p")
     rows = [_array(one.text, int).reshape(-1, stride) for one in texts]
@@ -110,7 +111,7 @@ def _cut(primitive: Any, offset: int, points: NDArray[np.float64]) -> bool:
     return bool(cut)
 
 
-def _points(name: str, named: Mapping[str, Any]) -> NDArray[np.float64]:
+def _points(name: str, named: Mapping[str, Any]) -> Floats:
     found = named[name]
     position = found.find("{*}input[@semantic='POSITION']")
     source = found if position is None else named[position.get("source")[1:]]
@@ -124,7 +125,7 @@ def _array(text: str | None, kind: type[int | float]) -> NDArray[Any]:
     return np.array([kind(word) for word in (text or "").split()], dtype=kind)
 
 
-def _text(rows: NDArray[np.int64]) -> str:
+def _text(rows: Integers) -> str:
     return " ".join(map(str, rows.ravel().tolist()))
 
 

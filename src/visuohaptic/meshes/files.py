@@ -36,10 +36,8 @@ def make_mesh(
 ) -> None:
     """Make the mesh file of one object; of an own model that can't be used, an empty one with the reason.
 
-    Raises
-    ------
-    MeshError
-        If a catalogued model can't be read or has nothing to touch; nothing is written then.
+    Raises `MeshError` if a catalogued model can't be read or has nothing to touch; nothing is
+    written then.
     """
     category, name = key.split("/")
     try:

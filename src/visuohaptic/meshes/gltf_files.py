@@ -1,4 +1,4 @@
-"""glTF files, checked to hold what they promise and to ask for nothing that trimesh leaves out."""
+"""glTF files, checked to hold what they promise, and how their images go on, which trimesh leaves out."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from collections.abc import Iterator
 from typing import Any
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.texture import CLAMP, MIRROR, REPEAT
 from visuohaptic.meshes.claims import COMPONENT_BYTES, COMPONENTS, gltf_json
 
 _READ_EXTENSIONS = ("EXT_texture_webp", "KHR_lights_punctual")
 _MATERIALS = "KHR_materials_"  # the shine of a surface; its colour is read without them
 _NO_SURFACE = {0, 1, 2, 3}  # points and lines
 _FAN = 6
-_TRIANGLES = {4, 5}
+_TRIANGLES = {4, 5}  # and strips
+_WRAPS = {10497: REPEAT, 33071: CLAMP, 33648: MIRROR}
 
 
 def check_gltf(data: bytes, kind: str, resolver: Any) -> None:
@@ -91,3 +93,31 @@ def _check_accessor(document: dict[str, Any], place: int) -> None:
     stride = view.get("byteStride", row)
     end = accessor.get("byteOffset", 0) + stride * (accessor["count"] - 1) + row
     _check_length(f"the view of accessor {place}", end, view["byteLength"])
+
+
+def add_wraps(scene: Any, document: dict[str, Any]) -> None:
+    """Give the materials of a scene, as `wraps`, what the samplers of its file say.
+
+    `scene` is what trimesh read from `document`: a geometry for each primitive, in the same order.
+    """
+    parts = [
+        part
+        for mesh in document.get("meshes", ())
+        for part in mesh["primitives"]
+        if part.get("mode", 4) in {0, 1, *_TRIANGLES}
+    ]
+    if len(parts) != len(scene.geometry):
+        return
+    for part, geometry in zip(parts, scene.geometry.values(), strict=True):
+        if "material" in part and hasattr(geometry.visual, "material"):
+            geometry.visual.material.wraps = _wraps(document, part["material"])
+
+
+def _wraps(document: dict[str, Any], material: int) -> tuple[int, int]:
+    base = document["materials"][material].get("pbrMetallicRoughness", {}).get("baseColorTexture")
+    if base is None:
+        return REPEAT, REPEAT
+    sampler = document["textures"][base["index"]].get("sampler")
+    known: dict[str, Any] = {} if sampler is None else document["samplers"][sampler]
+    across, up = (_WRAPS.get(known.get(name, 10497), REPEAT) for name in ("wrapS", "wrapT"))
+    return across, up

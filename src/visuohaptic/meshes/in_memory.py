@@ -121,18 +121,10 @@ def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:
 
 
 def face_colours(part: Any) -> NDArray[np.uint8]:
-    """Give each face its colour.
+    """Give the colours (f, 3), uint8, sRGB, of a ``trimesh.Trimesh``'s faces.
 
-    Parameters
-    ----------
-    part : trimesh.Trimesh
-        A mesh of f faces.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (f, 3), uint8, sRGB: the material's diffuse colour, or the mean of the corners'
-        colours; `GREY` where there is none.
+    It is the material's diffuse colour, or the mean of the corners' colours; `GREY` where there is
+    none.
     """
     visual, count = part.visual, len(part.faces)
     if visual.kind == "texture":

@@ -16,8 +16,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
 from visuohaptic.meshes.claims import check_claims, gltf_json
 from visuohaptic.meshes.collada import checked_collada
-from visuohaptic.meshes.gltf_files import check_gltf
-from visuohaptic.meshes.gltf_wraps import add_wraps
+from visuohaptic.meshes.gltf_files import add_wraps, check_gltf
 from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
 from visuohaptic.meshes.obj_files import checked_obj
 from visuohaptic.meshes.off_files import checked_off
@@ -32,26 +31,13 @@ _LARGEST_TEXTURE_BYTES = 50 * 10**6
 def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     """Read a model file with trimesh, all its parts as one surface, with its colours and textures.
 
-    Materials give a face its diffuse colour; vertex colours are averaged over the corners. Textures
-    stay images upon the faces. They are looked for beside the file and below, never
-    elsewhere; a missing one leaves the diffuse colour.
+    The surface is in the file's own frame and unit, polygons cut into triangles. Materials give a
+    face its diffuse colour; vertex colours are averaged over the corners. Textures stay images upon
+    the faces. They are looked for beside the file and below, never elsewhere; a missing one leaves
+    the diffuse colour. 3MF and DAE need extra `formats`.
 
-    Parameters
-    ----------
-    path : path
-        An OBJ, PLY, STL, GLB, glTF, OFF, 3MF or DAE file; the last two need extra `formats`.
-    largest_megabytes : float
-        Files above this size, in 10⁶ bytes, are refused.
-
-    Returns
-    -------
-    Surface
-        In the file's own frame and unit, polygons cut into triangles.
-
-    Raises
-    ------
-    MeshError
-        If the file can't be read, is too large, or has no triangle.
+    Raises `MeshError` if the file can't be read, is larger than the limit, in 10⁶ bytes, or has no
+    triangle.
     """
     path = Path(path)
     _check_suffix(path.suffix, str(path))

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Booleans, Integers
 from visuohaptic.meshes.polygons import check_corners, cuts
 
 _FACE = re.compile(rb"^f(?:[ \t]+([^\n#]*))?(#[^\n]*)?$", re.MULTILINE)
@@ -61,29 +61,29 @@ class _File:
         return list(_FACE.finditer(self.data))
 
     @cached_property
-    def counts(self) -> NDArray[np.int64]:
+    def counts(self) -> Integers:
         """Corners of each face."""
         return np.array([len((face[1] or b"").split()) for face in self.faces], dtype=np.int64)
 
     @cached_property
-    def _numbers(self) -> NDArray[np.int64]:
+    def _numbers(self) -> Integers:
         """The vertex that each corner names, as it stands there."""
         text = b" ".join(face[1] or b"" for face in self.faces)
         words = re.sub(rb"/\S*", b"", text).split()
         return np.fromiter(map(int, words), np.int64, len(words))
 
     @cached_property
-    def counts_backwards(self) -> NDArray[np.bool_]:
+    def counts_backwards(self) -> Booleans:
         """Whether a face has a negative index, which counts from where the face stands."""
         return np.array([b"-" in (face[1] or b"") for face in self.faces], dtype=bool)
 
     @cached_property
-    def with_comment(self) -> NDArray[np.bool_]:
+    def with_comment(self) -> Booleans:
         """Whether a comment follows a face, which trimesh would take for a corner."""
         return np.array([face[2] is not None for face in self.faces], dtype=bool)
 
     @cached_property
-    def _counted(self) -> list[NDArray[np.int64]]:
+    def _counted(self) -> list[Integers]:
         """Vertices, texture coordinates and normals above each face."""
         starts = [face.start() for face in self.faces]
         return [
@@ -98,7 +98,7 @@ class _File:
         return sum(1 for _ in _VERTEX.finditer(self.data))
 
     @cached_property
-    def corners(self) -> NDArray[np.int64]:
+    def corners(self) -> Integers:
         """The vertex of each corner, counted from 0; -1 and below where there is none."""
         numbers = self._numbers
         if not self.counts_backwards.any():
@@ -120,7 +120,7 @@ class _File:
             for token in tokens
         ]
 
-    def cuts(self) -> dict[int, NDArray[np.int64]]:
+    def cuts(self) -> dict[int, Integers]:
         if self.counts.max() <= 3:
             return {}
         rows = [vertex[1].split()[:3] for vertex in _VERTEX.finditer(self.data)]

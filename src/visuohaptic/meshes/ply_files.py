@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Integers
 from visuohaptic.geometry.ply_header import LONGEST, read_ply_header
 from visuohaptic.meshes.polygons import check_corners, cuts, fan
 
@@ -87,7 +88,7 @@ def _read(data: bytes, lists: list[str], *, text: bool) -> Any:
         ) from error
 
 
-def _polygons(lists: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _polygons(lists: NDArray[Any]) -> tuple[Integers, Integers]:
     """Give how many corners each polygon has, and the corners of all."""
     if lists.ndim == 2:
         return np.full(len(lists), lists.shape[1], np.int64), lists.astype(np.int64).ravel()
@@ -109,7 +110,7 @@ def _text_holds_triangles(data: bytes, length: int) -> bool:
 
 
 def _triangle_rows(
-    face: NDArray[Any], name: str, places: NDArray[np.int64], triangles: NDArray[np.int64]
+    face: NDArray[Any], name: str, places: Integers, triangles: Integers
 ) -> NDArray[Any]:
     """Give a row of the faces' table for each triangle: its polygon's row but for what its corners have."""
     names = face.dtype.names or ()
@@ -133,5 +134,5 @@ def _column(face: NDArray[Any], column: str, corners: str) -> tuple[Any, ...]:
     return column, face.dtype[column]
 
 
-def _picked(values: Any, places: NDArray[np.int64], triangles: NDArray[np.int64]) -> NDArray[Any]:
+def _picked(values: Any, places: Integers, triangles: Integers) -> NDArray[Any]:
     return np.array([values[place][row] for place, row in zip(places, triangles, strict=True)])

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Floats, Integers
 
 MOST_CORNERS_CUT = 1_000
 """Corners of one polygon that is not convex; cutting one that crosses itself takes their square."""
@@ -20,37 +20,20 @@ _AREA_TOLERANCE = 1e-6  # relative; text formats hold some six digits, so corner
 _BLOCK_CORNERS = 1 << 18
 
 
-def cuts(
-    points: NDArray[np.float64], corners: NDArray[np.int64], counts: NDArray[np.int64]
-) -> dict[int, NDArray[np.int64]]:
+def cuts(points: Floats, corners: Integers, counts: Integers) -> dict[int, Integers]:
     """Cut each polygon that its fan does not cover exactly, by ear clipping (``mapbox_earcut``).
 
     A polygon is seen along its area vector (Newell's normal), so one that is not flat is cut as its
-    projection. One without an area vector, or that crosses itself so that ear clipping comes no nearer
-    to its area, stays a fan.
+    projection. One without an area vector, or that crosses itself so that ear clipping comes no
+    nearer to its area, stays a fan.
 
-    Parameters
-    ----------
-    points : numpy.ndarray
-        Shape (v, 3), float64.
-    corners : numpy.ndarray
-        Shape (c,), int64; rows of `points`, polygon after polygon.
-    counts : numpy.ndarray
-        Shape (p,), int64; corners of each polygon.
-
-    Returns
-    -------
-    dict of int to numpy.ndarray
-        For each polygon that needs it, triangles of shape (t, 3), int64: places among its own
-        corners, in its own winding.
-
-    Raises
-    ------
-    MeshError
-        With the reason alone, if such a polygon has more than `MOST_CORNERS_CUT` corners.
+    `corners` (c,), int64, are rows of the points (v, 3), polygon after polygon, and `counts` (p,)
+    how many each has. Gives by the number of each polygon that needs it triangles (t, 3), int64:
+    places among its own corners, in its own winding. Raises `MeshError`, with the reason alone, if
+    such a polygon has more than `MOST_CORNERS_CUT` corners.
     """
     starts = np.cumsum(counts) - counts
-    found: dict[int, NDArray[np.int64]] = {}
+    found: dict[int, Integers] = {}
     for count in np.unique(counts[counts > 3]):
         places = np.flatnonzero(counts == count)
         for block in np.array_split(places, -(-len(places) * count // _BLOCK_CORNERS)):
@@ -60,13 +43,13 @@ def cuts(
     return found
 
 
-def fan(count: int) -> NDArray[np.int64]:
+def fan(count: int) -> Integers:
     """Give the triangles, shape (count - 2, 3), of a polygon that is cut from its first corner."""
     second = np.arange(1, max(count - 1, 1))
     return np.column_stack([np.zeros_like(second), second, second + 1])
 
 
-def check_corners(corners: NDArray[np.int64], vertices: int, first: int = 0) -> None:
+def check_corners(corners: Integers, vertices: int, first: int = 0) -> None:
     """Refuse, with the reason alone, corners that name no vertex; vertices are counted from `first`."""
     wrong = corners[(corners < first) | (corners >= first + vertices)]
     if len(wrong):
@@ -75,7 +58,7 @@ def check_corners(corners: NDArray[np.int64], vertices: int, first: int = 0) -> 
         )
 
 
-def _cut_block(polygons: NDArray[np.float64]) -> dict[int, NDArray[np.int64]]:
+def _cut_block(polygons: Floats) -> dict[int, Integers]:
     """Cut those of polygons (p, n, 3), in any unit, that their fans do not cover exactly."""
     # A polygon of one point, or with a NaN, has no unit and fails no comparison.
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
@@ -95,7 +78,7 @@ def _cut_block(polygons: NDArray[np.float64]) -> dict[int, NDArray[np.int64]]:
     }
 
 
-def _ear_clipped(flats: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+def _ear_clipped(flats: Floats) -> Iterator[tuple[int, Integers]]:
     """Give the triangles of each polygon of (p, n, 2) that they cover better than its fan does."""
     from mapbox_earcut import triangulate_float64
 
@@ -121,7 +104,7 @@ def _ear_clipped(flats: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.i
         yield int(place), triangles[ends[place] - len(cut[place]) : ends[place]]
 
 
-def _projected(polygons: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _projected(polygons: Floats, normals: Floats) -> Floats:
     """Project (p, n, 3) along normals, then leave out their largest axes; counter-clockwise stays so."""
     along = np.einsum("pnk,pk->pn", polygons, normals)
     flat = polygons - along[..., None] * normals[:, None]
@@ -132,5 +115,5 @@ def _projected(polygons: NDArray[np.float64], normals: NDArray[np.float64]) -> N
     return np.ascontiguousarray(np.take_along_axis(flat, others[:, None], axis=2))
 
 
-def _cross(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cross(first: Floats, second: Floats) -> Floats:
     return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]

@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
@@ -29,7 +29,7 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
 
 def place_object(
     model: Model, path: str | Path, parameters: MeshParameters
-) -> tuple[Surface, NDArray[np.float64]]:
+) -> tuple[Surface, Floats]:
     """Do the same, and give what `place` gives."""
     if str(path).endswith(".ply.gz"):
         surface = read_surface(path, parameters.largest_megabytes)
@@ -42,13 +42,13 @@ def place_object(
 
 def place_surface(
     surface: Surface, name: str, parameters: MeshParameters
-) -> tuple[Surface, NDArray[np.float64]]:
+) -> tuple[Surface, Floats]:
     """Make ready a surface in memory, as `place_object` does a user's own file."""
     up = up_rotation(surface, name, parameters)
     return place(surface, name, up, merge_tolerance=parameters.merge_tolerance)
 
 
-def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> NDArray[np.float64]:
+def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> Floats:
     """Give the rotation, (3, 3), that turns an own model's axis that points up to y."""
     axis: str = parameters.own_up_axis
     if axis == "auto":
@@ -60,43 +60,23 @@ def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> NDAr
 def normalise(
     surface: Surface,
     name: str,
-    rotation: NDArray[np.float64] | None = None,
+    rotation: Floats | None = None,
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = 1e-6,
 ) -> Surface:
-    """Turn, stretch, clean, centre and scale a surface.
+    """Turn, stretch, clean, centre and scale a surface of any frame and unit into the object frame.
 
-    The centre is the surface's centroid, weighted by area: it turns with the
-    object and does not move when triangles are subdivided. The vertex farthest
-    from it gets distance 1.
+    A rotation (3, 3) turns the model so that y is up. `dimensions` are the extents along x, y and z
+    to stretch to after that; an extent of zero stays zero. The centre is the surface's centroid,
+    weighted by area: it turns with the object and does not move when triangles are subdivided. The
+    vertex farthest from it gets distance 1. Vertices nearer than the merge tolerance, in units of
+    the result, become one.
 
-    No face without area is left: those go that have none in the file, whose vertices
-    merge, or that have none when vertices are rounded. Thin ones with some area stay.
+    No face without area is left: those go that have none in the file, whose vertices merge, or that
+    have none when vertices are rounded. Thin ones with some area stay. Vertices are numbers that
+    float32 holds exactly, so that a float64 oracle and the float32 caster see the same surface.
 
-    Parameters
-    ----------
-    surface : Surface
-        In any frame and unit.
-    name : str
-        What to call it in an error.
-    rotation : numpy.ndarray, optional
-        Shape (3, 3); turns the model so that y is up.
-    dimensions : tuple of float, optional
-        Extents along x, y and z to stretch to, after the rotation. An extent
-        of zero stays zero.
-    merge_tolerance : float
-        Vertices nearer than this become one, in units of the result.
-
-    Returns
-    -------
-    Surface
-        In the object frame. Vertices are numbers that float32 holds exactly, so
-        that a float64 oracle and the float32 caster see the same surface.
-
-    Raises
-    ------
-    MeshError
-        If a vertex is NaN or infinite, a face names no vertex, or there is no area.
+    Raises `MeshError` if a vertex is NaN or infinite, a face names no vertex, or there is no area.
     """
     return place(surface, name, rotation, dimensions, merge_tolerance)[0]
 
@@ -104,19 +84,15 @@ def normalise(
 def place(
     surface: Surface,
     name: str,
-    rotation: NDArray[np.float64] | None = None,
+    rotation: Floats | None = None,
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = 1e-6,
-) -> tuple[Surface, NDArray[np.float64]]:
+) -> tuple[Surface, Floats]:
     """Do as `normalise` does, and give the way there.
 
-    Returns
-    -------
-    Surface
-        In the object frame.
-    numpy.ndarray
-        Shape (4, 4), float64: takes a point (x, y, z, 1) of the given frame into the object frame, to
-        the rounding of vertices; not finite where coordinates are so small or large that no number is its scale.
+    That is a matrix (4, 4) that takes a point (x, y, z, 1) of the given frame into the object
+    frame, to the rounding of vertices; it is not finite where coordinates are so small or large
+    that no number is its scale.
     """
     _check_finite(surface, name)
     used = surface.vertices[np.unique(surface.faces)]
@@ -142,7 +118,7 @@ def place(
     return ready, way
 
 
-def _moved(shift: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+def _moved(shift: Floats, length: float) -> Floats:
     """Give the matrix, (4, 4), that moves points and then divides them by a length."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         scale = np.float64(1.0) / length
@@ -151,12 +127,12 @@ def _moved(shift: NDArray[np.float64], length: float) -> NDArray[np.float64]:
     return matrix
 
 
-def _joined(then: NDArray[np.float64], first: NDArray[np.float64]) -> NDArray[np.float64]:
+def _joined(then: Floats, first: Floats) -> Floats:
     with np.errstate(over="ignore", invalid="ignore"):
         return product(then, first)
 
 
-def _turned(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turned(rotation: Floats) -> Floats:
     matrix = np.eye(4)
     matrix[:3, :3] = rotation
     return matrix
@@ -181,7 +157,7 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     return _kept(merged, keep)
 
 
-def _kept(surface: Surface, keep: NDArray[np.bool_]) -> Surface:
+def _kept(surface: Surface, keep: Booleans) -> Surface:
     """Leave out the other faces, and the vertices that only they name."""
     used, renumbered = np.unique(surface.faces[keep], return_inverse=True)
     return Surface(
@@ -208,9 +184,7 @@ def _check_finite(surface: Surface, name: str) -> None:
         )
 
 
-def _centred_box(
-    used: NDArray[np.float64], vertices: NDArray[np.float64], name: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+def _centred_box(used: Floats, vertices: Floats, name: str) -> tuple[Floats, Floats, float]:
     """Give vertices within the unit cube, what was taken from them, and by what they were divided."""
     low, high = used.min(axis=0), used.max(axis=0)
     # Halves first: the extent of a mesh near the largest float64 would overflow.
@@ -220,17 +194,13 @@ def _centred_box(
     return np.clip((vertices - centre) / half_extent, -1.0, 1.0), centre, float(half_extent)
 
 
-def _stretching(
-    vertices: NDArray[np.float64], faces: NDArray[np.int64], dimensions: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _stretching(vertices: Floats, faces: Integers, dimensions: Floats) -> Floats:
     """Give the factor of each axis, shape (3,)."""
     extent = np.ptp(vertices[np.unique(faces)], axis=0)
     return np.divide(dimensions, extent, out=np.ones(3), where=extent > 0)
 
 
-def _unit_size(
-    vertices: NDArray[np.float64], faces: NDArray[np.int64], name: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+def _unit_size(vertices: Floats, faces: Integers, name: str) -> tuple[Floats, Floats, float]:
     """Give vertices about the centroid within the unit ball, the centroid, and the radius."""
     triangles = vertices[faces]
     crosses = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])

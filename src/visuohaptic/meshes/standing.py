@@ -6,28 +6,18 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.surface import Surface
 
 _FOOT = 0.02
 """Vertices this near to the lowest one, as a share of the height, are what an object stands on: cushions sag, feet differ."""
 
 
-def steadiest_axis(surface: Surface, rotations: Mapping[str, NDArray[np.float64]]) -> str:
-    """Choose the axis along which an object leans farthest before it tips over.
+def steadiest_axis(surface: Surface, rotations: Mapping[str, Floats]) -> str:
+    """Choose the axis along which an object leans farthest before it tips over, of equal ones the first.
 
-    Parameters
-    ----------
-    surface : Surface
-        In any frame and unit.
-    rotations : mapping of str to numpy.ndarray
-        For each axis the rotation, shape (3, 3), that turns it to y. The first of equal ones is chosen.
-
-    Returns
-    -------
-    str
-        The axis.
+    `rotations` holds for each axis the one, (3, 3), that turns it to y.
     """
     if not surface.face_areas.sum() > 0:
         return next(iter(rotations))  # nothing to stand; an error about the surface says more
@@ -40,19 +30,11 @@ def steadiest_axis(surface: Surface, rotations: Mapping[str, NDArray[np.float64]
     return max(angles, key=angles.__getitem__)
 
 
-def tipping_angle(offsets: NDArray[np.float64]) -> float:
-    """Give the angle by which an object may lean, in its least steady direction, before it tips over.
+def tipping_angle(offsets: Floats) -> float:
+    """Give the angle by which an object may lean, in its least steady direction, before it tips over, radians.
 
-    Parameters
-    ----------
-    offsets : numpy.ndarray
-        Shape (n, 3), float64: vertices from the centre of mass, y up.
-
-    Returns
-    -------
-    float
-        Radians; negative where the centre is not above what the object stands on, and 0 where that is a
-        line or a point.
+    `offsets` (n, 3) are vertices from the centre of mass, y up. The angle is negative where the
+    centre is not above what the object stands on, and 0 where that is a line or a point.
     """
     from scipy.spatial import ConvexHull, QhullError
 

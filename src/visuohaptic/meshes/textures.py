@@ -46,28 +46,15 @@ class _Painted:
 def add_textures(
     parts: Sequence[Any], colours: NDArray[np.uint8]
 ) -> tuple[NDArray[np.uint8], Texture | None]:
-    """Give the colours and images of the faces of parts, one part after another.
+    """Give the colours (f, 3), uint8, sRGB, and the images of the faces of parts, one part after another.
 
-    Parameters
-    ----------
-    parts : sequence
-        Each with `vertices`, `faces` and a trimesh `visual`.
-    colours : numpy.ndarray
-        Shape (f, 3), uint8, sRGB: what faces without image have.
+    Each part has `vertices`, `faces` and a trimesh `visual`. Faces with an image have the mean of
+    it as their colour, others the given one. There is no texture if no image has more than one
+    colour. Images are multiplied by their material's colour: glTF's base colour as light, an MTL's
+    `Kd` as stored, unless it is black, as some programs write it beside an image. Transparency is
+    left out.
 
-    Returns
-    -------
-    colours : numpy.ndarray
-        The same, but of faces with an image the mean of it.
-    texture : Texture or None
-        None if there is no image of more than one colour. Images are multiplied by their material's colour: glTF's base colour as light, an MTL's `Kd` as
-        stored, unless it is black, as some programs write it beside an image. Transparency is
-        left out.
-
-    Raises
-    ------
-    MeshError
-        If an image can't be read or is too large.
+    Raises `MeshError` if an image can't be read or is too large.
     """
     texture = _texture_of(parts)
     if texture is None:

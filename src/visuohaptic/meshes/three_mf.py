@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.xml_claims import check_placed, check_size, parse_xml
 
@@ -28,31 +29,17 @@ _WHOLE: Key = ("", "")
 
 @dataclass(frozen=True)
 class _Object:
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    components: list[tuple[Key, NDArray[np.float64]]]
+    vertices: Floats
+    faces: Integers
+    components: list[tuple[Key, Floats]]
 
 
-def read_3mf(data: bytes) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Read all that a 3MF file builds, its parts where they stand.
+def read_3mf(data: bytes) -> tuple[Floats, Integers]:
+    """Read all that a 3MF file builds, its parts where they stand: vertices (v, 3) and faces (f, 3).
 
-    Parameters
-    ----------
-    data : bytes
-        The file.
-
-    Returns
-    -------
-    vertices : numpy.ndarray
-        Shape (v, 3), float64, in the file's own frame and unit.
-    faces : numpy.ndarray
-        Shape (f, 3), int64.
-
-    Raises
-    ------
-    MeshError
-        With the reason alone: if the file unpacks to too much, places too many parts, or refers to
-        what it does not hold. What is no zip archive or no XML fails as these do.
+    Vertices are in the file's own frame and unit. Raises `MeshError`, with the reason alone, if the
+    file unpacks to too much, places too many parts, or refers to what it does not hold. What is no
+    zip archive or no XML fails as these do.
     """
     with ZipFile(io.BytesIO(data)) as archive:
         _check_archive(archive)
@@ -102,7 +89,7 @@ def _read_objects(archive: ZipFile) -> dict[Key, _Object]:
     return objects
 
 
-def _assembly(components: list[tuple[Key, NDArray[np.float64]]]) -> _Object:
+def _assembly(components: list[tuple[Key, Floats]]) -> _Object:
     return _Object(np.empty((0, 3)), np.empty((0, 3), np.int64), components)
 
 
@@ -123,7 +110,7 @@ def _rows(element: Any, path: str, names: tuple[str, str, str], kind: Any) -> ND
     return np.array(rows, dtype=kind).reshape(-1, 3)
 
 
-def _references(element: Any, path: str, file: str) -> list[tuple[Key, NDArray[np.float64]]]:
+def _references(element: Any, path: str, file: str) -> list[tuple[Key, Floats]]:
     return [(_key(one, file), _transform(one)) for one in element.iterfind(path)]
 
 
@@ -132,7 +119,7 @@ def _key(element: Any, file: str) -> Key:
     return (elsewhere[0].strip("/").lower() if elsewhere else file), element.get("objectid", "")
 
 
-def _transform(element: Any) -> NDArray[np.float64]:
+def _transform(element: Any) -> Floats:
     """Give a matrix (4, 4) for row vectors."""
     matrix, numbers = np.eye(4), element.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()
     if len(numbers) != 12:
@@ -141,7 +128,7 @@ def _transform(element: Any) -> NDArray[np.float64]:
     return matrix
 
 
-def _place(objects: dict[Key, _Object]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _place(objects: dict[Key, _Object]) -> tuple[Floats, Integers]:
     vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
     waiting = [(_WHOLE, np.eye(4))]
     while waiting:

@@ -56,19 +56,10 @@ def check_placed(
 ) -> None:
     """Refuse a model whose parts stand for too many: each may hold others, and these again others.
 
-    Parameters
-    ----------
-    inside : mapping
-        The parts within each part, each as often as it stands there.
-    sizes : mapping of tuple of int
-        The shapes that each part has of its own, and their vertices and corners of faces.
-    whole : hashable
-        The part that is the model.
-
-    Raises
-    ------
-    MeshError
-        If a part holds itself, or there are more than `MOST_PARTS` or `MOST_CORNERS`.
+    `inside` are the parts within each part, each as often as it stands there; `sizes` the shapes
+    that each has of its own, and their vertices and corners of faces; `whole` is the part that is
+    the model. Raises `MeshError` if a part holds itself, or there are more than `MOST_PARTS` or
+    `MOST_CORNERS`.
     """
     parts: dict[Part, int] = {}
     corners: dict[Part, int] = {}

@@ -150,18 +150,7 @@ class Scene(BaseModel):
     effects: EffectModes = Field(default_factory=EffectModes)
 
     def with_effects(self, mode: Mode) -> Scene:
-        """Give the same scene with one mode for every effect.
-
-        Parameters
-        ----------
-        mode : {"auto", "always", "never"}
-            When each effect is simulated.
-
-        Returns
-        -------
-        Scene
-            Fit to measure what `auto` saves against `always`.
-        """
+        """Give the same scene with one mode for every effect, to measure what `auto` saves against `always`."""
         modes = EffectModes.model_validate(dict.fromkeys(EffectModes.model_fields, mode))
         return self.model_copy(update={"effects": modes})
 

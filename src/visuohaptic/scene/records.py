@@ -10,18 +10,10 @@ from visuohaptic.scene.parameters import Mode
 
 @dataclass(frozen=True)
 class EffectRecord:
-    """Record of one effect over a batch of touches.
+    """Record of one effect over a batch of touches; its reason is the same for every batch of the scene.
 
-    Attributes
-    ----------
-    effect, mode : str
-        The effect and when it may be simulated.
-    reason : str
-        Why it was needed, or why not; the same for every batch of the scene.
-    touches, needed, runs : int
-        Touches of the batch, those that needed it, those it was simulated for.
-    seconds : float
-        Processor time of the effect, including the decision; it differs from run to run.
+    It counts the batch's `touches`, those that `needed` it, and `runs`, those it was simulated for.
+    Processor `seconds` include the decision, and differ from run to run.
     """
 
     effect: str

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.imprints import RAYS_IN_FLIGHT, Poses, sensing_offsets
 
@@ -13,48 +13,23 @@ PERIMETER_RAYS = 128
 _STAND_CLEAR = 1e-9
 
 
-def box_heights(caster: RayCaster, poses: Poses) -> NDArray[np.float64]:
-    """Find how far the object's bounding box reaches above each tangent plane.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    poses : Poses
-        n sensors.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii: no part of the object stands higher.
-    """
+def box_heights(caster: RayCaster, poses: Poses) -> Floats:
+    """Find how far (n,) the object's bounding box reaches above each tangent plane, in object radii."""
     corners = np.where(
         poses.normals > 0, caster.bounds[1] - poses.points, caster.bounds[0] - poses.points
     )
     return (corners * poses.normals).sum(axis=1)
 
 
-def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> NDArray[np.float64]:
-    """Find how far a square can grow before the surface crosses its plane.
+def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> Floats:
+    """Find how far (n,) a square can grow before the surface crosses its plane, in object radii.
 
-    The surface that penetrates a plane is bounded by where it crosses it, so
-    rays within the plane, from the centre towards `PERIMETER_RAYS` points of the square's perimeter,
-    meet that bound exactly: also sheets along the normal, which no ray along the normal sees.
-    With directions of length one in the maximum norm, the distance along the ray is the half size itself.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    poses : Poses
-        n sensors.
-    height : float
-        Height of the plane above the tangent plane, object radii: the penetration tolerance.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii; infinite where no ray meets anything.
+    The plane is at a height above the tangent plane: the penetration tolerance. The surface that
+    penetrates it is bounded by where it crosses it, so rays within the plane, from the centre
+    towards `PERIMETER_RAYS` points of the square's perimeter, meet that bound exactly: also sheets
+    along the normal, which no ray along the normal sees. With directions of length one in the
+    maximum norm, the distance along the ray is the half size itself; it is infinite where no ray
+    meets anything.
     """
     free = np.full(len(poses), np.inf)
     step = RAYS_IN_FLIGHT // PERIMETER_RAYS
@@ -71,25 +46,12 @@ def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> NDArray[n
     return free
 
 
-def unobstructed_half_sizes(
-    heights: NDArray[np.float64], sizes: NDArray[np.float64], tolerance: float
-) -> NDArray[np.float64]:
-    """Find the square within which no sensing point is penetrated.
+def unobstructed_half_sizes(heights: Floats, sizes: Floats, tolerance: float) -> Floats:
+    """Find the half edge (n,) of the square within which no sensing point stands above a tolerance.
 
-    Parameters
-    ----------
-    heights : numpy.ndarray
-        Shape (n, r, r), float64: `cast_heights` of squares of the edges `sizes`.
-    sizes : numpy.ndarray
-        Shape (n,), float64, object radii.
-    tolerance : float
-        Greatest height that counts as no penetration, object radii.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii: distance in the maximum norm from the centre to the
-        nearest penetrated sensing point; infinite where there is none.
+    It is the distance in the maximum norm from the centre to the nearest penetrated sensing point,
+    infinite where there is none. `heights` (n, r, r) are `cast_heights` of squares of the edges
+    `sizes` (n,); all lengths are in object radii.
     """
     offsets = np.abs(sensing_offsets(heights.shape[-1]))
     distance = np.maximum(offsets[:, None], offsets[None, :])
@@ -97,48 +59,22 @@ def unobstructed_half_sizes(
     return 0.5 * sizes * nearest
 
 
-def approach_distances(caster: RayCaster, poses: Poses, height: float) -> NDArray[np.float64]:
-    """Find how far each sensor's centre can be drawn back along its normal.
+def approach_distances(caster: RayCaster, poses: Poses, height: float) -> Floats:
+    """Find how far (n,) above its tangent plane each sensor's centre can be drawn back along its normal.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    poses : Poses
-        n sensors.
-    height : float
-        Height above the tangent plane at which the way starts, object radii.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii above the tangent plane; infinite for an open way.
+    The way starts at a height above the plane; it is infinite where it is open. All in object
+    radii.
     """
     origins = poses.points + height * poses.normals
     return height + caster.first_hits(origins, poses.normals).distance
 
 
-def admissible_sizes(
-    half_sizes: NDArray[np.float64], smallest: float, largest: float
-) -> NDArray[np.float64]:
-    """Give the edge of the square from the half size that is free.
-
-    Parameters
-    ----------
-    half_sizes : numpy.ndarray
-        Shape (n,), float64, object radii: nothing within penetrates.
-    smallest, largest : float
-        The sensor's sizes, object radii.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), float64, object radii.
-    """
+def admissible_sizes(half_sizes: Floats, smallest: float, largest: float) -> Floats:
+    """Give the edge of the square from the half size within which nothing penetrates, in object radii."""
     return np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)
 
 
-def _perimeter_directions() -> NDArray[np.float64]:
+def _perimeter_directions() -> Floats:
     side = PERIMETER_RAYS // 4
     along = -1 + 2 * np.arange(side) / side
     edge = np.ones(side)

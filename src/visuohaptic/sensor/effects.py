@@ -7,41 +7,22 @@ is needed and passes it the values of the scene.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.registry import Registry
 from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene, check_free, grow_scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
 from visuohaptic.sensor.planner import Effect, Need, Signal, Situation, apply_effect
-from visuohaptic.sensor.readout import (
-    add_noise,
-    break_cells,
-    quantise,
-    read_floating,
-    read_grounded,
-)
+from visuohaptic.sensor.readout import quantise, read_floating, read_grounded
 
 
-def simulate(
-    situation: Situation, contact: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], tuple[EffectRecord, ...]]:
+def simulate(situation: Situation, contact: Floats) -> tuple[Floats, tuple[EffectRecord, ...]]:
     """Apply all effects that the scene needs, in the order of `EFFECTS`.
 
-    Parameters
-    ----------
-    situation : Situation
-        n touches.
-    contact : numpy.ndarray
-        Shape (n, r, r), float64, in [0, 1]: the output of a sensor without a cover.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64, of full scale: the readings, clipped to [0, 1].
-    tuple of EffectRecord
-        One for each effect.
+    `contact` (n, r, r) is the output, in [0, 1], of a sensor without a cover. Gives the readings
+    (n, r, r), of full scale, clipped to [0, 1].
     """
     modes = situation.scene.effects
     covered = situation.scene.cover != "none" and modes.elastic_cover != "never"
@@ -69,18 +50,7 @@ def add_effect(entry: Effect, source: str) -> None:
 
 
 def peak_depth_m(scene: Scene) -> float:
-    """Give the deepest press since the sensor was last free of the object, metres.
-
-    Parameters
-    ----------
-    scene : Scene
-        A scene of one or more presses.
-
-    Returns
-    -------
-    float
-        At least the last depth.
-    """
+    """Give the deepest press since the sensor was last free of the object, metres: at least the last depth."""
     depths = np.array(scene.press_depths_m)
     free = np.flatnonzero(depths[:-1] <= 0)
     since = free[-1] + 1 if len(free) else 0
@@ -95,11 +65,11 @@ def _nowhere(situation: Situation, reason: str) -> Need:
     return Need(np.zeros(len(situation), dtype=bool), reason)
 
 
-def _any_cell(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _any_cell(cells: Booleans) -> Booleans:
     return np.logical_or.reduce(cells.reshape(len(cells), -1), axis=1)
 
 
-def _loaded(outputs: NDArray[np.float64], reason: str) -> Need:
+def _loaded(outputs: Floats, reason: str) -> Need:
     return Need(_any_cell(outputs > 0), f"{reason}, where any cell is loaded")
 
 
@@ -121,7 +91,7 @@ def _run_elastic_cover(situation: Situation, signal: Signal) -> Signal:
     return Signal(now, _pressures(situation, peak_depth) if released else now)
 
 
-def _pressures(situation: Situation, depth_m: float) -> NDArray[np.float64]:
+def _pressures(situation: Situation, depth_m: float) -> Floats:
     scene = situation.scene
     indentations = depth_m - situation.gaps_m
     elastic = (scene.cover_modulus_pa, scene.cover_poisson_ratio)
@@ -200,7 +170,7 @@ def _need_dead_cells(situation: Situation, signal: Signal) -> Need:
 def _run_dead_cells(situation: Situation, signal: Signal) -> Signal:
     chances = situation.random.of_sensor("dead_cells").random(signal.now.shape[1:])
     dead = chances < situation.scene.dead_fraction
-    return signal.map(lambda values: break_cells(values, dead))
+    return signal.map(lambda values: np.where(dead, 0.0, values))
 
 
 def _need_crosstalk(situation: Situation, signal: Signal) -> Need:
@@ -234,7 +204,7 @@ def _need_noise(situation: Situation, _: Signal) -> Need:
 
 def _run_noise(situation: Situation, signal: Signal) -> Signal:
     deviates = situation.random.of_touches("noise", signal.now.shape[-1])
-    now = add_noise(signal.now, situation.scene.noise, deviates)
+    now = signal.now + situation.scene.noise * deviates
     return Signal(now, now)
 
 

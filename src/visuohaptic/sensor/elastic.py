@@ -7,7 +7,8 @@ half-space couples all points by Boussinesq's solution, so a cover also gives wa
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats
 
 # Half-space: relative change of the pressure's sum at which a touch counts as solved, and the
 # iterations after which it is left as it is; contacts of 32 × 32 cells need some 40.
@@ -16,27 +17,14 @@ _ITERATIONS = 500
 
 
 def winkler_pressures(
-    indentations: NDArray[np.float64],
-    modulus_pa: float,
-    poisson_ratio: float,
-    thickness_m: float,
-) -> NDArray[np.float64]:
-    """Give the pressure on a thin layer bonded to a rigid backing, spring by spring.
+    indentations: Floats, modulus_pa: float, poisson_ratio: float, thickness_m: float
+) -> Floats:
+    """Give the pressure (n, r, r), pascal, on a thin layer bonded to a rigid backing, spring by spring.
 
-    ``p = w E (1 - ν) / ((1 + ν)(1 - 2ν) h)``: the layer can't bulge sideways, so the modulus of confined
-    compression counts (Johnson, Contact Mechanics, 1985, section 4.3).
-
-    Parameters
-    ----------
-    indentations : numpy.ndarray
-        Shape (n, r, r), float64, metres: overlap of object and cover; negative for a gap.
-    modulus_pa, poisson_ratio, thickness_m : float
-        The layer: Young's modulus, Poisson's ratio below 0.5, thickness.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64, pascal.
+    ``p = w E (1 - ν) / ((1 + ν)(1 - 2ν) h)``: the layer can't bulge sideways, so the modulus of
+    confined compression counts (Johnson, Contact Mechanics, 1985, section 4.3). `indentations` (n,
+    r, r) are the overlap of object and cover, metres, negative for a gap; Poisson's ratio is below
+    0.5.
     """
     nu = poisson_ratio
     confined = modulus_pa * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
@@ -44,30 +32,15 @@ def winkler_pressures(
 
 
 def half_space_pressures(
-    indentations: NDArray[np.float64],
-    cell_edges_m: NDArray[np.float64],
-    modulus_pa: float,
-    poisson_ratio: float,
-) -> NDArray[np.float64]:
-    """Give the pressure on an elastic half-space that a rigid object is pressed into.
+    indentations: Floats, cell_edges_m: Floats, modulus_pa: float, poisson_ratio: float
+) -> Floats:
+    """Give the pressure (n, r, r), pascal, on an elastic half-space that a rigid object is pressed into.
 
-    Finds pressures ``p >= 0`` whose displacements equal the indentation wherever ``p > 0``
-    and are no less elsewhere, by the conjugate gradient method of Polonsky and Keer (Wear
-    231, 1999) with the displacement given; convolution by FFT on the doubled grid.
-
-    Parameters
-    ----------
-    indentations : numpy.ndarray
-        Shape (n, r, r), float64, metres: overlap of object and cover; negative for a gap.
-    cell_edges_m : numpy.ndarray
-        Shape (n,), float64, metres: edge of a cell, over which pressure is constant.
-    modulus_pa, poisson_ratio : float
-        Young's modulus and Poisson's ratio of the cover.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64, pascal.
+    Finds pressures ``p >= 0`` whose displacements equal the indentation wherever ``p > 0`` and are
+    no less elsewhere, by the conjugate gradient method of Polonsky and Keer (Wear 231, 1999) with
+    the displacement given; convolution by FFT on the doubled grid. `indentations` (n, r, r) are the
+    overlap of object and cover, metres, negative for a gap; over a cell, of the edges
+    `cell_edges_m` (n,), pressure is constant.
     """
     count, resolution = indentations.shape[:2]
     flat = indentations.reshape(count, -1)
@@ -101,22 +74,12 @@ def half_space_pressures(
     return (stiffness[:, None] * loads).reshape(indentations.shape)
 
 
-def boussinesq_kernel(resolution: int) -> NDArray[np.float64]:
-    """Give the half-space's displacements under pressure on one square cell.
+def boussinesq_kernel(resolution: int) -> Floats:
+    """Give the half-space's displacements (2r, 2r) under pressure on one square cell.
 
-    A. E. H. Love's integral of Boussinesq's point load over a rectangle, as in Johnson,
-    Contact Mechanics (1985), equation 3.25, at the cells' centres.
-
-    Parameters
-    ----------
-    resolution : int
-        Number r of cells along an edge.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (2r, 2r), float64: displacement × πE / ((1 - ν²) pressure × cell edge), at the lags
-        0, 1, …, r - 1, -r, …, -1 along each axis.
+    A. E. H. Love's integral of Boussinesq's point load over a rectangle, as in Johnson, Contact
+    Mechanics (1985), equation 3.25, at the cells' centres. In units of (1 - ν²) pressure × cell
+    edge / πE, at the lags 0, 1, …, r - 1, -r, …, -1 along each axis.
     """
     lags = np.roll(np.arange(-resolution, resolution, dtype=np.float64), resolution)
     x, y = lags[:, None], lags[None, :]
@@ -128,18 +91,18 @@ def boussinesq_kernel(resolution: int) -> NDArray[np.float64]:
     )
 
 
-def _edge_term(distance: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
+def _edge_term(distance: Floats, along: Floats) -> Floats:
     # asinh is the logarithm of Johnson's equation without its cancellation.
     far = np.abs(distance)
     return distance * (np.arcsinh((along + 0.5) / far) - np.arcsinh((along - 0.5) / far))
 
 
-def _kernel_spectrum(resolution: int) -> NDArray[np.float64]:
+def _kernel_spectrum(resolution: int) -> Floats:
     # The kernel is even along both axes, so its spectrum is real.
     return np.fft.rfft2(boussinesq_kernel(resolution)).real
 
 
-def _displace(loads: NDArray[np.float64], spectrum: NDArray[np.float64]) -> NDArray[np.float64]:
+def _displace(loads: Floats, spectrum: Floats) -> Floats:
     doubled = spectrum.shape[0]
     resolution = doubled // 2
     grid = loads.reshape(-1, resolution, resolution)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats, Integers
 
 if TYPE_CHECKING:
     from visuohaptic.geometry.raycasting import RayCaster
@@ -16,14 +17,11 @@ if TYPE_CHECKING:
 _POLE_OFFSET = 0.25
 
 
-def column_axes(
-    normals: NDArray[np.float64], orientation: Orientation = "upright"
-) -> NDArray[np.float64]:
-    """Give the direction in which an imprint's columns count up, from the normal alone.
+def column_axes(normals: Floats, orientation: Orientation = "upright") -> Floats:
+    """Give the direction (n, 3) in which an imprint's columns count up, from the outward normal alone.
 
-    Seen from outside, columns count to the right and rows downwards
-    (`row_axes`). No such rule is continuous over all normals (the hairy ball
-    theorem), so each says where it breaks:
+    Seen from outside, columns count to the right and rows downwards (`row_axes`); y is up. No such
+    rule is continuous over all normals (the hairy ball theorem), so each says where it breaks:
 
     - ``upright``: along ``y × n + n_y² x / 4``, made tangent. Columns are
       horizontal on every upright wall, and along +x on level faces. It breaks in the
@@ -31,18 +29,6 @@ def column_axes(
       the poles themselves, so slight tilts of a table top do not turn its imprints.
     - ``transported``: the x axis, turned the shortest way from +y to the normal.
       It breaks at -y alone.
-
-    Parameters
-    ----------
-    normals : numpy.ndarray
-        Shape (n, 3), float64, outward unit normals; y is up.
-    orientation : {"upright", "transported"}
-        The convention.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64, unit vectors perpendicular to the normals.
     """
     axes = _transported_x(normals) if orientation == "transported" else _upright_x(normals)
     axes = axes - np.einsum("ij,ij->i", axes, normals)[:, None] * normals
@@ -54,56 +40,31 @@ def column_axes(
     return axes / lengths[:, None]
 
 
-def row_axes(normals: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give the direction in which an imprint's rows count up: downwards, seen from outside.
-
-    Parameters
-    ----------
-    normals, columns : numpy.ndarray
-        Shape (n, 3) each, float64: outward unit normals and `column_axes`.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64, unit vectors.
-    """
+def row_axes(normals: Floats, columns: Floats) -> Floats:
+    """Give the direction (n, 3) in which an imprint's rows count up: downwards, seen from outside."""
     return np.cross(columns, normals)
 
 
-def _upright_x(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _upright_x(normals: Floats) -> Floats:
     x, y, z = normals.T
     return np.column_stack([z + _POLE_OFFSET * y**2, np.zeros_like(x), -x])
 
 
-def _transported_x(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _transported_x(normals: Floats) -> Floats:
     x, y, z = normals.T
     shrink = np.divide(x, 1 + y, out=np.zeros_like(x), where=1 + y > 1e-12)
     return np.column_stack([1 - x * shrink, -x, -z * shrink])
 
 
-def _any_perpendicular(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _any_perpendicular(normals: Floats) -> Floats:
     least = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
     return np.cross(least, normals)
 
 
-def touched_normals(
-    caster: RayCaster, normals: NDArray[np.float64], faces: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Give the touched faces' own normals, turned to the side of given ones.
+def touched_normals(caster: RayCaster, normals: Floats, faces: Integers) -> Floats:
+    """Give the touched faces' own unit normals (n, 3), turned to the side of given ones.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    normals : numpy.ndarray
-        Shape (n, 3), float64, outward unit normals, such as interpolated ones.
-    faces : numpy.ndarray
-        Shape (n,), int64: the face under each probing location.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64, unit normals; the given one where a face has no area.
+    Where a face has no area, the given one, such as an interpolated one, stays.
     """
     own = caster.surface.face_normals[faces]
     side = np.einsum("ij,ij->i", own, normals)[:, None]

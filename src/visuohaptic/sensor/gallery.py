@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import Scene
@@ -15,7 +16,7 @@ from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.random_fields import RandomFields
 from visuohaptic.sensor.touching import Touches, touch
 
-Height = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+Height = Callable[[Floats, Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -31,22 +32,7 @@ class HardProbe:
 def touch_gallery(
     parameters: SensorParameters, scene: Scene, seed: int = 0
 ) -> list[tuple[HardProbe, Touches]]:
-    """Touch every hard place once.
-
-    Parameters
-    ----------
-    parameters : SensorParameters
-        The sensor's measures.
-    scene : Scene
-        What is simulated.
-    seed : int
-        Where random numbers come from.
-
-    Returns
-    -------
-    list of (HardProbe, Touches)
-        One touch each.
-    """
+    """Touch every hard place once."""
     return [
         (
             probe,
@@ -64,13 +50,7 @@ def touch_gallery(
 
 
 def hard_probes() -> tuple[HardProbe, ...]:
-    """Give the hard places: a bowl, a screw thread, a cup, a leaf, a knife and a cone.
-
-    Returns
-    -------
-    tuple of HardProbe
-        Each fits into the unit sphere.
-    """
+    """Give the hard places, within the unit sphere: a bowl, a screw thread, a cup, a leaf, a knife and a cone."""
     thread, cup, leaf = _screw(), _cup(), _leaf()
     slope = 1 / np.hypot(0.45, 1)
     rim_height = float(0.15 * np.sin(1.2) + 0.05)
@@ -90,21 +70,10 @@ def hard_probes() -> tuple[HardProbe, ...]:
 
 
 def sheet(height: Height, half: float = 0.5, cells: int = 200) -> Surface:
-    """Give the graph y = height(x, z) over a square, wound counter-clockwise from above.
+    """Give the graph y = height(x, z) over a square, wound counter-clockwise from above: an open sheet.
 
-    Parameters
-    ----------
-    height : callable
-        Takes x and z, any one shape, and gives y.
-    half : float
-        Half the square's edge.
-    cells : int
-        Cells along the edge, two triangles each, split along their (+x, +z) diagonal.
-
-    Returns
-    -------
-    Surface
-        An open sheet.
+    The square has half an edge of `half`, and along it `cells` of two triangles each, split along
+    their (+x, +z) diagonal.
     """
     along = np.linspace(-half, half, cells + 1)
     x, z = np.meshgrid(along, along, indexing="ij")
@@ -114,20 +83,7 @@ def sheet(height: Height, half: float = 0.5, cells: int = 200) -> Surface:
 
 
 def revolve(radii: ArrayLike, heights: ArrayLike, segments: int = 96) -> Surface:
-    """Give the surface that a profile sweeps around the y axis; radius 0 closes an end.
-
-    Parameters
-    ----------
-    radii, heights : array_like
-        Shape (k,): the profile.
-    segments : int
-        Steps around the axis.
-
-    Returns
-    -------
-    Surface
-        Without the faces of no area at the axis.
-    """
+    """Give the surface that a profile (k,) sweeps around the y axis; radius 0 closes an end."""
     angles = np.linspace(0, 2 * np.pi, segments, endpoint=False)
     ring = np.column_stack([np.cos(angles), np.zeros(segments), np.sin(angles)])
     radii, heights = np.asarray(radii, dtype=float), np.asarray(heights, dtype=float)
@@ -137,22 +93,7 @@ def revolve(radii: ArrayLike, heights: ArrayLike, segments: int = 96) -> Surface
 
 
 def tube(path: ArrayLike, radius: float, sides: int = 24) -> Surface:
-    """Give a round tube along a path, open at its ends.
-
-    Parameters
-    ----------
-    path : array_like
-        Shape (k, 3).
-    radius : float
-        Of the section.
-    sides : int
-        Steps around the section.
-
-    Returns
-    -------
-    Surface
-        The tube.
-    """
+    """Give a round tube along a path (k, 3), open at its ends."""
     path = np.asarray(path, dtype=float)
     along = np.gradient(path, axis=0)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -164,18 +105,7 @@ def tube(path: ArrayLike, radius: float, sides: int = 24) -> Surface:
 
 
 def join(*surfaces: Surface) -> Surface:
-    """Put the parts of an object together, vertices left apart.
-
-    Parameters
-    ----------
-    *surfaces : Surface
-        The parts.
-
-    Returns
-    -------
-    Surface
-        Their faces in order.
-    """
+    """Put the parts of an object together, vertices left apart."""
     starts = np.cumsum([0, *(len(surface.vertices) for surface in surfaces[:-1])])
     return build_surface(
         np.concatenate([surface.vertices for surface in surfaces]),
@@ -186,31 +116,18 @@ def join(*surfaces: Surface) -> Surface:
 
 
 def build_surface(vertices: ArrayLike, faces: ArrayLike) -> Surface:
-    """Make a grey surface of vertices and faces.
-
-    Parameters
-    ----------
-    vertices : array_like
-        Any shape whose last axis holds x, y, z.
-    faces : array_like
-        Shape (f, 3): rows of the vertices.
-
-    Returns
-    -------
-    Surface
-        The surface.
-    """
+    """Make a grey surface of vertices, x, y, z along their last axis, and faces (f, 3)."""
     faces = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
     vertices = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
     return Surface(vertices, faces, np.full((len(faces), 3), 128, dtype=np.uint8))
 
 
-def _split_quads(*corners: NDArray[np.int64]) -> NDArray[np.int64]:
+def _split_quads(*corners: Integers) -> Integers:
     a, b, c, d = (corner.reshape(-1) for corner in corners)
     return np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
 
 
-def _wrap_rings(rings: int, steps: int) -> NDArray[np.int64]:
+def _wrap_rings(rings: int, steps: int) -> Integers:
     index = np.arange(rings * steps).reshape(rings, steps)
     beside = np.roll(index, -1, axis=1)
     return _split_quads(index[:-1], index[1:], beside[1:], beside[:-1])

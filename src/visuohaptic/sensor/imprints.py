@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.frames import column_axes, row_axes
 from visuohaptic.sensor.parameters import Orientation
@@ -21,21 +22,16 @@ SMOOTHING_RESOLUTION = 8
 
 @dataclass(frozen=True)
 class Poses:
-    """Frames of n sensors.
+    """Frames of n sensors, (n, 3) each.
 
-    Attributes
-    ----------
-    points : numpy.ndarray
-        Shape (n, 3), float64: centres of the squares, object frame.
-    normals, columns, rows : numpy.ndarray
-        Shape (n, 3) each, float64: right-angled unit axes; `normals` point
-        away from the object, `columns` and `rows` are the imprint's axes.
+    `points` are the squares' centres, object frame. The other three are right-angled unit axes:
+    `normals` point away from the object, `columns` and `rows` are the imprint's axes.
     """
 
-    points: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    columns: NDArray[np.float64]
-    rows: NDArray[np.float64]
+    points: Floats
+    normals: Floats
+    columns: Floats
+    rows: Floats
 
     def __len__(self) -> int:
         return len(self.points)
@@ -49,73 +45,27 @@ class Poses:
         )
 
 
-def stand_on(
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    orientation: Orientation = "upright",
-) -> Poses:
-    """Place sensors on points of a surface.
-
-    Parameters
-    ----------
-    points, normals : numpy.ndarray
-        Shape (n, 3) each, float64: probing locations and outward unit normals.
-    orientation : {"upright", "transported"}
-        How the square is turned about the normal, see `column_axes`.
-
-    Returns
-    -------
-    Poses
-        The sensors' frames.
-    """
+def stand_on(points: Floats, normals: Floats, orientation: Orientation = "upright") -> Poses:
+    """Place sensors on points (n, 3) with outward unit normals (n, 3), turned as `column_axes` says."""
     columns = column_axes(normals, orientation)
     return Poses(points, normals, columns, row_axes(normals, columns))
 
 
-def sensing_offsets(resolution: int) -> NDArray[np.float64]:
-    """Give the sensing points along one axis of the square: centres of equal cells.
-
-    Parameters
-    ----------
-    resolution : int
-        Number r of cells along the edge.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (r,), float64, in half edges of the square: symmetric, within (-1, 1).
-    """
+def sensing_offsets(resolution: int) -> Floats:
+    """Give the sensing points along one axis of the square, in half its edges: centres of equal cells."""
     return (2 * np.arange(resolution) + 1 - resolution) / resolution
 
 
 def cast_heights(
-    caster: RayCaster,
-    poses: Poses,
-    sizes: NDArray[np.float64],
-    lifts: NDArray[np.float64],
-    resolution: int | tuple[int, int],
-) -> NDArray[np.float64]:
-    """Cast the sensing points along the normals and give the surface's height at each.
+    caster: RayCaster, poses: Poses, sizes: Floats, lifts: Floats, resolution: int | tuple[int, int]
+) -> Floats:
+    """Cast the sensing points along the normals and give the surface's height at each, object radii.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    poses : Poses
-        n sensors.
-    sizes, lifts : numpy.ndarray
-        Shape (n,) each, float64, object radii: edge of each square, and the height above the
-        tangent plane at which its rays start. Rectangles have sizes of shape (n, 2): along the rows'
-        axis, along the columns'.
-    resolution : int or (int, int)
-        Sensing points r along the edge, or r rows and c columns.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r) or (n, r, c), float64, object radii: height of the first surface
-        met above the tangent plane, negative below it, minus infinity where nothing is met.
-        Row and column index run along `Poses.rows` and `Poses.columns`.
+    Heights (n, r, r) are those of the first surface met above the tangent plane, negative below it,
+    minus infinity where nothing is met; row and column index run along `Poses.rows` and
+    `Poses.columns`. `sizes` (n,) are the squares' edges, and `lifts` (n,) the heights above the
+    tangent plane at which rays start. Rectangles have sizes (n, 2), along the rows' axis and along
+    the columns', and a resolution of rows and columns.
     """
     grid = (resolution, resolution) if isinstance(resolution, int) else resolution
     edges = sizes if sizes.ndim == 2 else np.column_stack([sizes, sizes])
@@ -128,44 +78,24 @@ def cast_heights(
 
 
 def _cast_part(
-    caster: RayCaster,
-    poses: Poses,
-    edges: NDArray[np.float64],
-    lifts: NDArray[np.float64],
-    grid: tuple[int, int],
-) -> NDArray[np.float64]:
+    caster: RayCaster, poses: Poses, edges: Floats, lifts: Floats, grid: tuple[int, int]
+) -> Floats:
     origins, directions = _rays(poses, edges, lifts, grid)
     drop = np.max(CRACK_DEPTH * edges / np.array(grid), axis=1)
 
-    def falls_between(distances: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def falls_between(distances: Floats) -> Booleans:
         return _falls_between(distances.reshape(-1, *grid), drop).ravel()
 
     distances = caster.first_hits(origins, directions, falls_between).distance
     return lifts[:, None, None] - distances.reshape(-1, *grid)
 
 
-def smooth_normals(
-    caster: RayCaster, poses: Poses, size: float, clearance: float
-) -> NDArray[np.float64]:
-    """Give the mean normal of the surface under each sensor.
+def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: float) -> Floats:
+    """Give the mean unit normal (n, 3) of the surface under each sensor, within 90 degrees of the pose's own.
 
-    The surface within the clearance above and below the plane is sampled on an even grid of the
-    square. Samples have equal weights; their normals are flipped towards the sensor, and the
-    pose's own normal is one more sample.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    poses : Poses
-        n sensors.
-    size, clearance : float
-        Edge of the square, and height of the sensor's body, object radii.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, 3), float64, unit normals within 90 degrees of the poses' own.
+    The surface within the clearance, the height of the sensor's body, above and below the plane is
+    sampled on an even grid of the square. Samples have equal weights; their normals are flipped
+    towards the sensor, and the pose's own normal is one more sample.
     """
     count = len(poses)
     origins, directions = _rays(
@@ -181,8 +111,8 @@ def smooth_normals(
 
 
 def _rays(
-    poses: Poses, edges: NDArray[np.float64], lifts: NDArray[np.float64], grid: tuple[int, int]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    poses: Poses, edges: Floats, lifts: Floats, grid: tuple[int, int]
+) -> tuple[Floats, Floats]:
     # Component by component, so that NumPy's inner loops run along the rays.
     down, aside = (
         0.5 * edges[:, [place]] * sensing_offsets(count) for place, count in enumerate(grid)
@@ -195,7 +125,7 @@ def _rays(
     return origins.reshape(3, -1).T, directions.T
 
 
-def _falls_between(distances: NDArray[np.float64], drop: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _falls_between(distances: Floats, drop: Floats) -> Booleans:
     falls = np.zeros(distances.shape, dtype=bool)
     bounds = distances - drop[:, None, None]
     inner = slice(1, -1)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode
 from visuohaptic.scene.records import EffectRecord
@@ -26,49 +27,26 @@ from visuohaptic.sensor.parameters import SensorParameters
 class Placement:
     """How n sensors are placed on the object.
 
-    Attributes
-    ----------
-    heights : numpy.ndarray
-        Shape (n, r, r), float64, object radii: the surface above the tangent plane.
-    sizes : numpy.ndarray
-        Shape (n,), float64, object radii: edge of each square.
-    blocked : numpy.ndarray
-        Shape (n,), bool: the approach is obstructed.
-    record : EffectRecord
-        Record of the adaptive size; its seconds include the decision.
+    `heights` (n, r, r) are those of the surface above the tangent plane and `sizes` (n,) the
+    squares' edges, object radii; `blocked` (n,) says where the approach is obstructed. The seconds
+    of the adaptive size's record include the decision.
     """
 
-    heights: NDArray[np.float64]
-    sizes: NDArray[np.float64]
-    blocked: NDArray[np.bool_]
+    heights: Floats
+    sizes: Floats
+    blocked: Booleans
     record: EffectRecord
 
 
 def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: Mode) -> Placement:
-    """Place sensors on the object, each as large as the object allows.
+    """Place sensors on the object, each as large as the object allows, whatever else is in the batch.
 
-    Rays start outside the object, so that they hit everything in the corridor of approach; if
-    the centre's own approach is obstructed, they start within the sensor's clearance instead.
+    Rays start outside the object, so that they hit everything in the corridor of approach; if the
+    centre's own approach is obstructed, they start within the sensor's clearance instead.
 
-    A touch needs an adaptive size if the object's bounding box reaches above its tangent
-    plane. Then the surface's crossings of that plane bound the square in closed form before
-    it is cast. What still penetrates (an overhang crosses no plane) bounds it again.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    poses : Poses
-        n sensors.
-    parameters : SensorParameters
-        The sensor's measures.
-    mode : {"auto", "always", "never"}
-        When the size adapts.
-
-    Returns
-    -------
-    Placement
-        Independent of what else is in the batch.
+    A touch needs an adaptive size if the object's bounding box reaches above its tangent plane.
+    Then the surface's crossings of that plane bound the square in closed form before it is cast.
+    What still penetrates (an overhang crosses no plane) bounds it again.
     """
     tolerance, resolution = parameters.penetration_tolerance, parameters.resolution
     way_out = approach_distances(caster, poses, tolerance)
@@ -111,10 +89,10 @@ def _shrink_further(
     caster: RayCaster,
     poses: Poses,
     parameters: SensorParameters,
-    lifts: NDArray[np.float64],
+    lifts: Floats,
     rows: NDArray[np.intp],
-    sizes: NDArray[np.float64],
-    heights: NDArray[np.float64],
+    sizes: Floats,
+    heights: Floats,
 ) -> None:
     """Shrink the squares of some rows, in place, until no sensing point is penetrated."""
     tolerance, smallest = parameters.penetration_tolerance, parameters.smallest_size

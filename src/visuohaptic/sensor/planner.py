@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.errors import ParameterError
+from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.random_fields import RandomFields
@@ -20,21 +21,14 @@ from visuohaptic.sensor.random_fields import RandomFields
 class Situation:
     """Input of the effects for n touches; r is the sensor's resolution.
 
-    Attributes
-    ----------
-    scene : Scene
-        What is simulated.
-    gaps_m : numpy.ndarray
-        Shape (n, r, r), float64, metres: from the sensor's plane down to the object.
-    cell_edges_m : numpy.ndarray
-        Shape (n,), float64, metres: edge of a sensing cell.
-    fields : RandomFields or None
-        Source of random numbers; None if nothing random is simulated.
+    `gaps_m` (n, r, r), float64, are the metres from the sensor's plane down to the object,
+    `cell_edges_m` (n,) a sensing cell's edge, metres. `fields` is the source of random numbers,
+    None if nothing random is simulated.
     """
 
     scene: Scene
-    gaps_m: NDArray[np.float64]
-    cell_edges_m: NDArray[np.float64]
+    gaps_m: Floats
+    cell_edges_m: Floats
     fields: RandomFields | None
 
     def __len__(self) -> int:
@@ -61,23 +55,20 @@ class Situation:
 
 @dataclass(frozen=True)
 class Signal:
-    """The cells' outputs between two effects.
+    """The cells' outputs between two effects, (n, r, r), float64, of full scale.
 
-    Attributes
-    ----------
-    now, peak : numpy.ndarray
-        Shape (n, r, r) each, float64, of full scale: at the reading, and the highest since the
-        cells were last unloaded. The same array if nothing was released.
+    `now` is at the reading, `peak` the highest since the cells were last unloaded: the same array
+    if nothing was released.
     """
 
-    now: NDArray[np.float64]
-    peak: NDArray[np.float64]
+    now: Floats
+    peak: Floats
 
     def select(self, rows: NDArray[np.intp]) -> Signal:
         """Give the signal of some touches alone."""
         return self.map(lambda values: values[rows])
 
-    def map(self, change: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> Signal:
+    def map(self, change: Callable[[Floats], Floats]) -> Signal:
         """Apply one function to both outputs, once where they are the same."""
         now = change(self.now)
         return Signal(now, now if self.peak is self.now else change(self.peak))
@@ -94,7 +85,7 @@ class Signal:
 class Need:
     """Whether touches need an effect, shape (n,), bool, and why or why not."""
 
-    rows: NDArray[np.bool_]
+    rows: Booleans
     reason: str
 
 
@@ -133,26 +124,7 @@ class Effect:
 def apply_effect(
     effect: Effect, mode: Mode, situation: Situation, signal: Signal
 ) -> tuple[Signal, EffectRecord]:
-    """Simulate an effect for the touches that its mode selects.
-
-    Parameters
-    ----------
-    effect : Effect
-        The effect.
-    mode : {"auto", "always", "never"}
-        When it is simulated.
-    situation : Situation
-        The touches.
-    signal : Signal
-        Their outputs so far; left as it is.
-
-    Returns
-    -------
-    Signal
-        The outputs after the effect.
-    EffectRecord
-        What was done.
-    """
+    """Simulate an effect for the touches that its mode selects; the signal that is given stays as it is."""
     started = time.process_time()
     need = effect.need(situation, signal)
     running = np.full(len(situation), mode == "always") if mode != "auto" else need.rows
@@ -174,9 +146,7 @@ def apply_effect(
     return signal, record
 
 
-def _put(
-    values: NDArray[np.float64], rows: NDArray[np.intp], part: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _put(values: Floats, rows: NDArray[np.intp], part: Floats) -> Floats:
     values = values.copy()
     values[rows] = part
     return values

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.seeds import spawn_generator
 
 
@@ -15,17 +16,10 @@ from visuohaptic.seeds import spawn_generator
 class RandomFields:
     """Source of the random numbers of a sensor array.
 
-    Each field depends only on the seed, the effect, and the key of the sensor or touch, so
-    other effects, batching and the order of touches do not matter.
-
-    Attributes
-    ----------
-    seed : int
-        The experiment's random seed.
-    touches : sequence of tuple
-        One chain of names a touch, such as ``("cup/mug", 3, "fixation", 0)``.
-    sensor : str
-        Name of the sensor, whose gains and dead cells stay from touch to touch.
+    Each field depends only on the seed, the effect, and the key of the sensor or touch, so other
+    effects, batching and the order of touches do not matter. `touches` holds one chain of names a
+    touch, such as ``("cup/mug", 3, "fixation", 0)``; `sensor` names the sensor, whose gains and
+    dead cells stay from touch to touch.
     """
 
     seed: int
@@ -40,7 +34,7 @@ class RandomFields:
         """Give the random generator of an effect's values that belong to the sensor."""
         return spawn_generator(self.seed, "sensor", self.sensor, effect)
 
-    def of_touches(self, effect: str, resolution: int) -> NDArray[np.float64]:
+    def of_touches(self, effect: str, resolution: int) -> Floats:
         """Draw each touch's standard normal deviates for an effect, shape (n, r, r)."""
         shape = (resolution, resolution)
         fields = [

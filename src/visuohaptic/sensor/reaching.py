@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.adaptive_size import approach_distances, box_heights
 from visuohaptic.sensor.imprints import Poses, cast_heights
@@ -14,44 +14,27 @@ from visuohaptic.sensor.touching import batches, stand
 
 def reachable(
     caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
+    points: Floats,
+    normals: Floats,
     parameters: SensorParameters,
-    faces: NDArray[np.int64] | None = None,
-) -> NDArray[np.bool_]:
-    """Find the places that the sensor can reach.
+    faces: Integers | None = None,
+) -> Booleans:
+    """Find which of n places the sensor can reach, each independent of the others.
 
-    A place is in reach if the sensor at its smallest size, on its way along the outward normal
-    and turned about it as the touch is, meets nothing before its centre touches. What stands no
-    higher above the tangent plane than the penetration tolerance is not met.
+    A place is in reach if the sensor at its smallest size, on its way along the outward normal and
+    turned about it as the touch is, meets nothing before its centre touches. What stands no higher
+    above the tangent plane than the penetration tolerance is not met. The places are given as to
+    `touch`.
 
-    Neither the depth range nor whether the size adapts matters. Where it does, a touch is in
-    state ``blocked`` or ``at_minimum`` at places out of reach alone.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    points, normals : numpy.ndarray
-        Shape (n, 3) each, float64, object frame: probing locations and outward unit normals.
-    parameters : SensorParameters
-        The sensor's measures.
-    faces : numpy.ndarray, optional
-        Shape (n,), int64: the face under each probing location, as `touch` takes it.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n,), bool; each independent of the others.
+    Neither the depth range nor whether the size adapts matters. Where it does, a touch is in state
+    ``blocked`` or ``at_minimum`` at places out of reach alone.
     """
     poses = stand(caster, points, normals, parameters, faces)
     parts = [_reachable_part(caster, poses[rows], parameters) for rows in batches(len(poses))]
     return np.concatenate(parts)
 
 
-def _reachable_part(
-    caster: RayCaster, poses: Poses, parameters: SensorParameters
-) -> NDArray[np.bool_]:
+def _reachable_part(caster: RayCaster, poses: Poses, parameters: SensorParameters) -> Booleans:
     tolerance = parameters.penetration_tolerance
     # What nothing of the object can stand above needs no rays; as in `place`, half is no rounding.
     free = box_heights(caster, poses) <= 0.5 * tolerance

@@ -3,45 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from visuohaptic.geometry.arrays import Floats
 
 
-def break_cells(outputs: NDArray[np.float64], dead: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Open the circuit of dead cells.
-
-    Parameters
-    ----------
-    outputs : numpy.ndarray
-        Shape (n, r, r), float64.
-    dead : numpy.ndarray
-        Shape (r, r), bool: the sensor's dead cells.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64: 0 where dead.
-    """
-    return np.where(dead, 0.0, outputs)
-
-
-def read_grounded(conductances: NDArray[np.float64], line_resistance: float) -> NDArray[np.float64]:
+def read_grounded(conductances: Floats, line_resistance: float) -> Floats:
     """Read each cell with all other lines held at zero volts through their line resistance.
 
-    Row i is driven, each column's current is measured, and
-    Kirchhoff's laws hold at all 2r line nodes. With ``A = 1 + R diag(rows' sums)`` and ``B = 1 + R diag(columns' sums)``
-    the currents per volt are ``(A - R² G B⁻¹ Gᵀ)⁻¹ G B⁻¹``; without resistance that is G itself.
-
-    Parameters
-    ----------
-    conductances : numpy.ndarray
-        Shape (n, r, r), float64, siemens, at least 0: between row and column lines.
-    line_resistance : float
-        Resistance R in series with each line, ohm.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64, siemens: measured current per volt.
+    Row i is driven, each column's current is measured, and Kirchhoff's laws hold at all 2r line
+    nodes. With ``A = 1 + R diag(rows' sums)`` and ``B = 1 + R diag(columns' sums)`` the currents
+    per volt are ``(A - R² G B⁻¹ Gᵀ)⁻¹ G B⁻¹``; without resistance that is G itself. Conductances
+    (n, r, r) between row and column lines are at least 0, siemens, as is what is measured; the
+    resistance in series with each line is in ohm.
     """
     resolution = conductances.shape[-1]
     columns = 1 + line_resistance * conductances.sum(axis=1, keepdims=True)
@@ -52,23 +25,12 @@ def read_grounded(conductances: NDArray[np.float64], line_resistance: float) -> 
     return np.linalg.solve(system, weighted)
 
 
-def read_floating(conductances: NDArray[np.float64], stand_off: float) -> NDArray[np.float64]:
+def read_floating(conductances: Floats, stand_off: float) -> Floats:
     """Read each cell with all other lines left open: sneak paths at their worst.
 
-    What is measured between row i and column j is the network's effective conductance,
-    one over ``L⁺ii + L⁺jj - 2 L⁺ij`` of the Laplacian L of the 2r line nodes.
-
-    Parameters
-    ----------
-    conductances : numpy.ndarray
-        Shape (n, r, r), float64, siemens, at least 0.
-    stand_off : float
-        Conductance of an untouched cell, siemens, positive: added to every cell.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64, siemens.
+    What is measured between row i and column j is the network's effective conductance, one over
+    ``L⁺ii + L⁺jj - 2 L⁺ij`` of the Laplacian L of the 2r line nodes. Conductances (n, r, r) are at
+    least 0, siemens; to every cell that of an untouched one is added, which is positive.
     """
     cells = conductances + stand_off
     count, resolution = cells.shape[:2]
@@ -85,42 +47,7 @@ def read_floating(conductances: NDArray[np.float64], stand_off: float) -> NDArra
     return 1 / (between - 2 * inverse[:, :resolution, resolution:])
 
 
-def add_noise(
-    outputs: NDArray[np.float64], deviation: float, deviates: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Add the amplifier's noise.
-
-    Parameters
-    ----------
-    outputs : numpy.ndarray
-        Shape (n, r, r), float64, of full scale.
-    deviation : float
-        Standard deviation, of full scale.
-    deviates : numpy.ndarray
-        Shape (n, r, r), float64: standard normal deviates, each touch's own.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64.
-    """
-    return outputs + deviation * deviates
-
-
-def quantise(outputs: NDArray[np.float64], bits: int) -> NDArray[np.float64]:
-    """Round to the converter's levels, 0 and full scale being the first and the last.
-
-    Parameters
-    ----------
-    outputs : numpy.ndarray
-        Any shape, float64, of full scale; what is beyond the ends is clipped.
-    bits : int
-        Resolution of the converter.
-
-    Returns
-    -------
-    numpy.ndarray
-        The same shape, float64: within ``1 / (2 (2^bits - 1))`` of the clipped outputs.
-    """
+def quantise(outputs: Floats, bits: int) -> Floats:
+    """Round to the converter's levels, 0 and full scale being the first and the last, and clip beyond them."""
     steps = 2**bits - 1
     return np.round(np.clip(outputs, 0.0, 1.0) * steps) / steps

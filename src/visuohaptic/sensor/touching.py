@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord, merge_records
-from visuohaptic.sensor.contact import contact_states
 from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.frames import touched_normals
 from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
@@ -26,79 +26,44 @@ TOUCHES_AT_A_TIME = 256
 
 @dataclass(frozen=True)
 class Touches:
-    """What n touches gave; r is the sensor's resolution.
+    """What n touches gave; r is the sensor's resolution, lengths are in object radii.
 
-    Attributes
-    ----------
-    images : numpy.ndarray
-        Shape (n, r, r), float32, in [0, 1]. 1 is contact with the sensor's plane (with a
-        cover: full scale), 0 is out of the depth range or nothing met (no pressure). With
-        the normalisation `per_imprint` the nearest point of each imprint is 1 and its
-        farthest 0; a flat contact is 1 all over.
-    size : numpy.ndarray
-        Shape (n,), float64, object radii: edge of each square.
-    contact_state : numpy.ndarray
-        Shape (n,), str: one of `tables.CONTACT_STATES`.
-    penetration : numpy.ndarray
-        Shape (n,), float64, object radii: how high the object still stands above the tangent
-        plane within the square, at least 0.
-    normals, tangents : numpy.ndarray
-        Shape (n, 3) each, float64: the sensor's outward normal and its +column axis.
-    gaps : numpy.ndarray
-        Shape (n, r, r), float64, object radii: from the sensor's plane, resting on the highest
-        point within the square, down to the object; infinite where nothing is met, negative
-        only for what stands above the sensor's clearance.
-    effects : tuple of EffectRecord
-        Record of each effect, in the order in which they act.
+    `images` (n, r, r), float32, are in [0, 1]: 1 is contact with the sensor's plane (with a cover:
+    full scale), 0 is out of the depth range or nothing met (no pressure). With the normalisation
+    `per_imprint` the nearest point of each imprint is 1 and its farthest 0; a flat contact is 1 all
+    over. `size` (n,) are the squares' edges, `contact_state` (n,) is of `tables.CONTACT_STATES`,
+    and `penetration` (n,) how high the object still stands above the tangent plane within the
+    square, at least 0. `normals` and `tangents` (n, 3) are the sensor's outward normal and its
+    +column axis. `gaps` (n, r, r) are from the sensor's plane, resting on the highest point within
+    the square, down to the object; infinite where nothing is met, negative only for what stands
+    above the sensor's clearance. `effects` are in the order in which they act.
     """
 
     images: NDArray[np.float32]
-    size: NDArray[np.float64]
+    size: Floats
     contact_state: NDArray[np.str_]
-    penetration: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    tangents: NDArray[np.float64]
-    gaps: NDArray[np.float64]
+    penetration: Floats
+    normals: Floats
+    tangents: Floats
+    gaps: Floats
     effects: tuple[EffectRecord, ...]
 
 
 def touch(
     caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
+    points: Floats,
+    normals: Floats,
     parameters: SensorParameters,
     scene: Scene,
     fields: RandomFields | None = None,
-    faces: NDArray[np.int64] | None = None,
+    faces: Integers | None = None,
 ) -> Touches:
-    """Touch an object at many places.
+    """Touch an object at n places, each independent of what else is in the batch, bit for bit.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    points, normals : numpy.ndarray
-        Shape (n, 3) each, float64, object frame: probing locations and outward unit normals.
-    parameters : SensorParameters
-        The sensor's measures.
-    scene : Scene
-        What is simulated.
-    fields : RandomFields, optional
-        Source of random numbers, one chain of names a touch; a scene with
-        scattered gains, dead cells or noise needs it.
-    faces : numpy.ndarray, optional
-        Shape (n,), int64: the face under each probing location, for the normal `face`. Without
-        them the given normals are taken.
-
-    Returns
-    -------
-    Touches
-        Each touch is independent of what else is in the batch, bit for bit.
-
-    Raises
-    ------
-    ParameterError
-        If the scene is random and no fields are given.
+    Probing locations and their outward unit normals are (n, 3), object frame. `fields` is the
+    source of random numbers, one chain of names a touch; `ParameterError` is raised where the scene
+    has scattered gains, dead cells or noise and there is none. `faces` (n,), int64, lie under the
+    locations, for the normal `face`; without them the given normals are taken.
     """
     mode = scene.effects.adaptive_size
     return feel(
@@ -117,11 +82,11 @@ class Placed:
 
 def place_sensors(
     caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
+    points: Floats,
+    normals: Floats,
     parameters: SensorParameters,
     mode: Mode,
-    faces: NDArray[np.int64] | None = None,
+    faces: Integers | None = None,
 ) -> Iterator[Placed]:
     """Place sensors as `touch` does, batch by batch; `mode` says when their size adapts.
 
@@ -147,30 +112,12 @@ def feel(
 
 def stand(
     caster: RayCaster,
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
+    points: Floats,
+    normals: Floats,
     parameters: SensorParameters,
-    faces: NDArray[np.int64] | None = None,
+    faces: Integers | None = None,
 ) -> Poses:
-    """Place sensors on an object, with the normal that the parameters ask for.
-
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    points, normals : numpy.ndarray
-        Shape (n, 3) each, float64, object frame: probing locations and outward unit normals.
-    parameters : SensorParameters
-        The sensor's measures.
-    faces : numpy.ndarray, optional
-        Shape (n,), int64: the face under each probing location, for the normal `face`. Without
-        them the given normals are taken.
-
-    Returns
-    -------
-    Poses
-        n sensors, each independent of the others.
-    """
+    """Place n sensors on an object as `touch` does, with the normal that the parameters ask for."""
     if parameters.normal == "face" and faces is not None:
         normals = touched_normals(caster, normals, faces)
     poses = stand_on(points, normals, parameters.orientation)
@@ -196,6 +143,26 @@ def _join(parts: Sequence[Touches]) -> Touches:
         tangents=np.concatenate([part.tangents for part in parts]),
         gaps=np.concatenate([part.gaps for part in parts]),
         effects=merge_records([part.effects for part in parts]),
+    )
+
+
+def contact_states(
+    heights: Floats, sizes: Floats, blocked: Booleans, parameters: SensorParameters
+) -> NDArray[np.str_]:
+    """Name the state (n,) of each touch, of `tables.CONTACT_STATES`: the first of these that holds.
+
+    ``blocked``: something else of the object is in the way of the approaching sensor.
+    ``at_minimum``: the object still penetrates, and the sensor may shrink no further. ``partial``:
+    part of the sensor meets nothing within its depth range. ``shrunk``: smaller than the largest
+    square. ``full``: the largest square. Heights (n, r, r), above the tangent plane, and sizes (n,)
+    are in object radii.
+    """
+    penetrating = (heights > parameters.penetration_tolerance).any(axis=(1, 2))
+    partial = (heights < -parameters.depth_range).any(axis=(1, 2))
+    return np.select(
+        [blocked, penetrating, partial, sizes < parameters.largest_size],
+        ["blocked", "at_minimum", "partial", "shrunk"],
+        default="full",
     )
 
 
@@ -231,21 +198,11 @@ def _feel_batch(
     )
 
 
-def stretch(signal: NDArray[np.float64], least_span: float) -> NDArray[np.float64]:
-    """Stretch each image to [0, 1], but none by more than its least span allows.
+def stretch(signal: Floats, least_span: float) -> Floats:
+    """Stretch each image (n, r, r) to [0, 1], one of a smaller span than the least only as far as that allows.
 
-    Parameters
-    ----------
-    signal : numpy.ndarray
-        Shape (n, r, r), float64.
-    least_span : float
-        Span below which an image is not stretched further.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (n, r, r), float64: the largest value of each image becomes 1, its least 0 or, for nearly flat images, nearer to 1;
-        an image of zeros stays.
+    The largest value of each becomes 1, its least 0 or, for nearly flat images, nearer to 1; an
+    image of zeros stays.
     """
     peak = signal.max(axis=(1, 2), keepdims=True)
     span = np.maximum(peak - signal.min(axis=(1, 2), keepdims=True), least_span)

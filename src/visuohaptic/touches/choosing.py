@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Booleans, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.reaching import reachable
@@ -20,15 +20,7 @@ from visuohaptic.tables.schema import matrix, names_of
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is wanted of each sequence of touches.
-
-    Attributes
-    ----------
-    touches : int
-        Most touches.
-    unreachable, when_exhausted : str
-        As in section `probing` of the parameters.
-    """
+    """How many touches a sequence has at most, and which, as section `probing` of the parameters says."""
 
     touches: int
     unreachable: Literal["replace", "keep"] = "replace"
@@ -37,30 +29,15 @@ class Wanted:
 
 def choose_places(
     caster: RayCaster, located: pa.Table, sensor: SensorParameters, wanted: Wanted
-) -> tuple[pa.Table, NDArray[np.int64]]:
-    """Choose the probing locations that are touched.
+) -> tuple[pa.Table, Integers]:
+    """Choose the probing locations that are touched, among rows of `tables.FIXATIONS`.
 
-    A sequence takes its first locations. Where those out of reach are replaced, it passes over
-    them and takes the next ones, and ends before the one that would be the `SPARE` + first passed
-    over. So its touches don't depend on how many are asked for.
+    A sequence takes its first locations. Where those out of reach are replaced, as column
+    ``unreachable`` says or else `wanted`, it passes over them and takes the next ones, and ends
+    before the one that would be the `SPARE` + first passed over. So its touches don't depend on how
+    many are asked for.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object.
-    located : pyarrow.Table
-        Rows of `tables.FIXATIONS`, each sequence in its order.
-    sensor : SensorParameters
-        Section `sensor`: what is in reach depends on it.
-    wanted : Wanted
-        How many touches, and of which places; column ``unreachable`` has the first word.
-
-    Returns
-    -------
-    places : pyarrow.Table
-        Rows of `tables.FIXATIONS`, their column ``touch`` counted anew.
-    ranks : numpy.ndarray
-        Shape (n,), int64: column ``touch`` as it was.
+    Gives the rows with column ``touch`` counted anew, and that column (n,), int64, as it was.
     """
     ranks = located.column("touch").to_numpy().astype(np.int64)
     policy = pc.fill_null(located.column("unreachable"), wanted.unreachable)
@@ -88,30 +65,28 @@ def touched_places(located: pa.Table, felt: pa.Table) -> pa.Table:
     return _numbered(found, felt.column("touch").to_numpy())
 
 
-def _counts_before(counted: NDArray[np.bool_], ranks: NDArray[np.int64]) -> NDArray[np.int64]:
+def _counts_before(counted: Booleans, ranks: Integers) -> Integers:
     """Count, for each row, the earlier rows of its sequence that count."""
-    before: NDArray[np.int64] = np.cumsum(counted) - counted
+    before: Integers = np.cumsum(counted) - counted
     starts = np.flatnonzero(ranks == 0)
     lengths = np.diff(np.append(starts, len(ranks)))
     return before - np.repeat(before[starts], lengths)
 
 
-def in_reach(caster: RayCaster, located: pa.Table, sensor: SensorParameters) -> NDArray[np.bool_]:
+def in_reach(caster: RayCaster, located: pa.Table, sensor: SensorParameters) -> Booleans:
     """Find which of n rows of `tables.FIXATIONS` the sensor can reach: shape (n,), bool."""
     points, normals = matrix(located, POINT_NAMES), matrix(located, NORMAL_NAMES)
     return reachable(caster, points, normals, sensor, located.column("face").to_numpy())
 
 
-def _begin_again(
-    rows: NDArray[np.int64], places: NDArray[np.int64], touches: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _begin_again(rows: Integers, places: Integers, touches: int) -> tuple[Integers, Integers]:
     """Make each sequence as long as asked for by starting again at its first place."""
     sequences = np.split(rows, np.flatnonzero(places == 0)[1:])
     longer = [np.resize(sequence, touches) for sequence in sequences if len(sequence)]
     return np.concatenate([rows[:0], *longer]), np.tile(np.arange(touches), len(longer))
 
 
-def _numbered(located: pa.Table, numbers: NDArray[np.int64]) -> pa.Table:
+def _numbered(located: pa.Table, numbers: Integers) -> pa.Table:
     place = located.schema.get_field_index("touch")
     field = located.schema.field("touch")
     return located.set_column(place, field, pa.array(numbers, field.type))

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
+from visuohaptic.geometry.arrays import Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
@@ -54,7 +53,7 @@ def random_fields(fixations: pa.Table, seed: int) -> RandomFields:
 
 
 class Touched(NamedTuple):
-    """The tables of the second phase, as `touch_tables` gives them."""
+    """The tables of the second phase."""
 
     touches: pa.Table
     effects: pa.Table
@@ -70,7 +69,7 @@ def acquire_touches(
 ) -> Touched:
     """Touch an object at those of its probing locations that `choose_places` gives."""
     places, ranks = choose_places(subject.caster, fixations, sensor, wanted)
-    return Touched(*touch_tables(subject.caster, places, sensor, scene, seed, ranks))
+    return touch_tables(subject.caster, places, sensor, scene, seed, ranks)
 
 
 def touch_tables(
@@ -79,8 +78,8 @@ def touch_tables(
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
-    ranks: NDArray[np.int64] | None = None,
-) -> tuple[pa.Table, pa.Table]:
+    ranks: Integers | None = None,
+) -> Touched:
     """Touch an object at its probing locations, if there are any, as `touch_locations` does.
 
     Gives n rows of `tables.TOUCHES`, in the order of `fixations`, and of `tables.EFFECTS` one for each
@@ -88,15 +87,15 @@ def touch_tables(
     ``touch`` says.
     """
     if not fixations.num_rows:
-        return TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table()
+        return Touched(TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table())
     felt = touch_locations(caster, fixations, sensor, scene, seed)
     first = fixations.slice(0, 1).to_pylist()[0]
     log = effect_table(key_of(first), first["viewpoint"], scene.preset, felt.effects)
     numbers = fixations.column("touch").to_numpy() if ranks is None else ranks
-    return _touch_table(fixations, felt, numbers), log
+    return Touched(_touch_table(fixations, felt, numbers), log)
 
 
-def _touch_table(fixations: pa.Table, felt: Touches, ranks: NDArray[np.int64]) -> pa.Table:
+def _touch_table(fixations: pa.Table, felt: Touches, ranks: Integers) -> pa.Table:
     columns: dict[str, object] = {
         name: fixations.column(name) for name in (*TOUCHES.keys, *POINT_NAMES)
     }

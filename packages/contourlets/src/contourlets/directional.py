@@ -10,12 +10,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .filters import LadderStep
+from .images import Floats
 from .lattice import DirectionalTables, Stage
-
-Floats = NDArray[np.floating[Any]]
 
 
 def _convolve(x: Floats, taps: tuple[float, ...], axis: int) -> Floats:
@@ -75,18 +73,7 @@ def _gains(step: LadderStep, dtype: np.dtype[Any]) -> tuple[Any, Any]:
 
 
 def analyse_directions(pixels: Floats, tables: DirectionalTables) -> list[Floats]:
-    """Split images into directional bands.
-
-    Parameters
-    ----------
-    pixels : (rows × columns, images) float32 or float64
-        Overwritten.
-    tables : DirectionalTables
-
-    Returns
-    -------
-    list of (band rows, band columns, images)
-    """
+    """Split images, (rows × columns, images), which are overwritten, into bands (rows, columns, images)."""
     for stage in tables.stages:
         gain, weight = _gains(stage.step, pixels.dtype)
         pixels[stage.target] = gain * pixels[stage.target] + weight * _filter(pixels, stage)

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .errors import ImageError, LevelsError
-from .images import blocks, check_images, exponents, scale
+from .images import Array, Floats, blocks, check_images, exponents, scale
 from .lattice import Extension
 from .transform import Contourlet
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.floating[Any]]
 
 
 def directional_deviations(

@@ -8,11 +8,9 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .errors import FilterError
-
-Array = NDArray[np.float64]
+from .images import Array
 
 _NINE = [0.037828455506995, -0.023849465019380, -0.11062440441842, 0.37740285561265]
 _SEVEN = [-0.064538882628938, -0.040689417609558, 0.41809227322221]
@@ -33,10 +31,7 @@ DIRECTIONAL_FILTERS = ("pkva6", "pkva8", "pkva12", "pkva", "haar")
 class PyramidFilters:
     """A biorthogonal pair of symmetric lowpass filters, each of which sums to √2.
 
-    Attributes
-    ----------
-    analysis, synthesis : (n,) float64
-        Taps without padding. Odd lengths are centred on a sample, even ones half a sample after it.
+    Taps are without padding. Odd lengths are centred on a sample, even ones half a sample after it.
     """
 
     analysis: Array
@@ -52,17 +47,10 @@ class PyramidFilters:
 class LadderStep:
     """One step of a two-channel ladder: `target = gain * target + weight * F(other channel)`.
 
-    `F` is separable in the coordinates of the channels' lattice, with the same taps along both axes.
-
-    Attributes
-    ----------
-    target : int
-        0 where the first polyphase component is replaced, 1 where the second is.
-    gain, weight : float
-    taps : tuple of float
-        Convolution taps along each axis.
-    before, after : int
-        Samples of the other component that the filter covers, towards lower and higher indices.
+    `target` is 0 where the first polyphase component is replaced, 1 where the second is. `F` is
+    separable in the coordinates of the channels' lattice, with the same convolution taps along both
+    axes; it covers so many samples of the other component `before` and `after`, towards lower and
+    higher indices.
     """
 
     target: int
@@ -201,16 +189,12 @@ def ladder_taps(name: str) -> Array:
 
 @cache
 def ladder_steps(name: str) -> tuple[LadderStep, LadderStep]:
-    """Write a directional filter as the two steps of a ladder.
+    """Write a directional filter as the two steps of a ladder; `FilterError` if there is none of that name.
 
-    With polyphase components p0 and p1, and F the prototype β with every other tap negated along both
-    axes, `pkva` is y0 = (p0 − F p1)/√2, y1 = −√2 p1 − F y0 (Phoong et al. 1995, as in the
-    reference toolbox). `haar` is the difference (p0 − p1)/√2 and the sum (p0 + p1)/√2, in lifting form.
-
-    Raises
-    ------
-    FilterError
-        When there is no directional filter of that name.
+    With polyphase components p0 and p1, and F the prototype β with every other tap negated along
+    both axes, `pkva` is y0 = (p0 − F p1)/√2, y1 = −√2 p1 − F y0 (Phoong et al. 1995, as in the
+    reference toolbox). `haar` is the difference (p0 − p1)/√2 and the sum (p0 + p1)/√2, in lifting
+    form.
     """
     if name not in DIRECTIONAL_FILTERS:
         raise FilterError(

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import ImageError
 
+Array = NDArray[np.float64]
 Floats = NDArray[np.floating[Any]]
 _Real = TypeVar("_Real", bound=np.floating[Any])
 
@@ -18,17 +19,9 @@ BLOCK_ELEMENTS = 1 << 18
 
 
 def check_images(images: ArrayLike) -> Floats:
-    """Check images and give them as an array of finite floating-point numbers.
+    """Check images and give them as a float32 or float64 array.
 
-    Parameters
-    ----------
-    images : (..., rows, columns) float32 or float64
-        At least 2 × 2 pixels.
-
-    Raises
-    ------
-    ImageError
-        On any other type or shape, and on values that are not finite.
+    Raises `ImageError` on any other type, less than 2 × 2 pixels, and values that are not finite.
     """
     array = np.asarray(images)
     if array.dtype not in (np.float32, np.float64):
@@ -51,21 +44,12 @@ def blocks(count: int, pixels: int) -> Iterator[slice]:
 
 
 def exponents(images: Floats, axes: tuple[int, ...]) -> NDArray[np.intc]:
-    """Powers of two by which each image is divided before any arithmetic.
+    """Powers of two, one an image, by which images are divided before any arithmetic.
 
-    Zero if the largest magnitude is in the middle of the type's range: scaling by a power of two would
-    change no digit of any result. Near the ends of the range the largest magnitude is scaled to
-    between ½ and 1, so that sums do not overflow and denormal numbers keep their digits.
-
-    Parameters
-    ----------
-    images : (images, ...)
-    axes : tuple of int
-        The axes that make up one image.
-
-    Returns
-    -------
-    (images,) intc
+    Zero if the largest magnitude is in the middle of the type's range: scaling by a power of two
+    would change no digit of any result. Near the ends of the range the largest magnitude is scaled
+    to between ½ and 1, so that sums do not overflow and denormal numbers keep their digits. `axes`
+    are those of one image.
     """
     limits = np.finfo(images.dtype)
     high, low = images.max(axis=axes, initial=0.0), images.min(axis=axes, initial=0.0)

@@ -43,18 +43,11 @@ _HAAR_NEIGHBOURS = (np.array([1, 1]), np.array([-1, 1]))
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A ladder step of several channels at once.
+    """A ladder step of several channels at once, by flat numbers of pixels.
 
-    Attributes
-    ----------
-    step : LadderStep
-    target : (n,) intp
-        Flat numbers of the pixels that the step replaces.
-    source : (channels, rows + before + after, columns + before + after) intp
-        Flat numbers of the pixels that the filter covers, in lattice coordinates.
-    keep : (n,) intp or None
-        Which of the filter's `channels × rows × columns` outputs belong to `target`, in this order;
-        None means all.
+    It replaces `target` (n,); its filter covers `source` (channels, rows + before + after, columns
+    + before + after), in lattice coordinates. `keep` (n,) are those of the filter's `channels ×
+    rows × columns` outputs that belong to `target`, in this order; None means all.
     """
 
     step: LadderStep
@@ -65,14 +58,9 @@ class Stage:
 
 @dataclass(frozen=True, eq=False)
 class DirectionalTables:
-    """The whole directional bank of one image size.
+    """The whole directional bank of one image size: its stages in the order of analysis.
 
-    Attributes
-    ----------
-    stages : tuple of Stage
-        In the order of analysis.
-    bands : tuple of (rows, columns) intp
-        Flat number of the pixel at which each coefficient of each band sits, in band order.
+    `bands` are the flat numbers of the pixels at which each band's coefficients sit, in band order.
     """
 
     stages: tuple[Stage, ...]
@@ -120,28 +108,16 @@ def band_shapes(shape: tuple[int, int], directions_log2: int) -> tuple[tuple[int
 def directional_tables(
     shape: tuple[int, int], directions_log2: int, filter_name: str, extension: Extension
 ) -> DirectionalTables:
-    """Make the tables of a directional bank.
+    """Make the tables of a directional bank of 2^l bands.
 
-    Parameters
-    ----------
-    shape : (int, int)
-        Rows and columns; multiples of `side_multiple(directions_log2)`.
-    directions_log2 : int
-        l from 0 to 5, for 2^l bands.
-    filter_name : str
-        See `filters.DIRECTIONAL_FILTERS`.
-    extension : {"periodic", "circular", "symmetric"}
-        `periodic` is the toolbox's: each channel's array, stored along sheared axes, is wrapped without
-        correction (with half a turn at the first level). From the third level on this is not the torus
-        of the image: where a sheared axis wraps, rows become neighbours that are not adjacent in the
-        image. `circular` wraps on the true torus. `symmetric` reflects each node of the tree about its
-        first and last row and column, which maps each polyphase component onto itself, so that every
-        ladder step stays invertible.
+    `periodic` is the toolbox's extension: each channel's array, stored along sheared axes, is
+    wrapped without correction (with half a turn at the first level). From the third level on this
+    is not the torus of the image: where a sheared axis wraps, rows become neighbours that are not
+    adjacent in the image. `circular` wraps on the true torus. `symmetric` reflects each node of the
+    tree about its first and last row and column, which maps each polyphase component onto itself,
+    so that every ladder step stays invertible.
 
-    Raises
-    ------
-    LevelsError
-        When l is not allowed, or the sides are not the multiples that it needs.
+    Raises `LevelsError` when l is not allowed, or the sides are no multiples of `side_multiple`.
     """
     check_directions(directions_log2)
     steps = ladder_steps(filter_name)
@@ -368,25 +344,12 @@ def _grid(shape: tuple[int, int], origin: Indices, spacing: Indices) -> Indices:
 def ladder_geometry(
     parent: Indices, level: int, kind: int, *, haar: bool
 ) -> tuple[Indices, Indices]:
-    """Give the lattice of the two channels of a split.
+    """Give the lattice of the two channels of a split at a level of the tree, 1 for the first; in pixels.
 
-    Parameters
-    ----------
-    parent : (2, 2) intp
-        Sampling matrix of the node that is split, in pixels; with exchanged axes in the second half
-        of the tree.
-    level : int
-        Depth of the split in the tree, 1 for the first.
-    kind : int
-        0 for P1, 1 for P2; not used at the first two levels.
-    haar : bool
-
-    Returns
-    -------
-    matrix : (2, 2) intp
-        Sampling matrix of both channels, in pixels.
-    neighbour : (2,) intp
-        Step from a sample of the first channel to its partner in the second, in pixels.
+    `parent` (2, 2) is the sampling matrix of the node that is split, with exchanged axes in the
+    second half of the tree; `kind` is 0 for P1, 1 for P2, and not used at the first two levels.
+    Gives the sampling matrix (2, 2) of both channels, and the step (2,) from a sample of the first
+    channel to its partner in the second.
     """
     if level == 1:
         return _Q1, np.array([0, 1])

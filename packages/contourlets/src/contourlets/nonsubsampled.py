@@ -16,14 +16,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .filters import ladder_steps, pyramid_filters
+from .images import Array, Floats
 from .lattice import Extension, Indices, in_order, ladder_geometry
 from .pyramid import analysis_offsets, fold_indices, synthesis_offsets
 from .transform import Parts, PyramidalTransform, Shapes
-
-Floats = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
@@ -88,7 +86,7 @@ class NonsubsampledContourlet(PyramidalTransform):
         taps = pyramid_filters(self.pyramid_filter).synthesis
         return self._separable(x, taps, synthesis_offsets(len(taps)) << scale)
 
-    def _separable(self, x: Floats, taps: NDArray[np.float64], offsets: Indices) -> Floats:
+    def _separable(self, x: Floats, taps: Array, offsets: Indices) -> Floats:
         """Filter along both axes, with gain 1 at frequency zero."""
         odd = len(taps) % 2 == 1
         for axis in (0, 1):

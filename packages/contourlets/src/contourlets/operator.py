@@ -13,13 +13,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
 from .errors import LevelsError
-from .images import check_images, exponents, scale
+from .images import Floats, check_images, exponents, scale
 from .transform import Coefficients, Contourlet
-
-Floats = NDArray[np.floating[Any]]
 
 BLOCK_IMAGES = 32
 """Rows of every matrix product."""
@@ -89,17 +87,7 @@ class ContourletOperator:
 
 
 def blockwise_product(rows: Floats, matrix: Floats) -> Floats:
-    """Multiply row vectors with a matrix; a row's result depends on that row alone, bit for bit.
-
-    Parameters
-    ----------
-    rows : (n, inner)
-    matrix : (inner, outer)
-
-    Returns
-    -------
-    (n, outer)
-    """
+    """Multiply row vectors with a matrix; a row's result depends on that row alone, bit for bit."""
     outer = matrix.shape[1]
     width = -(-outer // _ALIGNMENT) * _ALIGNMENT
     if width != outer:

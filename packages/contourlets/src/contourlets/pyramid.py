@@ -12,26 +12,17 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .filters import PyramidFilters
+from .images import Array, Floats
 from .lattice import Extension, Indices
-
-Floats = NDArray[np.floating[Any]]
 
 
 def fold_indices(index: Indices, size: int, extension: Extension, *, odd: bool) -> Indices:
-    """Map indices outside `0 … size − 1` back into an axis.
+    """Map indices outside `0 … size − 1` back into an axis: `symmetric` reflects, the others wrap.
 
-    Parameters
-    ----------
-    index : intp
-    size : int
-    extension : {"periodic", "circular", "symmetric"}
-        The first two wrap; the last reflects.
-    odd : bool
-        Reflect about the first and the last sample, as filters of odd length need, rather than half a
-        sample outside of them.
+    An `odd` reflection is about the first and the last sample, as filters of odd length need,
+    rather than half a sample outside of them.
     """
     if extension != "symmetric":
         return index % size
@@ -97,14 +88,14 @@ def _weigh_adjoint(y: Floats, table: Indices, taps: list[float], axis: int, size
     return total
 
 
-def _down(x: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+def _down(x: Floats, taps: Array, extension: Extension) -> Floats:
     for axis in (0, 1):
         table = _analysis_table(x.shape[axis], len(taps), extension)
         x = _weigh(x, table, taps.tolist(), axis)
     return x
 
 
-def _up(c: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+def _up(c: Floats, taps: Array, extension: Extension) -> Floats:
     for axis in (0, 1):
         shape = list(c.shape)
         shape[axis] *= 2
@@ -119,7 +110,7 @@ def _up(c: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
     return c
 
 
-def _down_adjoint(c: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+def _down_adjoint(c: Floats, taps: Array, extension: Extension) -> Floats:
     for axis in (1, 0):
         size = 2 * c.shape[axis]
         table = _analysis_table(size, len(taps), extension)
@@ -127,7 +118,7 @@ def _down_adjoint(c: Floats, taps: NDArray[np.float64], extension: Extension) ->
     return c
 
 
-def _up_adjoint(x: Floats, taps: NDArray[np.float64], extension: Extension) -> Floats:
+def _up_adjoint(x: Floats, taps: Array, extension: Extension) -> Floats:
     for axis in (1, 0):
         head: tuple[Any, ...] = (slice(None),) * axis
         size = x.shape[axis]
@@ -143,19 +134,9 @@ def _up_adjoint(x: Floats, taps: NDArray[np.float64], extension: Extension) -> F
 def analyse_pyramid(
     x: Floats, filters: PyramidFilters, extension: Extension
 ) -> tuple[Floats, Floats]:
-    """Split images into a coarse image of half the size and a detail image of full size.
+    """Split images (rows, columns, images), of even sides, into a coarse and a detail image.
 
-    Parameters
-    ----------
-    x : (rows, columns, images) float32 or float64
-        Even rows and columns.
-    filters : PyramidFilters
-    extension : {"periodic", "circular", "symmetric"}
-
-    Returns
-    -------
-    coarse : (rows / 2, columns / 2, images)
-    detail : (rows, columns, images)
+    The coarse one has half the rows and columns, the detail image all.
     """
     coarse = _down(x, filters.analysis, extension)
     return coarse, x - _up(coarse, filters.synthesis, extension)

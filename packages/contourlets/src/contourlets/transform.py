@@ -10,10 +10,10 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .directional import (
     adjoin_directions,
@@ -22,7 +22,7 @@ from .directional import (
 )
 from .errors import CoefficientsError, LevelsError
 from .filters import ladder_steps, pyramid_filters
-from .images import blocks, check_images, exponents, scale
+from .images import Floats, blocks, check_images, exponents, scale
 from .lattice import (
     Extension,
     band_shapes,
@@ -33,7 +33,6 @@ from .lattice import (
 )
 from .pyramid import adjoin_pyramid, analyse_pyramid, synthesise_pyramid
 
-Floats = NDArray[np.floating[Any]]
 Parts = list[list[Floats]]
 Shapes = tuple[tuple[tuple[int, int], ...], ...]
 
@@ -282,21 +281,20 @@ class Contourlet(PyramidalTransform):
         return [block, *found]
 
     def _synthesise(self, parts: Parts) -> Floats:
-        filters = pyramid_filters(self.pyramid_filter)
-        block = parts[0][0]
-        for level, bands in zip(self.levels, parts[1:], strict=True):
-            size = (2 * block.shape[0], 2 * block.shape[1])
-            tables = directional_tables(size, level, self.directional_filter, self.extension)
-            detail = synthesise_directions(bands, tables).reshape(*size, -1)
-            block = synthesise_pyramid(block, detail, filters, self.extension)
-        return block
+        return self._back(parts, synthesise_directions, synthesise_pyramid)
 
     def _adjoin(self, parts: Parts) -> Floats:
+        return self._back(parts, adjoin_directions, adjoin_pyramid)
+
+    def _back(
+        self, parts: Parts, directions: Callable[..., Floats], pyramid: Callable[..., Floats]
+    ) -> Floats:
+        """Go from the coarsest level to the image, by the inverse of each step or by its adjoint."""
         filters = pyramid_filters(self.pyramid_filter)
         block = parts[0][0]
         for level, bands in zip(self.levels, parts[1:], strict=True):
             size = (2 * block.shape[0], 2 * block.shape[1])
             tables = directional_tables(size, level, self.directional_filter, self.extension)
-            detail = adjoin_directions(bands, tables).reshape(*size, -1)
-            block = adjoin_pyramid(block, detail, filters, self.extension)
+            detail = directions(bands, tables).reshape(*size, -1)
+            block = pyramid(block, detail, filters, self.extension)
         return block

@@ -12,12 +12,10 @@ from sklearn.utils.validation import check_is_fitted
 
 from .errors import ImageError
 from .features import band_deviations, band_energies, band_names
-from .images import check_images
+from .images import Array, Floats, check_images
 from .lattice import Extension
 from .transform import Contourlet
 from .wavelets import wavelet_band_names, wavelet_deviations
-
-Array = NDArray[np.float64]
 
 
 class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
@@ -72,7 +70,7 @@ class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
         """Name the columns of `transform`'s result."""
         return np.asarray(self._names(), dtype=object)
 
-    def _images(self, X: ArrayLike) -> NDArray[np.floating[Any]]:
+    def _images(self, X: ArrayLike) -> Floats:
         array = np.asarray(X)
         if array.ndim == 2 and self.image_shape is not None:
             rows, columns = self.image_shape
@@ -90,7 +88,7 @@ class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
         return check_images(array)
 
     @abstractmethod
-    def _features(self, images: NDArray[np.floating[Any]]) -> Array:
+    def _features(self, images: Floats) -> Array:
         """Compute the features of checked images, shape (n, features)."""
 
     @abstractmethod
@@ -142,7 +140,7 @@ class ContourletDeviations(_BandFeatures):
     def _contourlet(self) -> Contourlet:
         return Contourlet(self.levels, self.pyramid_filter, self.directional_filter, self.extension)
 
-    def _features(self, images: NDArray[np.floating[Any]]) -> Array:
+    def _features(self, images: Floats) -> Array:
         statistics = {"deviation": band_deviations, "energy": band_energies}
         if self.statistic not in statistics:
             raise ImageError(
@@ -180,7 +178,7 @@ class WaveletDeviations(_BandFeatures):
         self.mode = mode
         self.image_shape = image_shape
 
-    def _features(self, images: NDArray[np.floating[Any]]) -> Array:
+    def _features(self, images: Floats) -> Array:
         return wavelet_deviations(images, self.wavelet, self.levels, self.mode)
 
     def _names(self) -> list[str]:

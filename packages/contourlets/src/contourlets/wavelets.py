@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .errors import FilterError, LevelsError
 from .filters import pywavelets
-from .images import check_images, exponents, scale
-
-Array = NDArray[np.float64]
+from .images import Array, check_images, exponents, scale
 
 _ORIENTATIONS = ("horizontal", "vertical", "diagonal")
 

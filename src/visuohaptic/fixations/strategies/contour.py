@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.fixations.looking import Look
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 
 _BETWEEN_PIXELS = 0.5
 
@@ -34,12 +35,8 @@ def choose(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
 
 
 def follow_outline(
-    mask: NDArray[np.bool_],
-    point: NDArray[np.float64],
-    saliency: NDArray[np.float32],
-    step: float,
-    count: int,
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    mask: Booleans, point: Floats, saliency: NDArray[np.float32], step: float, count: int
+) -> tuple[Integers, Integers]:
     """Find places along the outline of what a view shows, in the order in which they are touched.
 
     The outline is the longest closed curve between object and background, on the pixels just inside
@@ -64,7 +61,7 @@ def follow_outline(
     return rows[chosen], columns[chosen]
 
 
-def outline_pixels(mask: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def outline_pixels(mask: Booleans) -> tuple[Integers, Integers]:
     """Give the object's pixels along its longest outline, in order, each once: rows and columns."""
     from skimage.measure import find_contours
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.looking import Standpoint
 from visuohaptic.fixations.places import ProbingLocations, draw_by_area, face_outwards
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.surface import Surface
 
 CANDIDATES = 4096
@@ -32,7 +32,7 @@ def spread_far(surface: Surface, count: int, generator: np.random.Generator) -> 
     return candidates.take(farthest_order(candidates.points, count))
 
 
-def farthest_order(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+def farthest_order(points: Floats, count: int) -> Integers:
     """Order points, shape (n, d), so that each is the farthest from those before it; the first starts.
 
     Gives places, shape (min(count, n),), int64, none twice.

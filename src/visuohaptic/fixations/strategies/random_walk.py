@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.looking import Standpoint
@@ -14,6 +13,7 @@ from visuohaptic.fixations.places import (
     draw_by_area,
     face_outwards,
 )
+from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.geometry.curvature import unit_vectors
 from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
@@ -67,7 +67,7 @@ def walk(caster: RayCaster, count: int, generator: np.random.Generator) -> Probi
     )
 
 
-Vector = NDArray[np.float64]
+Vector = Floats
 Place = tuple[Vector, Vector, int]
 """A point, its outward normal, and its face."""
 
@@ -140,7 +140,5 @@ def _tangent(normal: Vector, angle: float) -> Vector:
     return cosine * first + sine * np.cross(normal, first)
 
 
-def _is_open(
-    caster: RayCaster, points: NDArray[np.float64], normals: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def _is_open(caster: RayCaster, points: Floats, normals: Floats) -> Booleans:
     return ~caster.first_hits(points + _LIFT * normals, normals).hit
