@@ -75,10 +75,11 @@ bench: $(DEVELOP)
 readme: $(DEVELOP) report
 	python docs/make_readme.py
 	python -m readings.summary
-	python -m readings.write_up
+	python docs/make_readings.py
 	python docs/make_claims.py
 	python docs/make_lead_picture.py
 	python docs/make_looking.py
+	python docs/make_curves.py
 	python docs/make_scaling.py
 	python docs/make_tables.py
 	python docs/make_api.py

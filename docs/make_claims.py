@@ -12,9 +12,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from make_readme import fill
-
-from readings.write_up import points, share
+from make_readings import points, share
+from make_readme import fill_page
 
 PAGE = Path(__file__).with_name("claims.md")
 SETS = {"paper": "12 objects", "benchmark": "142 objects"}
@@ -149,10 +148,7 @@ def main() -> None:
         "shares": share_table(found),
         "changes": change_table(found),
     }
-    text = PAGE.read_text(encoding="utf-8")
-    for name, table in tables.items():
-        text = fill(text, name, table)
-    PAGE.write_text(text, encoding="utf-8")
+    fill_page(PAGE, tables)
 
 
 if __name__ == "__main__":

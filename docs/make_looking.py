@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from make_claims import STRATEGIES, accuracy
-from make_readme import fill
+from make_readings import points
+from make_readme import fill_page
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from readings.write_up import points
 from visuohaptic.studies.looking.figures import FUSED
 from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND
 from visuohaptic.studies.looking.sensing import STRATEGIES as COMPARED
@@ -243,10 +243,7 @@ def main() -> None:
             f"- {SETS[name]}, {one['date']}: `{one['command']}`" for name, one in sets.items()
         ),
     }
-    text = PAGE.read_text(encoding="utf-8")
-    for name, table in tables.items():
-        text = fill(text, name, table)
-    PAGE.write_text(text, encoding="utf-8")
+    fill_page(PAGE, tables)
     draw(sets).savefig(PICTURE, dpi=100)
 
 

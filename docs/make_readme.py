@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -161,23 +162,16 @@ def printed_lines(metrics: Path) -> str:
     return "\n".join(["```text", *lines, "```"])
 
 
+def fill_page(page: Path, blocks: Mapping[str, str]) -> None:
+    """Replace what stands between the two markers of each block of a page."""
+    text = page.read_text(encoding="utf-8")
+    for name, content in blocks.items():
+        text = fill(text, name, content)
+    page.write_text(text, encoding="utf-8")
+
+
 def fill(text: str, name: str, content: str) -> str:
-    """Replace what stands between a block's two markers.
-
-    Parameters
-    ----------
-    text : str
-        The page.
-    name : str
-        The block, marked by ``<!-- name -->`` and ``<!-- /name -->``.
-    content : str
-        What to put there.
-
-    Returns
-    -------
-    str
-        The page with the block filled.
-    """
+    """Replace what stands between ``<!-- name -->`` and ``<!-- /name -->`` in a page."""
     pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
     filled, found = pattern.subn(lambda match: f"{match[1]}{content}\n{match[2]}", text)
     if not found:
@@ -199,11 +193,7 @@ def main() -> None:
         "docs/scaling.md": {"speed": speed_table(timed)},
     }
     for name, blocks in pages.items():
-        page = ROOT / name
-        text = page.read_text(encoding="utf-8")
-        for block, content in blocks.items():
-            text = fill(text, block, content)
-        page.write_text(text, encoding="utf-8")
+        fill_page(ROOT / name, blocks)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import plotly.graph_objects as go
 from make_lead_picture import COLOURS, SYMBOLS, photograph
-from make_readme import fill
+from make_readme import fill_page
 from plotly.subplots import make_subplots
 
 DOCS = Path(__file__).parent
@@ -95,8 +95,7 @@ def main() -> None:
     """Fill the page's table and write the picture."""
     measured = json.loads(MEASURED.read_text(encoding="utf-8"))
     rows = rows_of({int(count): steps for count, steps in measured["counts"].items()})
-    filled = fill(PAGE.read_text(encoding="utf-8"), "growth", table(rows))
-    PAGE.write_text(filled, encoding="utf-8")
+    fill_page(PAGE, {"growth": table(rows)})
     photograph(draw(rows), PICTURE)
 
 

@@ -24,21 +24,11 @@ Where = Literal["upstream", "recognition", "opponent"]
 
 @dataclass(frozen=True)
 class Choice:
-    """One open choice.
+    """One open choice: what tables and what pages call it, and its `options`, the parameters of each by its name.
 
-    Attributes
-    ----------
-    name, label : str
-        What tables and what pages call it.
-    where : str
-        Whether it concerns touches (`upstream`), `recognition` from them, or the `opponent` of
-        touches by fixation.
-    kind : str
-        Whether its options are `equivalent`, `uncertain` to be so, or `not equivalent`.
-    sentence : str
-        The paper's words that leave it open; empty where it says nothing.
-    options : mapping of str to mapping
-        Each option's parameters, by its name. The first is the base of the design.
+    It concerns touches (`upstream`), `recognition` from them, or the `opponent` of touches by
+    fixation. `sentence` has the paper's words that leave it open; it is empty where the paper says
+    nothing. The first option is the base of the design.
     """
 
     name: str

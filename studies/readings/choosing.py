@@ -38,7 +38,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -46,8 +46,9 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from readings.choices import BY_NAME, CHOICES, OPPONENTS, Choice
+from readings.choices import BY_NAME, OPPONENTS, Choice
 from readings.design import (
+    BASE,
     CROSSED_SINGLY,
     STRATEGIES,
     VARIED_ALONE,
@@ -60,17 +61,17 @@ from readings.stored import OUTSIDE
 from readings.study import STUDY
 from visuohaptic.errors import RecognitionError
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.intervals import compare_paired, holm
+from visuohaptic.recognition.intervals import PairedComparison, compare_paired, holm
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import plan_study
-from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
+from visuohaptic.studies.figures import Cell, CellKey, Row, read_cells, write_json
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH, owners_of
 from visuohaptic.tables.schema import read_table
 
 FORMER_DEFAULT: Options = {
-    **{choice.name: choice.base for choice in CHOICES},
+    **BASE,
     "map_output": "feature_groups",
     "sequence_extension": "zero",
 }
@@ -86,123 +87,66 @@ NOT_SCORED = ("order", "random_probing", "protocol")
 """Choices that ask another question than how well touches classify objects."""
 
 
-@dataclass(frozen=True)
-class Candidate:
-    """A reading that the rule looks at.
-
-    Attributes
-    ----------
-    reading : str
-        Its name.
-    score : float
-        Its accuracy over all classifiers and strategies.
-    behind, p_value : float
-        How far it is behind the best score, and the two-sided p value of that.
-    changed : dict of str to str
-        Its options that differ from the former default's.
-    """
-
-    reading: str
-    score: float
-    behind: float
-    p_value: float
-    changed: dict[str, str]
-
-
-@dataclass(frozen=True)
-class Chosen:
-    """What the rule says.
-
-    Attributes
-    ----------
-    objects, readings, candidates : int
-        How many objects and readings the rule saw, and how many readings were candidates.
-    chosen, best, former : Candidate
-        The new default, the reading with the highest score, and the default of before.
-    """
-
-    objects: int
-    readings: int
-    candidates: int
-    chosen: Candidate
-    best: Candidate
-    former: Candidate
-
-
 def choose_default(
     cells: Mapping[CellKey, Cell],
     intervals: IntervalParameters,
     seed: int,
     former: Options = FORMER_DEFAULT,
-) -> Chosen:
+) -> Row:
     """Apply the first rule to the cells of study `readings`, as `read_cells` gives them.
 
-    Raises `RecognitionError` if a reading of the part ``recognition`` is missing: the rule compares
-    all of them.
+    Gives how many objects and readings the rule saw, how many were candidates, and the new default,
+    the best reading and the former default: each with its ``score``, how far it is ``behind`` the
+    best, the p value of that, and the options that ``changed`` from the former default. Raises
+    `RecognitionError` if a reading of the part ``recognition`` is missing: the rule compares all of
+    them.
     """
-    readings = [one for one in all_readings() if one.part == "recognition"]
+    readings = {one.name: one for one in all_readings() if one.part == "recognition"}
     scores: dict[str, NDArray[np.float64]] = {}
     objects: set[tuple[tuple[str, str], ...]] = set()
-    for reading in readings:
-        found = _cells_of_reading(cells, reading.name)
+    for name in readings:
+        found = _cells_of_reading(cells, name)
         if all(cell.error is None for cell in found):
             objects |= {cell.objects for cell in found}
-            scores[reading.name] = np.mean([cell.accuracy for cell in found], axis=0)
+            scores[name] = np.mean([cell.accuracy for cell in found], axis=0)
     if len(objects) != 1:
         raise RecognitionError(
             f"The readings were tested on {len(objects)} different sets of objects; the rule "
             "compares readings on the same ones."
         )
-    weights = np.ones(len(next(iter(objects))))
     best = max(scores, key=lambda name: float(scores[name].mean()))
-    listed: dict[str, Candidate] = {}
-    for reading in readings:
-        if reading.name not in scores:
-            continue
-        generator = spawn_generator(seed, "studies", "comparison")
-        compared = compare_paired(scores[best], scores[reading.name], weights, intervals, generator)
-        listed[reading.name] = Candidate(
-            reading=reading.name,
-            score=float(scores[reading.name].mean()),
-            behind=compared.difference.mean,
-            p_value=compared.p_value,
-            changed={
-                name: option for name, option in reading.options.items() if option != former[name]
-            },
-        )
+    listed: dict[str, Row] = {}
+    for name, score in scores.items():
+        behind = _compared(scores[best], score, intervals, seed)
+        options = readings[name].options.items()
+        listed[name] = {
+            "reading": name,
+            "score": float(score.mean()),
+            "behind": behind.difference.mean,
+            "p_value": behind.p_value,
+            "changed": {choice: option for choice, option in options if option != former[choice]},
+        }
     candidates = [
-        one for one in listed.values() if one.reading == best or one.p_value >= SIGNIFICANT
+        one for name, one in listed.items() if name == best or one["p_value"] >= SIGNIFICANT
     ]
-    return Chosen(
-        objects=len(weights),
-        readings=len(listed),
-        candidates=len(candidates),
-        chosen=min(candidates, key=lambda one: (len(one.changed), -one.score)),
-        best=listed[best],
-        former=next(one for one in listed.values() if not one.changed),
-    )
+    return {
+        "objects": len(scores[best]),
+        "readings": len(listed),
+        "candidates": len(candidates),
+        "chosen": min(candidates, key=lambda one: (len(one["changed"]), -one["score"])),
+        "best": listed[best],
+        "former": next(one for one in listed.values() if not one["changed"]),
+    }
 
 
-@dataclass(frozen=True)
-class ChosenOption:
-    """What the second rule says of a choice.
-
-    Attributes
-    ----------
-    choice, former, chosen : str
-        Its name, its option of before, and the default.
-    scores, acquired : dict of str to float
-        Accuracy, and share of touches acquired, of each option.
-    p_values : dict of str to float
-        Of each other option against that of before, after Holm's correction over all choices.
-    """
-
-    choice: str
-    former: str
-    chosen: str
-    scores: dict[str, float]
-    acquired: dict[str, float]
-    p_values: dict[str, float]
+def _compared(
+    first: NDArray[np.float64],
+    second: NDArray[np.float64],
+    intervals: IntervalParameters,
+    seed: int,
+) -> PairedComparison:
+    generator = spawn_generator(seed, "studies", "comparison")
+    return compare_paired(first, second, np.ones(len(first)), intervals, generator)
 
 
 def choose_options(
@@ -211,48 +155,25 @@ def choose_options(
     intervals: IntervalParameters,
     seed: int,
     former: Options = FORMER_DEFAULT,
-) -> list[ChosenOption]:
-    """Apply the second rule.
+) -> list[Row]:
+    """Apply the second rule: one answer for each choice of touches that is scored, in order.
 
-    Parameters
-    ----------
-    cells : mapping
-        Of study `readings`, as `read_cells` gives them.
-    acquired : mapping of (str, str) to float
-        Share of touches acquired by choice and option.
-    intervals, seed
-        As for the first rule.
-    former : mapping of str to str
-        The default of before.
-
-    Returns
-    -------
-    list of ChosenOption
-        One for each choice of touches that is scored, in order.
-
-    Raises
-    ------
-    RecognitionError
-        If a reading is missing or can't be run, or no object was tested in all of them.
+    Each has the former option and the one that is ``chosen``, the scores of all options, the shares
+    of touches ``acquired``, which are given by choice and option, and the p values against the
+    former option, after Holm's correction over all choices. Raises `RecognitionError` if a reading
+    is missing or can't be run, or no object was tested in all of them.
     """
-    names = {
-        (choice.name, option): readings_of_option(choice.name, option)
-        for choice in scored_choices()
-        for option in choice.options
-    }
-    shared = _shared_objects(cells, {name for of_option in names.values() for name in of_option})
+    names = scored_readings()
+    shared = _shared_objects(cells, {*chain(*names.values())})
     scores = {
         option: np.mean([_score(cells, name, shared) for name in of_option], axis=0)
         for option, of_option in names.items()
     }
     others = [(name, option) for name, option in scores if option != former[name]]
-    weights = np.ones(len(next(iter(scores.values()))))
-    p_values = []
-    for name, option in others:
-        own = scores[name, former[name]]
-        generator = spawn_generator(seed, "studies", "comparison")
-        compared = compare_paired(scores[name, option], own, weights, intervals, generator)
-        p_values.append(compared.p_value)
+    p_values = [
+        _compared(scores[name, option], scores[name, former[name]], intervals, seed).p_value
+        for name, option in others
+    ]
     adjusted = dict(zip(others, holm(p_values), strict=True))
     return [
         _choose_option(choice, scores, acquired, adjusted, former) for choice in scored_choices()
@@ -265,29 +186,26 @@ def scored_choices() -> list[Choice]:
     return [choice for choice in varied if choice.name not in NOT_SCORED]
 
 
-def readings_of_option(choice: str, option: str) -> list[str]:
-    """Name the readings that have an option, the base of every other choice, and any map output."""
-    return [
-        one.name
-        for one in all_readings()
-        if one.options[choice] == option and is_base_but_for(one.options, (choice, *CROSSED_SINGLY))
-    ]
+def scored_readings() -> dict[tuple[str, str], list[str]]:
+    """Name, by scored choice and option, the readings with the base of every other choice, and any map output."""
+    readings = all_readings()
+    return {
+        (choice.name, option): [
+            one.name
+            for one in readings
+            if one.options[choice.name] == option
+            and is_base_but_for(one.options, (choice.name, *CROSSED_SINGLY))
+        ]
+        for choice in scored_choices()
+        for option in choice.options
+    }
 
 
 def acquired_share(features: pa.Table, viewpoints: int, touches: int) -> float:
-    """Give the share of touches acquired, of those asked for by the scored strategies.
+    """Give the share of touches at places in reach, of those asked for by the scored strategies.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES`.
-    viewpoints, touches : int
-        How many viewpoints of each object, and touches from each by each strategy, were asked for.
-
-    Returns
-    -------
-    float
-        Touches at places in reach over touches asked for.
+    `features` are rows of `tables.FEATURES`; so many `viewpoints` of each object were asked for,
+    and so many `touches` from each by each strategy.
     """
     scored = features.filter(pc.is_in(features.column("strategy"), pa.array(SCORED)))
     first = scored.filter(pc.less(scored.column("touch"), touches))
@@ -302,7 +220,7 @@ def _choose_option(
     acquired: Mapping[tuple[str, str], float],
     p_values: Mapping[tuple[str, str], float],
     former: Options,
-) -> ChosenOption:
+) -> Row:
     name, own = choice.name, former[choice.name]
     means = {option: float(scores[name, option].mean()) for option in choice.options}
     shares = {option: acquired[name, option] for option in choice.options}
@@ -315,7 +233,14 @@ def _choose_option(
     ]
     candidates = better if own in admitted else admitted
     chosen = max(candidates, key=lambda option: means[option]) if candidates else own
-    return ChosenOption(name, own, chosen, means, shares, adjusted)
+    return {
+        "choice": name,
+        "former": own,
+        "chosen": chosen,
+        "scores": means,
+        "acquired": shares,
+        "p_values": adjusted,
+    }
 
 
 def _shared_objects(
@@ -364,36 +289,23 @@ def write_choice(
     """
     run = ExperimentParameters()
     cells, intervals = read_cells(parts), run.recognition.intervals
-    chosen = asdict(choose_default(cells, intervals, run.seed))
-    measured = {key[0] for key in cells}
-    needed = {
-        name
-        for choice in scored_choices()
-        for option in choice.options
-        for name in readings_of_option(choice.name, option)
-    }
-    if needed <= measured:
+    chosen = choose_default(cells, intervals, run.seed)
+    if {*chain(*scored_readings().values())} <= {key[0] for key in cells}:
         acquired = _acquired(Path(features), run)
-        options = choose_options(cells, acquired, intervals, run.seed)
-        chosen["options"] = [asdict(one) for one in options]
+        chosen["options"] = choose_options(cells, acquired, intervals, run.seed)
     write_json(chosen, output)
 
 
 def _acquired(folder: Path, run: ExperimentParameters) -> dict[tuple[str, str], float]:
     """Read the share of touches acquired by each option of each scored choice."""
     outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": OUTSIDE})})
-    plan = plan_study(STUDY, outside)
-    planned = {one.condition.name: one for one in plan.conditions}
+    planned = {one.condition.name: one for one in plan_study(STUDY, outside).conditions}
     found = {}
-    for choice in scored_choices():
-        for option in choice.options:
-            one = planned[readings_of_option(choice.name, option)[0]]
-            table = read_table(FEATURES, folder / f"{one.key}.parquet")
-            viewpoints, touches = (
-                one.parameters.viewpoints.total,
-                one.parameters.recognition.touches,
-            )
-            found[choice.name, option] = acquired_share(table, viewpoints, touches or 0)
+    for option, names in scored_readings().items():
+        one = planned[names[0]]
+        table = read_table(FEATURES, folder / f"{one.key}.parquet")
+        touches = one.parameters.recognition.touches or 0
+        found[option] = acquired_share(table, one.parameters.viewpoints.total, touches)
     return found
 
 

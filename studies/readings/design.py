@@ -23,7 +23,7 @@ Larger sets, where views and touches take long, have the parts ``recognition``, 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, Literal
@@ -95,7 +95,10 @@ more than two options the first two are in the design.
 VARIED_ALONE = ("viewpoints", *_COLUMNS)
 """What part ``single`` varies."""
 
-LITERAL: dict[str, str] = {
+BASE: dict[str, str] = {choice.name: choice.base for choice in CHOICES}
+"""The base of the design."""
+
+LITERAL = BASE | {
     "map_output": "one_hot",
     "touch_scaling": "none",
     "sequence_scaling": "none",
@@ -104,7 +107,7 @@ LITERAL: dict[str, str] = {
     "reach": "none",
     "random_probing": "walk",
 }
-"""Where the most literal reading differs from the base of the design.
+"""The most literal reading.
 
 A map of five units, as Matlab's, gives 1 for the nearest and 0 for the others; the paper names no
 scaling of features and no limit of depth; it used Matlab; its reference 10 gives channels weights by people's
@@ -114,17 +117,7 @@ points; its random sensor moves over the surface. Elsewhere the base is what the
 
 @dataclass(frozen=True)
 class Reading:
-    """One reading of the paper.
-
-    Attributes
-    ----------
-    name : str
-        Such as ``r017``: the letter of its part and its place there.
-    part : str
-        The part of the design.
-    options : mapping of str to str
-        An option of every choice.
-    """
+    """One reading of the paper, such as ``r017``, the letter of its part and its place there: an option of every choice."""
 
     name: str
     part: Part
@@ -146,7 +139,7 @@ def is_default(options: Mapping[str, Any]) -> bool:
 
 def is_literal(options: Mapping[str, Any]) -> bool:
     """Whether options, of all choices, are those of the most literal reading."""
-    return all(options[name] == option for name, option in (_base() | LITERAL).items())
+    return all(options[name] == option for name, option in LITERAL.items())
 
 
 def crossed_with(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
@@ -157,9 +150,7 @@ def crossed_with(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
 
 def is_base_but_for(options: Mapping[str, Any], names: Sequence[str]) -> bool:
     """Whether every choice, but for some, has the option that is the base of the design."""
-    return all(
-        options[choice.name] == choice.base for choice in CHOICES if choice.name not in names
-    )
+    return all(options[name] == base for name, base in BASE.items() if name not in names)
 
 
 def all_readings() -> list[Reading]:
@@ -198,67 +189,37 @@ def _differing(run: ExperimentParameters, values: Changes) -> dict[str, object]:
     return {path: value for path, value in values.items() if attrgetter(path)(run) != value}
 
 
-def _base() -> dict[str, str]:
-    return {choice.name: choice.base for choice in CHOICES}
-
-
 def _combinations(names: tuple[str, ...], others: Options) -> Iterator[Options]:
     for options in itertools.product(*(BY_NAME[name].options for name in names)):
         yield {**others, **dict(zip(names, options, strict=True))}
 
 
-def _factorial() -> Iterator[Options]:
-    return _combinations(FACTORIAL, _base())
-
-
 def _fraction() -> Iterator[Options]:
     for levels in itertools.product((0, 1), repeat=5):
         basic = dict(zip("ABCDE", levels, strict=True))
-        run = _base()
         place = 2 * basic["A"] + basic["B"]
-        run["viewpoints"] = list(BY_NAME["viewpoints"].options)[place]
+        run = BASE | {"viewpoints": list(BY_NAME["viewpoints"].options)[place]}
         for name, column in _COLUMNS.items():
             # With odd products, the run of all zeros has the base of every choice.
             run[name] = list(BY_NAME[name].options)[sum(basic[letter] for letter in column) % 2]
         yield from _combinations(CROSSED_SINGLY, run)
 
 
-def _training() -> Iterator[Options]:
-    return _combinations(CROSSED, _base() | {"map_training": "online"})
+def _alone(names: Iterable[str], first: int) -> Iterator[Options]:
+    """Vary each choice alone, from one of its options on."""
+    for name in names:
+        for option in list(BY_NAME[name].options)[first:]:
+            yield from _combinations(CROSSED_SINGLY, BASE | {name: option})
 
 
-def _protocol() -> Iterator[Options]:
-    return _combinations(CROSSED, _base() | {"protocol": "new_viewpoint"})
-
-
-def _further() -> Iterator[Options]:
-    for name in _COLUMNS:
-        for option in list(BY_NAME[name].options)[2:]:
-            yield from _combinations(CROSSED_SINGLY, _base() | {name: option})
-
-
-def _literal() -> Iterator[Options]:
-    # Its random touches, as all kinds, are in every reading.
-    yield _base() | LITERAL | {"random_probing": BY_NAME["random_probing"].base}
-
-
-def _default() -> Iterator[Options]:
-    yield {choice.name: choice.default for choice in CHOICES}
-
-
-def _single() -> Iterator[Options]:
-    for name in VARIED_ALONE:
-        for option in BY_NAME[name].options:
-            yield from _combinations(CROSSED_SINGLY, _base() | {name: option})
-
-
-_PARTS: Mapping[Part, Callable[[], Iterator[Options]]] = {
-    "recognition": _factorial,
+_PARTS: Mapping[Part, Callable[[], Iterable[Options]]] = {
+    "recognition": lambda: _combinations(FACTORIAL, BASE),
     "upstream": _fraction,
-    "training": _training,
-    "protocol": _protocol,
-    "further": _further,
-    "literal": _literal,
-    "single": _single,
-    "default": _default,
+    "training": lambda: _combinations(CROSSED, BASE | {"map_training": "online"}),
+    "protocol": lambda: _combinations(CROSSED, BASE | {"protocol": "new_viewpoint"}),
+    "further": lambda: _alone(_COLUMNS, 2),
+    # Its random touches, as all kinds, are in every reading.
+    "literal": lambda: [LITERAL | {"random_probing": BASE["random_probing"]}],
+    "single": lambda: _alone(VARIED_ALONE, 0),
+    "default": lambda: [{choice.name: choice.default for choice in CHOICES}],
 }

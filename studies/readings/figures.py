@@ -32,6 +32,7 @@ from visuohaptic.studies.figures import (
     cells_of,
     compare,
     condition_interval,
+    paired,
     rows_by,
 )
 from visuohaptic.tables.schema import build_rows, matrix, read_table
@@ -131,15 +132,7 @@ def _figures(
         "splits": len(splits[found["fixation"]]),
         "seconds": (fixation.seconds or 0.0) + (random.seconds or 0.0),
     }
-    compared = compare(fixation, random, intervals, seed)
-    if compared is None:
-        return row
-    return row | {
-        "ahead": compared.difference.mean,
-        "ahead_low": compared.difference.low,
-        "ahead_high": compared.difference.high,
-        "p_value": compared.p_value,
-    }
+    return row | paired("ahead", "p_value", compare(fixation, random, intervals, seed))
 
 
 def summarise_readings(rows: Sequence[Row]) -> dict[str, Any]:

@@ -28,12 +28,8 @@ SAME = 1e-12
 class Lead:
     """Readings with one option; a case is a reading with one classifier.
 
-    Attributes
-    ----------
-    cases, ahead, ahead_significantly, behind_significantly : int
-        Cases, and in how many of them fixation is ahead of or behind random probing.
-    middle : float
-        Median lead of fixation over the cases, as a share.
+    Fixation is ahead of or behind random probing in so many cases; `middle` is its median lead over
+    the cases, as a share.
     """
 
     cases: int
@@ -117,16 +113,9 @@ def _part_of(choice: Choice, rows: Sequence[Row]) -> str | None:
 
 @dataclass(frozen=True)
 class PairLead:
-    """The two recognition choices that explain most of how leads differ.
+    """The two recognition choices that explain most of how leads differ, and the leads by their options.
 
-    Attributes
-    ----------
-    choices : tuple of str
-        Their names.
-    share : float
-        Share of the leads' spread between the means of their combinations.
-    leads : mapping of (str, str) to Lead
-        By their options.
+    `share` is that of the leads' spread between the means of their combinations.
     """
 
     choices: tuple[str, str]

@@ -20,11 +20,10 @@ from typing import Any
 from jinja2 import ChoiceLoader, PackageLoader
 from markupsafe import Markup
 
-from readings.choices import BY_NAME, CHOICES, Choice
+from readings.choices import BY_NAME, CHOICES
 from readings.design import is_default
 from readings.figures import summarise_readings
 from readings.leads import (
-    Lead,
     PairLead,
     against_main,
     leads_by_option,
@@ -38,7 +37,6 @@ from visuohaptic.report.page import content_policy, make_environment
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
-from visuohaptic.studies.stored import Source
 from visuohaptic.studies.study import Given
 from visuohaptic.whole_files import write_whole
 
@@ -63,99 +61,8 @@ class Dot:
     is_default: bool
 
 
-@dataclass(frozen=True)
-class CurveChart:
-    """The specification curve and its panel, in units of its own.
-
-    Attributes
-    ----------
-    height, base : float
-        Of the whole, and of the curve's axis.
-    ticks : tuple of (float, str)
-        Places down the curve, and percentages.
-    dots : tuple of Dot
-        Fixation, in order.
-    whiskers, random : str
-        Paths: intervals of fixation, and marks of random probing.
-    published : tuple of (str, float, str)
-        Strategy, place down the curve, and label of each published figure.
-    labels : tuple of (float, str)
-        Places down the panel of the choices' names.
-    options : tuple of (float, str, str)
-        Places of the options, their names, and paths with a tick at each reading that has them.
-    """
-
-    height: float
-    base: float
-    ticks: tuple[tuple[float, str], ...]
-    dots: tuple[Dot, ...]
-    whiskers: str
-    random: str
-    published: tuple[tuple[str, float, str], ...]
-    labels: tuple[tuple[float, str], ...]
-    options: tuple[tuple[float, str, str], ...]
-
-
-@dataclass(frozen=True)
-class OptionLead:
-    """One option of a choice: how far fixation leads on the paper's set and on other objects.
-
-    Attributes
-    ----------
-    choice, option : str
-        As the page calls them.
-    here, outside : Lead or None
-        None where the option was not run.
-    turns : bool
-        Whether other options of the choice have a median lead of another sign, on the other objects.
-    """
-
-    choice: str
-    option: str
-    here: Lead | None
-    outside: Lead
-    turns: bool
-
-
-@dataclass(frozen=True)
-class OutsideFigures:
-    """The readings on objects outside the paper's set, beside those on it."""
-
-    sentences: tuple[str, ...]
-    options: tuple[OptionLead, ...]
-    objects: int
-    source: Source | None
-
-
-@dataclass(frozen=True)
-class ReadingsFigures:
-    """What the page shows of the readings.
-
-    Attributes
-    ----------
-    sentences : tuple of str
-        What they say together.
-    summary : mapping
-        As `summarise_readings` gives it.
-    charts : mapping of str to CurveChart
-        By classifier.
-    shares : mapping of str to sequence of mapping
-        What explains most of the spread, by classifier.
-    choices : tuple of Choice
-        All of them.
-    source : Source or None
-        Where the readings come from; None where they are of this run.
-    outside : OutsideFigures or None
-        The same on objects outside the paper's set, where they were measured.
-    """
-
-    sentences: tuple[str, ...]
-    summary: Mapping[str, Any]
-    charts: Mapping[str, CurveChart]
-    shares: Mapping[str, Sequence[Row]]
-    choices: tuple[Choice, ...]
-    source: Source | None
-    outside: OutsideFigures | None
+Figures = dict[str, Any]
+"""What a template shows, by name."""
 
 
 def make_readings_page(given: Given) -> None:
@@ -195,10 +102,11 @@ def readings_figures(
     measured: MeasuredReadings | None,
     outside: MeasuredReadings | None = None,
     classifiers: Sequence[str] = tuple(TABLE_1),
-) -> ReadingsFigures | None:
+) -> Figures | None:
     """Give what the page shows, with the curves of some classifiers; None without readings.
 
-    `outside` holds the readings on objects outside the paper's set.
+    `outside` holds the readings on objects outside the paper's set. Charts and shares, what
+    explains most of the spread, are by classifier.
     """
     if measured is None:
         return None
@@ -206,39 +114,46 @@ def readings_figures(
     shown = [name for name in classifiers if name in summary["classifiers"]]
     if not shown:
         return None
-    return ReadingsFigures(
-        sentences=tuple(
-            _sentences(summary, shown[0] if BEST_OF_PAPER not in shown else BEST_OF_PAPER)
-        ),
-        summary=summary,
-        charts={name: curve_chart(measured.rows, name) for name in shown},
-        shares={name: _largest(summary["classifiers"][name]["choices"]) for name in shown},
-        choices=CHOICES,
-        source=measured.source,
-        outside=outside_figures(measured.rows, outside) if outside else None,
-    )
+    best = BEST_OF_PAPER if BEST_OF_PAPER in shown else shown[0]
+    return {
+        "sentences": _sentences(summary, best),
+        "summary": summary,
+        "charts": {name: curve_chart(measured.rows, name) for name in shown},
+        "shares": {name: _largest(summary["classifiers"][name]["choices"]) for name in shown},
+        "choices": CHOICES,
+        "source": measured.source,
+        "outside": outside_figures(measured.rows, outside) if outside else None,
+    }
 
 
-def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> OutsideFigures:
-    """Hold the leads of fixation on the paper's set, `rows`, beside those on other objects."""
+def outside_figures(rows: Sequence[Row], outside: MeasuredReadings) -> Figures:
+    """Hold the leads of fixation on the paper's set, `rows`, beside those on other objects.
+
+    An option ``turns`` where other options of its choice have a median lead of another sign there.
+    """
     here, there = leads_by_option(rows), leads_by_option(outside.rows)
     turning = {
         choice
         for choice, _ in there
         if len({lead.middle > 0 for (name, _), lead in there.items() if name == choice}) > 1
     }
-    options = tuple(
-        OptionLead(BY_NAME[choice].label, spaced(option), here.get(key), lead, choice in turning)
-        for key, lead in there.items()
-        for choice, option in [key]
-    )
+    options = [
+        {
+            "choice": BY_NAME[choice].label,
+            "option": spaced(option),
+            "here": here.get((choice, option)),
+            "outside": lead,
+            "turns": choice in turning,
+        }
+        for (choice, option), lead in there.items()
+    ]
     objects = max(row["objects"] or 0 for row in outside.rows)
-    return OutsideFigures(
-        tuple(_outside_sentences(outside.rows, objects)),
-        options,
-        objects,
-        outside.source,
-    )
+    return {
+        "sentences": list(_outside_sentences(outside.rows, objects)),
+        "options": options,
+        "objects": objects,
+        "source": outside.source,
+    }
 
 
 def _outside_sentences(rows: Sequence[Row], objects: int) -> Iterator[str]:
@@ -273,42 +188,40 @@ def _with_leads(pair: PairLead, options: Sequence[tuple[str, str]]) -> str:
     return listed(named) if named else "none"
 
 
-def curve_chart(rows: Sequence[Row], classifier: str) -> CurveChart:
-    """Place the specification curve of one classifier: readings sorted by accuracy by fixation."""
+def curve_chart(rows: Sequence[Row], classifier: str) -> Figures:
+    """Place the specification curve of one classifier: readings sorted by accuracy by fixation.
+
+    Gives places down the chart with texts, dots, and paths in SVG: the ``whiskers`` are intervals of
+    fixation, ``random`` marks random probing, and each option has a tick at each of its readings.
+    """
     run = _of_the_papers_question(rows, classifier)
     run.sort(key=lambda row: (row["fixation"], row["place"]))
     step = (WIDTH - _LEFT - 10) / len(run)
-    across = [_LEFT + (place + 0.5) * step for place in range(len(run))]
+    placed = [(_LEFT + (place + 0.5) * step, row) for place, row in enumerate(run)]
     base = _TOP + _CURVE_HEIGHT
-    labels, options, top = _panel(run, across, base + 30)
-    return CurveChart(
-        height=top,
-        base=base,
-        ticks=tuple((_down(share), f"{share:.0%}") for share in (0, 0.25, 0.5, 0.75, 1)),
-        dots=tuple(
-            Dot(
-                round(x, 1),
-                round(_down(row["fixation"]), 1),
-                row["reading"],
-                _label(row),
-                is_default(row),
-            )
-            for x, row in zip(across, run, strict=True)
-        ),
-        whiskers="".join(
+    labels, options, height = _panel(placed, base + 30)
+    return {
+        "height": height,
+        "base": base,
+        "ticks": [(_down(share), f"{share:.0%}") for share in (0, 0.25, 0.5, 0.75, 1)],
+        "dots": [_dot(x, row) for x, row in placed],
+        "whiskers": "".join(
             f"M{x:.1f} {_down(row['fixation_high']):.0f}V{_down(row['fixation_low']):.0f}"
-            for x, row in zip(across, run, strict=True)
+            for x, row in placed
         ),
-        random="".join(
-            f"M{x - 1:.1f} {_down(row['random']):.1f}h2" for x, row in zip(across, run, strict=True)
-        ),
-        published=tuple(
+        "random": "".join(f"M{x - 1:.1f} {_down(row['random']):.1f}h2" for x, row in placed),
+        "published": [
             (strategy, _down(value), f"published, {strategy}: {percent(value, 2)}")
             for strategy, value in TABLE_1[classifier].items()
-        ),
-        labels=labels,
-        options=options,
-    )
+        ],
+        "labels": labels,
+        "options": options,
+    }
+
+
+def _dot(x: float, row: Row) -> Dot:
+    place = round(x, 1), round(_down(row["fixation"]), 1)
+    return Dot(*place, row["reading"], _label(row), is_default(row))
 
 
 def _of_the_papers_question(rows: Sequence[Row], classifier: str) -> list[Row]:
@@ -331,25 +244,23 @@ def describe_options(row: Row) -> str:
 
 
 def _panel(
-    run: Sequence[Row], across: Sequence[float], top: float
-) -> tuple[tuple[tuple[float, str], ...], tuple[tuple[float, str, str], ...], float]:
+    placed: Sequence[tuple[float, Row]], top: float
+) -> tuple[list[tuple[float, str]], list[tuple[float, str, str]], float]:
     labels: list[tuple[float, str]] = []
     options: list[tuple[float, str, str]] = []
     for choice in CHOICES:
-        if len({row[choice.name] for row in run}) < 2:
+        if len({row[choice.name] for _, row in placed}) < 2:
             continue
         labels.append((top + 10, choice.label))
         top += _ROW + 2
         for option in choice.options:
             ticks = "".join(
-                f"M{x:.1f} {top:.0f}v{_ROW - 4}"
-                for x, row in zip(across, run, strict=True)
-                if row[choice.name] == option
+                f"M{x:.1f} {top:.0f}v{_ROW - 4}" for x, row in placed if row[choice.name] == option
             )
             options.append((top + 8, spaced(option), ticks))
             top += _ROW
         top += _GAP
-    return tuple(labels), tuple(options), top
+    return labels, options, top
 
 
 def _label(row: Row) -> str:

@@ -41,12 +41,11 @@ def summarise(measured: MeasuredReadings, outside: MeasuredReadings | None) -> R
     """Give what the readings on the paper's set and on objects outside it say together."""
     tables = {"paper": measured.rows, **({"outside": outside.rows} if outside else {})}
     figures = readings_figures(measured, outside, (BEST_OF_PAPER,))
-    sentences = figures.sentences if figures else ()
-    others = figures.outside.sentences if figures and figures.outside else ()
+    shown = [one for one in (figures, figures and figures["outside"]) if one]
     return ReadingsSummary(
         verdict=verdict(lead_evidence(tables, BEST_OF_PAPER, OPPONENT)),
         spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
-        sentences=(*sentences, *others),
+        sentences=tuple(sentence for one in shown for sentence in one["sentences"]),
         literal=_literal(measured.rows),
         source=measured.source,
     )

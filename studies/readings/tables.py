@@ -2,35 +2,9 @@
 
 from __future__ import annotations
 
+from readings.choices import BY_NAME
 from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
 from visuohaptic.tables.studies import ERROR, SECONDS
-
-READING_CHOICES = (
-    "map_output",
-    "map_training",
-    "touch_scaling",
-    "sequence_scaling",
-    "sequence_extension",
-    "wavelet_bands",
-    "deviation",
-    "classifier_settings",
-    "protocol",
-    "viewpoints",
-    "channels",
-    "saliency_operator",
-    "inhibition",
-    "sensor_size",
-    "sensor_normal",
-    "imprint_stretch",
-    "contourlet_filters",
-    "imprint_extension",
-    "focus_radius",
-    "reach",
-    "unreachable",
-    "order",
-    "random_probing",
-)
-"""What the paper leaves open, a column each; `choices` describes them."""
 
 READING_KEYS = (
     Column("reading", TEXT, "name of the reading"),
@@ -46,7 +20,7 @@ READINGS = Schema(
         Column("place", COUNT, "place of the reading in the design", minimum=0),
         *(
             Column(name, TEXT, "option of this choice")
-            for name in READING_CHOICES
+            for name in BY_NAME
             if name not in names_of(READING_KEYS)
         ),
         *(

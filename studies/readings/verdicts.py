@@ -40,19 +40,7 @@ OPPOSED = 0.05
 
 @dataclass(frozen=True)
 class Evidence:
-    """A paired difference in one reading on one set of objects.
-
-    Attributes
-    ----------
-    objects : str
-        The set, one of `SETS`.
-    reading : str
-        Whether it is the ``default`` reading, the most ``literal`` one, or an ``other``.
-    difference, low, high : float
-        By how much the claimed way is better, as a share, with the interval's ends.
-    p_value : float
-        Two-sided.
-    """
+    """A paired difference in one reading on one of `SETS`, with its interval: by how much the claimed way is better, as a share."""
 
     objects: str
     reading: Kind
@@ -72,15 +60,8 @@ class Evidence:
 def verdict(evidence: Iterable[Evidence]) -> Verdict:
     """Judge a claim by the rule above.
 
-    Parameters
-    ----------
-    evidence : iterable of Evidence
-        At most one of each set for the default and for the literal reading, and any others.
-
-    Returns
-    -------
-    str
-        ``yes``, ``no``, ``depends`` or ``not shown``.
+    Of the evidence at most one is of each set for the default and for the literal reading; there
+    may be any others.
     """
     found = list(evidence)
     main = [one for one in found if one.reading != "other"]
@@ -97,22 +78,9 @@ def verdict(evidence: Iterable[Evidence]) -> Verdict:
 def lead_evidence(
     tables: Mapping[str, Sequence[Row]], classifier: str, opponent: str = "reachable"
 ) -> list[Evidence]:
-    """Give the evidence for touches by fixation against one kind of random touches.
+    """Give the evidence for touches by fixation against one kind of random touches, an option of choice ``random_probing``.
 
-    Parameters
-    ----------
-    tables : mapping of str to sequence of Row
-        Rows of `READINGS` by set.
-    classifier : str
-        Whose figures are taken.
-    opponent : str
-        An option of choice ``random_probing``.
-
-    Returns
-    -------
-    list of Evidence
-        Of the paper's question: readings that were run, without those of part ``protocol`` and
-        those with a shuffled order.
+    `tables` has rows of `READINGS` by set. Only those that `of_papers_question` takes count.
     """
     return [
         Evidence(

@@ -1,5 +1,7 @@
 """Made-up recordings: objects whose people look where one feature is large."""
 
+from dataclasses import replace
+
 import numpy as np
 import trimesh
 
@@ -37,12 +39,7 @@ def made_up_object(name, planted, seed, *, shuffled=False, strength=2.0, is_test
     density *= visible.mean(axis=0)
     if shuffled:
         density = rng.permutation(density)
-    gazed = GazedSurface(density, one.gazed.area, one.gazed.seen)
-    return GazedObject(**{**one_fields(one), "gazed": gazed})
-
-
-def one_fields(one):
-    return {name: getattr(one, name) for name in one.__dataclass_fields__}
+    return replace(one, gazed=GazedSurface(density, one.gazed.area, one.gazed.seen))
 
 
 def write_object(folder, name, part, stretch, *, mesh=True):

@@ -20,20 +20,18 @@ def points_on(surface, count, seed=0):
 def test_scale_and_shift_are_found(scale):
     shift = np.array([3.0, -2.0, 0.5])
     points = (SURFACE.vertices - shift) / scale
-    found = align(points, RayCaster(SURFACE), "box", 0.03)
-    assert found.scale == pytest.approx(scale, rel=1e-6)
-    np.testing.assert_allclose(found.shift, shift, atol=1e-5 * max(1, scale))
-    assert found.error < 1e-6
+    found, error = align(points, RayCaster(SURFACE), "box", 0.03)
+    np.testing.assert_allclose(found, SURFACE.vertices, atol=1e-6)
+    assert error < 1e-6
 
 
 def test_points_that_leave_out_the_corners_are_brought_closer_than_their_box_does():
     points = points_on(SURFACE, 300)
     points = points[np.linalg.norm(points, axis=1) < 0.45]
-    found = align(points, RayCaster(SURFACE), "box", 0.05)
-    box = float(
-        np.linalg.norm(np.ptp(SURFACE.vertices, axis=0)) / np.linalg.norm(np.ptp(points, axis=0))
-    )
-    assert abs(found.scale - 1) < abs(box - 1)
+    found, _ = align(points, RayCaster(SURFACE), "box", 0.05)
+    box = np.linalg.norm(np.ptp(SURFACE.vertices, axis=0)) / np.linalg.norm(np.ptp(points, axis=0))
+    off = np.linalg.norm((box - 1) * points, axis=1)
+    assert np.percentile(np.linalg.norm(found - points, axis=1), 95) < np.percentile(off, 95) / 2
 
 
 def test_other_axes_are_refused_with_the_error():

@@ -1,19 +1,21 @@
 """From made-up recordings in a folder to tables, pictures and weights."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from gaze.made_up import write_object
+from gaze.made_up import made_up_object, write_object
 
 from visuohaptic.attention import CHANNELS, TERMS, AttentionParameters
 from visuohaptic.errors import GazeError, MeshError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.gaze.files import look_at_folder, make_gaze
 from visuohaptic.gaze.looking import COLUMNS, look_at
+from visuohaptic.gaze.measuring import measure_all
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import PREDICTORS
-from visuohaptic.gaze.recordings import RecordingFile, find_recordings
+from visuohaptic.gaze.recordings import find_recordings
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.schema import read_table
 
@@ -40,6 +42,20 @@ def folder(tmp_path_factory):
         write_object(folder, name, part, stretch)
     write_object(folder, "cloud", "training", (0.9, 1, 0.9), mesh=False)
     return folder
+
+
+@pytest.fixture(scope="module")
+def egg(folder):
+    return next(one for one in find_recordings(folder) if one.name == "egg")
+
+
+def look(file, **changes):
+    return look_at(file, **LOOKING, gaze=settings("", **changes), seed=SEED)
+
+
+@pytest.fixture(scope="module")
+def looked(egg):
+    return look(egg)
 
 
 @pytest.mark.slow
@@ -75,52 +91,38 @@ def test_objects_for_tests_are_not_read_unless_asked_for(folder):
 
 
 @pytest.mark.slow
-def test_scale_and_place_of_a_recording_change_nothing(folder, tmp_path):
-    (file,) = (one for one in find_recordings(folder) if one.name == "egg")
-    numbers = np.loadtxt(file.gaze)
+def test_scale_and_place_of_a_recording_change_nothing(egg, looked, tmp_path):
+    numbers = np.loadtxt(egg.gaze)
     numbers[:, :3] = 0.25 * numbers[:, :3] - 100
     np.savetxt(tmp_path / "egg.txt", numbers)
-    moved = RecordingFile("egg", tmp_path / "egg.txt", file.mesh, is_test=False)
-    first, second = (
-        look_at(one, **LOOKING, gaze=settings(folder), seed=SEED) for one in (file, moved)
-    )
-    np.testing.assert_allclose(first.points, second.points, atol=1e-4)
-    np.testing.assert_allclose(first.gazed.density, second.gazed.density, rtol=1e-3)
+    moved = look(replace(egg, gaze=tmp_path / "egg.txt"))
+    np.testing.assert_allclose(looked.points, moved.points, atol=1e-4)
+    np.testing.assert_allclose(looked.gazed.density, moved.gazed.density, rtol=1e-3)
 
 
 @pytest.mark.slow
-def test_time_is_where_people_looked_and_area_adds_up(folder):
-    (file,) = (one for one in find_recordings(folder) if one.name == "egg")
-    one = look_at(file, **LOOKING, gaze=settings(folder), seed=SEED)
-    assert one.gazed.area.sum() == pytest.approx(one.surface.face_areas.sum(), rel=1e-6)
-    looked = np.maximum(one.points[:, 1], 0) ** 2
-    assert np.corrcoef(one.gazed.density, looked)[0, 1] > 0.95
-    assert one.gazed.density[one.points[:, 1] < -0.5].max() < 0.01 * one.gazed.density.max()
+def test_time_is_where_people_looked_and_area_adds_up(looked):
+    assert looked.gazed.area.sum() == pytest.approx(looked.surface.face_areas.sum(), rel=1e-6)
+    height, density = looked.points[:, 1], looked.gazed.density
+    assert np.corrcoef(density, np.maximum(height, 0) ** 2)[0, 1] > 0.95
+    assert density[height < -0.5].max() < 0.01 * density.max()
 
 
 @pytest.mark.slow
-def test_terms_of_place_turn_with_the_front_and_others_do_not(folder):
-    (file,) = (one for one in find_recordings(folder) if one.name == "egg")
-    one = look_at(file, **LOOKING, gaze=settings(folder), seed=SEED)
-    front, side, turned = (
-        one.planes[:, COLUMNS.index(name)]
-        for name in ("front_squared", "side_squared", "turned_front_squared")
-    )
-    other = one.planes[:, COLUMNS.index("turned_side_squared")]
+def test_terms_of_place_turn_with_the_front_and_others_do_not(looked):
+    names = ("front_squared", "side_squared", "turned_front_squared", "turned_side_squared")
+    front, side, turned, other = (looked.planes[:, COLUMNS.index(name)] for name in names)
     assert abs(turned - front).max() > 0.1
     # Squares of averages: the distance from the axis stays as it is.
     np.testing.assert_allclose(turned + other, front + side, atol=1e-5)
 
 
 @pytest.mark.slow
-def test_predictions_of_others_come_to_the_same_points(folder, tmp_path):
-    (file,) = (one for one in find_recordings(folder) if one.name == "egg")
-    numbers = np.loadtxt(file.gaze)
-    predicted = np.column_stack([numbers[:, :3] / 7, numbers[:, -1]])
-    np.savetxt(tmp_path / "egg.txt", predicted)
-    one = look_at(file, **LOOKING, gaze=settings(folder, peer=str(tmp_path)), seed=SEED)
-    looked = np.maximum(one.points[:, 1], 0) ** 2
-    assert np.corrcoef(one.peer, looked)[0, 1] > 0.99
+def test_predictions_of_others_come_to_the_same_points(egg, tmp_path):
+    numbers = np.loadtxt(egg.gaze)
+    np.savetxt(tmp_path / "egg.txt", np.column_stack([numbers[:, :3] / 7, numbers[:, -1]]))
+    one = look(egg, peer=str(tmp_path))
+    assert np.corrcoef(one.peer, np.maximum(one.points[:, 1], 0) ** 2)[0, 1] > 0.99
 
 
 def test_a_peer_without_any_of_the_objects_is_refused(folder, tmp_path):
@@ -128,26 +130,18 @@ def test_a_peer_without_any_of_the_objects_is_refused(folder, tmp_path):
         look_at_folder(**LOOKING, gaze=settings(folder, peer=str(tmp_path)), seed=SEED)
 
 
-def test_a_recording_of_other_length_than_the_mesh_is_refused(folder, tmp_path):
-    (mesh,) = (one.mesh for one in find_recordings(folder) if one.name == "egg")
+def test_a_recording_of_other_length_than_the_mesh_is_refused(egg, tmp_path):
     np.savetxt(tmp_path / "egg.txt", np.ones(7))
-    file = RecordingFile("egg", tmp_path / "egg.txt", mesh, is_test=False)
     with pytest.raises(GazeError, match=r"7 times and its mesh 642 vertices"):
-        look_at(file, **LOOKING, gaze=settings(folder), seed=SEED)
+        look(replace(egg, gaze=tmp_path / "egg.txt"))
 
 
-def test_a_mesh_that_can_not_be_read_is_named(folder, tmp_path):
-    (gaze,) = (one.gaze for one in find_recordings(folder) if one.name == "egg")
+def test_a_mesh_that_can_not_be_read_is_named(egg, tmp_path):
     (tmp_path / "egg.obj").write_bytes(b"\x00\x01nothing")
-    file = RecordingFile("egg", gaze, tmp_path / "egg.obj", is_test=False)
     with pytest.raises(MeshError, match="egg"):
-        look_at(file, **LOOKING, gaze=settings(folder), seed=SEED)
+        look(replace(egg, mesh=tmp_path / "egg.obj"))
 
 
-def test_too_few_objects_are_refused(folder):
-    from gaze.made_up import made_up_object
-
-    from visuohaptic.gaze.measuring import measure_all
-
+def test_too_few_objects_are_refused():
     with pytest.raises(GazeError, match=r"1 different objects .* gaze\.folds is 2"):
-        measure_all([made_up_object("egg", "edge", 0)], settings(folder))
+        measure_all([made_up_object("egg", "edge", 0)], settings(""))

@@ -25,17 +25,17 @@ def objects(planted, count=12, **settings):
     return [made_up_object(name, planted, seed, **settings) for seed, name in enumerate(names)]
 
 
+def scores(made, weights, measure):
+    return [MEASURES[measure](predict(one, HUMAN, weights[one.name]), one.gazed) for one in made]
+
+
 @pytest.mark.parametrize("planted", ["curvature", "symmetry", "height", "relief_fine"])
 def test_a_planted_feature_is_found_on_objects_held_out(planted):
     made = objects(planted)
     weights = held_out_weights(made, HUMAN, 4, PENALTY)
     for one in made:
         assert max(weights[one.name], key=weights[one.name].get) == planted
-    found = [predict(one, HUMAN, weights[one.name]) for one in made]
-    scores = [
-        MEASURES["correlation"](value, one.gazed) for value, one in zip(found, made, strict=True)
-    ]
-    assert min(scores) > 0.8
+    assert min(scores(made, weights, "correlation")) > 0.8
 
 
 def test_a_planted_weight_is_found_again():
@@ -55,24 +55,22 @@ def test_shuffled_gaze_gives_chance():
     made = objects("curvature", 24, shuffled=True)
     # Where a point is seen from more views it has more of the prediction; gaze here does not.
     weights = held_out_weights(made, HUMAN, 4, PENALTY)
-    scores = [
-        MEASURES["auc_top"](predict(one, HUMAN, weights[one.name]), one.gazed) for one in made
-    ]
-    error = np.std(scores) / np.sqrt(len(scores))
-    assert abs(np.mean(scores) - 0.5) < 3 * error
+    by_chance = scores(made, weights, "auc_top")
+    error = np.std(by_chance) / np.sqrt(len(by_chance))
+    assert abs(np.mean(by_chance) - 0.5) < 3 * error
     planted = objects("curvature", 24)
-    weights = held_out_weights(planted, HUMAN, 4, PENALTY)
-    good = [
-        MEASURES["auc_top"](predict(one, HUMAN, weights[one.name]), one.gazed) for one in planted
-    ]
-    assert min(good) > 0.8
+    assert min(scores(planted, held_out_weights(planted, HUMAN, 4, PENALTY), "auc_top")) > 0.8
 
 
-def test_weights_do_not_depend_on_the_object_held_out():
+@pytest.mark.parametrize(("name", "folds"), [("human", 6), ("chosen", 3)])
+def test_weights_do_not_depend_on_the_object_held_out(name, folds):
     made = objects("curvature", 6)
     other = [*made[:-1], made_up_object(made[-1].name, "height", 99)]
-    before = held_out_weights(made, HUMAN, 6, PENALTY)[made[-1].name]
-    assert before == held_out_weights(other, HUMAN, 6, PENALTY)[made[-1].name]
+    first, second = (
+        held_out_weights(some, BY_NAME[name], folds, PENALTY)[made[-1].name]
+        for some in (made, other)
+    )
+    assert first == second
 
 
 def test_what_people_look_at_is_chosen_and_little_else():
@@ -81,29 +79,17 @@ def test_what_people_look_at_is_chosen_and_little_else():
     assert len(kept) < len(FEATURES) / 2
 
 
-def test_what_is_chosen_does_not_depend_on_the_object_held_out():
-    made = objects("curvature", 6)
-    other = [*made[:-1], made_up_object(made[-1].name, "height", 99)]
-    found = [
-        held_out_weights(some, BY_NAME["chosen"], 3, PENALTY)[made[-1].name]
-        for some in (made, other)
-    ]
-    assert found[0] == found[1]
-
-
 def test_one_family_keeps_all_features():
     assert choose_features(objects("height", 1), FEATURES, 3, PENALTY) == FEATURES
 
 
-def test_an_object_in_both_parts_is_refused():
-    made = objects("curvature", 3)
-    with pytest.raises(GazeError, match="thinga would be in both parts"):
-        fit_predictor(made, FEATURES, {"thinga"}, PENALTY)
-
-
-def test_no_object_is_refused():
-    with pytest.raises(GazeError, match="0 objects"):
-        fit_predictor([], FEATURES, (), PENALTY)
+@pytest.mark.parametrize(
+    ("count", "tested", "sentence"),
+    [(3, {"thinga"}, "thinga would be in both parts"), (0, (), "0 objects")],
+)
+def test_no_object_and_an_object_in_both_parts_are_refused(count, tested, sentence):
+    with pytest.raises(GazeError, match=sentence):
+        fit_predictor(objects("curvature", count), FEATURES, tested, PENALTY)
 
 
 def test_poses_of_one_figure_share_a_fold():

@@ -43,13 +43,6 @@ def test_a_peer_is_compared_on_the_objects_that_it_predicted(table):
     assert equal.gain.mean == pytest.approx(equal.measures["correlation"].mean - 1)
 
 
-def test_gains_are_over_what_is_asked_for(table):
-    place = next(
-        row for row in summarise(table, "training", "place") if row.predictor.name == "place"
-    )
-    assert place.gain.mean == 0
-
-
 def test_one_object_has_no_interval_and_several_hold_their_mean(table):
     (human,) = (row for row in summarise(table, "test") if row.predictor.name == "human")
     assert np.isnan(human.gain.low)

@@ -5,7 +5,7 @@ import pytest
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import Scene
-from visuohaptic.studies.conditions import make_blocks, plan_study, with_changes
+from visuohaptic.studies.conditions import describe_study, make_blocks, plan_study, with_changes
 from visuohaptic.studies.study import Condition, Study
 
 RUN = ExperimentParameters()
@@ -44,6 +44,8 @@ def test_what_is_made_again_follows_from_what_changes(changes, phase):
     assert [recomputation.phase for recomputation in found.recomputations.values()] == (
         [phase] if phase else []
     )
+    described = describe_study(Study("mine", "Mine"), found)
+    assert [one["recomputed"] for one in described["conditions"]] == [phase or "recognition"]
 
 
 def test_what_equals_the_run_makes_nothing_again():

@@ -70,6 +70,8 @@ def test_conditions_come_in_their_order_with_a_difference_to_the_first():
     assert tuple(found) == NAMES
     assert found["whole"]["difference"] is None
     assert found["worse"]["difference"] == pytest.approx(-0.2)
+    assert [row["compared_with"] for row in found.values()] == [None, *["whole"] * 3]
+    assert found["broken"]["accuracy"] is None
     assert found["better"]["difference"] == pytest.approx(0.05)
     assert found["better"]["low"] < found["better"]["accuracy"] < found["better"]["high"]
     assert found["broken"]["error"] == "too small."

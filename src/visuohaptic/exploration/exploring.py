@@ -121,15 +121,23 @@ class TouchableObject:
         MeshError
             If no viewpoint sees a place to touch.
         """
-        if at is not None or normals is not None:
-            return self._touch_at(at, normals, viewpoints, self._sized(parameters))
-        chosen = _with_choices(self._sized(parameters), viewpoints, strategy)
-        tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
-        if not tables["touches"].num_rows:
-            raise MeshError(
-                f"{self.key} shows no viewpoint a place to touch: it is thinner than a pixel of the "
-                "view, or no sensor comes there; a larger rendering.resolution or strategy random touches it."
-            )
+        chosen = self._sized(parameters)
+        if at is None and normals is None:
+            chosen = _with_choices(chosen, viewpoints, strategy)
+            tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
+            if not tables["touches"].num_rows:
+                raise MeshError(
+                    f"{self.key} shows no viewpoint a place to touch: it is thinner than a pixel of the "
+                    "view, or no sensor comes there; a larger rendering.resolution or strategy random touches it."
+                )
+        elif at is None:
+            raise ParameterError("normals need at: the points that they stand on.")
+        elif viewpoints is not None:
+            raise ParameterError("at leaves no choice of viewpoints: leave one of the two out.")
+        else:
+            check_run(chosen, "touch")
+            strategy = STRATEGY
+            tables, seconds = touch_points(self.key, self.surface, at, normals, chosen)
         seconds = {"prepare": self.seconds, **seconds}
         return Exploration(self.key, self.surface, chosen, strategy, seconds, tables, self.frame)
 
@@ -142,24 +150,6 @@ class TouchableObject:
         sized = {**scene.model_dump(exclude_unset=True), "object_radius_m": self.frame.radius_m}
         values = {**parameters.model_dump(exclude_unset=True), "scene": sized}
         return check_parameters(values, "the object's size")
-
-    def _touch_at(
-        self,
-        at: ArrayLike | None,
-        normals: ArrayLike | None,
-        viewpoints: int | None,
-        parameters: ExperimentParameters,
-    ) -> Exploration:
-        if at is None:
-            raise ParameterError("normals need at: the points that they stand on.")
-        if viewpoints is not None:
-            raise ParameterError("at leaves no choice of viewpoints: leave one of the two out.")
-        check_run(parameters, "touch")
-        tables, seconds = touch_points(self.key, self.surface, at, normals, parameters)
-        seconds = {"prepare": self.seconds, **seconds}
-        return Exploration(
-            self.key, self.surface, parameters, STRATEGY, seconds, tables, self.frame
-        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import ParameterError
-from visuohaptic.sensor.frames import column_axes
+from visuohaptic.sensor.imprints import Poses, stand_on
 
 PLACE = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
@@ -55,26 +56,41 @@ def read_poses(path: str | Path) -> NDArray[np.float64]:
 
     names, rows = _read_numbers(Path(path))
     columns = {name: rows[:, place] for place, name in enumerate(names)}
-    poses = np.tile(np.eye(4), (len(rows), 1, 1))
-    poses[:, :3, 3] = _taken(columns, PLACE, path)
+    places = _taken(columns, PLACE, path)
     if set(QUATERNION) <= set(columns):
-        turned = _taken(columns, QUATERNION, path)
-        _check_lengths(turned, "quaternion", path)
-        poses[:, :3, :3] = Rotation.from_quat(turned, scalar_first=True).as_matrix()
+        quaternions = _taken(columns, QUATERNION, path)
+        _check_lengths(quaternions, "quaternion", path)
+        poses = np.tile(np.eye(4), (len(rows), 1, 1))
+        poses[:, :3, :3] = Rotation.from_quat(quaternions, scalar_first=True).as_matrix()
+        poses[:, :3, 3] = places
         return poses
     normals = _taken(columns, NORMAL, path)
     _check_lengths(normals, "normal", path)
-    poses[:, :3, :3] = _axes(normals, columns.get(ROLL, np.zeros(len(rows))))
+    stands = stand_on(places, normals / np.linalg.norm(normals, axis=1, keepdims=True))
+    return matrices(turned(stands, columns.get(ROLL, 0.0)))
+
+
+def turned(stands: Poses, roll: ArrayLike) -> Poses:
+    """Turn sensors about their normals, by degrees; `ParameterError` if these are not finite or too many."""
+    angles = np.radians(np.asarray(roll, dtype=np.float64))
+    if angles.shape not in ((), (len(stands),)) or not np.isfinite(angles).all():
+        raise ParameterError(
+            f"roll has the shape {angles.shape}; a finite number, or one for each of {len(stands)} poses, is needed."
+        )
+    if not angles.any():
+        return stands
+    cosine, sine = (np.reshape(part, (-1, 1)) for part in (np.cos(angles), np.sin(angles)))
+    columns = cosine * stands.columns - sine * stands.rows
+    rows = sine * stands.columns + cosine * stands.rows
+    return replace(stands, columns=columns, rows=rows)
+
+
+def matrices(stands: Poses) -> NDArray[np.float64]:
+    """Give poses (n, 4, 4): x along the columns, y against the rows, z along the normal."""
+    poses = np.tile(np.eye(4), (len(stands), 1, 1))
+    axes = (stands.columns, -stands.rows, stands.normals, stands.points)
+    poses[:, :3] = np.stack(axes, axis=2)
     return poses
-
-
-def _axes(normals: NDArray[np.float64], roll: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give columns, upwards and outwards, shape (n, 3, 3), one axis a column."""
-    outward = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    along = column_axes(outward)
-    up = np.cross(outward, along)
-    cosine, sine = np.cos(np.radians(roll))[:, None], np.sin(np.radians(roll))[:, None]
-    return np.stack([cosine * along + sine * up, cosine * up - sine * along, outward], axis=2)
 
 
 def _read_numbers(path: Path) -> tuple[list[str], NDArray[np.float64]]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.exploration.pose_files import matrices, turned
 from visuohaptic.exploration.showing import png_of
 from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.raycasting import RayCaster
@@ -175,16 +176,14 @@ def press(
     ParameterError
         If a pose or a measure is not allowed.
     """
-    stands = _turned(_stand(points, normals, poses, orientation), roll)
+    stands = turned(_stand(points, normals, poses, orientation), roll)
     grid = _grid(resolution)
     sizes = _sizes(size, len(stands))
     largest = float(sizes.max(initial=0.0)) or 1.0
     deep = float(_positive(np.array(largest / 3 if depth is None else depth), "depth"))
     high = float(_positive(np.array(largest if above is None else above), "above"))
     surface, centre, radius = _unit_surface(mesh)
-    within = type(stands)(
-        (stands.points - centre) / radius, stands.normals, stands.columns, stands.rows
-    )
+    within = replace(stands, points=(stands.points - centre) / radius)
     lifts = np.full(len(stands), high / radius)
     heights = radius * cast_heights(
         RayCaster(surface), within, sizes[:, ::-1] / radius, lifts, grid
@@ -192,7 +191,7 @@ def press(
     images = np.clip(1 + heights / deep, 0, 1)
     if scene is not None:
         images = _readings(images, heights, sizes, scene, unit, seed)
-    return Pressed(images.astype(np.float32), heights, _matrices(stands), sizes)
+    return Pressed(images.astype(np.float32), heights, matrices(stands), sizes)
 
 
 def _readings(
@@ -266,29 +265,6 @@ def _check_poses(poses: NDArray[np.float64]) -> None:
         raise ParameterError(
             f"Pose {wrong[0]} turns by no rotation; three right-angled unit axes, right-handed, are needed."
         )
-
-
-def _turned(stands: Poses, roll: ArrayLike) -> Poses:
-    """Turn sensors about their normals, by degrees."""
-    angles = np.radians(np.asarray(roll, dtype=np.float64))
-    if angles.shape not in ((), (len(stands),)) or not np.isfinite(angles).all():
-        raise ParameterError(
-            f"roll has the shape {angles.shape}; a finite number, or one for each of {len(stands)} poses, is needed."
-        )
-    if not angles.any():
-        return stands
-    cosine, sine = (np.reshape(part, (-1, 1)) for part in (np.cos(angles), np.sin(angles)))
-    columns = cosine * stands.columns - sine * stands.rows
-    rows = sine * stands.columns + cosine * stands.rows
-    return type(stands)(stands.points, stands.normals, columns, rows)
-
-
-def _matrices(stands: Poses) -> NDArray[np.float64]:
-    poses = np.tile(np.eye(4), (len(stands), 1, 1))
-    axes = (stands.columns, -stands.rows, stands.normals, stands.points)
-    for place, axis in enumerate(axes):
-        poses[:, :3, place] = axis
-    return poses
 
 
 def _grid(resolution: int | tuple[int, int]) -> tuple[int, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,56 +21,15 @@ SPACINGS = 3.0
 _REFINEMENTS = 2
 
 
-@dataclass(frozen=True)
-class Alignment:
-    """Recorded points in the frame of a mesh.
-
-    Attributes
-    ----------
-    points : numpy.ndarray
-        Shape (n, 3), float64: the nearest points of the surface.
-    faces : numpy.ndarray
-        Shape (n,), int64: their faces.
-    scale : float
-        What recorded coordinates were multiplied by.
-    shift : numpy.ndarray
-        Shape (3,): what was then added.
-    error : float
-        Distance from the surface that 95 % of the points keep within, in the mesh's unit.
-    """
-
-    points: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    scale: float
-    shift: NDArray[np.float64]
-    error: float
-
-
 def align(
     points: NDArray[np.float64], caster: RayCaster, name: str, largest_error: float
-) -> Alignment:
-    """Bring recorded points to a mesh by one scale and a shift.
+) -> tuple[NDArray[np.float64], float]:
+    """Bring recorded points (n, 3), in any unit and with the mesh's axes, to the surface by one scale and a shift.
 
-    Parameters
-    ----------
-    points : numpy.ndarray
-        Shape (n, 3), float64, in any unit; the mesh's axes.
-    caster : RayCaster
-        The mesh.
-    name : str
-        The recording, for messages.
-    largest_error : float
-        Largest distance, in the mesh's unit, that 95 % of the points may be off it.
-
-    Returns
-    -------
-    Alignment
-        From the bounding boxes, refined by least squares to the nearest points.
-
-    Raises
-    ------
-    GazeError
-        If points have no extent or lie off the mesh.
+    These come from the bounding boxes, refined by least squares to the nearest points. Gives the
+    nearest points of the surface (n, 3), and the distance from it, in the mesh's unit, that 95 % of
+    the points keep within. Raises `GazeError`, with the recording's `name`, if the points have no
+    extent, or that distance is above `largest_error`.
     """
     low, high = points.min(axis=0), points.max(axis=0)
     extent = float(np.linalg.norm(high - low))
@@ -78,24 +37,21 @@ def align(
         raise GazeError(f"{name}: all recorded points are at one place; an extent is needed.")
     scale = float(np.linalg.norm(caster.bounds[1] - caster.bounds[0])) / extent
     shift = caster.bounds.mean(axis=0) - scale * 0.5 * (low + high)
-    nearest, faces = caster.nearest(scale * points + shift)
-    best = (_error(scale * points + shift, nearest), scale, shift, nearest, faces)
-    for _ in range(_REFINEMENTS):
+    found: list[tuple[float, NDArray[np.float64]]] = []
+    for _ in range(1 + _REFINEMENTS):
+        moved = scale * points + shift
+        nearest, _ = caster.nearest(moved)
+        distances = np.linalg.norm(moved - nearest, axis=1)
+        found.append((float(np.percentile(distances, 95)), nearest))
         scale, shift = _fitted(points, nearest)
-        nearest, faces = caster.nearest(scale * points + shift)
-        best = min(
-            best,
-            (_error(scale * points + shift, nearest), scale, shift, nearest, faces),
-            key=lambda found: found[0],
-        )
-    error, scale, shift, nearest, faces = best
+    error, nearest = min(found, key=itemgetter(0))
     if error > largest_error:
         raise GazeError(
             f"{name}: 5 % of the recorded points lie more than {error:.3f} object radii off the mesh, "
             f"{largest_error:g} is allowed; give the mesh the recording's axes, or the mesh that was "
             "shown."
         )
-    return Alignment(nearest, faces, scale, shift, error)
+    return nearest, error
 
 
 def reconstruct(recording: Recording) -> Surface:
@@ -148,7 +104,3 @@ def _fitted(
     centred = points - middle
     scale = float((centred * (nearest - other)).sum() / (centred**2).sum())
     return scale, other - scale * middle
-
-
-def _error(points: NDArray[np.float64], nearest: NDArray[np.float64]) -> float:
-    return float(np.percentile(np.linalg.norm(points - nearest, axis=1), 95))

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.errors import GazeError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.gaze.looking import GazedObject, look_at
-from visuohaptic.gaze.measuring import Track, human_weights, look_at_all, measure_all
+from visuohaptic.gaze.measuring import human_weights, measure_all
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.peers import find_peer
 from visuohaptic.gaze.pictures import picture_table
@@ -21,6 +20,8 @@ from visuohaptic.gaze.recordings import find_recordings
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.schema import write_table
 from visuohaptic.whole_files import write_whole
+
+Track = Callable[[list[Any]], Iterable[Any]]
 
 
 def look_at_folder(
@@ -34,11 +35,13 @@ def look_at_folder(
     *,
     tests: bool = True,
 ) -> list[GazedObject]:
-    """Look at every recorded object in `gaze.folder`; those for tests only if asked for.
+    """Look at every recorded object in `gaze.folder`, by name; those for tests only if asked for.
 
-    Channels run with equal weights, as weights are what is fitted. Raises `GazeError` or `MeshError`
-    for the first recording or mesh that can't be used.
+    Channels run with equal weights, as weights are what is fitted. `processes` change no result.
+    Raises `GazeError` or `MeshError` for the first recording or mesh that can't be used.
     """
+    from joblib import Parallel, delayed, parallel_config
+
     files = [file for file in find_recordings(gaze.folder) if tests or not file.is_test]
     if not files:
         raise GazeError(f"{gaze.folder} has recordings for tests alone; others are needed.")
@@ -47,15 +50,13 @@ def look_at_folder(
             f"{gaze.peer} has no prediction for any recorded object; files such as {files[0].name}.ply "
             "are."
         )
-    looking = partial(
-        look_at,
-        viewpoints=viewpoints,
-        rendering=rendering,
-        attention=attention,
-        gaze=gaze,
-        seed=seed,
-    )
-    return look_at_all(files, looking, processes, track)
+    # Each process would otherwise compute with as many threads as the caller's environment names.
+    with parallel_config(backend="loky", inner_max_num_threads=1):
+        jobs = Parallel(processes)(
+            delayed(look_at)(file, viewpoints, rendering, attention, gaze, seed)
+            for file in track(files)
+        )
+    return list(jobs)
 
 
 def make_gaze(

@@ -18,7 +18,7 @@ from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParam
 from visuohaptic.fixations.places import draw_by_area, sees
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
-from visuohaptic.gaze.alignment import Alignment, align, grey_surface, reconstruct
+from visuohaptic.gaze.alignment import align, grey_surface, reconstruct
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.peers import find_peer, read_peer
 from visuohaptic.gaze.recordings import Recording, RecordingFile, read_recording
@@ -49,34 +49,14 @@ REACH = 3.0
 class GazedObject:
     """What the eye sees of an object, and where people looked.
 
-    Attributes
-    ----------
-    name, is_test, digest
-        As in the recording.
-    surface : Surface
-        In the object frame.
-    points : numpy.ndarray
-        Shape (n, 3), float64, on the surface: some of the recorded points.
-    gazed : GazedSurface
-        Time and area at these points.
-    planes : numpy.ndarray
-        Shape (v, k, m, m), float32: `COLUMNS` of each view on the maps' grid.
-    shown : numpy.ndarray
-        Shape (v, m, m), bool: grid cells that show the object.
-    cells : numpy.ndarray
-        Shape (v, n), int64: grid cell of each point, counted row by row.
-    visible : numpy.ndarray
-        Shape (v, n), bool: whether a view sees a point.
-    error : float
-        Distance from the mesh that 95 % of the recorded points keep within, object radii.
-    is_reconstructed : bool
-        Whether the surface was made from the points.
-    seconds : float
-        Time that people spent on the object.
-    seen_share : float
-        Share of that time on points that a view sees.
-    peer : numpy.ndarray or None
-        Shape (n,), float64: what others predicted at these points; None where nothing is at hand.
+    `points` (n, 3) on the `surface`, in the object frame, are some of the recorded ones; `gazed` is
+    time and area there. `planes` (v, k, m, m), float32, are `COLUMNS` of each view on the maps'
+    grid, of which `shown` (v, m, m) says which cells show the object; `cells` (v, n) is the grid
+    cell of each point, counted row by row, and `visible` (v, n) whether a view sees it.
+
+    95 % of the recorded points keep within `error` object radii of the mesh. People spent `seconds`
+    on the object, `seen_share` of them on points that a view sees. `peer` (n,) is what others
+    predicted at the points; None where nothing is at hand.
     """
 
     name: str
@@ -125,17 +105,21 @@ def look_at(
     where the mesh can't be read.
     """
     recording = read_recording(file.gaze, gaze.largest_megabytes)
-    raw = grey_mesh(file, gaze) if file.mesh else reconstruct(recording)
+    if file.mesh is None:
+        raw = reconstruct(recording)
+    else:
+        mesh = read_model(str(file.mesh), gaze.largest_megabytes)
+        raw = grey_surface(mesh.vertices, mesh.faces)
     points = _recorded_points(recording, raw)
     surface = normalise(raw, file.name)
     caster = RayCaster(surface)
-    placed = align(points, caster, file.name, gaze.largest_error)
+    placed, error = align(points, caster, file.name, gaze.largest_error)
     area, density = _spread(placed, recording.seconds, surface, gaze.spread, seed)
     generator = spawn_generator(seed, "gaze", file.name)
     count = min(MOST_EVALUATED, len(points))
     chosen = np.sort(generator.choice(len(points), count, replace=False))
     cameras = place_cameras(viewpoints)
-    at = placed.points[chosen]
+    at = placed[chosen]
     visible = np.stack([sees(caster, camera, at) for camera in cameras])
     front = spawn_generator(seed, "gaze front", file.name)
     planes, shown = _feature_planes(caster, cameras, rendering, attention, front)
@@ -144,7 +128,7 @@ def look_at(
         raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
     everywhere = np.zeros(len(points), dtype=bool)
     for camera in cameras:
-        everywhere |= sees(caster, camera, placed.points)
+        everywhere |= sees(caster, camera, placed)
     return GazedObject(
         name=file.name,
         is_test=file.is_test,
@@ -156,18 +140,12 @@ def look_at(
         shown=shown,
         cells=np.stack([_cells(camera, at, planes.shape[-1]) for camera in cameras]),
         visible=visible,
-        error=placed.error,
+        error=error,
         is_reconstructed=file.mesh is None,
         seconds=float(recording.seconds.sum()),
         seen_share=float(recording.seconds[everywhere].sum() / recording.seconds.sum()),
         peer=_predicted_by_peer(at, caster, file.name, gaze),
     )
-
-
-def grey_mesh(file: RecordingFile, gaze: GazeParameters) -> Surface:
-    """Read a recording's mesh, without its colours; its parent must have one."""
-    mesh = read_model(str(file.mesh), gaze.largest_megabytes)
-    return grey_surface(mesh.vertices, mesh.faces)
 
 
 def _recorded_points(recording: Recording, mesh: Surface) -> NDArray[np.float64]:
@@ -182,13 +160,16 @@ def _recorded_points(recording: Recording, mesh: Surface) -> NDArray[np.float64]
 
 
 def _spread(
-    placed: Alignment, seconds: NDArray[np.float64], surface: Surface, spread: float, seed: int
+    points: NDArray[np.float64],
+    seconds: NDArray[np.float64],
+    surface: Surface,
+    spread: float,
+    seed: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Give each recorded point its area and, by a Gaussian, the time per area around it."""
     from scipy.sparse import csr_matrix
     from scipy.spatial import cKDTree
 
-    points = placed.points
     tree = cKDTree(points)
     drawn = draw_by_area(surface, AREA_SAMPLES, spawn_generator(seed, "gaze area"))
     nearest = tree.query(drawn.points)[1]
@@ -212,8 +193,8 @@ def _predicted_by_peer(
     if file is None:
         return None
     theirs, values = read_peer(file, gaze.largest_megabytes)
-    placed = align(theirs, caster, str(file), gaze.largest_error)
-    found: NDArray[np.float64] = values[cKDTree(placed.points).query(points)[1]]
+    placed, _ = align(theirs, caster, str(file), gaze.largest_error)
+    found: NDArray[np.float64] = values[cKDTree(placed).query(points)[1]]
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -23,28 +23,8 @@ from visuohaptic.gaze.predicting import (
     held_out_weights,
     predict,
 )
-from visuohaptic.gaze.recordings import RecordingFile
 from visuohaptic.tables.gaze import GAZE
 from visuohaptic.tables.schema import build_rows
-
-Track = Callable[[list[Any]], Iterable[Any]]
-
-
-def look_at_all(
-    files: Sequence[RecordingFile],
-    looking: Callable[[RecordingFile], GazedObject],
-    processes: int = 1,
-    track: Track = iter,
-) -> list[GazedObject]:
-    """Look at every recorded object, in the order of the files; results don't depend on `processes`."""
-    if processes == 1:
-        return [looking(file) for file in track(list(files))]
-    from joblib import Parallel, delayed, parallel_config
-
-    # Each would otherwise compute with as many threads as the caller's environment names.
-    with parallel_config(backend="loky", inner_max_num_threads=1):
-        jobs = Parallel(n_jobs=processes)(delayed(looking)(file) for file in track(list(files)))
-    return list(jobs)
 
 
 def weights_of(
@@ -105,11 +85,8 @@ def measure_all(objects: Sequence[GazedObject], gaze: GazeParameters) -> pa.Tabl
 def human_weights(objects: Sequence[GazedObject], gaze: GazeParameters) -> dict[str, Any]:
     """Fit all channels and terms to all training objects, as `attention.weights: human` takes them.
 
-    Returns
-    -------
-    dict
-        ``channels`` and ``terms`` by name, ``objects`` the names fitted to, ``sha256`` of their
-        recordings together.
+    Gives ``channels`` and ``terms`` by name, ``objects``, the names fitted to, and ``sha256`` of
+    their recordings together.
     """
     training = sorted((one for one in objects if not one.is_test), key=lambda one: one.name)
     tested = {one.family for one in objects if one.is_test}

@@ -24,18 +24,11 @@ _CONVERGED = 1e-9
 
 @dataclass(frozen=True)
 class Predictor:
-    """A way to predict where people look.
+    """A way to predict where people look, from `features` out of `COLUMNS`; from none it is the same all over.
 
-    Attributes
-    ----------
-    name, label : str
-        What tables and the report call it.
-    features : tuple of str
-        What it uses, out of `COLUMNS`; none for a prediction that is the same all over.
-    kind : {"floor", "sum", "fitted", "chosen", "peer"}
-        ``floor`` and ``sum`` add features with weight 1; ``fitted`` is log-linear, with weights
-        fitted to other objects; ``chosen`` also uses those features alone that `choose_features`
-        keeps on other objects; ``peer`` was predicted by others.
+    Kinds ``floor`` and ``sum`` add features with weight 1; ``fitted`` is log-linear, with weights
+    fitted to other objects; ``chosen`` also uses those features alone that `choose_features` keeps
+    on other objects; ``peer`` was predicted by others.
     """
 
     name: str
@@ -115,31 +108,13 @@ def fit_predictor(
 ) -> dict[str, float]:
     """Fit the weights of a log-linear model to where people looked on some objects.
 
-    The model is a conditional logistic regression: the chance that a moment of looking falls on
-    a point is proportional to the point's area, to the share of views that see it, and to the
-    exponential of its weighted features (McFadden 1974; for fixations Barthelmé et al. 2013, J. Vision
-    13(12):1). Channels can't have weights below 0. Each object counts the same.
+    The model is a conditional logistic regression: the chance that a moment of looking falls on a
+    point is proportional to the point's area, to the share of views that see it, and to the
+    exponential of its weighted features (McFadden 1974; for fixations Barthelmé et al. 2013, J.
+    Vision 13(12):1). Channels can't have weights below 0. Each object counts the same.
 
-    Parameters
-    ----------
-    objects : sequence of GazedObject
-        Objects to learn from.
-    features : collection of str
-        Out of `COLUMNS`.
-    tested : collection of str
-        Families of the objects that are used for tests.
-    penalty : float
-        On the squared weights of features in standard deviations.
-
-    Returns
-    -------
-    dict of str to float
-        Weights by feature.
-
-    Raises
-    ------
-    GazeError
-        If there is no object, or one of a tested family.
+    `features` are out of `COLUMNS`; the `penalty` is on the squared weights of features in standard
+    deviations. Raises `GazeError` if there is no object, or one of a family that is `tested`.
     """
     leaked = sorted({one.name for one in objects if one.family in set(tested)})
     if leaked:

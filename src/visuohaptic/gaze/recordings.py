@@ -29,18 +29,9 @@ _COLUMNS = {1: (0, None), 4: (3, None), 7: (6, 3), 8: (6, 3)}
 
 @dataclass(frozen=True)
 class RecordingFile:
-    """A recording of one object, not yet read.
+    """A recording of one object, not yet read; `mesh` is a model file of the same name.
 
-    Attributes
-    ----------
-    name : str
-        The object's name: that of the file, without its ending.
-    gaze : Path
-        The recording.
-    mesh : Path or None
-        A model file of the same name; None where there is none.
-    is_test : bool
-        Whether it lies in a folder for tests, which weights are never fitted on.
+    `is_test` says whether it lies in a folder for tests, which weights are never fitted on.
     """
 
     name: str
@@ -53,19 +44,9 @@ class RecordingFile:
 class Recording:
     """How long people looked at each point of an object.
 
-    Attributes
-    ----------
-    name : str
-        The object's name.
-    points : numpy.ndarray or None
-        Shape (n, 3), float64, in the file's own frame and unit; None where each number belongs
-        to a vertex of the mesh.
-    normals : numpy.ndarray or None
-        Shape (n, 3), float64: unit normals; None where the file has none.
-    seconds : numpy.ndarray
-        Shape (n,), float64, at least 0.
-    digest : str
-        SHA-256 of the file.
+    `points` (n, 3) are in the file's own frame and unit; None where each number belongs to a vertex
+    of the mesh. `normals` (n, 3) are of length 1; None where the file has none. `seconds` (n,) are
+    at least 0; `digest` is the SHA-256 of the file.
     """
 
     name: str
@@ -79,12 +60,8 @@ def find_recordings(folder: str | Path) -> list[RecordingFile]:
     """List the recordings in a folder and below, by name.
 
     A mesh belongs to the recording of its name. A recording counts as a test where a folder between
-    it and `folder` has ``test`` in its name.
-
-    Raises
-    ------
-    GazeError
-        If there is no such folder, no recording in it, too many files, or two of one name.
+    it and `folder` has ``test`` in its name. Raises `GazeError` if there is no such folder, no
+    recording in it, too many files, or two of one name.
     """
     folder = Path(folder)
     if not folder.is_dir():
@@ -118,11 +95,8 @@ def find_recordings(folder: str | Path) -> list[RecordingFile]:
 def read_recording(path: str | Path, largest_megabytes: float = 64.0) -> Recording:
     """Read one recording.
 
-    Raises
-    ------
-    GazeError
-        If the file can't be read, is too large, has other columns than the module says, or a number
-        is not finite or a time below 0, or nobody looked at any point.
+    Raises `GazeError` if the file can't be read, is too large, has other columns than the module
+    says, or a number is not finite or a time below 0, or nobody looked at any point.
     """
     path = Path(path)
     data = read_bounded(path, largest_megabytes)

@@ -20,20 +20,10 @@ SHOWN = ("correlation", "auc_top", "auc_gaze", "normalised_saliency", "divergenc
 
 @dataclass(frozen=True)
 class PredictorRow:
-    """One predictor over all objects of a part.
+    """One predictor over all objects of a part: `measures` by the names of `SHOWN`.
 
-    Attributes
-    ----------
-    predictor : Predictor
-        Which.
-    measures : mapping of str to Interval
-        By the names of `SHOWN`.
-    gain : Interval
-        Correlation less that of what it is compared with, over the same objects.
-    positive : int
-        Objects on which the correlation is above 0.
-    objects : int
-        How many there are.
+    `gain` is the correlation less that of what it is compared with, over the same objects; on
+    `positive` of the `objects` the correlation is above 0.
     """
 
     predictor: Predictor
@@ -43,13 +33,13 @@ class PredictorRow:
     objects: int
 
 
-def summarise(table: pa.Table, part: str, against: str = "equal") -> list[PredictorRow]:
+def summarise(table: pa.Table, part: str) -> list[PredictorRow]:
     """Sum up rows of `tables.GAZE` of one part, in the order of `PREDICTORS`; empty without rows.
 
-    Those of a peer are left out, as it has other objects. Gains are over predictor `against`.
+    Those of a peer are left out, as it has other objects. Gains are over predictor ``equal``.
     """
     rows = [row for row in table.to_pylist() if row["part"] == part]
-    return _summed([row for row in rows if row["predictor"] != "peer"], against)
+    return _summed([row for row in rows if row["predictor"] != "peer"], "equal")
 
 
 def beside_peer(table: pa.Table) -> list[PredictorRow]:

@@ -43,14 +43,9 @@ _FIXED = {
 
 @dataclass(frozen=True)
 class Recomputation:
-    """Features that a run does not have.
+    """Features that a run does not have: those from `phase` on, the first that is recomputed.
 
-    Attributes
-    ----------
-    phase : str
-        The first phase that is recomputed.
-    parameters : ExperimentParameters
-        With which; they ask for the strategies and the touches of all conditions that share them.
+    `parameters` ask for the strategies and the touches of all conditions that share them.
     """
 
     phase: str
@@ -80,10 +75,8 @@ def with_changes(
     """Change parameters by their dotted names.
 
     A new ``scene.preset`` replaces the whole scene; more `recognition.touches` than there are
-    fixations bring as many fixations. `source` is where the changes come from, for errors.
-
-    Raises `ParameterError` if there is no such parameter, it must not vary, or a value is not
-    allowed.
+    fixations bring as many fixations. Raises `ParameterError`, which begins with `source`, if there
+    is no such parameter, it must not vary, or a value is not allowed.
     """
     # Sections that no change concerns are not checked again; there may be hundreds of conditions.
     values: dict[str, Any] = {name: getattr(run, name) for name in type(run).model_fields}

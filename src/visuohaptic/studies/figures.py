@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -42,16 +43,9 @@ LEADER = "fixation"
 class Cell:
     """One condition, pipeline, strategy and classifier, an object each.
 
-    Attributes
-    ----------
-    objects : tuple of (str, str)
-        The o objects as (class, name), sorted; empty where it could not be run.
-    accuracy, weights : numpy.ndarray
-        Shape (o,) each, float64: the weighted mean over objects is the mean over splits.
-    seconds : float or None
-        Of training and testing.
-    error : str or None
-        Why it could not be run.
+    `objects` are o pairs of class and name, sorted; there is none where it could not be run, for
+    the reason in `error`. The mean of `accuracy` (o,) by `weights` (o,) is the mean over splits.
+    `seconds` are those of training and testing.
     """
 
     objects: tuple[tuple[str, str], ...]
@@ -101,9 +95,9 @@ def study_figures(
     """Sum up a study: `tables.STUDY_FIGURES`.
 
     The study has a ``name``, a ``title`` and ``conditions`` in order, each with ``name``,
-    ``compared_with`` (a name; None for the first one's) and ``recomputed``. A condition that was tested
-    on other objects than the one that it is compared with has no difference. A row of another
-    strategy than `LEADER` says how far that one is ahead in the same condition.
+    ``compared_with`` (a name; None for the first one's) and ``recomputed``. A condition that was
+    tested on other objects than the one that it is compared with has no difference. A row of
+    another strategy than `LEADER` says how far that one is ahead in the same condition.
     """
     conditions = study["conditions"]
     order = {condition["name"]: place for place, condition in enumerate(conditions)}
@@ -120,7 +114,7 @@ def study_figures(
             "recomputed": condition["recomputed"],
             "compared_with": None if other == key[0] else other,
             **_figures(cells[key], cells.get((other, *key[1:])), intervals, seed),
-            **_paired("lead", "lead_p", compare(leader, cells[key], intervals, seed)),
+            **paired("lead", "lead_p", compare(leader, cells[key], intervals, seed)),
         }
         rows.append(row)
     _adjust(rows)
@@ -192,14 +186,13 @@ def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters, seed
     row |= dict.fromkeys(("accuracy", "low", "high", "adjusted_p"))
     if cell.error is None:
         row |= ends("accuracy", "", condition_interval(cell, intervals, seed))
-    return row | _paired("difference", "p_value", compare(cell, other, intervals, seed))
+    return row | paired("difference", "p_value", compare(cell, other, intervals, seed))
 
 
-def _paired(name: str, p_value: str, found: PairedComparison | None) -> Row:
+def paired(name: str, p_value: str, found: PairedComparison | None) -> Row:
     """Give a difference in pairs and its p value; None where cells can't be compared."""
-    if found is None:
-        return dict.fromkeys((name, f"{name}_low", f"{name}_high", p_value))
-    return {**ends(name, f"{name}_", found.difference), p_value: found.p_value}
+    difference, value = (found.difference, found.p_value) if found else (None, None)
+    return {**ends(name, f"{name}_", difference), p_value: value}
 
 
 def compare(
@@ -214,15 +207,15 @@ def compare(
     return compare_paired(cell.accuracy, other.accuracy, other.weights, intervals, generator)
 
 
-def ends(name: str, prefix: str, interval: Interval) -> Row:
-    """Give an interval's mean under a name, and its ends under a prefix; what is NaN is None."""
-    plain = plain_interval(interval)
-    return {name: plain["mean"], f"{prefix}low": plain["low"], f"{prefix}high": plain["high"]}
+def ends(name: str, prefix: str, interval: Interval | None) -> Row:
+    """Give an interval's mean under a name, and its ends under a prefix; what is NaN or missing is None."""
+    values = plain_interval(interval).values() if interval else (None, None, None)
+    return dict(zip((name, f"{prefix}low", f"{prefix}high"), values, strict=True))
 
 
 def _adjust(rows: Sequence[Row]) -> None:
     """Adjust p values for their number, in each pipeline, strategy and classifier."""
-    of_cell: Callable[[Row], tuple[str, ...]] = lambda row: tuple(row[name] for name in CELL[1:])  # noqa: E731
+    of_cell = itemgetter(*CELL[1:])
     for key in dict.fromkeys(map(of_cell, rows)):
         compared = [row for row in rows if of_cell(row) == key and row["p_value"] is not None]
         for row, value in zip(compared, holm([row["p_value"] for row in compared]), strict=True):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import OrderedDict
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -42,6 +41,8 @@ REFUSALS = (VisuohapticError, AttentionError, ContourletError)
 
 Paths = Sequence[str | Path]
 
+_REMEMBERED = 4
+
 
 @dataclass(frozen=True)
 class Sources:
@@ -75,19 +76,17 @@ class Predictions:
 class Memory:
     """The latest predictions, and maps of the paper's pipeline, so that what conditions share is trained once."""
 
-    def __init__(self, kept: int = 4) -> None:
+    def __init__(self) -> None:
         self.maps = ReductionMemory()
-        self._kept = kept
-        self._predictions: OrderedDict[Hashable, Predictions] = OrderedDict()
+        self._predictions: dict[Hashable, Predictions] = {}
 
     def recall(self, key: Hashable, predict: Callable[[], Predictions]) -> Predictions:
         """Give what is known of a key; call `predict` where it is new."""
-        if key not in self._predictions:
-            self._predictions[key] = predict()
-        self._predictions.move_to_end(key)
-        while len(self._predictions) > self._kept:
-            self._predictions.popitem(last=False)
-        return self._predictions[key]
+        found = self._predictions.pop(key, None) or predict()
+        self._predictions[key] = found
+        if len(self._predictions) > _REMEMBERED:
+            del self._predictions[next(iter(self._predictions))]
+        return found
 
 
 def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:

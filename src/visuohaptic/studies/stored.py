@@ -17,13 +17,7 @@ _SOURCE = b"source"
 
 @dataclass(frozen=True)
 class Source:
-    """Where a kept table comes from.
-
-    Attributes
-    ----------
-    machine, date, command, version : str
-        Processor, day of the measurement (UTC), what was run, and the package's version.
-    """
+    """Where a kept table comes from: processor, day of the measurement (UTC), what was run, and the package's version."""
 
     machine: str
     date: str

@@ -39,18 +39,11 @@ _OWN = (
 
 @dataclass(frozen=True)
 class Condition:
-    """One way to run the experiment.
+    """One way to run the experiment: `changes` say what differs from the run's parameters.
 
-    Attributes
-    ----------
-    name : str
-        Any text.
-    changes : mapping of str
-        What differs from the run's parameters.
-    compared_with : str or None
-        Name of the condition that it is compared with; None for the study's first.
-    votes : int or None
-        Viewpoints that vote for an object; None where each sequence counts by itself.
+    Its name is any text; `compared_with` names the condition that it is compared with, None the
+    study's first. So many `votes`, viewpoints, name an object together; with None each sequence
+    counts by itself.
     """
 
     name: str
@@ -61,28 +54,13 @@ class Condition:
 
 @dataclass(frozen=True)
 class Given:
-    """What a step's job is given.
+    """What a step's job is given: `inputs`, files by what the step takes, and `outputs`, its own files, to be written.
 
-    Attributes
-    ----------
-    study : str
-        The study's name.
-    inputs : mapping of str to sequence of str
-        Files by what the step takes.
-    outputs : sequence of str
-        The step's files, to be written.
-    run : ExperimentParameters
-        The parameters that the step needs; all others have their defaults.
-    wildcards : mapping of str to str
-        The job's, of a step with a job for each pipeline or condition.
-    made : mapping of str to str
-        Files of features that conditions share, by key.
-    objects : sequence of str or None
-        Objects, ``class/name``, that count; None for all.
-    condition : mapping or None
-        The condition of a step with a job for each, as `conditions.describe_conditions` gives it.
-    processes : int
-        Processes that it may start; their number changes no result.
+    `run` has the parameters that the step needs; all others have their defaults. `wildcards` are
+    those of a step with a job for each pipeline or condition, and `condition` is its condition, as
+    `conditions.describe_conditions` gives it. `made` has files of features that conditions share,
+    by key. `objects`, ``class/name``, are those that count; None for all. The number of `processes`
+    that it may start changes no result.
     """
 
     study: str

@@ -1,77 +1,69 @@
 """The front holds what nothing beats; steps and groups are what paired comparisons tell apart."""
 
-import itertools
-
 import numpy as np
 import pytest
 from studies.surfaces import RUN
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.intervals import exact_limit
-from visuohaptic.studies.cost import front
 from visuohaptic.studies.cost.front import (
     break_even,
     error_rate,
-    error_rows,
     find_savings,
     first_step,
     front_rows,
-    join_costs,
+    mark_front,
     mark_groups,
     mark_steps,
     more_accurate,
     on_robot,
     pareto_front,
     reference_row,
+    setting_rows,
+    setting_times,
     slower_settings,
-    time_logarithms,
+    time_quantiles,
 )
 from visuohaptic.studies.cost.seconds import PARTS, PHASES
-from visuohaptic.studies.cost.settings import make_settings
+from visuohaptic.studies.cost.settings import Setting, make_settings
 from visuohaptic.studies.figures import Cell
-from visuohaptic.tables.schema import build_rows
-from visuohaptic.tables.studies import COST_SECONDS
+from visuohaptic.tables.schema import build_rows, names_of
+from visuohaptic.tables.studies import COST, COST_SECONDS
 
-NOTHING = {"error": None, "error_low": None, "error_high": None, "objects": None}
 SAME = {
-    "touches": 5, "viewpoints": 1, "looks": 1, "strategy": "fixation", "pipeline": "best",
-    "classifier": "naive_bayes", "changes": "{}", "lost": None, "lost_low": None, "lost_high": None,
+    "family": "touches", "touches": 5, "viewpoints": 1, "looks": 1, "strategy": "fixation",
+    "pipeline": "best", "classifier": "naive_bayes", "changes": "{}",
 }  # fmt: skip
 
 
 def cost_rows(points, failed=()):
     """Give rows of (setting, seconds, error, other columns), then of the names of failed settings."""
-    errors, seconds = [], []
-    for place, (name, time, error, *others) in enumerate(points):
-        row = {"family": "touches", "setting": name, "place": place, "objects": 12, "failed": None}
-        row |= {"error": error, "error_low": error / 2, "error_high": min(1.0, 2 * error + 0.1)}
-        errors.append({**SAME, **row, **dict(*others)})
-        key = {name: errors[-1][name] for name in ("family", "setting")}
-        seconds += timed_rows(key, [time * factor for factor in (0.8, 0.9, 1.1, 1.3)])
-    for place, name in enumerate(failed):
-        row = {"family": "imprint", "setting": name, "place": place, **NOTHING}
-        errors.append({**SAME, **row, "failed": "images are too small."})
-    rows = join_costs(errors, build_rows(COST_SECONDS, seconds))
-    for row in rows:
-        row["as_quick"] = row["step"] = row is min(
-            (row for row in rows if row["seconds"]), key=lambda row: row["seconds"], default=None
-        )
-    return rows
-
-
-def timed_rows(key, times):
-    """Give rows of `tables.COST_SECONDS` of one setting: a time an object, each in two turns."""
     rows = []
-    for place, turn in itertools.product(range(len(times)), range(2)):
-        parts = {f"seconds_{part}": times[place] / 4 for part in (*PHASES, *PARTS)}
-        row = {**key, "object": f"cup/{place}", "turn": turn, "seconds": times[place], **parts}
-        rows.append(row)
-    return rows
+    for place, (name, time, error, *others) in enumerate(points):
+        row = {"setting": name, "place": place, "objects": 12}
+        row |= {"error": error, "error_low": error / 2, "error_high": min(1.0, 2 * error + 0.1)}
+        times = time * np.array([0.8, 0.9, 1.1, 1.3])[:, None, None] * np.array([1, *[0.25] * 7])
+        rows.append({**SAME, **row, **time_quantiles(times), **dict(*others)})
+    for place, name in enumerate(failed):
+        row = {"family": "imprint", "setting": name, "place": place}
+        rows.append({**SAME, **row, "failed": "images are too small."})
+    first = min(range(len(points)), key=lambda place: points[place][1], default=None)
+    empty = dict.fromkeys(names_of(COST.columns))
+    marks = [
+        dict(zip(("as_quick", "step"), [place == first] * 2, strict=True))
+        for place in range(len(rows))
+    ]
+    return mark_front(
+        [
+            {**empty, **row, **mark, "group": place}
+            for place, (row, mark) in enumerate(zip(rows, marks, strict=True))
+        ]
+    )
 
 
 def cost_table(points, failed=()):
     """Give `tables.COST` of the same."""
-    return front.cost_table(cost_rows(points, failed))
+    return build_rows(COST, cost_rows(points, failed))
 
 
 def test_the_front_is_that_of_the_definition():
@@ -121,7 +113,7 @@ def losses(own, other):
     """Give the rows of the run's own setting and of the one before it, and all rows."""
     accuracies = {OWN: own, OWN - 1: other}
     cells = [cell(accuracies.get(place, [1.0] * 12)) for place in range(len(SETTINGS))]
-    rows = error_rows(SETTINGS, cells, BOTH)
+    rows = setting_rows(SETTINGS, cells, np.ones((len(SETTINGS), 2, 1, 8)), BOTH)
     return rows[OWN], rows[OWN - 1], rows
 
 
@@ -146,19 +138,11 @@ AROUND = [0.095, 0.11, 0.1, 0.101]
 
 def marked(levels, times, noise=NOISE):
     """Mark settings by accuracies, a level each, and seconds of four objects that differ a lot."""
+    settings = [Setting("touches", str(place), place, 2) for place in range(len(levels))]
     cells = [cell(level + own) for level, own in zip(levels, noise, strict=False)]
-    points = [(str(place), 1.0, 1 - one.accuracy.mean()) for place, one in enumerate(cells)]
-    keys = [{"family": "touches", "setting": name} for name, *_ in points]
-    timed = [
-        row
-        for key, time in zip(keys, times, strict=True)
-        for row in timed_rows(key, np.multiply(time, FACTORS))
-    ]
-    seconds = build_rows(COST_SECONDS, timed)
-    known = {"seconds", *(f"seconds_{part}" for part in (*PHASES, *PARTS))}
-    errors = [{key: row[key] for key in row.keys() - known} for row in cost_rows(points)]
-    rows = join_costs(errors, seconds)
-    slower = slower_settings(time_logarithms(rows, seconds), 0.95)
+    taken = np.stack([np.multiply(time, FACTORS) for time in times])
+    rows = setting_rows(settings, cells, np.tile(taken[..., None, None], 8), BOTH)
+    slower = slower_settings(np.log(taken[..., None]), 0.95)
     mark_steps(rows, cells, slower, BOTH)
     mark_groups(rows, cells, slower, BOTH)
     return rows
@@ -193,9 +177,9 @@ def test_steps_are_worth_their_time(levels, times, quick, steps):
 def test_a_gain_that_is_significant_alone_is_not_among_many():
     # Six objects that all gain have p = 2 / 2 ** 6 = 0.031; Holm multiplies it by the settings.
     last, better = cell([0.5] * 6), cell([0.6] * 6)
-    assert more_accurate([better], last, BOTH) == [True]
-    assert more_accurate([better] * 2, last, BOTH) == [False] * 2
-    assert more_accurate([last, cell([0.6] * 5)], last, BOTH) == [False] * 2
+    assert more_accurate([better], last, BOTH) == [0]
+    assert more_accurate([better] * 2, last, BOTH) == []
+    assert more_accurate([last, cell([0.6] * 5)], last, BOTH) == []
 
 
 def test_settings_of_a_group_differ_neither_in_time_nor_in_error():
@@ -220,6 +204,22 @@ def test_objects_are_compared_in_the_turns_in_which_both_settings_were_timed():
     second = np.tile([0.25, np.nan], (3, 1))
     slower = slower_settings(np.stack([first, second]), 0.95)
     assert slower.tolist() == [[False, True], [False, False]]
+
+
+def test_times_stand_by_setting_object_and_turn_and_what_was_not_timed_is_missing():
+    settings = [Setting("touches", name, 0, 2) for name in ("quick", "never", "slow")]
+    parts = {f"seconds_{name}": 0.5 for name in (*PHASES, *PARTS)}
+    timed = [("slow", "a/b", 0, 3.0), ("quick", "a/a", 1, 1.0), ("quick", "a/a", 0, 2.0)]
+    keys = ("setting", "object", "turn", "seconds")
+    rows = [{"family": "touches", **dict(zip(keys, one, strict=True)), **parts} for one in timed]
+    found = setting_times(settings, build_rows(COST_SECONDS, rows))
+    nan = np.nan
+    expected = [[[2, 1], [nan, nan]], [[nan, nan], [nan, nan]], [[nan, nan], [3, nan]]]
+    np.testing.assert_array_equal(found[..., 0], expected)
+    quick = time_quantiles(found[0])
+    assert (quick["seconds_low"], quick["seconds"], quick["seconds_high"]) == (1.25, 1.5, 1.75)
+    assert (quick["seconds_cast"], quick["recognitions"]) == (0.5, 2)
+    assert time_quantiles(found[1]) == {}
 
 
 RENDER = '{"rendering.resolution": 64}'

@@ -1,15 +1,15 @@
 """Adaptive touches: chosen by what is expected of them, from training objects alone."""
 
+from dataclasses import replace
+
 import numpy as np
 from recognition.synthetic import features_table
 
 from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.parameters import BestParameters, ProtocolParameters
-from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.splits import make_splits
 from visuohaptic.studies.curves import choosing
 from visuohaptic.studies.curves.choosing import (
-    Candidates,
     choose_sequences,
     choose_touches,
     expected_entropy,
@@ -35,8 +35,12 @@ def choose(candidates, split=SPLIT, seed=1):
     return choose_sequences(candidates, split, TOUCHES, PARAMETERS, 0.2, generator)
 
 
-def with_features(features):
-    return Candidates(CANDIDATES.sequences, features, CANDIDATES.sequence)
+def with_altered(rows, columns, alter):
+    """Give the candidates with some columns of some rows altered."""
+    features = CANDIDATES.features.copy()
+    part = np.ix_(np.flatnonzero(rows), columns)
+    features[part] = alter(features[part])
+    return replace(CANDIDATES, features=features)
 
 
 def test_expected_entropy_is_the_mean_over_outcomes():
@@ -105,11 +109,7 @@ def test_labels_of_test_objects_change_no_choice():
     others = [objects[place][0] for place in np.roll(tested, 1)]
     for place, name in zip(tested, others, strict=True):
         objects[place] = (name, objects[place][1])
-    changed = TouchSequences(
-        sequences.features, sequences.feature_names, tuple(objects), sequences.classes,
-        sequences.object_index, sequences.viewpoint,
-    )  # fmt: skip
-    other = Candidates(changed, CANDIDATES.features, CANDIDATES.sequence)
+    other = replace(CANDIDATES, sequences=replace(sequences, objects=tuple(objects)))
     np.testing.assert_array_equal(choose(CANDIDATES), choose(other))
 
 
@@ -118,15 +118,12 @@ def test_imprints_of_test_objects_that_were_not_touched_change_no_choice():
     untouched = TESTED.copy()
     untouched[before.reshape(-1)] = False
     assert untouched.sum() > 50
-    features = CANDIDATES.features.copy()
-    features[np.ix_(untouched, SKIN)] = 1e3
-    np.testing.assert_array_equal(before, choose(with_features(features)))
+    after = choose(with_altered(untouched, SKIN, lambda _: 1e3))
+    np.testing.assert_array_equal(before, after)
 
 
 def test_imprints_of_test_objects_change_no_choice_in_training():
-    features = CANDIDATES.features.copy()
-    features[np.ix_(TESTED, SKIN)] = -7.0
-    before, after = choose(CANDIDATES), choose(with_features(features))
+    before, after = choose(CANDIDATES), choose(with_altered(TESTED, SKIN, lambda _: -7.0))
     np.testing.assert_array_equal(before[SPLIT.train], after[SPLIT.train])
     # The first touch comes before anything was felt.
     np.testing.assert_array_equal(before[SPLIT.test, 0], after[SPLIT.test, 0])
@@ -136,18 +133,15 @@ def test_imprints_of_test_objects_change_no_choice_in_training():
 def test_poses_of_one_test_object_change_no_choice_on_another():
     places = CANDIDATES.sequences.object_index
     first, second = np.unique(places[SPLIT.test])[:2]
-    features = CANDIDATES.features.copy()
-    features[np.ix_(CANDIDATES.owner == first, ~SKIN)] *= 0.5
-    before, after = choose(CANDIDATES), choose(with_features(features))
+    moved = with_altered(CANDIDATES.owner == first, ~SKIN, lambda poses: 0.5 * poses)
+    before, after = choose(CANDIDATES), choose(moved)
     np.testing.assert_array_equal(before[places == second], after[places == second])
     assert (before[places == first] != after[places == first]).any()
 
 
 def test_imprints_of_training_objects_change_choices():
-    features = CANDIDATES.features.copy()
-    rows = np.flatnonzero(~TESTED)
-    features[np.ix_(rows, SKIN)] = features[np.ix_(rows[::-1], SKIN)]
-    assert (choose(CANDIDATES) != choose(with_features(features))).any()
+    reversed_ = with_altered(~TESTED, SKIN, lambda imprints: imprints[::-1])
+    assert (choose(CANDIDATES) != choose(reversed_)).any()
 
 
 def test_the_touches_of_a_training_object_are_chosen_without_it(monkeypatch):
@@ -170,10 +164,7 @@ def test_a_training_object_is_not_predicted_from_itself():
     alone = model.log_likelihood(poses, place)
     kinds = model.kinds.copy()
     kinds[model.owner == place] = 0
-    altered = choosing.TouchModel(
-        model.words, model.poses, kinds, model.owner, model.class_of_owner, model.classes,
-        model.normal_weight, model.wave_length,
-    )  # fmt: skip
+    altered = replace(model, kinds=kinds)
     np.testing.assert_array_equal(alone, altered.log_likelihood(poses, place))
     assert (model.log_likelihood(poses, -1) != altered.log_likelihood(poses, -1)).any()
 

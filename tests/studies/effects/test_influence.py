@@ -17,7 +17,6 @@ from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.studies.effects import influence
 from visuohaptic.studies.effects.influence import (
     ROUNDS,
-    Influence,
     make_effect_influence,
     measured_scenes,
     sum_influences,
@@ -43,6 +42,10 @@ def surface():
     return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours)
 
 
+def influences(surface, fixations, scenes):
+    return touch_influence(RayCaster(surface), fixations, SENSOR, scenes, 7)
+
+
 @pytest.fixture(scope="module")
 def fixations(surface):
     faces = np.linspace(0, len(surface.faces) - 1, COUNT).astype(int)
@@ -66,19 +69,19 @@ def test_every_preset_is_measured_and_the_run_stands_for_its_own():
 
 
 def test_an_effect_moves_images_where_it_is_needed_and_only_there(surface, fixations):
-    found = touch_influence(RayCaster(surface), fixations, SENSOR, measured_scenes(Scene()), 7)
-    shifts = {(part.scene, part.effect): part.image_shift for part in found}
+    found = influences(surface, fixations, measured_scenes(Scene()))
+    shifts = {(part["scene"], part["effect"]): part["image_shift"] for part in found}
     assert len(shifts) == len(PRESETS) * (len(EffectModes.model_fields) - len(VISUAL_EFFECTS))
     moved = {effect for (scene, effect), shift in shifts.items() if scene == "ideal" and shift > 0}
     assert moved == {"adaptive_size"}
     assert shifts["worn_fsr", "dead_cells"] > 0 == shifts["fsr400", "dead_cells"]
     assert shifts["worn_fsr", "noise"] > shifts["fsr400", "noise"] > 0
-    assert {part.touches for part in found} == {COUNT}
+    assert {part["touches"] for part in found} == {COUNT}
 
 
 def test_sensors_are_placed_once_a_round_and_mode(surface, fixations):
     with patch.object(influence, "place_at", wraps=influence.place_at) as placing:
-        touch_influence(RayCaster(surface), fixations, SENSOR, measured_scenes(Scene()), 7)
+        influences(surface, fixations, measured_scenes(Scene()))
     modes = Counter(call.args[-1] for call in placing.call_args_list)
     assert modes == {"auto": ROUNDS, "always": ROUNDS, "never": 1}
 
@@ -86,11 +89,11 @@ def test_sensors_are_placed_once_a_round_and_mode(surface, fixations):
 def test_leaving_out_what_no_touch_needs_changes_no_bit(surface, fixations):
     off = Scene.model_validate({"preset": "fsr400", "effects": {"noise": "never"}})
     scenes = {**measured_scenes(Scene()), "without noise": off}
-    found = touch_influence(RayCaster(surface), fixations, SENSOR, scenes, 7)
-    needed = {(part.scene, part.effect): part.needed for part in found}
+    found = influences(surface, fixations, scenes)
+    needed = {(part["scene"], part["effect"]): part["needed"] for part in found}
     assert needed["ideal", "noise"] == needed["fsr400", "dead_cells"] == 0
     assert needed["worn_fsr", "dead_cells"] == COUNT
-    equal = {part.scene: part.equal_to_always for part in found}
+    equal = {part["scene"]: part["equal_to_always"] for part in found}
     assert equal == {**dict.fromkeys(PRESETS, True), "without noise": None}
 
 
@@ -98,26 +101,24 @@ def test_shadows_are_measured_even_where_none_are_cast(surface):
     cameras = list(place_cameras(VIEWPOINTS))
     rendering = RENDERING.model_copy(update={"light_elevation_degrees": 60.0})
     found = view_influence(RayCaster(surface), cameras, rendering, EffectModes())
-    parts = {part.effect: part for part in found}
+    parts = {part["effect"]: part for part in found}
     assert list(parts) == list(VISUAL_EFFECTS)
-    assert parts["cast_shadows"].image_shift > 0
-    assert parts["cast_shadows"].seconds_always > 0 == parts["cast_shadows"].seconds
+    assert parts["cast_shadows"]["image_shift"] > 0
+    assert parts["cast_shadows"]["seconds_always"] > 0 == parts["cast_shadows"]["seconds"]
     # All of the object has one grey.
-    assert parts["colour"].image_shift == parts["texture"].image_shift == 0
-    assert parts["shading"].image_shift > parts["cast_shadows"].image_shift
+    assert parts["colour"]["image_shift"] == parts["texture"]["image_shift"] == 0
+    assert parts["shading"]["image_shift"] > parts["cast_shadows"]["image_shift"]
 
 
 def test_objects_add_up_by_their_touches():
-    table = sum_influences(
-        [
-            Influence("ideal", "noise", 10, 4, 1.0, 2.0, 0.1, equal_to_always=True),
-            Influence("ideal", "noise", 30, 5, 3.0, 4.0, 0.5, equal_to_always=False),
-        ]
+    names = [column.name for column in EFFECT_INFLUENCE.columns]
+    values = (
+        ("ideal", "noise", 10, 4, 1.0, 2.0, 0.1, True),
+        ("ideal", "noise", 30, 5, 3.0, 4.0, 0.5, False),
     )
-    (row,) = table.to_pylist()
-    assert (row["touches"], row["seconds"], row["seconds_always"]) == (40, 4.0, 6.0)
-    assert row["image_shift"] == pytest.approx(0.4)
-    assert (row["needed"], row["equal_to_always"]) == (9, False)
+    table = sum_influences([dict(zip(names, one, strict=True)) for one in values])
+    expected = ("ideal", "noise", 40, 9, 4.0, 6.0, pytest.approx(0.4), False)
+    assert [tuple(row.values()) for row in table.to_pylist()] == [expected]
 
 
 def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):

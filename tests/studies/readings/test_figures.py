@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -11,34 +12,30 @@ from recognition.synthetic import features_table
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 
-from readings.design import (
-    STRATEGIES,
-    all_readings,
-    is_default,
-)
-from readings.figures import summarise_readings
+from readings.design import STRATEGIES, all_readings
 from readings.one import make_reading
 from readings.study import STUDY as STUDY_OF_READINGS
 from readings.summary import make_readings
 from readings.tables import READINGS
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.conditions import Plan, describe_conditions, plan_study
 from visuohaptic.studies.files import make_study_block
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES, KINESTHETIC_FEATURES
+from visuohaptic.tables.phases import (
+    CONTOURLET_FEATURES,
+    FEATURES,
+    KINESTHETIC_FEATURES,
+    owners_of,
+)
 from visuohaptic.tables.schema import matrix, read_table, write_table
 
 # Attention of the design's base, so that a reading may take the run's features.
 RUN = ExperimentParameters.model_validate(
-    {"probing": {"strategies": STRATEGIES}, "attention": {"weights": "equal"}}
-)
-FEW_DRAWS = RUN.model_copy(
-    update={
-        "recognition": RUN.recognition.model_copy(
-            update={"intervals": IntervalParameters(bootstrap_samples=200)}
-        )
+    {
+        "probing": {"strategies": STRATEGIES},
+        "attention": {"weights": "equal"},
+        "recognition": {"intervals": {"bootstrap_samples": 200}},
     }
 )
 OBJECTS = (3, 3, 2)
@@ -80,21 +77,13 @@ DEFAULT = "r000"
 
 
 @pytest.fixture(scope="module")
-def block(features, tmp_path_factory):
-    path = tmp_path_factory.mktemp("blocks") / "block.parquet"
-    chosen = conditions(DEFAULT, FEATURE_GROUPS, ONLINE_LATTICE)
-    make_study_block("readings", chosen, [features], {}, path, RUN)
-    return path
-
-
-@pytest.fixture(scope="module")
-def made(block, tmp_path_factory):
+def made(features, tmp_path_factory):
     folder = tmp_path_factory.mktemp("readings")
-    table, summary = folder / "readings.parquet", folder / "readings.json"
-    make_readings(
-        Given("readings", {"blocks": [str(block)]}, [str(table), str(summary)], FEW_DRAWS)
-    )
-    return read_table(READINGS, table).to_pylist(), json.loads(summary.read_text())
+    block, table, summary = (str(folder / name) for name in ("block", "table", "summary"))
+    chosen = conditions(DEFAULT, FEATURE_GROUPS, ONLINE_LATTICE)
+    make_study_block("readings", chosen, [features], {}, block, RUN)
+    make_readings(Given("readings", {"blocks": [block]}, [table, summary], RUN))
+    return read_table(READINGS, table).to_pylist(), json.loads(Path(summary).read_text())
 
 
 def by_hand(features, strategy, reduce_touches, mode, approximations, scale, classifier):
@@ -102,15 +91,8 @@ def by_hand(features, strategy, reduce_touches, mode, approximations, scale, cla
     table = read_table(FEATURES, features)
     table = table.filter(pa.compute.equal(table.column("strategy"), strategy))
     rows = matrix(table, [*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES]).reshape(-1, 5, 22)
-    owner = [
-        f"{category}/{name}"
-        for category, name in zip(
-            table.column("class").to_pylist()[::5],
-            table.column("object").to_pylist()[::5],
-            strict=True,
-        )
-    ]
-    owner, label = np.array(owner), np.array([one.partition("/")[0] for one in owner])
+    owner = np.array(["/".join(one) for one in owners_of(table)])[::5]
+    label = np.array([one.partition("/")[0] for one in owner])
     accuracies = []
     for tested in itertools.product(
         *(sorted({one for one in owner if one.startswith(name)}) for name in sorted(set(label)))
@@ -152,27 +134,22 @@ def units_of_a_map(touches):
     centre = touches.mean(axis=0)
     _, scales, directions = np.linalg.svd(touches - centre, full_matrices=False)
     first = directions[0] * np.sign(directions[0][np.abs(directions[0]).argmax()])
-    units = [
-        centre + place * first * scales[0] / np.sqrt(len(touches))
-        for place in (-1, -0.5, 0, 0.5, 1)
-    ]
+    units = centre + np.outer([-1, -0.5, 0, 0.5, 1], first * scales[0] / np.sqrt(len(touches)))
     radii = np.geomspace(2.0, 0.5, 20).tolist() + [0.5] * 200
     nearest = closest(touches, units)
     for number, radius in enumerate(radii):
         pulls = np.array(
             [[np.exp(-((a - b) ** 2) / (2 * radius**2)) for b in nearest] for a in range(5)]
         )
-        units = [pull @ touches / pull.sum() for pull in pulls]
+        units = pulls @ touches / pulls.sum(axis=1, keepdims=True)
         before, nearest = nearest, closest(touches, units)
         if number >= 20 and (before == nearest).all():
             break
-    return np.array(units)
+    return units
 
 
 def closest(touches, units):
-    return np.array(
-        [np.argmin([((touch - unit) ** 2).sum() for unit in units]) for touch in touches]
-    )
+    return np.array([np.argmin(((touch - units) ** 2).sum(axis=1)) for touch in touches])
 
 
 def distances_to_units(training, touches):
@@ -241,42 +218,9 @@ def test_one_reading_alone_has_the_figures_that_it_has_among_all(made, features,
     output = tmp_path / "reading.json"
     (condition,) = conditions(FEATURE_GROUPS)
     inputs = {"features": [features]}
-    make_reading(Given("readings", inputs, [output], FEW_DRAWS, condition=condition))
-    expected = [
-        {name: value for name, value in row.items() if name != "seconds"}
-        for row in made[0]
-        if row["reading"] == FEATURE_GROUPS
-    ]
-    assert json.loads(output.read_text()) == expected
-
-
-def planted(reading, place, fixation, random=0.5):
-    row = dict.fromkeys(column.name for column in READINGS.columns)
-    row |= {"reading": reading.name, "part": reading.part, "place": place, **reading.options}
-    row |= {"classifier": "naive_bayes", "fixation": fixation, "random": random}
-    row |= {"ahead": fixation - random, "p_value": 0.01 if fixation > 0.6 else 0.5}
-    return row | {"fixation_best_split": fixation + 0.1, "fixation_splits_reaching": 0.25}
-
-
-def test_the_summary_counts_readings_and_leaves_the_other_question_out():
-    readings = all_readings()
-    assert sum(reading.part == "protocol" for reading in readings) == 12
-    rows = [planted(reading, place, 0.9) for place, reading in enumerate(readings)]
-    default = next(place for place, one in enumerate(readings) if is_default(one.options))
-    rows[default] |= {
-        "fixation": 0.4,
-        "ahead": -0.1,
-        "p_value": 0.5,
-        "fixation_splits_reaching": 0.0,
-    }
-    own = len(readings) - 12
-    found = summarise_readings(rows)
-    assert found["readings"] == own
-    figures = found["classifiers"]["naive_bayes"]
-    assert (figures["lowest"], figures["median"], figures["highest"]) == (0.4, 0.9, 0.9)
-    assert (figures["ahead"], figures["ahead_significantly"]) == (own - 1, own - 1)
-    assert figures["default"] == 0.4
-    assert figures["readings_reaching"] == own - 1
-    assert figures["readings_with_a_split_reaching"] == own - 1
-    assert figures["splits_reaching"] == pytest.approx(0.25 * (own - 1) / own)
-    assert found["known_objects"]["naive_bayes"]["readings"] == 12
+    make_reading(Given("readings", inputs, [output], RUN, condition=condition))
+    own = [row for row in made[0] if row["reading"] == FEATURE_GROUPS]
+    alone = json.loads(output.read_text())
+    assert [
+        row | {"seconds": other["seconds"]} for row, other in zip(alone, own, strict=True)
+    ] == own

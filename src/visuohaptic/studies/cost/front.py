@@ -13,15 +13,10 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
-from visuohaptic.recognition.intervals import (
-    Interval,
-    compare_paired,
-    difference_interval,
-    holm,
-)
+from visuohaptic.recognition.intervals import Interval, compare_paired, difference_interval, holm
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.cost.settings import ORDER, Setting, is_reference, make_settings
-from visuohaptic.studies.figures import Cell, condition_interval, read_cells
+from visuohaptic.studies.figures import Cell, condition_interval, ends, read_cells
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_rows, names_of, read_table, write_table
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
@@ -29,13 +24,10 @@ from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
 Row = dict[str, Any]
 """Of `tables.COST`."""
 
-Key = tuple[str, str]
-"""A setting's family and name."""
-
 _OF_SETTING = (
     *("family", "place", "touches", "viewpoints", "looks", "strategy", "pipeline", "classifier"),
 )
-_COLUMNS = names_of(COST.columns)
+_TIMES = ("seconds", *(name for name, _ in COST_PARTS))
 
 POINT = 0.01
 """A loss of accuracy that does not matter to most users."""
@@ -48,12 +40,12 @@ def make_cost(given: Given) -> None:
     cells = [
         found[one.condition.name, one.pipeline, one.strategy, one.classifier] for one in settings
     ]
-    seconds = read_table(COST_SECONDS, given.inputs["tables"])
-    rows = join_costs(error_rows(settings, cells, run), seconds)
-    slower = slower_settings(time_logarithms(rows, seconds), run.recognition.intervals.confidence)
+    times = setting_times(settings, read_table(COST_SECONDS, given.inputs["tables"]))
+    rows = setting_rows(settings, cells, times, run)
+    slower = slower_settings(np.log(times[..., 0]), run.recognition.intervals.confidence)
     mark_steps(rows, cells, slower, run)
     mark_groups(rows, cells, slower, run)
-    write_table(COST, cost_table(rows), given.outputs[0])
+    write_table(COST, build_rows(COST, rows), given.outputs[0])
 
 
 def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -68,22 +60,51 @@ def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> N
     return ~beaten & np.isfinite(seconds) & np.isfinite(errors)
 
 
-def error_rows(
-    settings: Sequence[Setting], cells: Sequence[Cell], run: ExperimentParameters
+def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> NDArray[np.float64]:
+    """Give `tables.COST_SECONDS` by setting, object and turn: (s, o, t, p), NaN where there is none.
+
+    The first of p is the whole recognition, the others are `COST_PARTS`.
+    """
+    timed = seconds.to_pylist()
+    places = {(one.family, one.name): place for place, one in enumerate(settings)}
+    objects = {key: place for place, key in enumerate(sorted({row["object"] for row in timed}))}
+    turns = max((row["turn"] for row in timed), default=0) + 1
+    found = np.full((len(settings), len(objects), turns, len(_TIMES)), np.nan)
+    for row in timed:
+        at = places[row["family"], row["setting"]], objects[row["object"]], row["turn"]
+        found[at] = [row[name] for name in _TIMES]
+    return found
+
+
+def setting_rows(
+    settings: Sequence[Setting],
+    cells: Sequence[Cell],
+    times: NDArray[np.float64],
+    run: ExperimentParameters,
 ) -> list[Row]:
-    """Give each setting with its error rate, and what it is more than the reference's."""
-    pairs = list(zip(settings, cells, strict=True))
-    reference = next((cell for one, cell in pairs if is_reference(one, run)), None)
-    return [
+    """Give each setting with its error rate, its seconds, and whether it is on the front.
+
+    Rows have no steps, and each is in a group of its own.
+    """
+    reference = next(
+        (cell for one, cell in zip(settings, cells, strict=True) if is_reference(one, run)), None
+    )
+    rows = [
         {
+            **dict.fromkeys(names_of(COST.columns)),
             **{name: getattr(setting, name) for name in _OF_SETTING},
             "setting": setting.name,
             "changes": setting.written_changes,
             **error_rate(cell, run),
-            **_ends("lost", _loss(reference, cell, run)),
+            **ends("lost", "lost_", _loss(reference, cell, run)),
+            **time_quantiles(own),
+            "as_quick": False,
+            "step": False,
+            "group": place,
         }
-        for setting, cell in pairs
+        for place, (setting, cell, own) in enumerate(zip(settings, cells, times, strict=True))
     ]
+    return mark_front(rows)
 
 
 def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
@@ -92,26 +113,19 @@ def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
         return {"failed": cell.error}
     wrong = replace(cell, accuracy=1 - cell.accuracy)
     found = condition_interval(wrong, run.recognition.intervals, run.seed)
-    rates = _ends("error", found)
-    return {
-        **{name: min(max(rate, 0.0), 1.0) for name, rate in rates.items()},
-        "objects": len(cell.objects),
-    }
+    clipped = Interval(*(min(max(rate, 0.0), 1.0) for rate in vars(found).values()))
+    return {**ends("error", "error_", clipped), "objects": len(cell.objects)}
 
 
-def join_costs(errors: Sequence[Row], seconds: pa.Table) -> list[Row]:
-    """Join error rates, as `error_rows` gives them, with seconds, and mark the front.
-
-    Rows have no steps, and each is in a group of its own.
-    """
-    timed = {setting: _quantiles(rows) for setting, rows in by_setting(seconds).items()}
-    empty, unmarked = dict.fromkeys(_COLUMNS), {"as_quick": False, "step": False}
-    return _mark_front(
-        [
-            {**empty, **timed.get(setting_of(row), {}), **row, **unmarked, "group": place}
-            for place, row in enumerate(errors)
-        ]
-    )
+def time_quantiles(times: NDArray[np.float64]) -> Row:
+    """Give the median and quartiles of a setting's seconds, and its parts' medians: of (o, t, p)."""
+    known = times[np.isfinite(times[..., 0])]
+    if not len(known):
+        return {}
+    low, median, high = np.quantile(known[:, 0], [0.25, 0.5, 0.75]).tolist()
+    values = (median, *np.median(known[:, 1:], axis=0).tolist(), low, high, len(known))
+    names = (*_TIMES, "seconds_low", "seconds_high", "recognitions")
+    return dict(zip(names, values, strict=True))
 
 
 def mark_steps(
@@ -140,7 +154,7 @@ def mark_steps(
         rows[step]["step"] = True
         later = [place for place in known if slower[step, place]]
         better = more_accurate([cells[place] for place in later], cells[step], run)
-        quick = as_quick([place for place, one in zip(later, better, strict=True) if one])
+        quick = as_quick([later[place] for place in better])
 
 
 def mark_groups(
@@ -170,23 +184,6 @@ def mark_groups(
         groups.setdefault(row["group"], []).append(place)
 
 
-def cost_table(rows: Sequence[Row]) -> pa.Table:
-    """Make `tables.COST` of rows as `join_costs` gives them."""
-    return build_rows(COST, rows)
-
-
-def time_logarithms(rows: Sequence[Row], seconds: pa.Table) -> NDArray[np.float64]:
-    """Give the logarithms of `tables.COST_SECONDS` by setting, object and turn; NaN where there is none."""
-    places = {setting_of(row): place for place, row in enumerate(rows)}
-    timed = seconds.to_pylist()
-    objects = {key: place for place, key in enumerate(sorted({row["object"] for row in timed}))}
-    turns = max((row["turn"] for row in timed), default=0) + 1
-    found = np.full((len(rows), len(objects), turns), np.nan)
-    for row in timed:
-        found[places[setting_of(row)], objects[row["object"]], row["turn"]] = np.log(row["seconds"])
-    return found
-
-
 def slower_settings(logarithms: NDArray[np.float64], confidence: float) -> NDArray[np.bool_]:
     """Tell which settings are significantly slower than which: (s, o, t) to (s, s), the slower second.
 
@@ -202,39 +199,25 @@ def slower_settings(logarithms: NDArray[np.float64], confidence: float) -> NDArr
     return (np.ma.filled(ratios.mean(axis=2) - reach, 0) > 0) & (objects > 1)
 
 
-def more_accurate(cells: Sequence[Cell], last: Cell, run: ExperimentParameters) -> list[bool]:
-    """Tell which settings are significantly more accurate than the last step.
+def more_accurate(cells: Sequence[Cell], last: Cell, run: ExperimentParameters) -> list[int]:
+    """Give the places of the settings that are significantly more accurate than the last step.
 
     By the sign-change test over objects; p values are adjusted for the number of settings (Holm).
     """
     intervals = run.recognition.intervals
-    found = {
-        place: compare_paired(
-            cell.accuracy, last.accuracy, last.weights, intervals, _draw_objects(run)
+    places = [place for place, cell in enumerate(cells) if _same_objects(cell, last)]
+    found = [
+        compare_paired(
+            cells[place].accuracy, last.accuracy, last.weights, intervals, _draw_objects(run)
         )
-        for place, cell in enumerate(cells)
-        if _same_objects(cell, last)
-    }
-    adjusted = holm([one.p_value for one in found.values()])
-    better = {
+        for place in places
+    ]
+    adjusted = holm([one.p_value for one in found])
+    return [
         place
-        for (place, one), p_value in zip(found.items(), adjusted, strict=True)
+        for place, one, p_value in zip(places, found, adjusted, strict=True)
         if one.difference.mean > 0 and p_value <= 1 - intervals.confidence
-    }
-    return [place in better for place in range(len(cells))]
-
-
-def by_setting(seconds: pa.Table) -> dict[Key, list[Row]]:
-    """Give the rows of `tables.COST_SECONDS` of each setting."""
-    found: dict[Key, list[Row]] = {}
-    for row in seconds.to_pylist():
-        found.setdefault(setting_of(row), []).append(row)
-    return found
-
-
-def setting_of(row: Row) -> Key:
-    """Give the key of a row."""
-    return row["family"], row["setting"]
+    ]
 
 
 def is_known(row: Row) -> bool:
@@ -356,27 +339,15 @@ def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
         names = ("seconds", "seconds_low", "seconds_high")
         return {**row, **{name: row[name] + price for name in names if row[name] is not None}}
 
-    return _mark_front([moved(row) for row in rows])
+    return mark_front([moved(row) for row in rows])
 
 
-def _mark_front(rows: list[Row]) -> list[Row]:
+def mark_front(rows: list[Row]) -> list[Row]:
+    """Mark which rows are on the front, which are dominated, and which, without figures, are neither."""
     points = [[row[name] for row in rows] for name in ("seconds", "error")]
     for row, on in zip(rows, pareto_front(*np.array(points, dtype=float)).tolist(), strict=True):
         row |= {"on_front": on, "dominated": is_known(row) and not on}
     return rows
-
-
-def _quantiles(rows: Sequence[Row]) -> Row:
-    """Give the median and quartiles of a setting's seconds, and its parts' medians."""
-    low, median, high = np.quantile([row["seconds"] for row in rows], [0.25, 0.5, 0.75]).tolist()
-    parts = {name: float(np.median([row[name] for row in rows])) for name, _ in COST_PARTS}
-    times = {"seconds_low": low, "seconds": median, "seconds_high": high}
-    return {**times, **parts, "recognitions": len(rows)}
-
-
-def _ends(name: str, interval: Interval | None) -> Row:
-    ends = (None, None, None) if interval is None else vars(interval).values()
-    return dict(zip((name, f"{name}_low", f"{name}_high"), ends, strict=True))
 
 
 def _loss(reference: Cell | None, cell: Cell, run: ExperimentParameters) -> Interval | None:

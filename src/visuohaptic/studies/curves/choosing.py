@@ -49,14 +49,9 @@ ReadImprints = Callable[[NDArray[np.int64]], NDArray[np.int64]]
 class Candidates:
     """Where objects may be touched, and the features of a touch there.
 
-    Attributes
-    ----------
-    sequences : TouchSequences
-        The s sequences to choose, one a viewpoint of an object; its features are empty.
-    features : numpy.ndarray
-        Shape (n, k), float64: of a touch at each candidate.
-    sequence : numpy.ndarray
-        Shape (n,), int64: the sequence that each is a candidate for, ascending.
+    `sequences` are the s to choose, one a viewpoint of an object, without features. `features` (n,
+    k) are those of a touch at each candidate, `sequence` (n,), ascending, the sequence that it is a
+    candidate for.
     """
 
     sequences: TouchSequences
@@ -70,12 +65,12 @@ class Candidates:
 
     @property
     def poses(self) -> NDArray[np.float64]:
-        """Position and normal of each candidate, shape (n, 6): what is known before a touch."""
+        """Position and normal of each candidate (n, 6): what is known before a touch."""
         return self.features[:, [self.names.index(name) for name in POSE]]
 
     @property
     def owner(self) -> NDArray[np.int64]:
-        """Each candidate's object, shape (n,), int64."""
+        """Each candidate's object (n,)."""
         return self.sequences.object_index[self.sequence]
 
 
@@ -103,16 +98,9 @@ class TactileWords:
 class TouchModel:
     """Likelihood of imprints by pose and class, from t training touches only.
 
-    Attributes
-    ----------
-    poses : numpy.ndarray
-        Shape (t, 6), float64, scaled by `normal_weight` and `wave_length` as the kernel needs them.
-    kinds, owner : numpy.ndarray
-        Shape (t,), int64: words and objects of the touches.
-    class_of_owner : numpy.ndarray
-        Shape (o,), int64: classes of the training objects, by `owner`; others are not looked at.
-    classes : int
-        Number c of classes.
+    `poses` (t, 6) are scaled by `normal_weight` and `wave_length`, as the kernel needs them;
+    `kinds` (t,) and `owner` (t,) are words and objects of the touches. `class_of_owner` (o,) has
+    the classes of the training objects; others are not looked at.
     """
 
     words: TactileWords

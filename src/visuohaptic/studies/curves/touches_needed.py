@@ -19,7 +19,9 @@ from visuohaptic.studies.figures import (
     Cell,
     CellKey,
     condition_interval,
+    ends,
     nested,
+    paired,
     read_cells,
     write_json,
 )
@@ -31,7 +33,6 @@ LEVEL = 0.9
 """The accuracy for which the number of touches is reported."""
 
 _KEYS = ("pipeline", "strategy", "classifier")
-_GAIN = ("gain", "gain_low", "gain_high", "p_value")
 
 
 def curve_areas(curve: Sequence[Cell]) -> NDArray[np.float64]:
@@ -121,11 +122,8 @@ def _area(
 ) -> dict[str, Any]:
     areas, weights = curve_areas(curve), curve[0].weights
     area = object_interval(areas, weights, intervals, spawn_generator(seed, "areas", *key))
-    row: dict[str, Any] = {"area": area.mean, "area_low": area.low, "area_high": area.high}
-    row |= dict.fromkeys(_GAIN)
-    if reference is None or reference is curve or reference[0].objects != curve[0].objects:
-        return row
-    generator = spawn_generator(seed, "areas", "comparison", *key)
-    compared = compare_paired(curve_areas(reference), areas, weights, intervals, generator)
-    gain = compared.difference
-    return row | dict(zip(_GAIN, (gain.mean, gain.low, gain.high, compared.p_value), strict=True))
+    compared = None
+    if reference and reference is not curve and reference[0].objects == curve[0].objects:
+        generator = spawn_generator(seed, "areas", "comparison", *key)
+        compared = compare_paired(curve_areas(reference), areas, weights, intervals, generator)
+    return {**ends("area", "area_", area), **paired("gain", "p_value", compared)}

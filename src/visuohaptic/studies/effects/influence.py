@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -38,22 +38,8 @@ VIEWS = 2
 """The first so many viewpoints of each object measure the effects of the view."""
 
 
-@dataclass(frozen=True)
-class Influence:
-    """What one effect costs on a sample, and how far it moves the images: as `tables.EFFECT_INFLUENCE` says.
-
-    `touches` are views for effects of the view; `seconds` are those under the scene's own mode, of which
-    `equal_to_always` is None where the scene switches an effect off.
-    """
-
-    scene: str
-    effect: str
-    touches: int
-    needed: int
-    seconds: float
-    seconds_always: float
-    image_shift: float
-    equal_to_always: bool | None
+Row = dict[str, Any]
+"""Of `tables.EFFECT_INFLUENCE`: `touches` are views for effects of the view."""
 
 
 def measured_scenes(scene: Scene) -> dict[str, Scene]:
@@ -68,7 +54,7 @@ def touch_influence(
     sensor: SensorParameters,
     scenes: Mapping[str, Scene],
     seed: int,
-) -> list[Influence]:
+) -> list[Row]:
     """Measure the sensor's effects, in each scene, at an object's probing locations, at least one.
 
     Sensors are placed once a round and mode of the adaptive size, for all scenes. Noise is the same with and
@@ -95,7 +81,7 @@ def view_influence(
     cameras: Sequence[Camera],
     rendering: RenderingParameters,
     modes: EffectModes,
-) -> list[Influence]:
+) -> list[Row]:
     """Measure the effects of the view from at least one camera, all from one cast of its rays."""
     met = list(meet_surface(caster, cameras, rendering))
 
@@ -115,41 +101,38 @@ def view_influence(
         record = next(record for record in with_it.effects if record.effect == effect)
         change = np.abs(with_it.colour - without.colour)[with_it.mask]
         found.append(
-            Influence(
-                scene="any",
-                effect=effect,
-                touches=len(cameras),
-                needed=record.needed,
-                seconds=seconds[effect],
-                seconds_always=seconds_always[effect],
-                image_shift=float(change.mean()) if change.size else 0.0,
-                equal_to_always=bool(np.array_equal(with_it.colour, forced.colour)),
-            )
+            {
+                "scene": "any",
+                "effect": effect,
+                "touches": len(cameras),
+                "needed": record.needed,
+                "seconds": seconds[effect],
+                "seconds_always": seconds_always[effect],
+                "image_shift": float(change.mean()) if change.size else 0.0,
+                "equal_to_always": bool(np.array_equal(with_it.colour, forced.colour)),
+            }
         )
     return found
 
 
-def sum_influences(parts: Sequence[Influence]) -> pa.Table:
+def sum_influences(parts: Sequence[Row]) -> pa.Table:
     """Add up what was measured on several objects: `tables.EFFECT_INFLUENCE`.
 
     Seconds and touches are sums, shifts means over touches.
     """
-    groups: dict[tuple[str, str], list[Influence]] = {}
+    groups: dict[tuple[str, str], list[Row]] = {}
     for part in parts:
-        groups.setdefault((part.scene, part.effect), []).append(part)
+        groups.setdefault((part["scene"], part["effect"]), []).append(part)
     return build_rows(EFFECT_INFLUENCE, [_sum(group) for group in groups.values()])
 
 
-def _sum(group: Sequence[Influence]) -> dict[str, object]:
-    sums = {
-        name: sum(getattr(part, name) for part in group)
-        for name in ("touches", "needed", "seconds", "seconds_always")
-    }
-    shifts = sum(part.touches * part.image_shift for part in group)
-    equal = [part.equal_to_always for part in group]
+def _sum(group: Sequence[Row]) -> Row:
+    names = ("touches", "needed", "seconds", "seconds_always")
+    sums = {name: sum(part[name] for part in group) for name in names}
+    shifts = sum(part["touches"] * part["image_shift"] for part in group)
+    equal = [part["equal_to_always"] for part in group]
     return {
-        "scene": group[0].scene,
-        "effect": group[0].effect,
+        **group[0],
         **sums,
         "image_shift": shifts / sums["touches"],
         "equal_to_always": None if None in equal else all(equal),
@@ -158,7 +141,7 @@ def _sum(group: Sequence[Influence]) -> dict[str, object]:
 
 def make_effect_influence(given: Given) -> None:
     """Measure the effects on a sample of objects under every preset."""
-    run, parts = given.run, list[Influence]()
+    run, parts = given.run, list[Row]()
     scenes, placed = measured_scenes(run.scene), place_cameras(run.viewpoints)
     wanted = Wanted(run.attention.fixations, run.probing.unreachable, run.probing.when_exhausted)
     located = dict(by_object(read_table(FIXATIONS, given.inputs["fixations"])))
@@ -179,7 +162,7 @@ def make_effect_influence(given: Given) -> None:
 
 def _scene_influence(
     name: str, scene: Scene, felt: Callable[[Scene, int], Touches]
-) -> Iterator[Influence]:
+) -> Iterator[Row]:
     always = scene.with_effects("always")
     whole, forced = felt(scene, 0), felt(always, 0)
     modes = scene.effects.model_dump(include=set(TACTILE_EFFECTS))
@@ -195,16 +178,16 @@ def _scene_influence(
         if record.runs and record.needed:
             part = felt(_without(scene, record.effect), 0)
             shift = float(np.abs(part.images - whole.images).mean())
-        yield Influence(
-            scene=name,
-            effect=record.effect,
-            touches=record.touches,
-            needed=record.needed,
-            seconds=seconds[record.effect],
-            seconds_always=seconds_always[record.effect],
-            image_shift=shift,
-            equal_to_always=equal,
-        )
+        yield {
+            "scene": name,
+            "effect": record.effect,
+            "touches": record.touches,
+            "needed": record.needed,
+            "seconds": seconds[record.effect],
+            "seconds_always": seconds_always[record.effect],
+            "image_shift": shift,
+            "equal_to_always": equal,
+        }
 
 
 def _without(scene: Scene, effect: str) -> Scene:

@@ -36,16 +36,10 @@ Descriptors = NDArray[np.floating]
 class Answered:
     """Class probabilities of one split.
 
-    Attributes
-    ----------
-    tested : numpy.ndarray
-        Shape (k, n, c), float64: of the n test sequences, in each of k conditions of the test.
-    held_out : numpy.ndarray
-        Shape (m, c), float64: of training sequences, by models that learnt from other objects.
-    places : numpy.ndarray
-        Shape (m,), int64: which sequences these are.
-    strange, held_out_strange : numpy.ndarray
-        Shape (k, n) and (m,), float64: how far each is from what was learnt.
+    `tested` (k, n, c) are those of the n test sequences in each of k conditions of the test;
+    `held_out` (m, c) those of the training sequences `places` (m,), by models that learnt from
+    other objects. `strange` (k, n) and `held_out_strange` (m,) say how far each is from what was
+    learnt.
     """
 
     tested: NDArray[np.float64]

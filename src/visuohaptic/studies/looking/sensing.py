@@ -41,16 +41,9 @@ STRATEGIES = ("fixation", BLIND, "random_visible")
 class Sensed:
     """What is known of s viewpoints of all objects.
 
-    Attributes
-    ----------
-    sequences : TouchSequences
-        Their objects and classes, and the names of the k features.
-    seen : dict of str to numpy.ndarray
-        By cue: shape (s, sights, d), float32.
-    touched : dict of str to numpy.ndarray
-        By strategy: shape (s, t, k), float64, features of t touches.
-    candidates : Candidates or None
-        Where `ADAPTIVE` may touch; None where it is not compared.
+    `sequences` have the objects and classes, and the names of k features. `seen` has by cue (s,
+    sights, d), float32; `touched` by strategy (s, t, k), the features of t touches. `candidates`
+    are where `ADAPTIVE` may touch; None where it is not compared.
     """
 
     sequences: TouchSequences

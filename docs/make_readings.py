@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import re
 import statistics
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+
+from make_readme import fill_page
 
 from readings.choices import BY_NAME, OPPONENTS
 from readings.design import is_default, is_literal
@@ -15,7 +16,7 @@ from readings.verdicts import lead_evidence, of_papers_question, verdict
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.studies.figures import Row
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parent
 OPPONENT_WORDS = {
     "reachable": "in reach",
     "anywhere": "anywhere",
@@ -114,27 +115,16 @@ def points(value: float) -> str:
     return f"{100 * value:+.1f}".replace("-", "\N{MINUS SIGN}")
 
 
-def _fill(text: str, name: str, content: str) -> str:
-    """Replace what stands between a block's two markers."""
-    pattern = rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)"
-    return re.sub(pattern, lambda found: f"{found[1]}{content}\n{found[2]}", text, flags=re.DOTALL)
-
-
-def main() -> None:
-    """Fill all blocks of the pages."""
+def blocks() -> dict[str, dict[str, str]]:
+    """Give the tables of each page, by the names of their blocks."""
     kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
     tables = {name: one.rows for name, one in kept.items() if one}
-    blocks = {
+    return {
         "readings.md": {"spread": spread_table(tables), "pair": pair_table(tables)},
         "notebook/2026-11-readings.md": {"options": options_table(tables)},
     }
-    for name, found in blocks.items():
-        page = DOCS / name
-        text = page.read_text(encoding="utf-8")
-        for block, content in found.items():
-            text = _fill(text, block, content)
-        page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    for page, tables in blocks().items():
+        fill_page(DOCS / page, tables)
