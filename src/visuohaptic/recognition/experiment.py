@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -94,11 +95,12 @@ def run_sequences(
     `strategy` names the rows and changes nothing else; `answer_split` is as in `answer_splits`.
     Gives scores and predictions as `run_pipeline` does, and raises as it does.
     """
+    # Votes are counted as the answers come, while sums are still taken on one thread.
     answers = answer_splits(sequences, parameters, seed, pipeline, answer_split)
     twins = _twins_note(sequences)
     scores: list[dict[str, object]] = []
     predictions: list[dict[str, NDArray[np.generic]]] = []
-    for split, repeat, answer in _without_gaps(list(answers)):
+    for split, repeat, answer in answers:
         key: dict[str, object] = {
             "pipeline": pipeline,
             "strategy": strategy,
@@ -116,10 +118,11 @@ def run_sequences(
         scores.append(key | figures)
         repeated = {name: np.full(len(split.test), value) for name, value in key.items()}
         predictions.append(repeated | _predicted(sequences, split, answer, voted))
-    columns = {
-        name: np.concatenate([block[name] for block in predictions]) for name in predictions[0]
-    }
-    return build_rows(SCORES, scores), build_table(PREDICTIONS, columns)
+    kept = _without_gaps(scores)
+    blocks = list(itertools.compress(predictions, kept))
+    columns = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+    scored = build_rows(SCORES, list(itertools.compress(scores, kept)))
+    return scored, build_table(PREDICTIONS, columns)
 
 
 def answer_splits(
@@ -281,14 +284,14 @@ def run_best_split(
         yield Answer(name, ballots.alone().argmax(axis=1), notes, ballots)
 
 
-def _without_gaps(answers: list[tuple[Split, int, Answer]]) -> list[tuple[Split, int, Answer]]:
+def _without_gaps(scores: list[dict[str, object]]) -> list[bool]:
     """Leave out whom a split lacks: its mean over the others would compare with no one's."""
-    splits = len({(split.number, repeat) for split, repeat, _ in answers})
-    answered = Counter(answer.classifier for *_, answer in answers)
-    whole = [one for one in answers if answered[one[2].classifier] == splits]
-    if not whole:
+    splits = len({(row["split"], row["seed"]) for row in scores})
+    answered = Counter(row["classifier"] for row in scores)
+    kept = [answered[row["classifier"]] == splits for row in scores]
+    if not any(kept):
         raise RecognitionError("No classifier can be fitted in every split; see the log.")
-    return whole
+    return kept
 
 
 def _vote(sequences: TouchSequences, split: Split, answer: Answer) -> tuple[Integers, Floats]:

@@ -214,12 +214,12 @@ def fit_bag_classifier(
 class HeldOutBags:
     """Bags of held-out sequences as the bag classifier scores them, for combinations with any classifier.
 
-    Without held-out sequences `bags` is None. `scores` (m, c) are means over each bag's sequences,
-    `labels` and `owners` (m,) the bags' classes and objects; `known` (c,) says which classes all
-    training objects have, and `weight` how much more the bag classifier counts than the other.
+    `scores` (m, c) are means over each bag's sequences, `labels` and `owners` (m,) the bags'
+    classes and objects; `known` (c,) says which classes all training objects have, and `weight` how
+    much more the bag classifier counts than the other.
     """
 
-    bags: Bags | None
+    bags: Bags
     scores: Floats
     labels: Integers
     owners: Integers
@@ -235,7 +235,7 @@ class HeldOutBags:
         Without held-out sequences, scales and temperature are 1.
         """
         known, bags = self.known, self.bags
-        if bags is None:
+        if not len(bags.counts):
             return Combination((1.0, 1.0 / self.weight), np.ones(1), np.ones(1), known)
         means = bags.means(probabilities)
         logs = np.log(np.maximum(means, LEAST_PROBABILITY))
@@ -267,7 +267,7 @@ class HeldOutBags:
     @cached_property
     def _alike(self) -> list[Flags]:
         """Which bags share each temperature, by ascending numbers of sequences."""
-        counts = np.zeros(0, dtype=np.int64) if self.bags is None else self.bags.counts
+        counts = self.bags.counts
         enough = len(np.unique(self.owners)) / 2
         groups, group = [], counts < 0
         for count in np.unique(counts)[::-1]:
@@ -293,7 +293,7 @@ def hold_out_bags(
     `scores` (n, c) are what the bag classifier says of them, whose objects it did not learn.
     """
     if not len(labels):
-        return HeldOutBags(None, scores, labels, owners, known, weight)
+        return HeldOutBags(Bags(labels, labels), scores, labels, owners, known, weight)
     bags = spread_bags(owners, sizes)
     return HeldOutBags(
         bags, bags.means(scores), labels[bags.first], owners[bags.first], known, weight
