@@ -25,7 +25,7 @@ METRICS = ("metrics.json", "studies/ablations.json", "studies/claims.json", "stu
 """Under reports/; those of studies where they were made."""
 
 OF_SECONDS = {
-    "cost": {"as_quick", "on_front", "dominated", "step", "group"},
+    "cost": {"as_quick", "on_front", "dominated", "step", "quicker"},
     "cost_seconds": {"object", "turn"},
 }
 """Columns that follow from run times, by table."""
