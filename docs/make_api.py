@@ -28,13 +28,7 @@ _COMPUTED = (property, cached_property)
 
 
 def api_page() -> str:
-    """Give the page.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """Give the page, in Markdown."""
     return (
         "\n\n".join([HEAD.rstrip(), *(_entry(name, getattr(vh, name)) for name in names())]) + "\n"
     )

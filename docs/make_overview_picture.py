@@ -19,18 +19,7 @@ LARGEST_BYTES = 400_000
 
 
 def shoot(report: Path) -> Image.Image:
-    """Photograph the section that shows the method on one object.
-
-    Parameters
-    ----------
-    report : pathlib.Path
-        A report.
-
-    Returns
-    -------
-    PIL.Image.Image
-        The section with a margin, in light colours, two pixels for one.
-    """
+    """Photograph the section of a report that shows the method on one object, with a margin, two pixels for one."""
     browser_path = shutil.which("chromium") or shutil.which("google-chrome")
     if browser_path is None:
         raise SystemExit("There is no Chromium here (Debian, Ubuntu: apt install chromium).")

@@ -41,24 +41,12 @@ class _WithoutTitles(GenerateJsonSchema):
 
 
 def parameters_page() -> str:
-    """Give params.yaml: every default with its description.
-
-    Returns
-    -------
-    str
-        YAML.
-    """
+    """Give params.yaml: every default with its description."""
     return HEAD + "\n".join(_fields(ExperimentParameters(), "")) + "\n"
 
 
 def schema_page() -> str:
-    """Give the schema by which editors check and complete params.yaml.
-
-    Returns
-    -------
-    str
-        JSON.
-    """
+    """Give the schema by which editors check and complete params.yaml, in JSON."""
     schema = ExperimentParameters.model_json_schema(schema_generator=_WithoutTitles)
     for section in (schema, *schema["$defs"].values()):
         for field in section["properties"].values():

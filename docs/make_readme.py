@@ -33,18 +33,7 @@ RUNS = {
 
 
 def results_table(metrics: dict[str, Any]) -> str:
-    """Set our accuracies beside the published ones.
-
-    Parameters
-    ----------
-    metrics : dict
-        `reports/metrics.json`.
-
-    Returns
-    -------
-    str
-        A Markdown table.
-    """
+    """Set our accuracies, of `reports/metrics.json`, beside the published ones."""
     lines = [
         "| classifier | eye fixations | published | random probing | published | literal, fixations | literal, random walk | ours, fixations | ours, random |",
         "|---|---|---|---|---|---|---|---|---|",
@@ -76,18 +65,7 @@ def literal_reading() -> dict[str, dict[str, str]]:
 
 
 def percent(interval: dict[str, float]) -> str:
-    """Write a mean and its interval in per cent.
-
-    Parameters
-    ----------
-    interval : dict
-        `mean`, `low` and `high`, 0 to 1.
-
-    Returns
-    -------
-    str
-        Such as ``64.0 % (50.9–77.7)``.
-    """
+    """Write a mean and its interval, 0 to 1 each, in per cent, such as ``64.0 % (50.9–77.7)``."""
     return f"{interval['mean']:.1%} ({100 * interval['low']:.1f}–{100 * interval['high']:.1f})".replace(
         "%", " %"
     )
@@ -112,18 +90,7 @@ def answers(metrics: dict[str, Any]) -> str:
 
 
 def speed_table(results: dict[str, Any]) -> str:
-    """Set the workflow's seconds in a table, the machine named.
-
-    Parameters
-    ----------
-    results : dict
-        `benchmarks/results.json`.
-
-    Returns
-    -------
-    str
-        A Markdown table and a sentence.
-    """
+    """Set the workflow's seconds, of `benchmarks/results.json`, in a table, the machine named in a sentence."""
     workflow, machine = results["workflow"], results["machine"]
     alone = workflow["paper_pipeline"]
     lines = ["| run | both pipelines | of processors | the paper's alone |", "|---|---|---|---|"]
@@ -146,18 +113,7 @@ def speed_table(results: dict[str, Any]) -> str:
 
 
 def printed_lines(metrics: Path) -> str:
-    """Give the figures that `make` prints at its end.
-
-    Parameters
-    ----------
-    metrics : Path
-        `reports/metrics.json`.
-
-    Returns
-    -------
-    str
-        A Markdown block.
-    """
+    """Give the figures of `reports/metrics.json` as `make` prints them at its end, a Markdown block."""
     lines = [*describe_results(metrics, "none"), f"The report is at {REPORT}."]
     return "\n".join(["```text", *lines, "```"])
 

@@ -34,13 +34,7 @@ the two.
 
 
 def tables_page() -> str:
-    """Give the page.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """Give the page, in Markdown."""
     return "\n".join([INTRODUCTION, *(_section(schema) for schema in SCHEMAS.values())])
 
 
