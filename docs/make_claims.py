@@ -6,17 +6,16 @@ twelve objects and of the catalogue's 142.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from kept_figures import SETS, kept_figures
 from make_readings import points, share
 from make_readme import fill_page
 
 PAGE = Path(__file__).with_name("claims.md")
-SETS = {"paper": "12 objects", "benchmark": "142 objects"}
 PIPELINES = ("paper", "best")
 CLASSIFIER = "support_vector_machine"
 STRATEGIES = {
@@ -134,22 +133,17 @@ def change(cell: Mapping[str, Any]) -> str:
     )
 
 
-def main() -> None:
-    """Fill all blocks."""
-    folder = Path(__file__).with_name("figures")
-    found = {
-        name: json.loads((folder / f"claims_{name}.json").read_text(encoding="utf-8"))
-        for name in SETS
-    }
-    tables = {
+def blocks() -> dict[str, str]:
+    """Give the tables of the page, by the names of their blocks."""
+    found = kept_figures("claims")
+    return {
         "strategies": strategy_table(found["paper"]),
         "benchmark": strategy_table(found["benchmark"]),
         "cues": cue_table(found),
         "shares": share_table(found),
         "changes": change_table(found),
     }
-    fill_page(PAGE, tables)
 
 
 if __name__ == "__main__":
-    main()
+    fill_page(PAGE, blocks())

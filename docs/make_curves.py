@@ -10,11 +10,11 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from make_claims import CLASSIFIER, PIPELINES, SETS
+from kept_figures import SETS, commands, keep_figures, kept_figures
+from make_claims import CLASSIFIER, PIPELINES
 from make_readings import points, share
 from make_readme import fill_page
 from matplotlib.axes import Axes
@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 
 DOCS = Path(__file__).parent
 REPORTS = DOCS.parent / "reports"
+PAGE = DOCS / "probing.md"
 PICTURE = DOCS / "pictures" / "curves.png"
 SHOWN = (1, 2, 3, 5, 8, 16)
 """Touches of the table."""
@@ -36,28 +37,25 @@ Figures = Mapping[str, Any]
 """``curves`` and ``needed``, by pipeline and strategy, with the command and the date."""
 
 
-def keep(name: str, command: str) -> None:
-    """Keep the figures of the run that is there."""
+def figures_of_run() -> Figures:
+    """Give what the page takes of the run that is there."""
     measured = json.loads((REPORTS / "studies" / "curves.json").read_text("utf-8"))
     needed = json.loads((REPORTS / "curves.json").read_text("utf-8"))
-    curves = {
-        pipeline: {
-            strategy: [[cell[value] for value in OF_A_POINT] for cell in found[CLASSIFIER].values()]
-            for strategy, found in measured[pipeline].items()
-        }
-        for pipeline in PIPELINES
-    }
-    kept = {
-        "command": command,
-        "date": datetime.now(UTC).strftime("%Y-%m-%d"),
-        "curves": curves,
+    return {
+        "curves": {
+            pipeline: {
+                strategy: [
+                    [cell[value] for value in OF_A_POINT] for cell in found[CLASSIFIER].values()
+                ]
+                for strategy, found in measured[pipeline].items()
+            }
+            for pipeline in PIPELINES
+        },
         "needed": {
             pipeline: {name: found[CLASSIFIER] for name, found in needed[pipeline].items()}
             for pipeline in PIPELINES
         },
     }
-    text = json.dumps(kept, indent=1, ensure_ascii=False) + "\n"
-    (DOCS / "figures" / f"curves_{name}.json").write_text(text, encoding="utf-8")
 
 
 def curve_table(figures: Figures) -> str:
@@ -120,16 +118,19 @@ def draw_curves(
     axes.grid(alpha=0.3)
 
 
+def blocks() -> dict[str, str]:
+    """Give the tables of the page, by the names of their blocks."""
+    sets = kept_figures("curves")
+    tables = {f"curves_{name}": curve_table(one) for name, one in sets.items()}
+    return {**tables, "commands": commands(sets)}
+
+
 def main() -> None:
-    """Keep figures if they are named, fill the tables, and write the picture."""
+    """Keep figures if they are named, fill all blocks, and write the picture."""
     if len(sys.argv) > 2:
-        keep(sys.argv[1], " ".join(sys.argv[2:]))
-    files = {name: DOCS / "figures" / f"curves_{name}.json" for name in SETS}
-    sets = {name: json.loads(file.read_text("utf-8")) for name, file in files.items()}
-    commands = (f"- {SETS[name]}, {one['date']}: `{one['command']}`" for name, one in sets.items())
-    blocks = {f"curves_{name}": curve_table(one) for name, one in sets.items()}
-    fill_page(DOCS / "probing.md", {**blocks, "commands": "\n".join(commands)})
-    draw(sets).savefig(PICTURE, dpi=100)
+        keep_figures("curves", sys.argv[1], " ".join(sys.argv[2:]), figures_of_run())
+    fill_page(PAGE, blocks())
+    draw(kept_figures("curves")).savefig(PICTURE, dpi=100)
 
 
 if __name__ == "__main__":

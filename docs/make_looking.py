@@ -10,10 +10,10 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator, Mapping
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from kept_figures import SETS, commands, keep_figures, kept_figures
 from make_claims import STRATEGIES, accuracy
 from make_readings import points
 from make_readme import fill_page
@@ -35,7 +35,6 @@ from visuohaptic.studies.looking.settings import (
 DOCS = Path(__file__).parent
 PAGE = DOCS / "looking.md"
 PICTURE = DOCS / "pictures" / "looking.png"
-SETS = {"paper": "12 objects", "benchmark": "142 objects"}
 ANSWERS = {
     LOOK: "look, view",
     "outline": "look, outline",
@@ -217,34 +216,25 @@ def _draw_sights(axes: Axes, figures: Figures) -> None:
     axes.set_xlabel(f"sight; {figures['touches']} touches where the eye fixates")
 
 
-def keep(name: str, command: str) -> None:
-    """Keep the figures of the run that is there."""
-    figures = json.loads((DOCS.parent / "reports" / "looking.json").read_text("utf-8"))
-    date = datetime.now(UTC).strftime("%Y-%m-%d")
-    kept = {"command": command, "date": date, **figures}
-    text = json.dumps(kept, indent=1, ensure_ascii=False) + "\n"
-    (DOCS / "figures" / f"looking_{name}.json").write_text(text, encoding="utf-8")
+def blocks() -> dict[str, str]:
+    """Give the tables of the page, by the names of their blocks."""
+    sets = kept_figures("looking")
+    return {
+        "sights": sight_table(sets),
+        "gains": gain_table(sets),
+        "budgets": budget_table(sets),
+        "worth": worth_table(sets),
+        "commands": commands(sets),
+    }
 
 
 def main() -> None:
     """Keep figures if they are named, fill all blocks, and write the picture."""
     if len(sys.argv) > 2:
-        keep(sys.argv[1], " ".join(sys.argv[2:]))
-    files = {name: DOCS / "figures" / f"looking_{name}.json" for name in SETS}
-    sets = {
-        name: json.loads(file.read_text("utf-8")) for name, file in files.items() if file.is_file()
-    }
-    tables = {
-        "sights": sight_table(sets),
-        "gains": gain_table(sets),
-        "budgets": budget_table(sets),
-        "worth": worth_table(sets),
-        "commands": "\n".join(
-            f"- {SETS[name]}, {one['date']}: `{one['command']}`" for name, one in sets.items()
-        ),
-    }
-    fill_page(PAGE, tables)
-    draw(sets).savefig(PICTURE, dpi=100)
+        figures = json.loads((DOCS.parent / "reports" / "looking.json").read_text("utf-8"))
+        keep_figures("looking", sys.argv[1], " ".join(sys.argv[2:]), figures)
+    fill_page(PAGE, blocks())
+    draw(kept_figures("looking")).savefig(PICTURE, dpi=100)
 
 
 if __name__ == "__main__":

@@ -220,6 +220,15 @@ def test_a_page_that_is_made_from_the_code_is_current(name):
     assert made == (ROOT / "docs" / f"{name}.md").read_text(), f"run `python docs/make_{name}.py`"
 
 
+@pytest.mark.parametrize("name", ["claims", "curves", "looking"])
+def test_a_page_shows_the_figures_that_are_kept(name, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    made = runpy.run_path(str(ROOT / "docs" / f"make_{name}.py"))
+    text = made["PAGE"].read_text()
+    for block, content in made["blocks"]().items():
+        assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text, f"run `make_{name}.py`"
+
+
 def test_the_page_of_public_names_has_each_with_its_parameters():
     text = (ROOT / "docs" / "api.md").read_text()
     assert set(re.findall(r"^## (\w+)$", text, re.M)) == set(vh.__all__)
