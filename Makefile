@@ -31,7 +31,7 @@ verify: $(READY)
 
 # The quick loop: under a minute on two cores.
 check: lint
-	pytest -n 2 --dist worksteal -m "not slow and not workflow" \
+	pytest -n 2 --dist worksteal -m "not slow and not long and not workflow" \
 	  --ignore tests/browser --ignore tests/numerics
 
 test: lint

@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[1]
 SMALLEST = {
     "attention": {"RESOLUTIONS": (64, 128)},
     "contourlet": {"ROUNDS": 1},
-    "looking": {},
+    "looking": {"MESHES": ROOT / "meshes/paper/bottle"},
     "precision": {"RAYS": 200, "TOUCHES": 2, "IMAGES": 8},
     "recognition": {"ROUNDS": 1, "PIPELINE_ROUNDS": 1},
     "sensor": {"ROUNDS": 1, "PROBES": 8},

@@ -19,7 +19,7 @@ from visuohaptic.tables.phases import IMPRINT_FEATURES
 STRATEGIES = (
     "fixation", "random", "random_visible", "random_walk", "farthest_point", "curvature", "human",
 )  # fmt: skip
-VIEWPOINTS = 2
+VIEWPOINTS = 1
 RAYS = 30_000
 SEEN = ("mask", "face", "point", "normal", "depth", "curvature", "lit", "colour")
 
