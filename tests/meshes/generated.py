@@ -9,6 +9,7 @@ import zipfile
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
@@ -131,39 +132,20 @@ def as_text_stl(points, faces):
     return "\n".join([*rows, "endsolid vertex of a solid", ""]).encode()
 
 
-def gltf_parts(points, faces):
-    data = np.asarray(points, "<f4").tobytes() + np.asarray(faces, "<u4").tobytes()
-    start = 12 * len(points)
-    document = {
-        "asset": {"version": "2.0"},
-        "buffers": [{"byteLength": len(data)}],
-        "bufferViews": [
-            {"buffer": 0, "byteOffset": 0, "byteLength": start},
-            {"buffer": 0, "byteOffset": start, "byteLength": len(data) - start},
-        ],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5125, "count": 3 * len(faces), "type": "SCALAR"},
-        ],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "nodes": [{"mesh": 0}],
-        "scenes": [{"nodes": [0]}],
-        "scene": 0,
-    }
-    return document, data
-
-
-def packed_glb(document, data):
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    data += bytes(-len(data) % 4)
-    body = struct.pack("<I4s", len(text), b"JSON") + text
-    body += struct.pack("<I4s", len(data), b"BIN\0") + data
-    return b"glTF" + struct.pack("<II", 2, 12 + len(body)) + body
+def as_gltf(points, faces, change=lambda document: None, kind="gltf"):
+    """Write a glTF of one buffer, within its text or as GLB, after a change of its document."""
+    mesh = trimesh.Trimesh(points, faces, process=False)
+    if kind == "glb":
+        return mesh.export(file_type="glb")
+    scene = trimesh.Scene(mesh)
+    files = trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True, embed_buffers=True)
+    document = json.loads(files["model.gltf"])
+    change(document)
+    return json.dumps(document).encode()
 
 
 def as_glb(points, faces):
-    return packed_glb(*gltf_parts(points, faces))
+    return as_gltf(points, faces, kind="glb")
 
 
 def packed(files, method=zipfile.ZIP_DEFLATED):

@@ -1,17 +1,18 @@
-"""Model files of every kind are read with their colours, and broken ones are named."""
+"""Model files of every kind are read with their colours, whatever they refer to stays in their folder."""
 
 import json
 
 import numpy as np
 import pytest
 import trimesh
-from meshes import generated
-from meshes.generated import BOARD, write_square
+from meshes.generated import BOARD, as_gltf, write_square
 from PIL import Image
 
 from visuohaptic.errors import MeshError
 from visuohaptic.meshes.in_memory import GREY
 from visuohaptic.meshes.model_files import read_model
+
+POINTS, FACES = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]
 
 
 @pytest.mark.parametrize("image", ["", "map_Kd gone.png\n", "map_Kd ../secret.png\n"])
@@ -25,45 +26,22 @@ def test_a_material_gives_its_diffuse_colour_where_its_image_is_not_there_or_out
     assert surface.texture is None
 
 
-def test_vertex_colours_are_averaged_over_the_corners(tmp_path):
-    mesh = trimesh.Trimesh(
-        [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
-        [[0, 1, 2]],
-        vertex_colors=[[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]],
-        process=False,
-    )
-    mesh.export(tmp_path / "a.ply")
-    np.testing.assert_array_equal(read_model(tmp_path / "a.ply").face_colours, [[85, 85, 85]])
-
-
-def test_a_file_without_colours_is_grey(tmp_path):
-    trimesh.creation.box().export(tmp_path / "a.stl")
-    assert (read_model(tmp_path / "a.stl").face_colours == GREY).all()
+def test_vertex_colours_are_averaged_over_the_corners_and_a_file_without_is_grey(tmp_path):
+    mesh = trimesh.Trimesh(POINTS, FACES, vertex_colors=255 * np.eye(3), process=False)
+    for suffix, colour in ((".ply", 85), (".stl", GREY)):
+        mesh.export(tmp_path / f"a{suffix}")
+        found = read_model(tmp_path / f"a{suffix}").face_colours
+        np.testing.assert_array_equal(found, np.broadcast_to(colour, (1, 3)))
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "sentence"),
-    [
-        ("a.obj", b"", "is empty"),
-        ("a.obj", b"v 0 0 0\nv 1 0 0\nv x y z\nf 1 2 3\n", "can't be read as OBJ"),
-        ("a.obj", b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", r"has vertices of shape \(3, 2\)"),
-        ("a.off", b"hello\n1 2\n", "first line is not OFF"),
-        ("a.stl", b"\x00" * 90, "has no faces|can't be read as STL"),
-        ("a.xyz", b"0 0 0", "ends in '.xyz'"),
-    ],
+    ("name", "sentence"),
+    [("empty.obj", "is empty"), ("a.xyz", "ends in '.xyz'"), ("none.obj", "No such file")],
 )
-def test_a_broken_file_is_named_with_the_reason(tmp_path, name, content, sentence):
-    path = tmp_path / name
-    path.write_bytes(content)
-    with pytest.raises(MeshError, match=sentence) as caught:
-        read_model(path)
-    assert str(path) in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-def test_a_file_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(MeshError, match=r"none\.obj can't be read: No such file"):
-        read_model(tmp_path / "none.obj")
+def test_a_file_that_is_no_model_is_named_with_the_reason(tmp_path, name, sentence):
+    (tmp_path / "empty.obj").touch()
+    with pytest.raises(MeshError, match=rf"{name} .*{sentence}"):
+        read_model(tmp_path / name)
 
 
 def test_a_file_above_the_limit_is_refused_before_it_is_read(tmp_path):
@@ -75,21 +53,32 @@ def test_a_file_above_the_limit_is_refused_before_it_is_read(tmp_path):
 @pytest.mark.parametrize(
     ("address", "says"),
     [
-        ("../secret.bin", "refers to '../secret.bin', which is outside its folder"),
-        ("/etc/passwd", "refers to '/etc/passwd', which is not there|outside its folder"),
-        ("http://localhost/a.bin", "'http://localhost/a.bin', which is outside its folder"),
-        ("gone.bin", "refers to 'gone.bin', which is not there"),
-        ("link.bin", "refers to 'link.bin', which is outside its folder"),
+        ("../secret.bin", "outside its folder"),
+        ("/etc/passwd", "not there|outside its folder"),
+        ("http://localhost/a.bin", "outside its folder"),
+        ("gone.bin", "not there"),
+        ("link.bin", "outside its folder"),
+        ("cut.bin", "truncated"),
     ],
 )
-def test_a_buffer_outside_the_folder_is_refused_in_the_users_terms(tmp_path, address, says):
+def test_a_buffer_that_is_cut_not_there_or_outside_the_folder_is_refused(tmp_path, address, says):
+    scene = trimesh.Scene(trimesh.Trimesh(POINTS, FACES))
+    data = trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True)["gltf_buffer.bin"]
     (tmp_path / "models").mkdir()
-    document, data = generated.gltf_parts([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    document["buffers"][0]["uri"] = address
-    path = tmp_path / "models" / "mug.gltf"
-    path.write_text(json.dumps(document))
     (tmp_path / "secret.bin").write_bytes(data)
-    (path.parent / "link.bin").symlink_to(tmp_path / "secret.bin")
+    (tmp_path / "models/link.bin").symlink_to(tmp_path / "secret.bin")
+    (tmp_path / "models/cut.bin").write_bytes(data[:-1])
+    (tmp_path / "models/whole.bin").write_bytes(data)
+    path = tmp_path / "models/mug.gltf"
+
+    def write(address):
+        document = json.loads(as_gltf(POINTS, FACES))
+        document["buffers"][0]["uri"] = address
+        path.write_text(json.dumps(document))
+
+    write("whole.bin")
+    assert len(read_model(path).faces) == 1
+    write(address)
     with pytest.raises(MeshError, match=says) as caught:
         read_model(path)
     assert "Resolver" not in str(caught.value)

@@ -1,4 +1,4 @@
-"""What a model's file claims to hold, checked against its size before it is parsed.
+"""Limits on what a model's file may hold or claim, and XML within them.
 
 A short file can ask a parser for any amount of time and memory: by a count in its header, by
 parts that stand for others, or by very many small parts. With the limits here, and
@@ -8,13 +8,9 @@ second a thousand parts.
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Iterator
 from typing import Any
 
 from visuohaptic.errors import MeshError
-from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 
 MOST_LINES = 20_000_000
 """Lines of a text format."""
@@ -25,125 +21,51 @@ MOST_PARTS = 5_000
 MOST_CORNERS = 60_000_000
 """Vertices and corners of faces, each part counted where it stands."""
 
-_MOST_BLANK_LINES = 100_000
-_MATERIAL = re.compile(rb"^usemtl[ \t]+(.*?)[ \t\r]*$", re.MULTILINE)
-_SOLID = re.compile(rb"^[ \t]*solid\b", re.MULTILINE)
-COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+MOST_XML_BYTES = 128 * 10**6
+"""XML of one model, unpacked; a tree of it takes some 30 bytes a byte."""
 
 
-def check_claims(data: bytes, name: str, kind: str) -> None:
-    """Refuse a file that claims more than it holds, or asks for more than is bounded.
-
-    `kind` is its format, such as ``obj``. Raises `MeshError`, which says what was claimed and what
-    is allowed.
-    """
-    match kind:
-        case "ply":
-            _check_ply(data, name)
-        case "off":
-            _check_lines(data, name)
-        case "obj":
-            _check_lines(data, name)
-            _check_parts(len(set(_MATERIAL.findall(data))), "materials", name)
-        case "stl":
-            _check_lines(data, name)
-            _check_parts(len(_SOLID.findall(data)), "solids", name)
-        case "glb" | "gltf":
-            _check_gltf(data, name, kind)
-
-
-def _check_ply(data: bytes, name: str) -> None:
-    try:
-        header = read_ply_header(data[:LONGEST])
-        check_ply_size(header, len(data))
-    except ValueError as error:
-        raise MeshError(f"{name} can't be read as PLY: {error}.") from None
-    if not header.ascii:
-        return
-    _check_lines(data, name)
-    lines = data.count(b"\n", header.length)
-    if lines > header.rows + _MOST_BLANK_LINES:
-        raise MeshError(
-            f"{name} can't be read as PLY: its header claims {header.rows} rows, and {lines} lines "
-            "follow."
-        )
-
-
-def _check_lines(data: bytes, name: str) -> None:
-    # A binary STL holds this byte where it likes, and no more than its size allows.
+def check_lines(data: bytes) -> None:
+    """Refuse, with the reason alone, a text of too many lines."""
     lines = data.count(b"\n")
     if lines > MOST_LINES:
-        raise MeshError(f"{name} has {lines} lines; {MOST_LINES} are allowed: save it as binary.")
+        raise MeshError(f"it has {lines} lines; {MOST_LINES} are allowed: save it as binary")
 
 
-def _check_parts(count: int, what: str, name: str) -> None:
-    if count > MOST_PARTS:
-        raise MeshError(f"{name} has {count} {what}; {MOST_PARTS} are allowed: join some of them.")
-
-
-def _check_gltf(data: bytes, name: str, kind: str) -> None:
-    if kind == "glb":
-        _check_glb_length(data, name)
-    try:
-        document = json.loads(gltf_json(data, kind))
-        nodes, corners = len(document.get("nodes", ())), sum(_corners(document))
-        parts = max(nodes, sum(len(mesh["primitives"]) for mesh in document.get("meshes", ())))
-        held = sum(_accessor_bytes(one) for one in document.get("accessors", ()))
-    # What is no glTF may fail anywhere here.
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
-        raise MeshError(f"{name} can't be read as {kind.upper()}: its JSON is no glTF.") from None
-    _check_parts(parts, "nodes or primitives", name)
+def check_parts(parts: int, what: str, corners: int = 0) -> None:
+    """Refuse, with the reason alone, too many parts, or of vertices and corners, each counted wherever it stands."""
+    if parts > MOST_PARTS:
+        raise MeshError(f"it has {parts} {what}; {MOST_PARTS} are allowed: join some of them")
     if corners > MOST_CORNERS:
         raise MeshError(
-            f"{name} shows {corners} vertices and corners, counted wherever a mesh stands; "
-            f"{MOST_CORNERS} are allowed."
+            f"it shows {corners} vertices and corners, counted wherever a part stands; {MOST_CORNERS} "
+            "are allowed"
         )
-    if held > 16 * len(data):
+
+
+def check_xml_size(unpacked: int) -> None:
+    """Refuse, with the reason alone, XML of more bytes than `MOST_XML_BYTES`."""
+    if unpacked > MOST_XML_BYTES:
         raise MeshError(
-            f"{name} can't be read as {kind.upper()}: it claims {held} bytes without data in a file "
-            f"of {len(data)} bytes."
+            f"it unpacks to {unpacked / 1e6:.0f} MB of XML, and {MOST_XML_BYTES / 1e6:.0f} are allowed; "
+            "export it as .glb"
         )
 
 
-def _check_glb_length(data: bytes, name: str) -> None:
-    promised = int.from_bytes(data[8:12], "little")
-    if data[:4] == b"glTF" and len(data) < promised:
-        raise MeshError(
-            f"{name} can't be read as GLB: it is truncated: its header promises {promised} bytes, and "
-            f"{len(data)} are there."
-        )
+def parse_xml(data: bytes) -> Any:
+    """Give the root of an XML document, an ``lxml`` element without comments; no text may be above 10 MB.
 
+    No entity is expanded, and nothing else is read: a document that declares a type, where entities
+    could stand, is refused.
+    """
+    from lxml import etree
 
-def gltf_json(data: bytes, kind: str) -> bytes:
-    """Give the JSON of a file of kind ``glb`` or ``gltf``; raises `ValueError` if it has none."""
-    if kind == "gltf":
-        return data
-    if len(data) < 20 or data[:4] != b"glTF" or data[16:20] != b"JSON":
-        raise ValueError(data[16:20])
-    return data[20 : 20 + int.from_bytes(data[12:16], "little")]
-
-
-def _corners(document: dict[str, Any]) -> Iterator[int]:
-    accessors = document.get("accessors", ())
-    meshes = [
-        sum(
-            int(accessors[place]["count"])
-            for primitive in mesh["primitives"]
-            for place in (*primitive["attributes"].values(), primitive.get("indices"))
-            if place is not None
-        )
-        for mesh in document.get("meshes", ())
-    ]
-    yield sum(meshes)
-    for node in document.get("nodes", ()):
-        if "mesh" in node:
-            yield meshes[node["mesh"]]
-
-
-def _accessor_bytes(accessor: dict[str, Any]) -> int:
-    """Give the bytes that stand for nothing in the file."""
-    if "bufferView" in accessor:
-        return 0
-    size = COMPONENTS[accessor["type"]] * COMPONENT_BYTES[accessor["componentType"]]
-    return int(accessor["count"]) * size
+    check_xml_size(len(data))
+    parser = etree.XMLParser(
+        resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False,
+        remove_comments=True, remove_pis=True,
+    )  # fmt: skip
+    root = etree.fromstring(data, parser)
+    if root.getroottree().docinfo.internalDTD is not None:
+        raise MeshError("it has a DOCTYPE, which could name other files; none is allowed")
+    return root

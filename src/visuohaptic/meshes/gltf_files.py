@@ -1,98 +1,87 @@
-"""glTF files, checked to hold what they promise, and how their images go on, which trimesh leaves out."""
+"""glTF files, checked for what trimesh reads as another surface, and how their images go on, which it leaves out."""
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Iterator
 from typing import Any
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.texture import CLAMP, MIRROR, REPEAT
-from visuohaptic.meshes.claims import COMPONENT_BYTES, COMPONENTS, gltf_json
+from visuohaptic.meshes.claims import check_parts
 
 _READ_EXTENSIONS = ("EXT_texture_webp", "KHR_lights_punctual")
 _MATERIALS = "KHR_materials_"  # the shine of a surface; its colour is read without them
 _NO_SURFACE = {0, 1, 2, 3}  # points and lines
-_FAN = 6
 _TRIANGLES = {4, 5}  # and strips
 _WRAPS = {10497: REPEAT, 33071: CLAMP, 33648: MIRROR}
 
 
-def check_gltf(data: bytes, kind: str, resolver: Any) -> None:
-    """Refuse a file that trimesh would read as another surface.
+def gltf_document(data: bytes, kind: str) -> dict[str, Any]:
+    """Give the JSON of a file of kind ``glb`` or ``gltf``; raises `ValueError` if it has none."""
+    if kind == "glb":
+        promised = int.from_bytes(data[8:12], "little")
+        if data[:4] != b"glTF" or data[16:20] != b"JSON":
+            raise MeshError("it does not begin as a GLB does")
+        if len(data) < promised:
+            raise MeshError(
+                f"it is truncated: its header promises {promised} bytes, and {len(data)} are there"
+            )
+        data = data[20 : 20 + int.from_bytes(data[12:16], "little")]
+    document: dict[str, Any] = json.loads(data)
+    return document
 
-    `kind` is ``glb`` or ``gltf``; `resolver` gives the buffers beside it. Raises `MeshError` with the
-    reason alone, if an extension is required that is not read, if a part is a fan of triangles, or
-    if buffers, views and accessors are shorter than what they promise.
+
+def check_gltf(document: dict[str, Any], size: int) -> None:
+    """Refuse a document, in a file of `size` bytes, that trimesh would read as another surface, or without end.
+
+    Buffers and views that are shorter than promised are refused by trimesh. Raises `MeshError` with
+    the reason alone, if an extension is required that is not read, if a part is a fan of triangles
+    or has no plain numbers, or for too many parts, corners, or rows without data.
     """
-    document = json.loads(gltf_json(data, kind))
-    _check_extensions(document)
-    for place, buffer in enumerate(document.get("buffers", ())):
-        held = _held_bytes(buffer, data, kind, resolver)
-        _check_length(f"buffer {place}", buffer["byteLength"], held)
-    for place, view in enumerate(document.get("bufferViews", ())):
-        end = view.get("byteOffset", 0) + view["byteLength"]
-        held = document["buffers"][view["buffer"]]["byteLength"]
-        _check_length(f"the buffer of view {place}", end, held)
-    for place in sorted(set(_used_accessors(document))):
-        _check_accessor(document, place)
-
-
-def _check_extensions(document: dict[str, Any]) -> None:
     for name in document.get("extensionsRequired", ()):
         if name not in _READ_EXTENSIONS and not name.startswith(_MATERIALS):
             raise MeshError(
                 f"it requires the extension {str(name)[:80]}, which is not read; export it without"
             )
+    accessors = document.get("accessors", [])
+    meshes = [
+        [_corners(accessors, part) for part in mesh["primitives"]]
+        for mesh in document.get("meshes", ())
+    ]
+    nodes = document.get("nodes", ())
+    shown = meshes + [meshes[node["mesh"]] for node in nodes if "mesh" in node]
+    parts = max(len(nodes), sum(map(len, meshes)))
+    check_parts(parts, "nodes or primitives", sum(map(sum, shown)))
+    empty = sum(one["count"] for one in accessors if "bufferView" not in one)
+    if empty > size:
+        raise MeshError(f"it claims {empty} rows without data in a file of {size} bytes")
+    for place in {*_surface_accessors(document)}:
+        if "bufferView" not in accessors[place] or "sparse" in accessors[place]:
+            raise MeshError(
+                f"accessor {place} is sparse or has no data; export it as plain numbers"
+            )
 
 
-def _held_bytes(buffer: dict[str, Any], data: bytes, kind: str, resolver: Any) -> int:
-    uri = buffer.get("uri")
-    if uri is None:
-        start = 20 + len(gltf_json(data, kind))
-        return 0 if kind == "gltf" else int.from_bytes(data[start : start + 4], "little")
-    if uri.startswith("data:"):
-        return len(base64.b64decode(uri.partition(",")[2]))
-    if resolver is None:
-        raise MeshError(f"it refers to {uri!r}, and nothing is beside it; export it as .glb")
-    return len(resolver.get(uri))
+def _corners(accessors: list[dict[str, Any]], part: dict[str, Any]) -> int:
+    places = [*part["attributes"].values(), part.get("indices")]
+    return sum(int(accessors[place]["count"]) for place in places if place is not None)
 
 
-def _check_length(what: str, promised: int, held: int) -> None:
-    if promised > held:
-        raise MeshError(
-            f"it is truncated: {what} is promised to have {promised} bytes, and {held} are there"
-        )
-
-
-def _used_accessors(document: dict[str, Any]) -> Iterator[int]:
+def _surface_accessors(document: dict[str, Any]) -> Iterator[int]:
     for mesh in document.get("meshes", ()):
         for part in mesh["primitives"]:
             mode = part.get("mode", 4)
             if mode in _NO_SURFACE:
                 continue
             if mode not in _TRIANGLES:
-                what = "a fan of triangles" if mode == _FAN else f"of mode {mode}"
-                raise MeshError(f"one of its parts is {what}; triangles or strips are needed")
+                raise MeshError(
+                    f"one of its parts is of mode {mode}, such as a fan of triangles; triangles or "
+                    "strips are needed"
+                )
             yield part["attributes"]["POSITION"]
             if "indices" in part:
                 yield part["indices"]
-
-
-def _check_accessor(document: dict[str, Any], place: int) -> None:
-    accessor = document["accessors"][place]
-    if "sparse" in accessor:
-        raise MeshError(
-            f"accessor {place} is sparse, which is not read; export it as plain numbers"
-        )
-    if "bufferView" not in accessor:
-        raise MeshError(f"accessor {place} promises {accessor['count']} rows and has no data")
-    view = document["bufferViews"][accessor["bufferView"]]
-    row = COMPONENTS[accessor["type"]] * COMPONENT_BYTES[accessor["componentType"]]
-    stride = view.get("byteStride", row)
-    end = accessor.get("byteOffset", 0) + stride * (accessor["count"] - 1) + row
-    _check_length(f"the view of accessor {place}", end, view["byteLength"])
 
 
 def add_wraps(scene: Any, document: dict[str, Any]) -> None:

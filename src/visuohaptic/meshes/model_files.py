@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import codecs
 import io
-import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 from zipfile import ZipFile
@@ -14,17 +11,18 @@ from zipfile import ZipFile
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
-from visuohaptic.meshes.claims import check_claims, gltf_json
 from visuohaptic.meshes.collada import checked_collada
-from visuohaptic.meshes.gltf_files import add_wraps, check_gltf
-from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
+from visuohaptic.meshes.gltf_files import add_wraps, check_gltf, gltf_document
+from visuohaptic.meshes.in_memory import surface_of_trimesh
 from visuohaptic.meshes.obj_files import checked_obj
-from visuohaptic.meshes.off_files import checked_off
+from visuohaptic.meshes.off_files import read_off
 from visuohaptic.meshes.ply_files import checked_ply
 from visuohaptic.meshes.stl_files import checked_stl
 from visuohaptic.meshes.three_mf import read_3mf
 
 _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae")
+# What trimesh reads as it is meant once these have checked it.
+_CHECKED = {"obj": checked_obj, "ply": checked_ply, "stl": checked_stl, "dae": checked_collada}
 _LARGEST_TEXTURE_BYTES = 50 * 10**6
 
 
@@ -110,58 +108,31 @@ def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> byte
 
 def _surface(data: bytes, name: str, suffix: str, resolver: Any) -> Surface:
     kind = suffix[1:].lower()
-    if kind == "3mf":
-        return _surface_of_3mf(data, name)
     if kind in _TEXT_KINDS:
         data = data.removeprefix(codecs.BOM_UTF8)
-    check_claims(data, name, kind)
-    with _reading(name, kind):
-        data = _checked(data, kind, resolver)
-    return surface_of_trimesh(_load_scene(data, name, kind, resolver), name)
+    # A parser fed with a broken file may fail in any way.
+    try:
+        found = _read(data, kind, resolver)
+    except Exception as error:
+        reason = " ".join(str(error).split())[:200].rstrip(".!") or "it is broken or truncated"
+        raise MeshError(f"{name} can't be read as {kind.upper()}: {reason}.") from error
+    return surface_of_trimesh(found, name)
 
 
-def _checked(data: bytes, kind: str, resolver: Any) -> bytes:
-    """Give what trimesh reads as it is meant; raises `MeshError` with the reason alone."""
-    match kind:
-        case "obj":
-            return checked_obj(data)
-        case "off":
-            return checked_off(data)
-        case "ply":
-            return checked_ply(data)
-        case "stl":
-            return checked_stl(data)
-        case "dae":
-            return checked_collada(data)
-    check_gltf(data, kind, resolver)
-    return data
-
-
-def _surface_of_3mf(data: bytes, name: str) -> Surface:
-    with _reading(name, "3mf"):
-        vertices, faces = read_3mf(data)
-    if not len(faces):
-        raise MeshError(f"{name} has no faces; a surface of triangles is needed.")
-    return surface_of_arrays(vertices, faces, name)
-
-
-def _load_scene(data: bytes, name: str, kind: str, resolver: Any) -> Any:
+def _read(data: bytes, kind: str, resolver: Any) -> Any:
+    """Give a ``trimesh.Scene`` or ``trimesh.Trimesh`` as the file means it; errors give the reason alone."""
     import trimesh
 
-    with _reading(name, kind):
-        scene = trimesh.load_scene(
-            io.BytesIO(data), file_type=kind, resolver=resolver, process=False
-        )
-        if kind in {"glb", "gltf"}:
-            add_wraps(scene, json.loads(gltf_json(data, kind)))
-        return scene
-
-
-@contextmanager
-def _reading(name: str, kind: str) -> Iterator[None]:
-    """Name the file in all that goes wrong: a parser fed with a broken one may fail in any way."""
-    try:
-        yield
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200].rstrip(".!") or type(error).__name__
-        raise MeshError(f"{name} can't be read as {kind.upper()}: {reason}.") from error
+    if kind == "off":
+        return read_off(data)
+    if kind == "3mf":
+        return trimesh.Trimesh(*read_3mf(data), process=False)
+    if kind in _CHECKED:
+        data = _CHECKED[kind](data)
+    else:
+        document = gltf_document(data, kind)
+        check_gltf(document, len(data))
+    scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=resolver, process=False)
+    if kind not in _CHECKED:
+        add_wraps(scene, document)
+    return scene

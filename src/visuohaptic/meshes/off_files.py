@@ -1,23 +1,28 @@
-"""OFF files, checked against their header and their concave polygons cut, for trimesh's reader."""
+"""OFF files, checked against their header and their concave polygons cut."""
 
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 
 from visuohaptic.errors import MeshError
+from visuohaptic.meshes.claims import check_lines
 from visuohaptic.meshes.polygons import check_corners, cuts, fan
 
 _FIRST_LINE = re.compile(rb"(?:ST)?C?N?OFF\b(.*)", re.IGNORECASE)
 
 
-def checked_off(data: bytes) -> bytes:
-    """Give the file, or an equal one whose concave polygons are triangles.
+def read_off(data: bytes) -> Any:
+    """Give the ``trimesh.Trimesh`` of a file, polygons cut into triangles, without colours.
 
     Raises `MeshError` with the reason alone, if rows are other than the header promises or a face
     names no vertex; `ValueError` where a number is none.
     """
+    import trimesh
+
+    check_lines(data)
     lines = [line for raw in data.splitlines() if (line := raw.partition(b"#")[0].strip())]
     vertices, faces, rows = _promised(lines)
     if len(rows) != vertices + faces:
@@ -26,25 +31,20 @@ def checked_off(data: bytes) -> bytes:
             f"{what}: its header promises {vertices} vertices and {faces} faces, one a line, and "
             f"{len(rows)} lines follow"
         )
+    points = np.array([[*map(float, row.split()[:3])] for row in rows[:vertices]])
     polygons = [_corners_of(row, place) for place, row in enumerate(rows[vertices:])]
     counts = np.array([len(polygon) for polygon in polygons], dtype=np.int64)
-    corners = np.array([corner for polygon in polygons for corner in polygon], dtype=np.int64)
+    corners = np.concatenate([np.empty(0, np.int64), *polygons])
     check_corners(corners, vertices)
-    if counts.max(initial=0) <= 3:
-        return data
-    points = np.array([[*map(float, row.split()[:3])] for row in rows[:vertices]])
-    cut = cuts(points, corners, counts)
-    # trimesh's reader stops at a polygon of more than four corners.
-    if not cut and counts.max() == 4:
-        return data
-    cut = {place: fan(len(polygons[place])) for place in map(int, np.flatnonzero(counts > 4))} | cut
-    written = [
-        b"%d %s" % (len(triangle), b" ".join(b"%d" % polygon[corner] for corner in triangle))
+    cut = {place: fan(len(polygons[place])) for place in np.flatnonzero(counts > 4).tolist()}
+    cut |= cuts(points, corners, counts)
+    pieces = [
+        polygon[triangle]
         for place, polygon in enumerate(polygons)
-        for triangle in cut.get(place, [range(len(polygon))])
+        for triangle in cut.get(place, [slice(None)])
     ]
-    head = b"OFF\n%d %d 0" % (vertices, len(written))
-    return b"\n".join([head, *rows[:vertices], *written, b""])
+    triangles = trimesh.geometry.triangulate_quads(pieces)
+    return trimesh.Trimesh(points, triangles, process=False)
 
 
 def _promised(lines: list[bytes]) -> tuple[int, int, list[bytes]]:
@@ -59,11 +59,11 @@ def _promised(lines: list[bytes]) -> tuple[int, int, list[bytes]]:
     return int(counts[0]), int(counts[1]), lines[start:]
 
 
-def _corners_of(row: bytes, place: int) -> list[int]:
+def _corners_of(row: bytes, place: int) -> Any:
     count, *numbers = row.split()
     if not count.isdigit() or int(count) > len(numbers):
         raise MeshError(
             f"face {place} promises {count[:20].decode('latin-1')} corners, and {len(numbers)} "
             "numbers follow"
         )
-    return [int(number) for number in numbers[: int(count)]]
+    return np.array([int(number) for number in numbers[: int(count)]], dtype=np.int64)

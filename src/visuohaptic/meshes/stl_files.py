@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import codecs
 import re
-import struct
 from collections import Counter
 
 from visuohaptic.errors import MeshError
+from visuohaptic.meshes.claims import check_lines, check_parts
 
 _HEADER_BYTES = 84
 _FACE_BYTES = 50
@@ -23,38 +23,25 @@ def checked_stl(data: bytes) -> bytes:
     Raises `MeshError` with the reason alone, if it holds other than it promises: a binary file by the
     count of its header, a text by the ends of its solids and faces.
     """
-    promised = _promised(data)
-    if promised is not None and len(data) == _HEADER_BYTES + _FACE_BYTES * promised:
+    promised = int.from_bytes(data[_HEADER_BYTES - 4 : _HEADER_BYTES], "little")
+    size = _HEADER_BYTES + _FACE_BYTES * promised
+    if len(data) == size:
         return data
     data = data.removeprefix(codecs.BOM_UTF8)
     words = Counter(word.lower() for word in _WORD.findall(data))
-    if words[b"solid"] and words[b"facet"]:
-        _check_text(words)
-        # trimesh looks for words such as "vertex" in names too.
-        return _NAME.sub(rb"\1", data)
-    if promised is None:
-        raise MeshError(
-            f"it is truncated: a header of {_HEADER_BYTES} bytes is needed, and {len(data)} bytes "
-            "are there"
-        )
-    size = _HEADER_BYTES + _FACE_BYTES * promised
-    what = "it is truncated" if len(data) < size else "it holds too much"
-    raise MeshError(
-        f"{what}: its header promises {promised} faces, hence {size} bytes, and {len(data)} are there"
-    )
-
-
-def _promised(data: bytes) -> int | None:
-    if len(data) < _HEADER_BYTES:
-        return None
-    return int(struct.unpack("<I", data[_HEADER_BYTES - 4 : _HEADER_BYTES])[0])
-
-
-def _check_text(words: Counter[bytes]) -> None:
     solids, faces, corners = words[b"solid"], words[b"facet"], words[b"vertex"]
+    if not (solids and faces):
+        what = "it is truncated" if len(data) < size else "it holds too much"
+        raise MeshError(
+            f"{what}: its header promises {promised} faces, hence {size} bytes, and {len(data)} are there"
+        )
+    check_lines(data)
+    check_parts(solids, "solids")
     ends, closed = words[b"endsolid"], words[b"endfacet"]
     if (ends, closed, corners) != (solids, faces, 3 * faces):
         raise MeshError(
             f"it is truncated: {solids} solids, {faces} faces and so {3 * faces} corners are promised, "
             f"and {ends} ends of solids, {closed} of faces and {corners} corners are there"
         )
+    # trimesh looks for words such as "vertex" in names too.
+    return _NAME.sub(rb"\1", data)
