@@ -74,6 +74,11 @@ class Surface:
         return 0.5 * np.linalg.norm(self.face_crosses, axis=1)
 
     @cached_property
+    def centroid(self) -> Floats:
+        """Mean of the surface's points, shape (3,)."""
+        return np.average(self.triangles.mean(axis=1), axis=0, weights=self.face_areas)
+
+    @cached_property
     def face_normals(self) -> Floats:
         """Unit normal of each face by its winding, shape (f, 3); zero for a face without area."""
         crosses = self.face_crosses

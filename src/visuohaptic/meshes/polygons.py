@@ -6,8 +6,6 @@ covers more than the polygon, a file's reader puts the triangles of `cuts` in it
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from visuohaptic.errors import MeshError
@@ -27,10 +25,9 @@ def cuts(points: Floats, corners: Integers, counts: Integers) -> dict[int, Integ
     projection. One without an area vector, or that crosses itself so that ear clipping comes no
     nearer to its area, stays a fan.
 
-    `corners` (c,), int64, are rows of the points (v, 3), polygon after polygon, and `counts` (p,)
-    how many each has. Gives by the number of each polygon that needs it triangles (t, 3), int64:
-    places among its own corners, in its own winding. Raises `MeshError`, with the reason alone, if
-    such a polygon has more than `MOST_CORNERS_CUT` corners.
+    `corners` (c,) are rows of the points (v, 3), polygon after polygon, and `counts` (p,) how many each
+    has. Gives by the number of each polygon that needs it triangles (t, 3): places among its own
+    corners, in its own winding.
     """
     starts = np.cumsum(counts) - counts
     found: dict[int, Integers] = {}
@@ -72,36 +69,9 @@ def _cut_block(polygons: Floats) -> dict[int, Integers]:
         bad = np.flatnonzero(covered - areas > _AREA_TOLERANCE * areas)
     if not len(bad):
         return {}
-    return {
-        int(bad[place]): triangles
-        for place, triangles in _ear_clipped(_projected(polygons[bad], normals[bad]))
-    }
-
-
-def _ear_clipped(flats: Floats) -> Iterator[tuple[int, Integers]]:
-    """Give the triangles of each polygon of (p, n, 2) that they cover better than its fan does."""
-    from mapbox_earcut import triangulate_float64
-
-    count = flats.shape[1]
-    if count > MOST_CORNERS_CUT:
-        raise MeshError(
-            f"a polygon that is not convex has {count} corners; {MOST_CORNERS_CUT} are allowed: cut it "
-            "into triangles when exporting"
-        )
-    ring = np.array([count], dtype=np.uint32)
-    cut = [triangulate_float64(flat, ring).reshape(-1, 3) for flat in flats]
-    owners = np.repeat(np.arange(len(flats)), [len(triangles) for triangles in cut])
-    triangles = np.concatenate(cut).astype(np.int64)
-    first, second, third = flats[owners[:, None], triangles].transpose(1, 0, 2)
-    signed = _cross(second - first, third - first)
-    triangles[signed < 0] = triangles[signed < 0][:, ::-1]
-    covered = np.bincount(owners, np.abs(signed), minlength=len(flats))
-    fanned = _cross(flats[:, 1:-1], flats[:, 2:])
-    areas = fanned.sum(axis=1)
-    better = np.abs(covered - areas) < np.abs(fanned).sum(axis=1) - areas
-    ends = np.cumsum([len(one) for one in cut])
-    for place in np.flatnonzero(better):
-        yield int(place), triangles[ends[place] - len(cut[place]) : ends[place]]
+    projected = _projected(polygons[bad], normals[bad])
+    found = {int(place): _ear_clipped(flat) for place, flat in zip(bad, projected, strict=True)}
+    return {place: triangles for place, triangles in found.items() if triangles is not None}
 
 
 def _projected(polygons: Floats, normals: Floats) -> Floats:
@@ -113,6 +83,25 @@ def _projected(polygons: Floats, normals: Floats) -> Floats:
     backwards = np.take_along_axis(normals, axes[:, None], axis=1)[:, 0] < 0
     others[backwards] = others[backwards][:, ::-1]
     return np.ascontiguousarray(np.take_along_axis(flat, others[:, None], axis=2))
+
+
+def _ear_clipped(flat: Floats) -> Integers | None:
+    """Give triangles, if they cover a polygon (n, 2), whose first corner is 0, better than its fan does."""
+    from mapbox_earcut import triangulate_float64
+
+    if len(flat) > MOST_CORNERS_CUT:
+        raise MeshError(
+            f"a polygon that is not convex has {len(flat)} corners; {MOST_CORNERS_CUT} are allowed: cut "
+            "it into triangles when exporting"
+        )
+    found = triangulate_float64(flat, np.array([len(flat)], dtype=np.uint32))
+    triangles = found.reshape(-1, 3).astype(np.int64)
+    first, second, third = flat[triangles].transpose(1, 0, 2)
+    signed = _cross(second - first, third - first)
+    triangles[signed < 0] = triangles[signed < 0][:, ::-1]
+    fanned = _cross(flat[1:-1], flat[2:])
+    excess = np.abs(fanned).sum() - fanned.sum()
+    return triangles if np.abs(np.abs(signed).sum() - fanned.sum()) < excess else None
 
 
 def _cross(first: Floats, second: Floats) -> Floats:

@@ -9,7 +9,7 @@ import numpy as np
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
-from visuohaptic.geometry.surface import Surface, read_surface
+from visuohaptic.geometry.surface import Surface, as_stored, read_surface
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.model_files import read_model
@@ -30,7 +30,7 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
 def place_object(
     model: Model, path: str | Path, parameters: MeshParameters
 ) -> tuple[Surface, Floats]:
-    """Do the same, and give what `place` gives."""
+    """Do the same, and give the way as `place` does."""
     if str(path).endswith(".ply.gz"):
         surface = read_surface(path, parameters.largest_megabytes)
         rotation = np.eye(3) if model.rotation is None else np.reshape(model.rotation, (3, 3))
@@ -88,11 +88,9 @@ def place(
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = 1e-6,
 ) -> tuple[Surface, Floats]:
-    """Do as `normalise` does, and give the way there.
+    """Do as `normalise` does, and give the matrix (4, 4) that takes points of the given frame there.
 
-    That is a matrix (4, 4) that takes a point (x, y, z, 1) of the given frame into the object
-    frame, to the rounding of vertices; it is not finite where coordinates are so small or large
-    that no number is its scale.
+    It holds to the rounding of vertices, and is not finite where no number is its scale.
     """
     _check_finite(surface, name)
     used = surface.vertices[np.unique(surface.faces)]
@@ -100,22 +98,19 @@ def place(
     way = _moved(-centre, half_extent)
     if rotation is not None:
         vertices = np.einsum("nd,kd->nk", vertices, rotation)
-        way = _joined(_turned(rotation), way)
+        turned = np.eye(4)
+        turned[:3, :3] = rotation
+        way = _joined(turned, way)
     if dimensions is not None:
         factor = _stretching(vertices, surface.faces, np.asarray(dimensions))
         vertices = vertices * factor
         way = _joined(np.diag([*factor, 1.0]), way)
-    vertices, centre, radius = _unit_size(vertices, surface.faces, name)
-    way = _joined(_moved(-centre, radius), way)
-    cleaned = clean(replace(surface, vertices=vertices), merge_tolerance)
-    vertices, centre, radius = _unit_size(cleaned.vertices, cleaned.faces, name)
-    way = _joined(_moved(-centre, radius), way)
-    single = vertices.astype(np.float32)
-    rounded = replace(cleaned, vertices=single.astype(np.float64))
+    scaled, step = _unit_size(replace(surface, vertices=vertices), name)
+    cleaned, last = _unit_size(clean(scaled, merge_tolerance), name)
+    rounded = as_stored(cleaned)
     ready = _kept(rounded, rounded.face_areas > 0)
-    if not len(ready.faces):
-        raise MeshError(f"{name} has no area; a surface with at least one triangle is needed.")
-    return ready, way
+    _check_area(ready, name)
+    return ready, _joined(last, _joined(step, way))
 
 
 def _moved(shift: Floats, length: float) -> Floats:
@@ -130,12 +125,6 @@ def _moved(shift: Floats, length: float) -> Floats:
 def _joined(then: Floats, first: Floats) -> Floats:
     with np.errstate(over="ignore", invalid="ignore"):
         return product(then, first)
-
-
-def _turned(rotation: Floats) -> Floats:
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation
-    return matrix
 
 
 def clean(surface: Surface, merge_tolerance: float) -> Surface:
@@ -200,14 +189,15 @@ def _stretching(vertices: Floats, faces: Integers, dimensions: Floats) -> Floats
     return np.divide(dimensions, extent, out=np.ones(3), where=extent > 0)
 
 
-def _unit_size(vertices: Floats, faces: Integers, name: str) -> tuple[Floats, Floats, float]:
-    """Give vertices about the centroid within the unit ball, the centroid, and the radius."""
-    triangles = vertices[faces]
-    crosses = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    areas = np.linalg.norm(crosses, axis=1)
-    if not areas.sum() > 0:
+def _unit_size(surface: Surface, name: str) -> tuple[Surface, Floats]:
+    """Give a surface about its centroid within the unit ball, and the matrix (4, 4) of the way there."""
+    _check_area(surface, name)
+    centre = surface.centroid
+    centred = surface.vertices - centre
+    radius = np.linalg.norm(centred[np.unique(surface.faces)], axis=1).max()
+    return replace(surface, vertices=centred / radius), _moved(-centre, float(radius))
+
+
+def _check_area(surface: Surface, name: str) -> None:
+    if not surface.face_areas.sum() > 0:
         raise MeshError(f"{name} has no area; a surface with at least one triangle is needed.")
-    centre = np.average(triangles.mean(axis=1), axis=0, weights=areas)
-    centred = vertices - centre
-    radius = np.linalg.norm(centred[np.unique(faces)], axis=1).max()
-    return centred / radius, centre, float(radius)

@@ -21,8 +21,7 @@ def steadiest_axis(surface: Surface, rotations: Mapping[str, Floats]) -> str:
     """
     if not surface.face_areas.sum() > 0:
         return next(iter(rotations))  # nothing to stand; an error about the surface says more
-    centre = np.average(surface.triangles.mean(axis=1), axis=0, weights=surface.face_areas)
-    offsets = surface.vertices[np.unique(surface.faces)] - centre
+    offsets = surface.vertices[np.unique(surface.faces)] - surface.centroid
     angles = {
         axis: tipping_angle(np.einsum("nd,kd->nk", offsets, rotation))
         for axis, rotation in rotations.items()
