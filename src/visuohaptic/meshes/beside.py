@@ -15,7 +15,7 @@ LARGEST_BYTES = 50 * 10**6
 
 
 class BesideResolver(Resolver):  # type: ignore[misc]
-    """Give trimesh the files that a model refers to, from the model's own folder alone."""
+    """Gives trimesh the files that a model refers to, from the model's own folder alone."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()

@@ -55,12 +55,10 @@ class Credit:
 
 @dataclass(frozen=True)
 class Model:
-    """One object of the experiment and where its model comes from.
+    """One object of the experiment: file `member`, of a hash, in archive `library`; an own file has neither.
 
-    `library` is an archive within the package, `member` a file in it and `sha256` the member's
-    hash; these are empty, and `credit` is None, for a user's own file. `dimensions` are width,
-    height and depth in cm (x, y and z after `rotation`); None keeps the file's own. `rotation` are
-    nine numbers, row by row, that turn the model upright; None for an upright one.
+    `dimensions` are width, height and depth in cm (x, y and z after `rotation`); None keeps the
+    file's own. `rotation` are nine numbers, row by row, that turn the model upright.
     """
 
     category: str
@@ -79,10 +77,7 @@ class Model:
 
 
 def read_catalogue(path: str | Path) -> list[Model]:
-    """Read all models of the catalogue, a CSV file; `rotation` and `source_url` may be empty.
-
-    Raises `CatalogueError` if a column is missing, or a row holds something that is not allowed.
-    """
+    """Read all models of the catalogue, a CSV file; `rotation` and `source_url` may be empty."""
     return [model for _, model in _catalogue_rows(Path(path))]
 
 
@@ -94,39 +89,32 @@ def models_of_set(path: str | Path, object_set: ObjectSet) -> list[Model]:
 
 
 def read_credits(paths: Iterable[str | Path]) -> dict[str, Credit]:
-    """Read the credits of objects, by `class/name`, from CSV files; later ones add to earlier ones.
-
-    The columns are class, object, author, licence and source_url. A file that is not there is passed over.
-    """
+    """Read the credits of objects, by `class/name`, from those CSV files that are there."""
     found: dict[str, Credit] = {}
     for path in map(Path, paths):
         if path.is_file():
             with path.open(newline="", encoding="utf-8") as stream:
-                found |= {
-                    Model(row["class"], row["object"]).key: Credit(
-                        row["author"], row["licence"], row["source_url"]
-                    )
-                    for row in csv.DictReader(stream)
-                }
+                for row in csv.DictReader(stream):
+                    found[f"{row['class']}/{row['object']}"] = _credit(row)
     return found
+
+
+def _credit(row: Mapping[str, str]) -> Credit:
+    return Credit(row["author"], row["licence"], row["source_url"])
 
 
 @dataclass(frozen=True)
 class OwnModels:
-    """The user's own models with their files, sorted by class and name, and what can't take part.
-
-    For each file that is `set_aside` a sentence names it and says what to do.
-    """
+    """The user's own models with their files, and, for each file that can't take part, what to do."""
 
     models: dict[Model, Path]
     set_aside: dict[Path, str]
 
 
 def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> OwnModels:
-    """Find the user's own models, ``<class>/<name>.<suffix>``, but those whose keys are taken.
+    """Find the user's own models, ``<class>/<name>.<suffix>``, sorted, but those whose keys are taken.
 
-    Hidden files, textures, materials and texts are left alone; every other file that is no such
-    model is set aside.
+    Hidden files, textures, materials and texts are left alone; any other file is set aside.
     """
     folder = Path(folder)
     models: dict[Model, Path] = {}
@@ -217,25 +205,21 @@ def check_classes(keys: Iterable[str]) -> None:
 
 
 def companions(models: Iterable[str | Path]) -> dict[Path, list[Path]]:
-    """List for each model the files beside it and below that it may refer to.
+    """List for each model the files beside it and below that `BesideResolver` gives it."""
+    found: dict[Path, list[Path]] = {}
+    in_folder: dict[Path, list[Path]] = {}
+    for file in map(Path, models):
+        found[file] = []
+        if file.suffix.lower() in _WITH_COMPANIONS:
+            if file.parent not in in_folder:
+                inside = sorted(file.parent.rglob("*"))
+                in_folder[file.parent] = [one for one in inside if _is_companion(one)]
+            found[file] = in_folder[file.parent]
+    return found
 
-    `BesideResolver` gives no others.
-    """
-    files = [Path(model) for model in models]
-    folders = {file.parent for file in files if file.suffix.lower() in _WITH_COMPANIONS}
-    found = {folder: _companions_in(folder) for folder in folders}
-    return {
-        file: found[file.parent] if file.suffix.lower() in _WITH_COMPANIONS else []
-        for file in files
-    }
 
-
-def _companions_in(folder: Path) -> list[Path]:
-    return sorted(
-        file
-        for file in folder.rglob("*")
-        if file.suffix.lower() in COMPANION_SUFFIXES and file.is_file()
-    )
+def _is_companion(file: Path) -> bool:
+    return file.suffix.lower() in COMPANION_SUFFIXES and file.is_file()
 
 
 def check_name(name: str, source: str | Path) -> None:
@@ -278,5 +262,5 @@ def _parse_row(row: dict[str, str], path: Path) -> tuple[str, Model]:
         sha256=row["obj_sha256"],
         dimensions=dimensions,
         rotation=rotation or None,
-        credit=Credit(row["author"], row["licence"], row["source_url"]),
+        credit=_credit(row),
     )

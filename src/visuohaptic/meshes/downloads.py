@@ -17,14 +17,15 @@ import subprocess
 import sys
 import tarfile
 import zipfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import astuple
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from visuohaptic.errors import DownloadError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.meshes.catalogue import Model
-from visuohaptic.meshes.model_files import surface_from_stream
+from visuohaptic.meshes.model_files import surface_from_archive
 from visuohaptic.whole_files import whole_file
 
 if TYPE_CHECKING:
@@ -45,10 +46,7 @@ _LARGEST_MEMBER_BYTES = 100 * 10**6
 def fetch_models(
     models: Sequence[Model], folder: str | Path, cache: str | Path, jobs: int = 1
 ) -> None:
-    """Download models and write each as `<folder>/<class>/<name>.ply.gz`.
-
-    What has come stays, in the cache and in the folder, also when the download breaks off; a second
-    call downloads what is missing. `jobs` models are packed at once.
+    """Download models that are missing and write each as `<folder>/<class>/<name>.ply.gz`, `jobs` at once.
 
     Raises `DownloadError` if an archive can't be had or a model is not the one that is pinned.
     """
@@ -66,10 +64,7 @@ def fetch_models(
 
 
 def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Path]:
-    """Bring furniture libraries, such as ``Scopia.sh3f``, into a cache folder, and give their files.
-
-    Those that are there already are not asked for. Raises `DownloadError` if one can't be had.
-    """
+    """Bring furniture libraries, such as ``Scopia.sh3f``, into a cache folder, unless they are there."""
     cache = Path(cache)
     cache.mkdir(parents=True, exist_ok=True)
     paths = {library: cache / Path(library).name for library in libraries}
@@ -90,11 +85,7 @@ def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Pa
 
 
 def download(address: str, path: Path, sha256: str | None = None) -> Path:
-    """Download a file unless it is there already; it appears only when whole and of the given hash.
-
-    Raises `DownloadError` if the server can't be reached or refuses, the file is too large, or the
-    hash is another; nothing of it is kept then.
-    """
+    """Download a file unless it is there already; it appears only when whole and of the given hash."""
     import pooch
     import requests
 
@@ -132,22 +123,25 @@ class _BoundedFile(io.FileIO):
         return super().write(data)
 
 
-def extract_libraries(package: Path, libraries: dict[str, Path]) -> None:
-    """Copy furniture libraries out of a ``.deb``, each in one step.
+def extract_libraries(package: Path, libraries: Mapping[str, Path]) -> None:
+    """Copy furniture libraries out of a ``.deb`` by dpkg, which is where apt is, each in one step.
 
     Raises `DownloadError` if the package is not one, or lacks a library.
     """
     wanted = {f"./{LIBRARY_FOLDER}/{library}": path for library, path in libraries.items()}
+    command = ["dpkg-deb", "--fsys-tarfile", str(package)]
     try:
-        with tarfile.open(fileobj=io.BytesIO(_debian_data(package)), mode="r:*") as data:
+        with (
+            subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as dpkg,  # noqa: S603 - a fixed command
+            tarfile.open(fileobj=dpkg.stdout, mode="r|") as data,
+        ):
             for member in data:
-                stream = (
-                    data.extractfile(member) if member.isreg() and member.name in wanted else None
-                )
-                if stream is not None and member.size <= _LARGEST_ARCHIVE_BYTES:
-                    with whole_file(wanted.pop(member.name)) as unpacked:
-                        unpacked.write_bytes(stream.read())
-    except (tarfile.TarError, OSError, EOFError) as error:
+                if member.isreg() and member.name in wanted:
+                    stream = data.extractfile(member)
+                    if stream is not None and member.size <= _LARGEST_ARCHIVE_BYTES:
+                        with whole_file(wanted.pop(member.name)) as unpacked:
+                            unpacked.write_bytes(stream.read())
+    except (tarfile.TarError, OSError) as error:
         raise DownloadError(
             f"{package} can't be unpacked: {error}; delete it and run again."
         ) from error
@@ -158,11 +152,7 @@ def extract_libraries(package: Path, libraries: dict[str, Path]) -> None:
 
 
 def pack_model(model: Model, library: Path, folder: Path) -> Path:
-    """Read one model from its library, check it, and write it as a coloured surface.
-
-    Raises `DownloadError` if the member is not there or not the pinned one, `MeshError` if it is no
-    mesh.
-    """
+    """Read one model from its library, check it, and write it as a coloured surface, in one step."""
     data = read_member(library, model.member, _LARGEST_MEMBER_BYTES)
     found = hashlib.sha256(data).hexdigest()
     if found != model.sha256:
@@ -170,9 +160,8 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
             f"{library}: {model.member} has the SHA-256 {found}; {model.sha256} is pinned."
         )
     with zipfile.ZipFile(library) as archive:
-        surface = surface_from_stream(io.BytesIO(data), model.member, archive)
+        surface = surface_from_archive(data, model.member, archive)
     path = folder / f"{model.key}.ply.gz"
-    path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}")
     write_surface(surface, part)
     part.replace(path)
@@ -180,10 +169,7 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
 
 
 def read_member(archive: Path, member: str, largest_bytes: int) -> bytes:
-    """Read one member of a zip archive into memory.
-
-    Raises `DownloadError` if the archive is none, lacks the member, or it is too large.
-    """
+    """Read one member of a zip archive into memory; `DownloadError` if it is not there or too large."""
     try:
         with zipfile.ZipFile(archive) as opened:
             if opened.getinfo(member).file_size > largest_bytes:
@@ -206,10 +192,7 @@ def write_credits(models: Iterable[Model], path: str | Path) -> None:
         writer.writerow(("class", "object", "author", "licence", "source_url"))
         for model in models:
             if model.credit is not None:
-                credit = model.credit
-                writer.writerow(
-                    (model.category, model.name, credit.author, credit.licence, credit.source_url)
-                )
+                writer.writerow((model.category, model.name, *astuple(model.credit)))
 
 
 def _debian_address() -> str | None:
@@ -225,16 +208,3 @@ def _debian_address() -> str | None:
     )
     address = re.search(r"^'(https?://[^']+)'.*SHA256:(\w+)", answer.stdout, re.MULTILINE)
     return address[1] if address and address[2] == DEBIAN_SHA256 else None
-
-
-def _debian_data(package: Path) -> bytes:
-    """Give the data archive of a ``.deb``: an ar archive, whose headers are 60 bytes each."""
-    with package.open("rb") as stream:
-        if stream.read(8) != b"!<arch>\n":
-            raise DownloadError(f"{package} is no Debian package; delete it and run again.")
-        while len(header := stream.read(60)) == 60:
-            name, size = header[:16].strip(), int(header[48:58])
-            if name.startswith(b"data.tar"):
-                return stream.read(size)
-            stream.seek(size + size % 2, io.SEEK_CUR)
-    raise DownloadError(f"{package} has no data; delete it and run again.")

@@ -18,10 +18,7 @@ def make_meshes(
     folder: str | Path,
     parameters: MeshParameters,
 ) -> None:
-    """Make the mesh files ``<name>.ply`` of some objects, by `class/name`; a model is None of what is no catalogued one.
-
-    Raises what `make_mesh` raises.
-    """
+    """Make the mesh files ``<name>.ply`` of some objects, by `class/name`; own models are None."""
     for key, model in models.items():
         output = Path(folder) / f"{key.split('/')[1]}.ply"
         make_mesh(key, model, sources[key], output, parameters)

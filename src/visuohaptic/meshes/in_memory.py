@@ -46,19 +46,20 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
         raise MeshError(
             f"{name} has vertices of shape {flat[0]}; three coordinates for each are needed."
         )
-    for part in parts:
-        _check_corners(part, name)
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
     faces = [
         np.asarray(part.faces, dtype=np.int64) + offset
         for part, offset in zip(parts, offsets, strict=True)
     ]
     try:
+        for part in parts:
+            # An index too high would name a vertex of the next part.
+            check_corners(np.ravel(part.faces), len(part.vertices))
         colours, texture = add_textures(
             parts, np.concatenate([face_colours(part) for part in parts])
         )
     except MeshError as error:
-        raise MeshError(f"{name}: {error}") from error
+        raise MeshError(f"{name}: {str(error).rstrip('.')}.") from error
     return Surface(
         np.concatenate([np.asarray(part.vertices, dtype=np.float64) for part in parts]),
         np.concatenate(faces),
@@ -100,14 +101,6 @@ def _parts(mesh: Any) -> Iterator[_Part]:
             yield _Part(moved.vertices, moved.faces, part.visual)
 
 
-def _check_corners(part: Any, name: str) -> None:
-    # An index too high would name a vertex of the next part.
-    try:
-        check_corners(np.ravel(part.faces), len(part.vertices))
-    except MeshError as error:
-        raise MeshError(f"{name} can't be read as a surface: {error}.") from None
-
-
 def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:
     try:
         array = np.asarray(values)
@@ -121,11 +114,7 @@ def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:
 
 
 def face_colours(part: Any) -> NDArray[np.uint8]:
-    """Give the colours (f, 3), uint8, sRGB, of a ``trimesh.Trimesh``'s faces.
-
-    It is the material's diffuse colour, or the mean of the corners' colours; `GREY` where there is
-    none.
-    """
+    """Give the colours (f, 3), uint8, sRGB, of a mesh's faces: of the material, or the corners' mean, or `GREY`."""
     visual, count = part.visual, len(part.faces)
     if visual.kind == "texture":
         return np.tile(np.asarray(visual.material.main_color)[:3].astype(np.uint8), (count, 1))

@@ -39,11 +39,13 @@ def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     """
     path = Path(path)
     _check_suffix(path.suffix, str(path))
-    _check_file(path)
     from visuohaptic.meshes.beside import BesideResolver
 
-    with path.open("rb") as stream:
-        data = _read_bounded(stream, str(path), largest_megabytes)
+    try:
+        with path.open("rb") as stream:
+            data = _read_bounded(stream, str(path), largest_megabytes)
+    except OSError as error:
+        raise MeshError(f"{path} can't be read: {error.strerror}.") from error
     return _surface(data, str(path), path.suffix, BesideResolver(path.parent))
 
 
@@ -58,11 +60,8 @@ def read_open_file(
     return _surface(_read_bounded(stream, name, largest_megabytes), name, suffix, None)
 
 
-def surface_from_stream(stream: BinaryIO, name: str, archive: ZipFile) -> Surface:
-    """Read a model as `read_model` does from a zip archive, without unpacking it.
-
-    Its name there tells the format; textures are looked for in its own folder of the archive.
-    """
+def surface_from_archive(data: bytes, name: str, archive: ZipFile) -> Surface:
+    """Read a member of a zip archive as `read_model` does, its textures from its own folder there."""
     from trimesh.resolvers import ZipResolver
 
     folder, _, _ = name.rpartition("/")
@@ -71,7 +70,7 @@ def surface_from_stream(stream: BinaryIO, name: str, archive: ZipFile) -> Surfac
         for info in archive.infolist()
         if info.filename.startswith(f"{folder}/") and info.file_size <= _LARGEST_TEXTURE_BYTES
     }
-    return _surface(stream.read(), name, Path(name).suffix, ZipResolver(beside))
+    return _surface(data, name, Path(name).suffix, ZipResolver(beside))
 
 
 def _check_suffix(suffix: str, name: str) -> None:
@@ -81,15 +80,6 @@ def _check_suffix(suffix: str, name: str) -> None:
         )
     if missing := missing_for(suffix):
         raise MeshError(f"{name} can't be read yet: {missing}")
-
-
-def _check_file(path: Path) -> None:
-    try:
-        size = path.stat().st_size
-    except OSError as error:
-        raise MeshError(f"{path} can't be read: {error.strerror}.") from error
-    if size == 0:
-        raise MeshError(f"{path} is empty.")
 
 
 def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> bytes:
