@@ -1,7 +1,6 @@
 """Models made by a seed, written in each format as other programs write them, and what they are."""
 
 import io
-import itertools
 import json
 import re
 import struct
@@ -72,11 +71,6 @@ def random_prism(seed):
     turn = Rotation.random(random_state=int(random.integers(1 << 30))).as_matrix()
     first = int(random.integers(len(outline)))
     return prism(outline, random.uniform(0.1, 2), turn, first)
-
-
-def fans(faces):
-    """Triangles for formats without polygons; of convex faces only these are right."""
-    return [[face[0], a, b] for face in faces for a, b in itertools.pairwise(face[1:])]
 
 
 def as_obj(points, faces):
