@@ -36,19 +36,22 @@ def test_a_bowl_admits_the_square_whose_corners_reach_the_tolerance():
     assert placement.sizes[0] == pytest.approx(np.sqrt(2) * reach, rel=2e-3)
 
 
-def thin_wall(height):
-    corners = [[0.07, 0, -0.5], [0.07, 0, 0.5], [0.07, height, 0.5], [0.07, height, -0.5]]
-    return surface_of(corners, [[0, 1, 2], [0, 2, 3]])
+THIN = surface_of(
+    [[0.07, 0, -0.5], [0.07, 0, 0.5], [0.07, 0.5, 0.5], [0.07, 0.5, -0.5]], [[0, 1, 2], [0, 2, 3]]
+)
 
 
-def thick_wall(height):
-    return box((-0.3, -0.05, -0.5), (-0.11, height, 0.5))
-
-
-@pytest.mark.parametrize("height", [0.05, 0.5])
-@pytest.mark.parametrize(("wall", "size"), [(thin_wall, 0.14), (thick_wall, 0.22)])
-def test_a_wall_bounds_the_square_however_thin_or_tall(wall, size, height):
-    placement = placed(joined(PLATE, wall(height)), (0, 0, 0), (0, 1, 0))
+@pytest.mark.parametrize(
+    ("wall", "size"),
+    [
+        (THIN, 0.14),
+        (box((-0.3, -0.05, -0.5), (-0.11, 0.05, 0.5)), 0.22),
+        (box((-0.3, -0.05, -0.5), (-0.11, 0.5, 0.5)), 0.22),
+    ],
+    ids=["thin", "low", "tall"],
+)
+def test_a_wall_bounds_the_square_however_thin_or_tall(wall, size):
+    placement = placed(joined(PLATE, wall), (0, 0, 0), (0, 1, 0))
     assert placement.sizes[0] == pytest.approx(size, rel=1e-6)
     assert not placement.blocked[0]
 
@@ -72,21 +75,17 @@ def test_a_shelf_over_the_probed_point_blocks_and_the_surface_below_is_still_fel
     assert -0.02 < placement.heights.min() < placement.heights.max() <= 0
 
 
-def test_never_keeps_the_largest_square():
+def test_the_mode_says_whether_the_square_adapts():
     bowl = hard_probes()["bowl, inside"]
     placement = placed(bowl.surface, bowl.point, bowl.normal, mode="never")
     assert placement.sizes[0] == PARAMETERS.largest_size
     assert placement.heights.max() > TOLERANCE
     assert placement.record.runs == 0
-
-
-def test_a_convex_footprint_calls_for_no_second_cast():
     dome = sheet(lambda x, z: -(x**2) - z**2, half=0.4, cells=60)
-    placement = placed(dome, (0, 0, 0), (0, 1, 0))
-    assert (placement.record.needed, placement.record.runs) == (0, 0)
-    always = placed(dome, (0, 0, 0), (0, 1, 0), mode="always")
+    auto, always = (placed(dome, (0, 0, 0), (0, 1, 0), mode=mode) for mode in ("auto", "always"))
+    assert (auto.record.needed, auto.record.runs) == (0, 0)
     assert (always.record.needed, always.record.runs) == (0, 1)
-    np.testing.assert_array_equal(always.heights, placement.heights)
+    np.testing.assert_array_equal(always.heights, auto.heights)
 
 
 @st.composite
@@ -120,11 +119,6 @@ def test_whatever_the_ground_the_square_is_admissible_and_the_largest(surface, s
 
     # A square larger by two sensing points is penetrated at its rim; a fine cast finds it there.
     shrunk = np.flatnonzero((sizes > smallest) & (sizes < largest / 1.07) & ~placement.blocked)
-    grown = cast_heights(
-        caster,
-        poses[shrunk],
-        1.07 * sizes[shrunk],
-        np.full(len(shrunk), caster.reach),
-        192,
-    )
+    lifts = np.full(len(shrunk), caster.reach)
+    grown = cast_heights(caster, poses[shrunk], 1.07 * sizes[shrunk], lifts, 192)
     assert (grown.max(axis=(1, 2)) > TOLERANCE).all()

@@ -10,7 +10,6 @@ from visuohaptic.sensor.imprints import sensing_offsets
 
 MODULUS, POISSON, RADIUS, DEPTH = 2e5, 0.45, 0.02, 1e-4
 REDUCED = MODULUS / (1 - POISSON**2)
-CONTACT_RADIUS = np.sqrt(RADIUS * DEPTH)
 
 
 def pressed_sphere(resolution=32, depth=DEPTH, width=3.0):
@@ -22,22 +21,17 @@ def pressed_sphere(resolution=32, depth=DEPTH, width=3.0):
 
 
 @pytest.mark.parametrize("depth", [1e-5, 1e-4, 5e-4])
-def test_hertz_force_within_two_per_cent(depth):
-    indentation, _, cell = pressed_sphere(depth=depth)
+def test_hertz_force_and_pressures_within_two_per_cent(depth):
+    indentation, distance, cell = pressed_sphere(depth=depth)
     pressure = half_space_pressures(indentation[None], np.array([cell]), MODULUS, POISSON)[0]
-    expected = 4 / 3 * REDUCED * np.sqrt(RADIUS) * depth**1.5
-    assert pressure.sum() * cell**2 == pytest.approx(expected, rel=0.02)
-
-
-def test_hertz_pressure_profile_within_two_per_cent():
-    indentation, distance, cell = pressed_sphere()
-    pressure = half_space_pressures(indentation[None], np.array([cell]), MODULUS, POISSON)[0]
-    peak = 2 * REDUCED / np.pi * np.sqrt(DEPTH / RADIUS)
-    expected = peak * np.sqrt(np.maximum(1 - (distance / CONTACT_RADIUS) ** 2, 0))
-    within = distance < 0.9 * CONTACT_RADIUS
+    force = 4 / 3 * REDUCED * np.sqrt(RADIUS) * depth**1.5
+    assert pressure.sum() * cell**2 == pytest.approx(force, rel=0.02)
+    peak, radius = 2 * REDUCED / np.pi * np.sqrt(depth / RADIUS), np.sqrt(RADIUS * depth)
+    expected = peak * np.sqrt(np.maximum(1 - (distance / radius) ** 2, 0))
+    within = distance < 0.9 * radius
     assert np.abs(pressure - expected)[within].max() < 0.02 * peak
     assert np.sqrt(np.mean((pressure - expected) ** 2)) < 0.02 * np.sqrt(np.mean(expected**2))
-    assert (pressure[distance > CONTACT_RADIUS + cell] == 0).all()
+    assert (pressure[distance > radius + cell] == 0).all()
 
 
 def test_far_from_a_loaded_cell_the_half_space_sinks_as_under_boussinesqs_point_load():

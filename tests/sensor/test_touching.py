@@ -5,14 +5,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sensor.scenes import (
-    always,
-    parameter_sets,
-    probes_on,
-    scenes,
-    surfaces,
-    with_modes,
-)
+from sensor.scenes import always, parameter_sets, probes_on, scenes, surfaces, with_modes
 from sensor.shapes import PLATE, box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.errors import ParameterError
@@ -44,58 +37,36 @@ def touch_one(surface, point, normal, scene=None, **parameters):
 
 @pytest.mark.slow
 @settings(max_examples=60, deadline=None)
-@given(surfaces(), scenes(), parameter_sets(), st.integers(0, 1000))
-def test_auto_gives_bit_for_bit_what_always_gives(surface, scene, parameters, seed):
+@given(surfaces(), scenes(), scenes(), parameter_sets(), st.integers(0, 1000), st.integers(1, 5))
+def test_a_touch_depends_on_its_place_and_scene_alone(surface, scene, other, parameters, seed, cut):
     caster = RayCaster(surface)
     points, normals, fields = probes_on(surface, 6, seed)
     normals = orient_outwards(caster, points, normals)
-    lazy = touch(caster, points, normals, parameters, scene, fields)
-    eager = touch(caster, points, normals, parameters, always(scene), fields)
-    assert_same_touches(lazy, eager)
-    for skipped, ran in zip(lazy.effects, eager.effects, strict=True):
-        assert skipped.runs == skipped.needed == ran.needed
-        assert ran.runs == ran.touches == 6
-        assert skipped.reason == ran.reason
+    felt = touch(caster, points, normals, parameters, scene, fields)
+    assert felt.images.dtype == np.float32
+    assert np.isfinite(felt.images).all()
+    assert ((felt.images >= 0) & (felt.images <= 1)).all()
+    assert not np.isnan(felt.gaps).any()
+    assert set(felt.contact_state) <= set(CONTACT_STATES)
+    assert np.isfinite(felt.penetration).all()
+    assert (felt.penetration >= 0).all()
 
-
-@settings(max_examples=10, deadline=None)
-@given(surfaces(), scenes(), scenes(), parameter_sets(), st.integers(0, 1000))
-def test_sensors_that_are_placed_once_feel_every_scene(surface, scene, other, parameters, seed):
-    caster = RayCaster(surface)
-    points, normals, fields = probes_on(surface, 6, seed)
-    placed = list(place_sensors(caster, points, normals, parameters, "auto"))
-    for one in (scene, other, scene):
-        felt = feel(placed, parameters, one, fields)
-        assert_same_touches(felt, touch(caster, points, normals, parameters, one, fields))
-
-
-@settings(max_examples=25, deadline=None)
-@given(surfaces(), scenes(), parameter_sets(), st.integers(0, 1000), st.integers(1, 5))
-def test_touches_do_not_depend_on_the_batch(surface, scene, parameters, seed, cut):
-    caster = RayCaster(surface)
-    points, normals, fields = probes_on(surface, 6, seed)
-    together = touch(caster, points, normals, parameters, scene, fields)
+    # Whatever is in the batch,
     for rows in (np.arange(cut), np.arange(cut, 6)[::-1]):
         alone = touch(caster, points[rows], normals[rows], parameters, scene, fields.select(rows))
         for name in ARRAYS:
-            np.testing.assert_array_equal(getattr(alone, name), getattr(together, name)[rows])
-
-
-@settings(max_examples=25, deadline=None)
-@given(surfaces(), scenes(), parameter_sets(), st.integers(0, 1000))
-def test_every_touch_is_finite_within_its_range_and_has_a_known_state(
-    surface, scene, parameters, seed
-):
-    points, normals, fields = probes_on(surface, 6, seed)
-    touches = touch(RayCaster(surface), points, normals, parameters, scene, fields)
-    assert touches.images.dtype == np.float32
-    assert np.isfinite(touches.images).all()
-    assert touches.images.min() >= 0
-    assert touches.images.max() <= 1
-    assert not np.isnan(touches.gaps).any()
-    assert set(touches.contact_state) <= set(CONTACT_STATES)
-    assert np.isfinite(touches.penetration).all()
-    assert (touches.penetration >= 0).all()
+            np.testing.assert_array_equal(getattr(alone, name), getattr(felt, name)[rows])
+    # whatever was felt by sensors that are placed once,
+    placed = list(place_sensors(caster, points, normals, parameters, "auto"))
+    feel(placed, parameters, other, fields)
+    assert_same_touches(feel(placed, parameters, scene, fields), felt)
+    # and whether effects that it does not need are simulated.
+    eager = touch(caster, points, normals, parameters, always(scene), fields)
+    assert_same_touches(felt, eager)
+    for skipped, ran in zip(felt.effects, eager.effects, strict=True):
+        assert skipped.runs == skipped.needed == ran.needed
+        assert ran.runs == ran.touches == 6
+        assert skipped.reason == ran.reason
 
 
 @pytest.mark.parametrize(
@@ -133,15 +104,12 @@ def test_a_crack_too_narrow_for_the_fingertip_is_at_minimum():
 
 
 @pytest.mark.parametrize("normalisation", ["per_imprint", "absolute"])
-def test_a_flat_contact_is_contact_all_over(normalisation):
+def test_a_flat_contact_is_contact_all_over_and_relief_below_the_flatness_nearly(normalisation):
     touches = touch_one(PLATE, (0.01, 0, 0), (0, 1, 0), normalisation=normalisation)
     np.testing.assert_array_equal(touches.images, 1)
     assert touches.contact_state[0] == "full"
-
-
-def test_relief_below_the_flatness_is_not_blown_up():
     ripple = sheet(lambda x, z: 1e-6 * np.sin(60 * x) + 0 * z, half=0.4, cells=80)
-    touches = touch_one(ripple, (0, 0, 0), (0, 1, 0))
+    touches = touch_one(ripple, (0, 0, 0), (0, 1, 0), normalisation=normalisation)
     assert touches.images.min() > 0.97
 
 
@@ -170,41 +138,35 @@ def test_columns_run_along_the_tangent_and_rows_down():
 def test_the_face_under_the_probe_gives_the_normal_where_it_is_named():
     roof = sheet(lambda x, z: -0.4 * np.abs(x) + 0 * z, half=0.4, cells=2)
     caster, face = RayCaster(roof), np.array([0])
-    point = roof.triangles[face].mean(axis=1)
-    own = roof.face_normals[face]
+    point, own = roof.triangles[face].mean(axis=1), roof.face_normals[face]
     tilted = own + np.array([[0.1, 0.0, 0.2]])
     tilted /= np.linalg.norm(tilted)
-
-    def normal_of(given, **parameters):
-        return touch(
-            caster, point, given, SensorParameters(**parameters), Scene(), faces=face
-        ).normals
-
-    np.testing.assert_array_equal(normal_of(tilted), own)
-    np.testing.assert_array_equal(normal_of(-tilted), -own)
-    np.testing.assert_array_equal(normal_of(tilted, normal="given"), tilted)
-    unnamed = touch(caster, point, tilted, SensorParameters(), Scene())
-    np.testing.assert_array_equal(unnamed.normals, tilted)
+    for given_normal, faces, kind, expected in (
+        (tilted, face, "face", own),
+        (-tilted, face, "face", -own),
+        (tilted, face, "given", tilted),
+        (tilted, None, "face", tilted),
+    ):
+        parameters = SensorParameters(normal=kind)
+        felt = touch(caster, point, given_normal, parameters, Scene(), faces=faces)
+        np.testing.assert_array_equal(felt.normals, expected)
 
 
 def test_noise_stays_the_same_whatever_else_is_switched_on():
     surface = sheet(lambda x, z: -0.3 * x**2 + 0 * z, half=0.4, cells=40)
-    caster = RayCaster(surface)
     points, normals, fields = probes_on(surface, 4, 0)
     parameters = SensorParameters(normalisation="absolute", depth_range=2.0)
-    noisy = Scene(noise=0.01)
-    quiet = touch(caster, points, normals, parameters, Scene())
-    plain = touch(caster, points, normals, parameters, noisy, fields)
-    richer = {"gain_scatter": 0.02, "dead_fraction": 0.05, "drift_per_decade": 0.05}
-    others = Scene(noise=0.0, **richer)
-    rich = touch(caster, points, normals, parameters, Scene(noise=0.01, **richer), fields)
-    bare = touch(caster, points, normals, parameters, others, fields)
-    within = [(image > 0) & (image < 1) for image in (plain.images, rich.images)]
-    both = within[0] & within[1] & (bare.images > 0) & (bare.images < 1) & (quiet.images < 1)
+    others = {"gain_scatter": 0.02, "dead_fraction": 0.05, "drift_per_decade": 0.05}
+
+    def images(**scene):
+        caster = RayCaster(surface)
+        return touch(caster, points, normals, parameters, Scene(**scene), fields).images
+
+    quiet, plain = images(), images(noise=0.01)
+    bare, rich = images(**others), images(noise=0.01, **others)
+    both = np.all([(image > 0) & (image < 1) for image in (quiet, plain, bare, rich)], axis=0)
     assert both.mean() > 0.05
-    np.testing.assert_allclose(
-        (rich.images - bare.images)[both], (plain.images - quiet.images)[both], atol=3e-7
-    )
+    np.testing.assert_allclose((rich - bare)[both], (plain - quiet)[both], atol=3e-7)
 
 
 def test_a_random_scene_without_random_fields_is_refused():
