@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 import trimesh
 from numerics.surfaces import of_trimesh
+from sensor.shapes import sheet, surface_of
 
 from visuohaptic.geometry.curvature import measure_shape, unit_vectors
-from visuohaptic.geometry.surface import Surface
 
 
 def samples(surface, per_face=4, seed=0):
@@ -76,11 +76,7 @@ def test_windings_and_split_vertices_do_not_matter():
     rng = np.random.default_rng(2)
     flip = rng.random(len(plain.faces)) < 0.5
     mixed = np.where(flip[:, None], plain.faces[:, ::-1], plain.faces)
-    torn = Surface(
-        plain.vertices[mixed].reshape(-1, 3),
-        np.arange(mixed.size).reshape(-1, 3),
-        plain.face_colours,
-    )
+    torn = surface_of(plain.vertices[mixed], np.arange(mixed.size))
     faces, weights = samples(plain)
     swapped = np.where(flip[faces, None], weights[:, ::-1], weights)
     one, two = measure_shape(plain), measure_shape(torn)
@@ -94,42 +90,23 @@ def test_windings_and_split_vertices_do_not_matter():
 
 
 def test_open_sheet_has_no_curvature_at_its_rim():
-    grid = np.stack(np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, 1, 5)), -1).reshape(-1, 2)
-    corner = (np.arange(4)[:, None] * 5 + np.arange(4)).reshape(-1)
-    faces = np.concatenate(
-        [
-            np.stack([corner, corner + 1, corner + 5], 1),
-            np.stack([corner + 1, corner + 6, corner + 5], 1),
-        ]
-    )
-    sheet = Surface(np.column_stack([grid, np.zeros(25)]), faces, np.zeros((32, 3), np.uint8))
-    shape = measure_shape(sheet)
-    assert shape.curvature(*samples(sheet)).max() == 0.0
+    flat = sheet(lambda x, z: 0 * x, cells=4)
+    assert measure_shape(flat).curvature(*samples(flat)).max() == 0.0
 
 
 def test_degenerate_faces_and_one_sided_strips_give_finite_numbers():
-    turns = np.linspace(0, 2 * np.pi, 41)[:-1]
-    rim = [
-        np.stack(
-            [
-                (1 + s * np.cos(turns / 2)) * np.cos(turns),
-                (1 + s * np.cos(turns / 2)) * np.sin(turns),
-                s * np.sin(turns / 2),
-            ],
-            1,
-        )
-        for s in (-0.2, 0.2)
-    ]
-    near = np.arange(40)
-    far = np.concatenate([near[1:], [0]])
-    a, b, c, d = near, near + 40, far.copy(), far + 40
-    c[-1], d[-1] = 40, 0
-    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1), [[0, 0, 1], [3, 3, 3]]])
-    strip = Surface(np.concatenate(rim) * 0.8, faces, np.zeros((len(faces), 3), np.uint8))
+    turns = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    across = np.array([[-0.2], [0.2]])
+    wide, height = 1 + across * np.cos(turns / 2), across * np.sin(turns / 2)
+    rims = np.stack([wide * np.cos(turns), wide * np.sin(turns), height], axis=2)
+    # After one turn the lower rim has become the upper one.
+    low, high = np.arange(40), np.arange(40, 80)
+    next_low, next_high = np.append(low[1:], 40), np.append(high[1:], 0)
+    faces = [np.stack([low, high, next_low], 1), np.stack([high, next_high, next_low], 1)]
+    strip = surface_of(0.8 * rims, np.concatenate([*faces, [[0, 0, 1], [3, 3, 3]]]))
     shape = measure_shape(strip)
-    faces, weights = samples(strip)
-    assert np.isfinite(shape.curvature(faces, weights)).all()
-    assert np.isfinite(shape.normals(faces, weights)).all()
+    assert np.isfinite(shape.curvature(*samples(strip))).all()
+    assert np.isfinite(shape.normals(*samples(strip))).all()
 
 
 def test_spike_keeps_its_normals_outwards():

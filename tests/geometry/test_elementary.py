@@ -43,13 +43,8 @@ def test_whole_quarter_turns_keep_their_sign():
     sine, cosine = sin_cos(np.radians([0.0, 90, 180, 270, 360, -90]))
     np.testing.assert_array_equal(np.round(sine), [0, 1, 0, -1, 0, -1])
     np.testing.assert_array_equal(np.round(cosine), [1, 0, -1, 0, 1, 0])
-
-
-def test_the_tangent_of_half_a_field_of_view_is_exact_to_the_last_places():
-    for degrees in (1.0, 20.0, 44.5, 80.0):
-        assert tangent(math.radians(degrees)) == pytest.approx(
-            math.tan(math.radians(degrees)), rel=8 * ULP
-        )
+    for angle in (0.01, 0.3, 0.8, 1.4):
+        assert tangent(angle) == pytest.approx(math.tan(angle), rel=8 * ULP)
 
 
 def test_arc_tangents_are_exact_relative_to_themselves_also_where_small():
@@ -57,14 +52,8 @@ def test_arc_tangents_are_exact_relative_to_themselves_also_where_small():
     along = GENERATOR.normal(size=4000)
     expected = np.array([math.atan2(y, x) for y, x in zip(across, along, strict=True)])
     assert relative(arc_tangent(across, along), expected) < 8 * ULP
-
-
-@pytest.mark.parametrize(
-    ("across", "along", "expected"),
-    [(0, 1, 0), (0, -1, math.pi), (1, 0, math.pi / 2), (0, 0, 0), (1, 1, math.pi / 4)],
-)
-def test_the_arc_tangent_of_an_axis_is_the_angle_of_that_axis(across, along, expected):
-    assert arc_tangent(across, along) == pytest.approx(expected, abs=0, rel=2 * ULP)
+    axes = arc_tangent([0, 0, 1, 0, 1], [1, -1, 0, 0, 1])
+    np.testing.assert_allclose(axes, np.pi * np.array([0, 1, 0.5, 0, 0.25]), rtol=2 * ULP)
 
 
 def test_exponentials_and_logarithms_agree_with_decimals_of_forty_digits():

@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 from sensor.shapes import surface_of
@@ -22,8 +24,18 @@ def turned(corners):
     return corners @ (np.eye(3) + 0.9 * cross + 0.4 * cross @ cross)
 
 
-def test_halves_of_a_square_and_squares_side_by_side_do_not_overlap():
-    assert len(overlapping_faces(squares(SQUARE, SQUARE + np.array([1.0, 0, 0])), 1e-6)) == 0
+@pytest.mark.parametrize(
+    "other",
+    [
+        SQUARE + np.array([1.0, 0, 0]),
+        0.4 * SQUARE + [0, 1e-3, 0],
+        0.4 * SQUARE + [0, 1e-5, 0],
+        SQUARE[:, [1, 0, 2]],
+    ],
+    ids=["beside", "above", "just above", "at an angle"],
+)
+def test_halves_of_a_square_and_squares_apart_or_at_an_angle_do_not_overlap(other):
+    assert len(overlapping_faces(squares(SQUARE, other), 1e-6)) == 0
 
 
 @pytest.mark.parametrize("move", [lambda corners: corners, turned])
@@ -31,19 +43,8 @@ def test_a_square_on_a_square_overlaps_with_both_of_its_halves(move):
     askew = 0.4 * SQUARE @ np.array([[0.8, 0, 0.6], [0, 1, 0], [-0.6, 0, 0.8]])
     surface = squares(move(SQUARE), move(askew + np.array([0, 1e-7, 0])))
     found = {tuple(pair) for pair in overlapping_faces(surface, 1e-6).tolist()}
-    assert found == {(i, j) for i in (0, 1) for j in (2, 3)} | {
-        (j, i) for i in (0, 1) for j in (2, 3)
-    }
-
-
-@pytest.mark.parametrize("height", [1e-3, 1e-5])
-def test_squares_above_each_other_do_not_overlap(height):
-    assert len(overlapping_faces(squares(SQUARE, 0.4 * SQUARE + [0, height, 0]), 1e-6)) == 0
-
-
-def test_squares_that_cross_at_an_angle_do_not_overlap():
-    upright = SQUARE[:, [1, 0, 2]]
-    assert len(overlapping_faces(squares(SQUARE, upright), 1e-6)) == 0
+    one_way = set(itertools.product((0, 1), (2, 3)))
+    assert found == one_way | {(j, i) for i, j in one_way}
 
 
 def test_a_face_folded_back_onto_its_neighbour_overlaps_with_it():

@@ -65,7 +65,7 @@ def test_a_ray_between_faces_smaller_than_the_search_keeps_its_hit():
     origins, directions = np.array([[1e-8, 1.0, 3e-8]]), np.array([[0, -1.0, 0]])
     hits = RayCaster(tiny).first_hits(origins, directions, lambda d: np.ones(len(d), dtype=bool))
     assert hits.hit.all()
-    np.testing.assert_allclose(hits.distance, 1.0, rtol=0, atol=1e-14)
+    assert hits.distance == pytest.approx(1.0, rel=1e-14)
 
 
 def wires_before_a_wall(generator, count=200):
@@ -77,13 +77,10 @@ def wires_before_a_wall(generator, count=200):
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     heights = 10 ** generator.uniform(-9, -5, (count, 1))
     corners = [middles - 0.05 * along, middles + 0.05 * along, middles + heights * across]
-    wires = np.stack(corners, axis=1).reshape(-1, 3)
     wall = 4 * np.array([[-1, -1, -0.5], [1, -1, -0.5], [1, 1, -0.5], [-1, 1, -0.5]])
-    faces = np.arange(3 * count).reshape(-1, 3)
-    first = 3 * count
-    return surface_of(
-        np.vstack([wires, wall]),
-        np.vstack([faces, [[first, first + 1, first + 2], [first, first + 2, first + 3]]]),
+    return joined(
+        surface_of(np.stack(corners, axis=1), np.arange(3 * count)),
+        surface_of(wall, [[0, 1, 2], [0, 2, 3]]),
     )
 
 

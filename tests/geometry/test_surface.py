@@ -37,35 +37,15 @@ def test_a_face_without_area_has_a_zero_normal_and_no_nan():
     np.testing.assert_array_equal(line.face_normals, 0)
 
 
-@pytest.mark.parametrize("name", ["a.ply", "deep/a.ply.gz"])
-def test_a_file_gives_the_surface_back(tetrahedron, tmp_path, name):
-    write_surface(tetrahedron, tmp_path / name)
-    back = read_surface(tmp_path / name)
-    np.testing.assert_array_equal(back.vertices, tetrahedron.vertices)
-    np.testing.assert_array_equal(back.faces, tetrahedron.faces)
-    np.testing.assert_array_equal(back.face_colours, tetrahedron.face_colours)
-
-
-def test_the_same_surface_gives_the_same_bytes(tetrahedron, tmp_path):
-    for name in ("a.ply.gz", "b.ply.gz"):
-        write_surface(tetrahedron, tmp_path / name)
-    assert (tmp_path / "a.ply.gz").read_bytes() == (tmp_path / "b.ply.gz").read_bytes()
-
-
-@pytest.mark.parametrize("content", [b"", b"ply\n", b"not a mesh", bytes(range(256))])
-def test_another_file_is_refused_by_name(tmp_path, content):
+def test_another_file_and_one_that_is_cut_are_refused_by_name(tetrahedron, painted, tmp_path):
     path = tmp_path / "broken.ply"
-    path.write_bytes(content)
-    with pytest.raises(MeshError, match=r"broken\.ply is no coloured triangle mesh"):
-        read_surface(path)
-
-
-def test_a_file_that_is_cut_is_refused_by_name(tetrahedron, painted, tmp_path):
-    path = tmp_path / "half.ply"
+    contents = [b"", b"ply\n", b"not a mesh", bytes(range(256))]
     for surface, missing in ((tetrahedron, 5), (painted, 1)):
         write_surface(surface, path)
-        path.write_bytes(path.read_bytes()[:-missing])
-        with pytest.raises(MeshError, match=r"half\.ply is no coloured triangle mesh"):
+        contents.append(path.read_bytes()[:-missing])
+    for content in contents:
+        path.write_bytes(content)
+        with pytest.raises(MeshError, match=r"broken\.ply is no coloured triangle mesh"):
             read_surface(path)
 
 
@@ -81,18 +61,14 @@ def test_a_packed_file_with_a_damaged_middle_is_refused_by_name(tetrahedron, tmp
             read_surface(path)
 
 
-def test_an_object_that_is_set_aside_says_why(tmp_path):
+def test_an_object_that_is_set_aside_says_why_and_is_not_usable(tetrahedron, tmp_path):
     path = tmp_path / "x" / "broken.ply"
     reason = "meshes/own/Tasse/Käse\n.obj has no faces; <triangles> are needed."
     write_set_aside(path, reason)
     assert set_aside_reason(path) == reason
     assert len(read_surface(path).faces) == 0
-
-
-def test_meshes_of_objects_that_were_set_aside_are_not_usable(tetrahedron, tmp_path):
     write_surface(tetrahedron, tmp_path / "a.ply")
-    write_set_aside(tmp_path / "b.ply", "b.obj has no faces.")
-    assert usable_meshes([tmp_path / "b.ply", tmp_path / "a.ply"]) == [tmp_path / "a.ply"]
+    assert usable_meshes([path, tmp_path / "a.ply"]) == [tmp_path / "a.ply"]
 
 
 @pytest.fixture
@@ -107,22 +83,25 @@ def painted(tetrahedron):
     return replace(tetrahedron, texture=texture)
 
 
-@pytest.mark.parametrize("name", ["a.ply", "a.ply.gz"])
-def test_a_file_gives_images_back(painted, tmp_path, name):
-    write_surface(painted, tmp_path / name)
-    back, given = read_surface(tmp_path / name).texture, painted.texture
-    np.testing.assert_array_equal(back.corners, given.corners)
-    np.testing.assert_array_equal(back.image, given.image)
-    np.testing.assert_array_equal(back.wraps, given.wraps)
-    assert len(back.images) == len(given.images)
-    for one, other in zip(back.images, given.images, strict=True):
-        np.testing.assert_array_equal(one, other)
-    write_surface(read_surface(tmp_path / name), tmp_path / f"again_{name}")
-    assert (tmp_path / name).read_bytes() == (tmp_path / f"again_{name}").read_bytes()
-
-
-def test_images_are_as_exact_in_memory_as_in_a_file(painted):
-    assert as_stored(painted).texture is painted.texture
+@pytest.mark.parametrize("name", ["a.ply", "deep/a.ply.gz"])
+@pytest.mark.parametrize("shape", ["tetrahedron", "painted"])
+def test_a_file_gives_the_surface_back_and_the_same_bytes(request, tmp_path, name, shape):
+    given = request.getfixturevalue(shape)
+    write_surface(given, tmp_path / name)
+    back = read_surface(tmp_path / name)
+    for field in ("vertices", "faces", "face_colours"):
+        np.testing.assert_array_equal(getattr(back, field), getattr(given, field))
+    if given.texture is None:
+        assert back.texture is None
+    else:
+        for field in ("corners", "image", "wraps"):
+            found, expected = getattr(back.texture, field), getattr(given.texture, field)
+            np.testing.assert_array_equal(found, expected)
+        for one, other in zip(back.texture.images, given.texture.images, strict=True):
+            np.testing.assert_array_equal(one, other)
+        assert as_stored(given).texture is given.texture
+    write_surface(back, tmp_path / f"{name}_again{name[-7:]}")
+    assert (tmp_path / name).read_bytes() == (tmp_path / f"{name}_again{name[-7:]}").read_bytes()
 
 
 def test_other_tools_read_a_file_with_images_or_without_as_one_with_colours(
@@ -139,12 +118,6 @@ def test_other_tools_read_a_file_with_images_or_without_as_one_with_colours(
         np.testing.assert_array_equal(mesh.visual.face_colors[:, :3], surface.face_colours)
         other = open3d.io.read_triangle_mesh(str(tmp_path / "a.ply"))
         np.testing.assert_array_equal(np.asarray(other.triangles), surface.faces)
-
-
-def test_a_file_without_images_has_nothing_of_them(tetrahedron, tmp_path):
-    write_surface(tetrahedron, tmp_path / "a.ply")
-    assert b"image" not in (tmp_path / "a.ply").read_bytes()
-    assert read_surface(tmp_path / "a.ply").texture is None
 
 
 @pytest.mark.parametrize(
