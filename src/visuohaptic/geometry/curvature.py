@@ -250,25 +250,11 @@ def smooth_curvature(
     crosses = surface.face_crosses
     double_area = _lengths(crosses)
     solid = double_area > SMALLEST_CROSS
-    corners = surface.triangles
-    first = corners[:, 1] - corners[:, 0]
-    tangent = unit_vectors(first)
-    side = np.cross(unit_vectors(crosses), tangent)
-    basis = np.stack([tangent, side], axis=1)
-    steps = np.einsum(
-        "fad,fbd->fab", basis, np.stack([first, corners[:, 2] - corners[:, 0]], axis=1)
-    )
-    turns = np.einsum(
-        "fad,fbd->fab",
-        basis,
-        np.stack(
-            [
-                corner_normals[:, 1] - corner_normals[:, 0],
-                corner_normals[:, 2] - corner_normals[:, 0],
-            ],
-            axis=1,
-        ),
-    )
+    edges = surface.triangles[:, 1:] - surface.triangles[:, :1]
+    tangent = unit_vectors(edges[:, 0])
+    basis = np.stack([tangent, np.cross(unit_vectors(crosses), tangent)], axis=1)
+    steps = np.einsum("fad,fbd->fab", basis, edges)
+    turns = np.einsum("fad,fbd->fab", basis, corner_normals[:, 1:] - corner_normals[:, :1])
     steps[~solid] = np.eye(2)
     operator = np.where(solid[:, None, None], _divide(turns, steps), 0.0)
     symmetric = 0.5 * (operator + operator.transpose(0, 2, 1))

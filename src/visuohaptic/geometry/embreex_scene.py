@@ -10,6 +10,7 @@ from embreex.rtcore_scene import EmbreeScene
 
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.nearest import nearest_on
+from visuohaptic.geometry.overlaps import in_parts
 from visuohaptic.geometry.vectors import dot
 
 if TYPE_CHECKING:
@@ -42,30 +43,23 @@ class EmbreexScene:
         """Give every face that each ray meets; all faces are tried for a ray that meets one."""
         met = np.flatnonzero(self.first_faces(rays)[0] >= 0)
         found = [(met[:0], met[:0])]
-        for part in _parts(met, len(self._triangles)):
+        for part in in_parts(met, np.full(len(met), len(self._triangles)), _PAIRS):
             which, faces = np.nonzero(_meets(self._triangles, rays[part].astype(np.float64)))
             found.append((part[which], faces))
         rays_met, faces_met = zip(*found, strict=True)
         return np.concatenate(rays_met), np.concatenate(faces_met)
 
-    def count_crossings(self, rays: Rays) -> Integers:
-        """Count the faces that each ray meets."""
-        return np.bincount(self.crossings(rays)[0], minlength=len(rays))
-
     def nearest_faces(self, points: Floats) -> Integers:
         """Give the face nearest to each point; all faces are tried."""
         nearest = [np.zeros(0, np.int64)]
-        for part in _parts(np.arange(len(points)), len(self._triangles)):
+        for part in in_parts(
+            np.arange(len(points)), np.full(len(points), len(self._triangles)), _PAIRS
+        ):
             pairs = (len(part), len(self._triangles), 3)
             asked = np.broadcast_to(points[part, None], pairs).reshape(-1, 3)
             apart = nearest_on(np.tile(self._triangles, (len(part), 1, 1)), asked) - asked
             nearest.append(dot(apart, apart).reshape(pairs[:2]).argmin(axis=1))
         return np.concatenate(nearest)
-
-
-def _parts(rows: Integers, faces: int) -> list[Integers]:
-    """Divide rows so that each part has at most so many pairs with all faces."""
-    return np.array_split(rows, -(-len(rows) * faces // _PAIRS) or 1) if len(rows) else []
 
 
 def _meets(triangles: Floats, rays: Floats) -> Booleans:
