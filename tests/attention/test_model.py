@@ -17,7 +17,6 @@ from visuohaptic.attention import (
     prepare_view,
     saliency_map,
 )
-from visuohaptic.attention.registry import ENTRIES
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.scene.parameters import EffectModes
@@ -175,7 +174,7 @@ def test_outline_of_an_even_disk_is_no_edge(channel, background):
 
 
 def needing(*what):
-    return {name for name, entry in ENTRIES.items() if entry.needs in what}
+    return {name for name, entry in CHANNELS.items() if entry.needs in what}
 
 
 def some_channels(views, channels, parameters):

@@ -14,8 +14,9 @@ from visuohaptic.attention import (
     TermWeights,
     feature_planes,
 )
-from visuohaptic.attention.learnt import read_learnt
-from visuohaptic.attention.terms import SEEN, prepare_surface, term_planes
+from visuohaptic.attention.model import term_planes
+from visuohaptic.attention.parameters import read_learnt
+from visuohaptic.attention.terms import SEEN, prepare_surface
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera

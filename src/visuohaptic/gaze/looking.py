@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.model import feature_planes
-from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
+from visuohaptic.attention.model import feature_planes, term_planes
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.attention.registry import CHANNELS, TERMS
 from visuohaptic.attention.surface_measures import GazedSurface
-from visuohaptic.attention.term_registry import TERMS
-from visuohaptic.attention.terms import SEEN, prepare_surface, term_planes
+from visuohaptic.attention.terms import SEEN, prepare_surface
 from visuohaptic.errors import GazeError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.places import draw_by_area, sees

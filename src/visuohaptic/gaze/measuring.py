@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.attention.surface_measures import MEASURES
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import GazedObject

@@ -9,9 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.attention.registry import CHANNELS, TERMS
 from visuohaptic.attention.surface_measures import correlation
-from visuohaptic.attention.term_registry import TERMS
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import COLUMNS, FEATURES, TURNING, GazedObject
 
