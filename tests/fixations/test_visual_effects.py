@@ -1,19 +1,11 @@
 import numpy as np
 import pytest
 
-from visuohaptic.errors import RegistryError
 from visuohaptic.fixations.visual_effects import plan_visual, seen_colours
-from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
+from visuohaptic.scene.parameters import EffectModes
 
 GREY = np.full((4, 3), 90, dtype=np.uint8)
 PATTERN = np.array([[200, 10, 10], [10, 200, 10], [10, 10, 200], [90, 90, 90]], dtype=np.uint8)
-
-
-def test_an_effect_of_the_view_without_a_plan_is_refused(monkeypatch):
-    effects = (*VISUAL_EFFECTS, "fog")
-    monkeypatch.setattr("visuohaptic.fixations.visual_effects.VISUAL_EFFECTS", effects)
-    with pytest.raises(RegistryError, match=r"each of colour, .*, fog needs a plan"):
-        visual(GREY)
 
 
 def visual(face_colours, ambient=0.4, **modes):
