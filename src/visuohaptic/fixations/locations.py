@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pyarrow as pa
 
@@ -45,16 +47,16 @@ def location_table(
     """Give locations as rows of `tables.FIXATIONS`; those not chosen by pixel have none, and no saliency."""
     entry = STRATEGIES[strategy] if strategy in STRATEGIES.names else None
     count = len(chosen.faces)
-    looked = isinstance(chosen, Scanpath)
+    looked: Sequence[object] = [[None] * count] * 3
+    if isinstance(chosen, Scanpath):
+        looked = (chosen.rows, chosen.columns, chosen.saliency)
     columns: dict[str, object] = {
         **owner_columns(key),
         "viewpoint": viewpoint,
         "strategy": strategy,
         "touch": np.arange(count),
         "face": chosen.faces,
-        "pixel_row": chosen.rows if looked else [None] * count,
-        "pixel_column": chosen.columns if looked else [None] * count,
-        "saliency": chosen.saliency if looked else [None] * count,
+        **dict(zip(("pixel_row", "pixel_column", "saliency"), looked, strict=True)),
         "unreachable": [entry and entry.unreachable] * count,
         "chance": (entry and entry.chance) or strategy,
     }
