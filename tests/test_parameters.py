@@ -56,17 +56,47 @@ def test_each_fault_is_named(values, sentence):
     assert "\n" not in str(caught.value)
 
 
-def test_parameters_are_read_without_the_libraries_of_the_phases():
+@pytest.mark.parametrize("module", ["visuohaptic", "visuohaptic.parameters"])
+def test_the_package_and_its_parameters_are_imported_without_heavy_libraries(module):
+    heavy = {"numpy", "pandas", "pyarrow", "cv2", "open3d", "trimesh", "scipy", "sklearn"}
+    if module == "visuohaptic":
+        heavy |= {"pydantic", "typer"}
     program = (
-        "import sys, visuohaptic.parameters; "
-        "print(sorted({name.split('.')[0] for name in sys.modules} & "
-        "{'numpy', 'pandas', 'pyarrow', 'cv2', 'open3d', 'trimesh', 'scipy', 'sklearn'}))"
+        f"import sys, {module}; print({heavy} & {{name.split('.')[0] for name in sys.modules}})"
     )
     output = subprocess.run(
         [sys.executable, "-c", program],
         capture_output=True, text=True, check=True, env={"PYTHONPATH": PYTHONPATH},
     ).stdout  # fmt: skip
-    assert output == "[]\n"
+    assert output == "set()\n"
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"sensor.resolution": 16, "rendering.resolution": 64},
+        {"sensor": {"resolution": 16}, "rendering": {"resolution": 64}},
+        {"sensor": {"resolution": 16}, "rendering.resolution": 64},
+    ],
+)
+def test_parameters_are_named_as_in_the_file_or_with_dots(values):
+    found = as_parameters(values)
+    assert (found.sensor.resolution, found.rendering.resolution) == (16, 64)
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"sensor.resolutoin": 16}, r"sensor\.resolutoin is no parameter"),
+        ({"sensor.resolution": 16, "sensor": {"resolution": 8}}, r"sensor\.resolution is .* twice"),
+        ({"sensor": 3, "sensor.resolution": 16}, "sensor is 3 and holds resolution"),
+        ({3: 4}, "3 is no name"),
+        ("sensor.resolution=16", "str; a mapping or ExperimentParameters"),
+    ],
+)
+def test_parameters_in_python_that_are_none_are_named(values, sentence):
+    with pytest.raises(ParameterError, match=sentence):
+        as_parameters(values)
 
 
 TOUCHES, FIXATIONS, RESOLUTION = (

