@@ -4,7 +4,6 @@ import ast
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 import trimesh
 from cli.models import fit_on_nonsense
@@ -14,7 +13,6 @@ import visuohaptic as vh
 from visuohaptic.errors import MeshError, RecognitionError
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
-from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition import select
 from visuohaptic.recognition.stored_models import load_model, save_model
@@ -62,12 +60,6 @@ def test_one_line_from_a_file_to_a_table(ring_file):
     assert set(found.seconds) == {"prepare", "look", "touch", "describe"}
     with pytest.raises(MeshError, match="'ring' is no key"):
         vh.load(ring_file, key="ring")
-
-
-def test_up_axis_is_a_parameter(tmp_path):
-    trimesh.creation.cone(0.3, 2).export(tmp_path / "cone.stl")
-    upright = vh.load(tmp_path / "cone.stl", parameters=MeshParameters(own_up_axis="z"))
-    assert np.argmax(np.ptp(upright.surface.vertices, axis=0)) == 1
 
 
 class ModelOfFixations:

@@ -8,6 +8,7 @@ import trimesh
 
 import visuohaptic as vh
 from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
 
 RING = trimesh.creation.torus(1, 0.4, 16, 8)
@@ -94,6 +95,7 @@ def test_section_meshes_is_taken_from_whatever_parameters_are_given():
         {"meshes": {"own_up_axis": "z"}},
         {"own_up_axis": "z"},
         ExperimentParameters.from_mapping({"meshes": {"own_up_axis": "z"}}),
+        MeshParameters(own_up_axis="z"),
     ):
         found = vh.load(cone, parameters=parameters).surface
         assert np.argmax(np.ptp(found.vertices, axis=0)) == 1
