@@ -4,7 +4,6 @@ import re
 import shlex
 from pathlib import Path
 
-import pytest
 import yaml
 
 ROOT = Path(__file__).parents[1]
@@ -17,30 +16,27 @@ def steps():
     return [tuple(line.split(maxsplit=1)) for line in lines]
 
 
-def copied():
-    """Give what each COPY names, by its place among the steps."""
-    return {
-        place: words.split()[:-1] for place, (kind, words) in enumerate(steps()) if kind == "COPY"
-    }
-
-
-def left_out():
-    lines = (ROOT / ".dockerignore").read_text().splitlines()
-    return [line for line in lines if line and not line.startswith("#")]
+COPIED = {
+    place: words.split()[:-1] for place, (kind, words) in enumerate(steps()) if kind == "COPY"
+}
+LEFT_OUT = [
+    line
+    for line in (ROOT / ".dockerignore").read_text().splitlines()
+    if line and not line.startswith("#")
+]
 
 
 def test_what_the_recipe_copies_is_there_and_not_left_out():
-    for names in copied().values():
-        for name in names:
-            assert (ROOT / name).exists(), name
-            assert name not in left_out()
+    for name in (name for names in COPIED.values() for name in names):
+        assert (ROOT / name).exists(), name
+        assert name not in LEFT_OUT
 
 
 def test_a_step_finds_the_files_it_reads_among_those_copied_before():
     for place, (kind, words) in enumerate(steps()):
         if kind != "RUN":
             continue
-        before = {name for step, names in copied().items() if step < place for name in names}
+        before = {name for step, names in COPIED.items() if step < place for name in names}
         for name in re.findall(r"requirements[\w.-]*|set_up\.sh", words):
             assert name in before, (name, words)
         if "set_up.sh packages" in words:
@@ -50,44 +46,28 @@ def test_a_step_finds_the_files_it_reads_among_those_copied_before():
 
 
 def test_packages_beside_the_lock_are_pinned_by_the_other_lock():
-    (command,) = (
-        part.strip()
-        for kind, words in steps()
-        if kind == "RUN"
-        for part in words.split("&&")
-        if " pip install " in part
-    )
-    words = shlex.split(command)
-    constraint = words[words.index("--constraint") + 1]
+    text = (ROOT / "Dockerfile").read_text().replace("\\\n", " ")
+    constraint, wanted = re.search(r" pip install .*--constraint (\S+) ([^&\n]+)", text).groups()
     pinned = (ROOT / constraint).read_text()
-    wanted = words[words.index(constraint) + 1 :]
-    assert wanted
-    for name in wanted:
+    for name in shlex.split(wanted):
         assert re.search(rf"^{re.escape(name)}==\S+ .*\n    --hash", pinned, re.M), name
 
 
 def test_what_git_leaves_out_is_not_sent_to_the_builder():
-    ours = {line.strip("/*") for line in left_out()}
+    ours = {line.strip("/*") for line in LEFT_OUT}
     for line in (ROOT / ".gitignore").read_text().splitlines():
         if line and not line.startswith("#") and line != "*.egg-info/":
             assert line.strip("/*") in ours, line
 
 
-@pytest.fixture
-def profile():
-    return yaml.safe_load((ROOT / "profiles/kubernetes/config.yaml").read_text())
-
-
-def test_the_profile_for_kubernetes_names_a_container_and_a_storage(profile):
+def test_the_profile_for_kubernetes_names_a_container_a_storage_and_rules_that_exist():
+    profile = yaml.safe_load((ROOT / "profiles/kubernetes/config.yaml").read_text())
     assert profile["executor"] == "kubernetes"
     assert "/visuohaptic:" in profile["container-image"]
     # Pods share no folder.
     assert profile["default-storage-prefix"].startswith(f"{profile['default-storage-provider']}://")
     assert set(profile["envvars"]) == {"AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"}
     assert "objects_per_job" not in str(profile)
-
-
-def test_rules_with_resources_of_their_own_exist(profile):
     rules = "".join(file.read_text() for file in (ROOT / "workflow/rules").glob("*.smk"))
     for name in profile["set-resources"]:
         assert re.search(rf"^rule {name}:", rules, re.M), name

@@ -31,29 +31,3 @@ def lines_of(definition):
 def test_docstrings_of_private_functions_and_classes_are_one_line(file):
     found = definitions(ast.parse(file.read_text(encoding="utf-8")))
     assert [one.name for one, is_private in found if is_private and lines_of(one) > 1] == []
-
-
-LONG = """
-class Public:
-    def inherited(self):
-        '''Public.
-
-        May be long.
-        '''
-        def within():
-            '''Long.
-
-            Private.
-            '''
-def _private():
-    '''Long.
-
-    Private.
-    '''
-"""
-
-
-def test_a_longer_docstring_is_found_in_functions_and_below_them():
-    found = definitions(ast.parse(LONG))
-    names = [one.name for one, is_private in found if is_private and lines_of(one) > 1]
-    assert names == ["within", "_private"]

@@ -13,7 +13,6 @@ from source_folders import PYTHONPATH, link_installed
 
 from visuohaptic import optional_packages
 from visuohaptic.errors import MissingPackageError
-from visuohaptic.optional_packages import require
 from visuohaptic.report.measured_runs import read_measured_run
 
 ROOT = Path(__file__).parents[1]
@@ -93,8 +92,3 @@ def test_an_experiment_of_dvc_says_which_extra_to_install(monkeypatch):
         MissingPackageError, match=r"^dvc is not installed.*visuohaptic\[workflow\]"
     ):
         read_measured_run(Path("experiment"))
-
-
-def test_one_missing_package_is_named_alone():
-    with pytest.raises(MissingPackageError, match=r"^no_such is not installed.*brings it\.$"):
-        require("workflow", "json", "no_such")

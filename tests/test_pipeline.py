@@ -31,12 +31,6 @@ def ring(**changes):
     return ExperimentParameters.from_mapping({**RING, **changes})
 
 
-def look(folder, viewpoints, name="other", **changes):
-    """Look at the ring; write the tables into a folder beside, and give them."""
-    mesh, there = folder / "torus.ply", folder / name
-    return run_phases("ring/torus", mesh, there, ring(**changes), viewpoints, OF_OBJECT[:1])
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("phases")
@@ -120,13 +114,6 @@ def test_fixations_were_looked_at_and_random_points_were_not(tables):
     assert blind[["pixel_row", "pixel_column", "saliency"]].isna().all(axis=None)
 
 
-def test_a_block_of_viewpoints_gives_what_all_of_them_give(folder, tables):
-    whole = tables["fixations"].to_pandas()
-    part = look(folder, [1], name="part")["fixations"].to_pandas()
-    expected = whole[whole.viewpoint == 1].reset_index(drop=True)
-    assert part.equals(expected)
-
-
 def test_views_are_pictures_and_say_what_ran(tables):
     import cv2
 
@@ -152,38 +139,34 @@ def test_touches_keep_the_keys_of_the_fixations_and_features_keys_place_and_norm
     assert tables["features"].select(kept).equals(tables["touches"].select(kept))
 
 
-def test_the_books_of_the_effects_count_every_touch(tables):
-    rows = tables["effects/touches"].to_pylist()
-    assert all(row["touches"] == 24 >= row["needed"] for row in rows)
-    ran = {row["effect"] for row in rows if row["runs"]}
+def test_the_books_count_every_touch_and_view_and_say_what_ran(tables):
+    felt, seen = ({row["effect"]: row for row in tables[f"effects/{name}"].to_pylist()}
+                  for name in ("touches", "views"))  # fmt: skip
+    assert all(row["touches"] == 24 >= row["needed"] and row["reason"] for row in felt.values())
     # The plain scene needs geometry alone.
-    assert ran == {"adaptive_size"}
-    assert all(row["reason"] for row in rows)
-
-
-def test_the_books_of_the_view_count_every_view(tables):
-    rows = tables["effects/views"].to_pylist()
-    books = {row["effect"]: row for row in rows}
-    assert set(books) == set(VISUAL_EFFECTS)
-    assert {row["touches"] for row in rows} == {3}
+    assert {name for name, row in felt.items() if row["runs"]} == {"adaptive_size"}
+    assert set(seen) == set(VISUAL_EFFECTS)
+    assert {row["touches"] for row in seen.values()} == {3}
     # A grey torus has neither hues nor parts; the light has a direction, but casts no shadows.
-    assert {name for name, row in books.items() if row["needed"]} == {"shading", "cast_shadows"}
-    assert {name for name, row in books.items() if row["runs"]} == {"shading"}
+    assert {name for name, row in seen.items() if row["needed"]} == {"shading", "cast_shadows"}
+    assert {name for name, row in seen.items() if row["runs"]} == {"shading"}
 
 
 def test_the_eye_looks_without_shading_where_the_scene_says_so(folder, tables):
-    flat = look(folder, [0, 1, 2], name="flat", scene={"effects": {"shading": "never"}})
-    pairs = zip(tables["views"]["view"], flat["views"]["view"], strict=True)
+    subject = Subject.of_mesh("ring/torus", folder / "torus.ply", range(3))
+    flat = OF_OBJECT[0].run(subject, {}, ring(scene={"effects": {"shading": "never"}})).views
+    pairs = zip(tables["views"]["view"], flat["view"], strict=True)
     assert all(shaded != other for shaded, other in pairs)
 
 
 def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder, tables):
-    subject, known = (
-        Subject.of_mesh("ring/torus", folder / "torus.ply"),
-        {"fixations": tables["fixations"]},
-    )
+    subject = Subject.of_mesh("ring/torus", folder / "torus.ply")
     one, two, three = (
-        run(subject, ring(seed=seed, scene={"preset": "worn_fsr"}), known)["touches"]
+        run(
+            subject,
+            ring(seed=seed, scene={"preset": "worn_fsr"}),
+            {"fixations": tables["fixations"]},
+        )["touches"]
         for seed in (7, 7, 8)
     )
     assert one.equals(two)

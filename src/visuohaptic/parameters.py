@@ -267,7 +267,7 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
         raise ParameterError(f"{path} holds no parameters; sections as in params.yaml are needed.")
     load_installed()
     load_files(values.get("plugins", ()), Path(path).parent)
-    return check_parameters(values, str(path))
+    return ExperimentParameters.from_mapping(values, str(path))
 
 
 def check_spelling(path: str | Path) -> None:
@@ -292,11 +292,6 @@ def check_config(given: str) -> None:
         _check_node(yaml.compose(value, Loader=yaml.SafeLoader), "--config", section)
 
 
-def check_parameters(values: Mapping[str, Any], source: str) -> ExperimentParameters:
-    """Check values of a source, as `ExperimentParameters.from_mapping` does."""
-    return ExperimentParameters.from_mapping(values, source)
-
-
 def as_parameters(
     values: ExperimentParameters | Mapping[str, Any] | None,
 ) -> ExperimentParameters:
@@ -317,7 +312,7 @@ def as_parameters(
             "is needed."
         )
     load_files(values.get("plugins", ()))
-    return check_parameters(_nested(values), "parameters")
+    return ExperimentParameters.from_mapping(_nested(values), "parameters")
 
 
 def _nested(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from visuohaptic.errors import RegistryError
@@ -67,19 +67,6 @@ class Registry(Generic[Entry]):
         if name not in self._entries:
             raise RegistryError(f"{name!r} is no {self.kind}; {', '.join(self.names)} are allowed.")
         return self._entries[name]
-
-    def check_complete(self, declared: Iterable[str], where: str) -> None:
-        """Compare the entries with names that are declared elsewhere, in order.
-
-        Raises `RegistryError` if a name is missing on either side, or stands at another place.
-        """
-        wanted = tuple(declared)
-        if wanted != self.names:
-            odd = sorted(set(wanted) ^ set(self.names)) or ["the order"]
-            raise RegistryError(
-                f"The {self.kind} entries and {where} differ in {', '.join(odd)}; the same names "
-                "in the same order are needed."
-            )
 
     def __iter__(self) -> Iterator[Entry]:
         return iter(self._entries.values())

@@ -14,7 +14,7 @@ from functools import cached_property
 from operator import attrgetter
 from typing import Literal
 
-from visuohaptic.attention.learnt import read_learnt
+from visuohaptic.attention.parameters import read_learnt
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.study import Changes
 

@@ -60,13 +60,4 @@ def look(surface, cameras, attention=None, modes=None, background=0.85, **eye):
 
 
 def attend_to(views, attention, **eye):
-    return attend(
-        colour=views.colour,
-        mask=views.mask,
-        point=views.point,
-        normal=views.normal,
-        face=views.face,
-        curvature=views.curvature,
-        parameters=attention,
-        **eye,
-    )
+    return attend(**views.arrays(), parameters=attention, **eye)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from visuohaptic.attention import CHANNELS, AttentionError, ChannelWeights, Example, fit_weights
+from visuohaptic.attention import CHANNELS, AttentionError, Example, fit_weights
 
 ROWS, COLUMNS = np.mgrid[:64, :64]
 
@@ -39,17 +39,8 @@ def test_channel_that_did_not_run_gets_no_weight():
     assert fit_weights([shown], tested=[]).colour == 0.0
 
 
-def test_tested_objects_are_refused():
-    rng = np.random.default_rng(3)
-    with pytest.raises(AttentionError, match="tested objects cup/a"):
-        fit_weights([example(rng, ("edge",))], tested=["cup/a"])
-
-
-def test_no_example_is_refused():
-    with pytest.raises(AttentionError, match="0 examples"):
-        fit_weights([], tested=[])
-
-
-def test_weights_all_zero_are_refused():
-    with pytest.raises(ValueError, match="all channel weights are 0"):
-        ChannelWeights(**dict.fromkeys(CHANNELS, 0.0))
+def test_tested_objects_and_no_example_are_refused():
+    shown = example(np.random.default_rng(3), ("edge",))
+    for examples, culprit in (([shown], "tested objects cup/a"), ([], "0 examples")):
+        with pytest.raises(AttentionError, match=culprit):
+            fit_weights(examples, tested=["cup/a"])

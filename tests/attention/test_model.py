@@ -17,7 +17,6 @@ from visuohaptic.attention import (
     prepare_view,
     saliency_map,
 )
-from visuohaptic.attention.registry import ENTRIES
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.scene.parameters import EffectModes
@@ -26,20 +25,14 @@ PLACES = range(displays.GRID**2)
 CAMERAS = place_cameras(ViewpointParameters())
 FOOTPRINT = CAMERAS[0].view_height / RenderingParameters().resolution
 FRONT = Camera(0.0, 0.0, 3.0, 40.0)
-UNSHADED = EffectModes(shading="never")
 
+RED, GREEN = (displays.Item(colour=colour) for colour in (displays.RED, displays.GREEN))
 ODD_ONES = {
     "level among upright": (displays.Item(0.0), displays.Item(90.0)),
     "slanted among upright": (displays.Item(45.0), displays.Item(90.0)),
     "upright among slanted": (displays.Item(90.0), displays.Item(135.0)),
-    "red among green": (
-        displays.Item(colour=displays.RED),
-        displays.Item(colour=displays.GREEN),
-    ),
-    "green among red": (
-        displays.Item(colour=displays.GREEN),
-        displays.Item(colour=displays.RED),
-    ),
+    "red among green": (RED, GREEN),
+    "green among red": (GREEN, RED),
     "dark among light": (displays.Item(colour=displays.DARK), displays.Item()),
     "dark patch alone": (
         displays.Item(length=0.5, width=0.5, colour=displays.DARK),
@@ -175,7 +168,11 @@ def test_outline_of_an_even_disk_is_no_edge(channel, background):
 
 
 def needing(*what):
-    return {name for name, entry in ENTRIES.items() if entry.needs in what}
+    return {name for name, entry in CHANNELS.items() if entry.needs in what}
+
+
+def bumpy():
+    return scenes.sphere_with_bump((0.2, 0.3, 1.0))
 
 
 def some_channels(views, channels, parameters):
@@ -188,12 +185,8 @@ def some_channels(views, channels, parameters):
     ("scene", "modes", "skipped"),
     [
         (lopsided, EffectModes(), set()),
-        (lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)), EffectModes(), needing("hues")),
-        (
-            lambda: scenes.sphere_with_bump((0.2, 0.3, 1.0)),
-            UNSHADED,
-            needing("hues", "colours"),
-        ),
+        (bumpy, EffectModes(), needing("hues")),
+        (bumpy, EffectModes(shading="never"), needing("hues", "colours")),
     ],
 )
 def test_skipping_channels_changes_no_bit(scene, modes, skipped, normalisation):

@@ -14,8 +14,9 @@ from visuohaptic.attention import (
     TermWeights,
     feature_planes,
 )
-from visuohaptic.attention.learnt import read_learnt
-from visuohaptic.attention.terms import SEEN, prepare_surface, term_planes
+from visuohaptic.attention.model import term_planes
+from visuohaptic.attention.parameters import read_learnt
+from visuohaptic.attention.terms import SEEN, prepare_surface
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera
@@ -58,10 +59,9 @@ def test_place_is_that_of_the_seen_points():
     )
     whole = seen.certainty > 0.999
     y, z = seen.point[whole][:, 1], seen.point[whole][:, 2]
-    np.testing.assert_allclose(planes["height"][whole], y, atol=1e-6)
-    np.testing.assert_allclose(planes["height_squared"][whole], y**2, atol=1e-6)
-    np.testing.assert_allclose(planes["front"][whole], z, atol=1e-6)
-    np.testing.assert_allclose(planes["front_height"][whole], y * z, atol=1e-6)
+    expected = {"height": y, "height_squared": y**2, "front": z, "front_height": y * z}
+    for name, values in expected.items():
+        np.testing.assert_allclose(planes[name][whole], values, atol=1e-6)
     np.testing.assert_allclose(planes["extremity"][whole], 0.9, atol=0.01)
 
 
@@ -115,8 +115,8 @@ def test_terms_without_an_eye_are_refused():
 
 
 def test_features_are_all_channels_and_terms():
-    views, _ = scenes.look(scenes.sphere(), [CAMERA])
-    seen = (views.colour, views.mask, views.point, views.normal, views.curvature, CAMERA.eye[None])
+    seen, _ = scenes.look(scenes.sphere(), [CAMERA])
+    seen = (seen.colour, seen.mask, seen.point, seen.normal, seen.curvature, CAMERA.eye[None])
     planes, certainty = feature_planes(*(part[0] for part in seen), AttentionParameters())
     assert tuple(planes) == (*CHANNELS, *TERMS)
     assert {plane.shape for plane in planes.values()} == {certainty.shape}
@@ -127,26 +127,22 @@ def test_equal_is_1_for_every_channel_and_the_default_for_the_five_that_the_pape
     assert AttentionParameters().weights == named
     equal = AttentionParameters(weights="equal")
     assert set(equal.weights.model_dump().values()) == {1.0}
-    assert AttentionParameters(**equal.model_dump()) == equal
 
 
-def test_human_stands_for_the_learnt_weights():
-    parameters = AttentionParameters(weights="human")
-    learnt = read_learnt()
-    assert parameters.weights == ChannelWeights(**learnt["channels"])
-    assert parameters.terms == TermWeights(**learnt["terms"])
-    assert parameters.is_exponential
-    assert AttentionParameters(**parameters.model_dump()) == parameters
-    zeros = TermWeights().model_dump()
-    assert AttentionParameters(weights="human", terms=zeros) == parameters
-
-
-def test_learnt_weights_say_where_they_come_from():
-    learnt = read_learnt()
+def test_human_stands_for_the_learnt_weights_which_say_where_they_come_from():
+    human, learnt = AttentionParameters(weights="human"), read_learnt()
     assert set(learnt) == {"source", "date", "command", "channels", "terms", "objects", "sha256"}
-    assert set(learnt["channels"]) == set(CHANNELS)
-    assert set(learnt["terms"]) == set(TERMS)
-    assert len(learnt["sha256"]) == 64
+    assert human.weights == ChannelWeights(**learnt["channels"])
+    assert human.terms == TermWeights(**learnt["terms"])
+    assert human.is_exponential
+    assert AttentionParameters(**human.model_dump()) == human
+    assert AttentionParameters(weights="human", terms=TermWeights().model_dump()) == human
+    assert (set(learnt["channels"]), set(learnt["terms"])) == (set(CHANNELS), set(TERMS))
+    channels = AttentionParameters(weights="human_channels")
+    assert channels.weights == human.weights
+    assert not channels.is_exponential
+    assert sum(weight > 0 for weight in channels.weights.model_dump().values()) == 5
+    assert AttentionParameters(weights="human_channels", terms={"centre": 1.0}).is_exponential
 
 
 def test_other_names_of_weights_are_refused():
@@ -154,16 +150,5 @@ def test_other_names_of_weights_are_refused():
         AttentionParameters(weights="animal")
     with pytest.raises(ValidationError, match="leave terms out"):
         AttentionParameters(weights="human", terms={"centre": 1.0})
-
-
-def test_every_term_names_its_source():
-    assert all(term.source and term.description for term in TERMS.values())
-    assert {term.kind for term in TERMS.values()} == {"view", "place", "shape"}
-
-
-def test_fitted_channels_may_be_taken_without_the_terms():
-    fitted = AttentionParameters(weights="human_channels")
-    assert fitted.weights == AttentionParameters(weights="human").weights
-    assert not fitted.is_exponential
-    assert sum(weight > 0 for weight in fitted.weights.model_dump().values()) == 5
-    assert AttentionParameters(weights="human_channels", terms={"centre": 1.0}).is_exponential
+    with pytest.raises(ValidationError, match="all channel weights are 0"):
+        ChannelWeights(**dict.fromkeys(CHANNELS, 0.0))

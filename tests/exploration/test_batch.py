@@ -26,7 +26,7 @@ def test_each_of_several_objects_is_touched_as_it_is_alone():
     np.testing.assert_array_equal(found[0].imprints, found[2].imprints)
 
 
-def test_files_in_a_list_keep_their_names(tmp_path):
+def test_files_in_a_list_keep_their_names_and_one_that_can_not_be_read_stops_all(tmp_path):
     for name, mesh in zip("ab", MESHES, strict=True):
         mesh.export(tmp_path / f"{name}.ply")
     found = vh.touch(
@@ -34,14 +34,11 @@ def test_files_in_a_list_keep_their_names(tmp_path):
     )
     assert [one.key for one in found] == ["unknown/a", "unknown/b"]
     assert found[0].strategy == "random"
+    with pytest.raises(MeshError, match=r"none\.obj"):
+        vh.touch([MESHES[0], tmp_path / "none.obj"], track=pytest.fail)
 
 
 def test_one_object_needs_no_list_and_two_arrays_are_one_object():
     ring = MESHES[0]
     assert len(vh.touch(ring, viewpoints=1, parameters=SMALL, track=iter)) == 1
     assert len(vh.touch((ring.vertices, ring.faces), viewpoints=1, parameters=SMALL)) == 1
-
-
-def test_what_can_not_be_read_is_named_before_any_touch(tmp_path):
-    with pytest.raises(MeshError, match=r"none\.obj can't be read"):
-        vh.touch([MESHES[0], tmp_path / "none.obj"], track=pytest.fail)

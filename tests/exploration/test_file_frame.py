@@ -122,9 +122,11 @@ def test_a_file_of_points_and_normals_stands_as_press_does(tmp_path):
     [
         ("x,y\n1,2\n", "no column z"),
         ("x,y,z\n1,2,3\n", "no column normal_x"),
-        ("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "quaternion of pose 0 has the length 0"),
-        ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,a,0,1\n", "line 2: 1,2,3,a,0,1 are no numbers"),
-        ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,1\n", "line 2 has 4 numbers for 6 columns"),
+        ("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "pose 0 .* qz of length 0"),
+        ("x,y,z,qw,qx,qy,qz\n1,2,inf,1,0,0,0\n", "pose 0 .* not finite"),
+        ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,a,0,1\n", "Row #2: .* 'a'"),
+        ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,1\n", "Row #2: Expected 6 columns, got 4"),
+        ("", "Empty"),
     ],
 )
 def test_a_wrong_file_of_poses_is_refused_in_a_sentence(tmp_path, text, sentence):

@@ -57,8 +57,8 @@ def test_no_pose_gives_no_image():
     ("change", "error", "sentence"),
     [
         ({"points": [[0, 0]]}, ParameterError, r"points has the shape \(1, 2\)"),
-        ({"points": np.zeros((2, 3))}, ParameterError, "2 points and 1 normals"),
-        ({"normals": [[0, 0, 0]]}, ParameterError, "Normal 0 has the length 0"),
+        ({"points": np.zeros((2, 3))}, ParameterError, "1 normals for 2 points"),
+        ({"normals": [[0, 0, 0]]}, ParameterError, "normals has no direction in row 0"),
         ({"size": -1}, ParameterError, "size holds -1"),
         ({"resolution": 1}, ParameterError, "resolution is 1"),
         ({"depth": 0}, ParameterError, "depth holds 0"),

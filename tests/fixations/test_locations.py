@@ -33,17 +33,22 @@ def caster():
     return RayCaster(of_trimesh(mesh, colours))
 
 
-def looks_of(caster, block=(0, 1, 2), **changes):
-    placed = place_cameras(ViewpointParameters(count=4, **changes))
+def looks_of(caster, block=(0, 1, 2), attention=ATTENTION):
+    placed = place_cameras(ViewpointParameters(count=4))
     cameras = {number: placed[number] for number in block}
     seen = render_views(caster, list(cameras.values()), RENDERING)
-    return attend_to(seen, caster, "box/brick", cameras, ATTENTION)
+    return attend_to(seen, caster, "box/brick", cameras, attention)
+
+
+@pytest.fixture(scope="module")
+def looks(caster):
+    return looks_of(caster)
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES.names)
-def test_locations_lie_on_their_faces_and_face_outwards(caster, strategy):
+def test_locations_lie_on_their_faces_and_face_outwards(caster, looks, strategy):
     table = pa.concat_tables(
-        [locate(one, strategy, ATTENTION, 3) for one in looks_of(caster)]
+        [locate(one, strategy, ATTENTION, 3) for one in looks]
     ).combine_chunks()
     check_table(FIXATIONS, table)
     asked = table.filter(pc.less(table.column("touch"), ATTENTION.fixations))
@@ -62,41 +67,37 @@ def test_locations_lie_on_their_faces_and_face_outwards(caster, strategy):
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES.names)
-def test_locations_depend_on_their_own_viewpoint_alone(caster, strategy):
-    together = locate(looks_of(caster)[2], strategy, ATTENTION, 3)
-    alone = locate(looks_of(caster, block=(2,))[0], strategy, ATTENTION, 3)
-    assert together.equals(alone)
-
-
-@pytest.mark.parametrize("strategy", list(STRATEGIES), ids=lambda strategy: strategy.name)
-def test_the_seed_changes_the_places_of_random_strategies_alone(caster, strategy):
-    one = looks_of(caster)[0]
-    first, second = (locate(one, strategy.name, ATTENTION, seed) for seed in (3, 4))
-    assert first.equals(second) != strategy.random
-
-
-@pytest.mark.parametrize("strategy", STRATEGIES.names)
-def test_the_same_seed_gives_other_places_from_another_viewpoint(caster, strategy):
-    first, second, _ = looks_of(caster)
-    xs = [locate(one, strategy, ATTENTION, 3).column("x").to_pylist() for one in (first, second)]
-    assert xs[0] != xs[1]
-
-
-@pytest.mark.parametrize("strategy", STRATEGIES.names)
-def test_fewer_touches_are_the_first_of_more(caster, strategy):
-    one = looks_of(caster, block=(1,))[0]
+def test_locations_depend_on_their_own_viewpoint_alone_and_fewer_are_the_first_of_more(
+    caster, looks, strategy
+):
+    many = locate(looks[2], strategy, ATTENTION, 3)
+    assert many.equals(locate(looks_of(caster, (2,))[0], strategy, ATTENTION, 3))
     shorter = AttentionParameters(fixations=3)
-    placed = place_cameras(ViewpointParameters(count=4))
-    seen = render_views(caster, [placed[1]], RENDERING)
-    again = attend_to(seen, caster, "box/brick", {1: placed[1]}, shorter)[0]
-    few, many = locate(again, strategy, shorter, 3), locate(one, strategy, ATTENTION, 3)
+    few = locate(looks_of(caster, (2,), shorter)[0], strategy, shorter, 3)
     assert few.num_rows > 3
     assert few.equals(many.slice(0, 3 + SPARE))
 
 
-def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caster):
+@pytest.mark.parametrize("strategy", list(STRATEGIES), ids=lambda strategy: strategy.name)
+def test_places_change_with_seed_viewpoint_and_view_as_their_entry_says(looks, strategy):
+    first, seeded, other = (
+        locate(looks[place], strategy.name, ATTENTION, seed)
+        for place, seed in ((0, 3), (0, 4), (1, 3))
+    )
+    assert first.equals(seeded) != strategy.random
+    assert first.column("x").to_pylist() != other.column("x").to_pylist()
+    one = looks[0]
+    blind = Standpoint(one.key, one.viewpoint, one.caster, one.camera)
+    if strategy.looks:
+        with pytest.raises(AttributeError, match="Standpoint"):
+            locate(blind, strategy.name, ATTENTION, 3)
+    else:
+        assert locate(blind, strategy.name, ATTENTION, 3).equals(first)
+
+
+def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caster, looks):
     """Earlier figures come from these draws, by a generator named random."""
-    one = looks_of(caster)[1]
+    one = looks[1]
     generator = spawn_generator(3, "random", "box/brick", 1)
     expected = face_outwards(caster, draw_by_area(caster.surface, 6, generator))
     reached, anywhere = (locate(one, name, ATTENTION, 3) for name in ("random", "random_anywhere"))
@@ -111,8 +112,8 @@ def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caste
     assert set(anywhere.column("unreachable").to_pylist()) == {"keep"}
 
 
-def test_the_most_curved_places_of_a_box_are_its_edges(caster):
-    for one in looks_of(caster):
+def test_the_most_curved_places_of_a_box_are_its_edges(looks):
+    for one in looks:
         points = matrix(locate(one, "curvature", ATTENTION, 3), ["x", "y", "z"])[:6]
         at_border = np.sum(np.abs(np.abs(points) - [0.6, 0.4, 0.3]) < 0.05, axis=1)
         assert (at_border >= 2).all()
@@ -126,9 +127,9 @@ def test_a_surface_without_curvature_has_places_too():
     assert locate(one, "curvature", ATTENTION, 3).num_rows >= 6
 
 
-def test_candidates_are_what_the_viewpoint_sees(caster):
+def test_candidates_are_what_the_viewpoint_sees(caster, looks):
     crowd = spread_far(caster.surface, 60, np.random.default_rng(0))
-    for one in looks_of(caster):
+    for one in looks:
         table = candidate_table(one, crowd)
         points, normals = (
             matrix(table, [f"{prefix}{axis}" for axis in "xyz"]) for prefix in ("", "normal_")
@@ -136,16 +137,3 @@ def test_candidates_are_what_the_viewpoint_sees(caster):
         assert 0 < len(points) < 60
         assert (np.sum(normals * (one.camera.eye - points), axis=1) > 0).all()
         assert table.column("touch").to_pylist() == list(range(len(points)))
-
-
-@pytest.mark.parametrize("strategy", list(STRATEGIES), ids=lambda strategy: strategy.name)
-def test_strategies_that_do_not_look_need_no_view(caster, strategy):
-    one = looks_of(caster)[1]
-    blind = Standpoint(one.key, one.viewpoint, one.caster, one.camera)
-    if strategy.looks:
-        with pytest.raises(AttributeError, match="Standpoint"):
-            locate(blind, strategy.name, ATTENTION, 3)
-    else:
-        assert locate(blind, strategy.name, ATTENTION, 3).equals(
-            locate(one, strategy.name, ATTENTION, 3)
-        )

@@ -19,6 +19,14 @@ def surface_of(mesh):
     return of_trimesh(mesh, (200, 120, 60))
 
 
+def every(mode):
+    return dict.fromkeys(VISUAL_EFFECTS, mode)
+
+
+def books(views):
+    return {record.effect: record for record in views.effects}
+
+
 IMAGES = [field.name for field in fields(Views) if field.name != "effects"]
 SPHERE = surface_of(trimesh.creation.icosphere(subdivisions=4, radius=0.8))
 
@@ -47,7 +55,7 @@ def test_one_cast_can_be_coloured_under_any_effects():
     caster, parameters = RayCaster(SPHERE), RenderingParameters(resolution=64)
     met = list(meet_surface(caster, CAMERAS, parameters))
     for mode in ("always", "never"):
-        modes = EffectModes(**dict.fromkeys(VISUAL_EFFECTS, mode))
+        modes = EffectModes(**every(mode))
         coloured = colour_views(caster, CAMERAS, met, parameters, modes)
         whole = render_views(caster, CAMERAS, parameters, modes)
         for name in IMAGES:
@@ -102,15 +110,10 @@ def test_grey_stays_grey_under_shading():
 @pytest.mark.parametrize(
     ("ambient", "modes", "runs", "reason"),
     [
-        (0.4, {}, 0, "part of the light has a direction"),
-        (
-            0.4,
-            {"cast_shadows": "auto", "shading": "never"},
-            0,
-            "without shading no light is blocked",
-        ),
+        (0.4, {}, 0, "has a direction"),
+        (0.4, {"cast_shadows": "auto", "shading": "never"}, 0, "without shading"),
         (1.0, {"cast_shadows": "auto"}, 0, "all light is ambient"),
-        (0.4, {"cast_shadows": "auto"}, 1, "part of the light has a direction"),
+        (0.4, {"cast_shadows": "auto"}, 1, "has a direction"),
     ],
 )
 def test_shadow_rays_are_cast_only_where_they_tell(ambient, modes, runs, reason):
@@ -122,7 +125,9 @@ def test_shadow_rays_are_cast_only_where_they_tell(ambient, modes, runs, reason)
     views = render_views(caster, CAMERAS[:1], parameters, EffectModes(**modes))
     assert len(asked) == 1 + runs  # the view's own rays are cast at once
     record = books(views)["cast_shadows"]
-    assert (record.runs, record.reason) == (runs, reason)
+    assert record.runs == runs
+    assert (record.seconds > 0) == bool(runs)
+    assert reason in record.reason
 
 
 def test_lamp_above_casts_the_shadow_of_a_roof():
@@ -142,10 +147,6 @@ def test_lamp_above_casts_the_shadow_of_a_roof():
     assert views.colour[0][shaded, 0].max() < views.colour[0][open_sky, 0].min()
 
 
-# High above the camera, so that the plate's shadow falls on the ball.
-HIGH_LIGHT = {"light_elevation_degrees": 70.0}
-
-
 def plate_above_ball(colours):
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.5)
     plate = trimesh.creation.box(extents=(0.9, 0.05, 0.9))
@@ -159,16 +160,9 @@ GREY = plate_above_ball([(160, 160, 160), (160, 160, 160)])
 
 
 def see(surface, ambient=0.4, **modes):
-    parameters = RenderingParameters(resolution=48, ambient=ambient, **HIGH_LIGHT)
+    # The light is high above the camera, so that the plate's shadow falls on the ball.
+    parameters = RenderingParameters(resolution=48, ambient=ambient, light_elevation_degrees=70.0)
     return render_views(RayCaster(surface), CAMERAS[:2], parameters, EffectModes(**modes))
-
-
-def every(mode):
-    return dict.fromkeys(VISUAL_EFFECTS, mode)
-
-
-def books(views):
-    return {record.effect: record for record in views.effects}
 
 
 @pytest.mark.parametrize("ambient", [0.0, 0.4, 1.0])
@@ -207,12 +201,3 @@ def test_effects_of_the_view_move_no_geometry():
     one, other = see(COLOURED, **every("always")), see(COLOURED, **every("never"))
     for name in ("mask", "depth", "point", "normal", "face", "curvature"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-
-
-def test_the_books_tell_views_and_reasons():
-    found = books(see(GREY))
-    assert list(found) == list(VISUAL_EFFECTS)
-    assert (found["colour"].needed, found["colour"].runs) == (0, 0)
-    assert found["colour"].reason == "all faces are grey"
-    assert (found["shading"].touches, found["shading"].runs) == (2, 2)
-    assert found["shading"].seconds > 0 == found["cast_shadows"].seconds

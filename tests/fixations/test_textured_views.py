@@ -161,15 +161,12 @@ def test_images_call_for_texture_and_for_colour():
     assert (needed_by(PLAIN)["texture"], needed_by(PLAIN)["colour"]) == (0, 1)
 
 
-def test_without_texture_an_image_is_its_mean():
+def test_without_texture_or_colour_an_image_is_its_mean_or_the_greys_of_its_luma():
     views = see(square(), texture="never")
     colour = np.unique(stored(views.colour[views.mask]), axis=0)
     mean = 255 * encode_srgb(decode_srgb(BOARD / 255.0).mean(axis=(0, 1)))
     assert len(colour) == 1
     np.testing.assert_allclose(colour[0], mean, atol=2)
-
-
-def test_without_colour_an_image_has_the_greys_of_its_luma():
     views = see(square(), colour="never")
     assert np.ptp(views.colour[views.mask], axis=-1).max() == 0
     found = set(stored(views.colour[views.mask])[:, 0])

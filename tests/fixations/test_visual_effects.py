@@ -1,38 +1,26 @@
 import numpy as np
 import pytest
 
-from visuohaptic.errors import RegistryError
 from visuohaptic.fixations.visual_effects import plan_visual, seen_colours
-from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
+from visuohaptic.scene.parameters import EffectModes
 
 GREY = np.full((4, 3), 90, dtype=np.uint8)
 PATTERN = np.array([[200, 10, 10], [10, 200, 10], [10, 10, 200], [90, 90, 90]], dtype=np.uint8)
 
 
-def test_an_effect_of_the_view_without_a_plan_is_refused(monkeypatch):
-    effects = (*VISUAL_EFFECTS, "fog")
-    monkeypatch.setattr("visuohaptic.fixations.visual_effects.VISUAL_EFFECTS", effects)
-    with pytest.raises(RegistryError, match=r"each of colour, .*, fog needs a plan"):
-        visual(GREY)
-
-
-def visual(face_colours, ambient=0.4, **modes):
-    return {plan.effect: plan for plan in plan_visual(EffectModes(**modes), face_colours, ambient)}
-
-
-def test_a_grey_object_calls_for_no_colour_and_a_uniform_one_for_no_texture():
-    plans = visual(GREY)
-    assert not plans["colour"].needed
-    assert not plans["texture"].needed
-    plans = visual(PATTERN)
-    assert plans["colour"].simulated
-    assert plans["texture"].simulated
-
-
-def test_modes_overrule_what_is_needed():
-    plans = visual(GREY, colour="always", shading="never")
-    assert plans["colour"].simulated
-    assert not plans["shading"].simulated
+@pytest.mark.parametrize(
+    ("colours", "modes", "simulated"),
+    [
+        (GREY, {}, {"shading"}),
+        (PATTERN, {}, {"colour", "texture", "shading"}),
+        (GREY, {"colour": "always", "shading": "never"}, {"colour"}),
+    ],
+)
+def test_an_object_calls_for_what_it_shows_and_modes_overrule_it(colours, modes, simulated):
+    plans = plan_visual(EffectModes(**modes), colours, ambient=0.4)
+    assert {plan.effect for plan in plans if plan.simulated} == simulated
+    needed = {plan.effect for plan in plans if plan.needed} & {"colour", "texture"}
+    assert needed == (set() if colours is GREY else {"colour", "texture"})
 
 
 def test_colours_are_seen_as_they_are_unless_switched_off():
@@ -44,9 +32,6 @@ def test_colours_are_seen_as_they_are_unless_switched_off():
     grey = seen_colours(PATTERN, areas, EffectModes(colour="never"))
     assert (grey == grey[:, :1]).all()
     assert len(np.unique(grey[:, 0])) > 2
-
-
-@pytest.mark.parametrize("effect", ["colour", "texture"])
-def test_switching_off_what_is_not_needed_changes_nothing(effect):
-    modes = EffectModes(**{effect: "never"})
-    np.testing.assert_array_equal(seen_colours(GREY, np.arange(1.0, 5.0), modes), GREY)
+    for effect in ("colour", "texture"):
+        found = seen_colours(GREY, areas, EffectModes(**{effect: "never"}))
+        np.testing.assert_array_equal(found, GREY)

@@ -34,16 +34,10 @@ def test_points_that_leave_out_the_corners_are_brought_closer_than_their_box_doe
     assert np.percentile(np.linalg.norm(found - points, axis=1), 95) < np.percentile(off, 95) / 2
 
 
-def test_other_axes_are_refused_with_the_error():
+def test_other_axes_and_points_at_one_place_are_refused():
     points = points_on(SURFACE, 2000)[:, [1, 2, 0]]
-    with pytest.raises(
-        GazeError, match=r"box: 5 % of the recorded points lie more than 0\.\d+ "
-    ) as found:
+    with pytest.raises(GazeError, match=r"box: .* 0\.\d+ .* axes"):
         align(points, RayCaster(SURFACE), "box", 0.03)
-    assert "axes" in str(found.value)
-
-
-def test_points_at_one_place_are_refused():
     with pytest.raises(GazeError, match="at one place"):
         align(np.ones((5, 3)), RayCaster(SURFACE), "box", 0.03)
 
@@ -53,11 +47,9 @@ def test_a_surface_is_made_from_points_and_normals():
     mesh = trimesh.creation.icosphere(4)
     surface = grey_surface(np.array(mesh.vertices), np.array(mesh.faces))
     ball = draw_by_area(surface, 5000, np.random.default_rng(1))
-    seconds = np.ones(5000)
-    made = reconstruct(Recording("ball", ball.points, ball.normals, seconds, ""))
-    radius = np.linalg.norm(made.vertices, axis=1)
-    assert abs(radius - 1).max() < 0.03
-    again = reconstruct(Recording("ball", ball.points, ball.normals, seconds, ""))
+    recording = Recording("ball", ball.points, ball.normals, np.ones(5000), "")
+    made, again = reconstruct(recording), reconstruct(recording)
+    assert abs(np.linalg.norm(made.vertices, axis=1) - 1).max() < 0.03
     np.testing.assert_array_equal(made.vertices, again.vertices)
 
 

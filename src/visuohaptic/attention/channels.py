@@ -7,30 +7,15 @@ its pixels, so that only the object counts.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cache
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from .arrays import Booleans, Integers, Plane
-from .errors import AttentionError
-from .parameters import CHANNELS, AttentionParameters
 from .plain_filters import plain_kernel
-from .pyramid import (
-    GOES_ON,
-    blur,
-    enlarge,
-    filled,
-    quads,
-    reciprocal,
-    reduce,
-    reductions,
-    to_working_size,
-)
-from .registry import ENTRIES, channel
+from .pyramid import GOES_ON, blur, enlarge, filled, reciprocal, reduce, reductions, to_working_size
 
 GABOR_SIZE = 9
 GABOR_PERIOD = 7.0
@@ -47,27 +32,6 @@ RADIAL_STRICTNESS = 2.0
 # Votes at which a centre counts as fully symmetric: half of the 9.9 of Loy & Zelinsky 2003, as
 # half the rows and columns have half the pixels around a circle.
 FULL_SYMMETRY = 4.95
-
-
-def _slots() -> Iterator[tuple[str, ...]]:
-    """Name the channel of each plane in the stacks of four."""
-    names = [name for name, entry in ENTRIES.items() if entry.planes for _ in range(entry.count)]
-    for start in range(0, len(names), 4):
-        yield tuple(names[start : start + 4])
-
-
-@dataclass(frozen=True)
-class Stack:
-    """Four planes that are processed together.
-
-    `pyramid` holds them on centre level `level` and on each coarser one that is used, (n, n, 4)
-    float32, multiplied by the certainty. `channels` are those of the first planes; the others hold
-    zeros.
-    """
-
-    level: int
-    pyramid: list[Plane]
-    channels: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -113,20 +77,6 @@ def prepare_view(colour: Plane, mask: Booleans, curvature: Plane) -> WorkingView
     )
 
 
-def reasons_to_skip(
-    colour: Plane, mask: Booleans, curvature: Plane, parameters: AttentionParameters
-) -> dict[str, str]:
-    """Give the channels that a view, as `prepare_view` takes it, does not need, and why.
-
-    A channel is skipped only if its map would be zero, or if its weight is zero: the saliency map
-    is the same, bit for bit. Reasons are in the order of `CHANNELS`.
-    """
-    found = _dull_channels(colour, mask, curvature)
-    weights = parameters.weights.model_dump()
-    found |= {name: "its weight is 0" for name in CHANNELS if not weights.get(name)}
-    return {name: found[name] for name in CHANNELS if name in found}
-
-
 def colour_planes(view: WorkingView) -> list[Plane]:
     """Red-green and blue-yellow opponency.
 
@@ -143,12 +93,12 @@ def colour_planes(view: WorkingView) -> list[Plane]:
     ]
 
 
-def intensity_plane(view: WorkingView) -> Plane:
+def intensity_planes(view: WorkingView) -> list[Plane]:
     """Mean of red, green and blue (Itti, Koch & Niebur 1998)."""
-    return view.intensity * view.certainty
+    return [view.intensity * view.certainty]
 
 
-def contrast_plane(view: WorkingView) -> Plane:
+def contrast_planes(view: WorkingView) -> list[Plane]:
     """Local root mean square contrast: deviation over mean in a Gaussian window.
 
     Moulden, Kingdom & Gatley 1990 for the measure; Reinagel & Zador 1999 for its
@@ -158,26 +108,26 @@ def contrast_plane(view: WorkingView) -> Plane:
     weight = reciprocal(_window(view.certainty))
     mean = _window(view.intensity * view.certainty) * weight
     variance = _window((view.intensity - mean) ** 2 * view.certainty) * weight
-    return np.sqrt(np.maximum(variance, 0.0)) / (mean + DARK) * view.certainty
+    return [np.sqrt(np.maximum(variance, 0.0)) / (mean + DARK) * view.certainty]
 
 
-def curvature_plane(view: WorkingView) -> Plane:
+def curvature_planes(view: WorkingView) -> list[Plane]:
     """Logarithm of the curvedness of the surface.
 
     Lee, Varshney & Jacobs 2005, "Mesh saliency", for centre-surround differences
     of curvature; here they are taken in the view.
     """
-    return view.curvature * view.certainty
+    return [view.curvature * view.certainty]
 
 
-def edge_plane(view: WorkingView) -> Plane:
+def edge_planes(view: WorkingView) -> list[Plane]:
     """Length of the gradient of intensity by Scharr's operator, full scale per pixel."""
     across, down = _gradient(view.backdrop)
     length: Plane = np.sqrt(across**2 + down**2)
-    return length * view.certainty
+    return [length * view.certainty]
 
 
-def entropy_plane(view: WorkingView, bins: int) -> Plane:
+def entropy_planes(view: WorkingView, bins: int) -> list[Plane]:
     """Entropy of the grey levels in a window, as a fraction of the largest possible.
 
     Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is
@@ -200,10 +150,10 @@ def entropy_plane(view: WorkingView, bins: int) -> Plane:
         share = np.maximum(_box(quad) * cv2.merge([weight] * 4), np.float32(1e-12))
         entropy -= sum(cv2.split(share * cv2.log(share)))
     fraction = np.maximum(entropy / np.float32(np.log(bins)), np.float32(0.0))
-    return enlarge(fraction, len(view.certainty)) * view.certainty
+    return [enlarge(fraction, len(view.certainty)) * view.certainty]
 
 
-def symmetry_plane(view: WorkingView, radii: tuple[int, ...]) -> Plane:
+def symmetry_planes(view: WorkingView, radii: tuple[int, ...]) -> list[Plane]:
     """Radial symmetry by gradient votes, dark and bright centres alike.
 
     Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest",
@@ -231,92 +181,27 @@ def symmetry_plane(view: WorkingView, radii: tuple[int, ...]) -> Plane:
             votes, (0, 0), 0.125 * radius, borderType=cv2.BORDER_CONSTANT
         )
     mean = total / np.float32(len(radii))
-    return enlarge(mean, len(view.certainty)) * view.certainty
+    return [enlarge(mean, len(view.certainty)) * view.certainty]
 
 
-def orientation_stacks(view: WorkingView, parameters: AttentionParameters) -> list[Stack]:
-    """Local energy of Gabor pairs at each angle, minus the mean over all angles.
+def orientation_planes(view: WorkingView, count: int, levels: tuple[int, ...]) -> list[list[Plane]]:
+    """Local energy of Gabor pairs at each angle, minus the mean over all angles, on each level.
 
-    For each centre level the angles are in stacks of four. Itti, Koch & Niebur 1998, with the
-    filters of their authors' toolbox: 9 x 9 pixels, period 7, deviation 7/3, phases 0 and 90
-    degrees, zero mean, unit norm. Angles inhibit each other (Heeger 1992, "Normalization of cell
-    responses in cat striate cortex", in its subtractive form); without this the two ends of an
-    upright bar would count as two horizontal bars.
+    Itti, Koch & Niebur 1998, with the filters of their authors' toolbox: 9 x 9 pixels, period 7,
+    deviation 7/3, phases 0 and 90 degrees, zero mean, unit norm. Angles inhibit each other (Heeger
+    1992, "Normalization of cell responses in cat striate cortex", in its subtractive form); without
+    this the two ends of an upright bar would count as two horizontal bars.
     """
-    deepest = max(parameters.centre_levels)
-    images = reductions(view.backdrop, deepest, GOES_ON)
-    certainties = reductions(view.certainty, deepest)
-    stacks = []
-    steps = max(parameters.surround_offsets)
-    for level in parameters.centre_levels:
-        angles = _gabor_energies(images[level], parameters.orientations)
+    images = reductions(view.backdrop, max(levels), GOES_ON)
+    certainties = reductions(view.certainty, max(levels))
+    planes = []
+    for level in levels:
+        angles = _gabor_energies(images[level], count)
         energies = [blur(energy, GOES_ON) for energy in angles]
         mean = sum(energies[1:], energies[0]) / np.float32(len(energies))
-        planes = [
-            np.maximum(energy - mean, np.float32(0.0)) * certainties[level] for energy in energies
-        ]
-        stacks += [
-            Stack(level, reductions(quad, steps), ("orientation",) * count)
-            for quad, count in quads(planes)
-        ]
-    return stacks
-
-
-def feature_stacks(
-    view: WorkingView, channels: Collection[str], parameters: AttentionParameters
-) -> list[Stack]:
-    """Compute the planes of some channels out of `parameters.CHANNELS`, for each centre level.
-
-    Each plane has a fixed place, so that a channel's numbers do not depend on which other channels
-    run; their places hold zeros. Raises `AttentionError` if there is no such channel, or one gives
-    another number of planes than its entry says.
-    """
-    entries = [channel(name) for name in channels]
-    stacks = []
-    steps = max(parameters.surround_offsets)
-    for slots in _slots():
-        wanted = [name for name in dict.fromkeys(slots) if name in channels]
-        if not wanted:
-            continue
-        found = {name: _planes(name, view, parameters) for name in wanted}
-        empty = np.zeros_like(view.certainty)
-        planes = [found[name].pop(0) if name in found else empty for name in slots]
-        ((stack, _),) = quads(planes)
-        pyramid = reductions(stack, max(parameters.centre_levels) + steps)
-        stacks += [Stack(level, pyramid[level:], slots) for level in parameters.centre_levels]
-    for entry in entries:
-        stacks += entry.stacks(view, parameters) if entry.stacks else []
-    return stacks
-
-
-def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> list[Plane]:
-    entry = channel(name)
-    planes = entry.planes(view, parameters) if entry.planes else []
-    if len(planes) != entry.count:
-        raise AttentionError(
-            f"channel {name} gave {len(planes)} planes; its entry says {entry.count}."
-        )
+        above = [np.maximum(energy - mean, np.float32(0.0)) for energy in energies]
+        planes.append([plane * certainties[level] for plane in above])
     return planes
-
-
-def _dull_channels(colour: Plane, mask: Booleans, curvature: Plane) -> dict[str, str]:
-    if not mask.any():
-        return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
-    inside = mask.view(np.uint8)
-    missing: dict[str | None, str] = {}
-    red, green, blue = cv2.split(np.ascontiguousarray(colour))
-    if not np.any(((red != green) | (green != blue)) & mask):
-        missing["hues"] = "every pixel is grey"
-    if all(_is_uniform(hue, inside) for hue in (red, green, blue)):
-        missing |= dict.fromkeys(("hues", "colours"), "every pixel has one and the same colour")
-    if _is_uniform(np.ascontiguousarray(curvature), inside):
-        missing["curvature"] = "the surface is curved alike everywhere"
-    return {name: missing[entry.needs] for name, entry in ENTRIES.items() if entry.needs in missing}
-
-
-def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
-    lowest, highest, _, _ = cv2.minMaxLoc(plane, inside)
-    return lowest == highest
 
 
 @cache

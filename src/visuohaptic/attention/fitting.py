@@ -10,7 +10,8 @@ import numpy as np
 
 from .arrays import Booleans, Floats, Integers, Plane
 from .errors import AttentionError
-from .parameters import CHANNELS, ChannelWeights
+from .parameters import ChannelWeights
+from .registry import CHANNELS
 
 
 @dataclass(frozen=True)

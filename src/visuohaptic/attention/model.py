@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,14 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import Booleans, Floats, Integers, Plane
-from .channels import prepare_view, reasons_to_skip
+from .channels import prepare_view
 from .errors import AttentionError
-from .parameters import CHANNELS, AttentionParameters
+from .parameters import AttentionParameters
 from .plain_filters import plain_filters
+from .pyramid import filled
+from .registry import CHANNELS, TERMS
 from .saliency import conspicuity_maps, on_view, saliency_map
 from .scanpath import Scanpath, scan
-from .term_registry import TERMS
-from .terms import exponential, prepare_surface, term_planes
+from .terms import SeenSurface, prepare_surface
 
 SMALLEST_VIEW = 16
 # Keeps a map of zeros from being divided by zero.
@@ -91,7 +93,63 @@ def feature_planes(
     seen = prepare_surface(mask, point, normal, eye)
     nothing = np.zeros_like(seen.certainty)
     planes = {name: maps.get(name, nothing) for name in CHANNELS}
-    return planes | term_planes(seen, tuple(TERMS)), seen.certainty
+    return planes | term_planes(seen, TERMS), seen.certainty
+
+
+def reasons_to_skip(
+    colour: Plane, mask: Booleans, curvature: Plane, parameters: AttentionParameters
+) -> dict[str, str]:
+    """Give the channels that a view, as `prepare_view` takes it, does not need, and why.
+
+    A channel is skipped only if its map would be zero, or if its weight is zero: the saliency map
+    is the same, bit for bit. Reasons are in the order of `CHANNELS`.
+    """
+    found = _dull_channels(colour, mask, curvature)
+    weights = parameters.weights.model_dump()
+    found |= {name: "its weight is 0" for name in CHANNELS if not weights.get(name)}
+    return {name: found[name] for name in CHANNELS if name in found}
+
+
+def term_planes(seen: SeenSurface, names: Iterable[str]) -> dict[str, Plane]:
+    """Compute some terms, shape (n, n), float32 each, by name; zero off the object."""
+    shown = seen.certainty > 0
+    return {name: TERMS[name].plane(seen).astype(np.float32) * shown for name in names}
+
+
+def _dull_channels(colour: Plane, mask: Booleans, curvature: Plane) -> dict[str, str]:
+    if not mask.any():
+        return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
+    inside = mask.view(np.uint8)
+    missing: dict[str | None, str] = {}
+    red, green, blue = cv2.split(np.ascontiguousarray(colour))
+    if not np.any(((red != green) | (green != blue)) & mask):
+        missing["hues"] = "every pixel is grey"
+    if all(_is_uniform(hue, inside) for hue in (red, green, blue)):
+        missing |= dict.fromkeys(("hues", "colours"), "every pixel has one and the same colour")
+    if _is_uniform(np.ascontiguousarray(curvature), inside):
+        missing["curvature"] = "the surface is curved alike everywhere"
+    return {
+        name: missing[entry.needs] for name, entry in CHANNELS.items() if entry.needs in missing
+    }
+
+
+def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
+    lowest, highest, _, _ = cv2.minMaxLoc(plane, inside)
+    return lowest == highest
+
+
+def _exponential(total: Plane, seen: SeenSurface, parameters: AttentionParameters) -> Plane:
+    """Give the exponential of channels and terms together, 1 at its largest; beyond the outline it goes on."""
+    weights = {name: weight for name, weight in parameters.terms.model_dump().items() if weight}
+    terms = np.zeros_like(seen.certainty)
+    for name, plane in term_planes(seen, weights).items():
+        terms += np.float32(weights[name]) * plane
+    exponent = total + terms
+    largest = float(exponent[seen.certainty > 0].max(initial=-np.inf))
+    if not np.isfinite(largest):
+        return np.zeros_like(total)
+    value = cv2.exp(np.minimum(exponent - np.float32(largest), 0.0))
+    return filled(value * seen.certainty, seen.certainty)
 
 
 def _attend_view(
@@ -109,7 +167,7 @@ def _attend_view(
     maps = conspicuity_maps(prepare_view(colour, mask, curvature), channels, parameters)
     total = saliency_map(maps, parameters)
     if parameters.is_exponential and eye is not None:
-        total = exponential(total, prepare_surface(mask, point, normal, eye), parameters)
+        total = _exponential(total, prepare_surface(mask, point, normal, eye), parameters)
     saliency = on_view(total, mask, cv2.INTER_CUBIC)
     saliency /= np.float32(max(float(saliency.max()), SMALLEST_PEAK))
     return Attention(

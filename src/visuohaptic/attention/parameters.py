@@ -2,32 +2,49 @@
 
 from __future__ import annotations
 
+import json
 import re
+from functools import cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    create_model,
-    model_validator,
-)
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
 from .errors import AttentionError
-from .learnt import read_learnt
-from .registry import ENTRIES, Channel, add, channel
-from .term_registry import TERMS
-
-CHANNELS = ENTRIES.keys()
-"""The names of all channels, those that are added later among them."""
+from .registry import CHANNELS, TERMS, Channel, channel
 
 NAMED_WEIGHTS = ("equal", "human", "human_channels")
 """Names that stand for a set of weights, see `AttentionParameters`."""
 
 
+@cache
+def read_learnt() -> dict[str, Any]:
+    """Give weights that were fitted to where people looked, `channels` and `terms` by name, and their origin.
+
+    No recording is part of this package.
+    """
+    text = files(__package__).joinpath("human_weights.json").read_text(encoding="utf-8")
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
 class _Weights(BaseModel):
+    """Weights by name: a field for each entry of a registry, so that the entry is all there is to write."""
+
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    if TYPE_CHECKING:
+
+        def __init__(self, **weights: float) -> None: ...
+
+    @classmethod
+    def _add(cls, name: str, weight: Any) -> None:
+        cls.__pydantic_fields__[name] = FieldInfo.from_annotated_attribute(float, weight)
+
+
+class ChannelWeights(_Weights):
+    """How much each channel adds to the saliency map; a channel of weight 0 is not computed."""
 
     @model_validator(mode="after")
     def _one_above_zero(self) -> Self:
@@ -36,52 +53,27 @@ class _Weights(BaseModel):
         return self
 
     @classmethod
+    def add(cls, entry: Channel) -> None:
+        """Add the weight of a channel."""
+        cls._add(entry.name, Field(entry.weight, ge=0.0, description=entry.description))
+        cls.model_rebuild(force=True)
+
+    @classmethod
     def only(cls, *channels: str) -> Self:
         """Give the named channels weight 1 and all others 0; `AttentionError` if one is unknown."""
         chosen = {channel(name).name for name in channels}
         return cls.model_validate({name: float(name in chosen) for name in CHANNELS})
 
 
-if TYPE_CHECKING:
-
-    class ChannelWeights(_Weights):
-        """How much each channel adds to the saliency map; a channel of weight 0 is not computed."""
-
-        def __init__(self, **weights: float) -> None: ...
-
-else:
-    # A field for each channel, so that a channel's entry is all that there is to write.
-    ChannelWeights = create_model(
-        "ChannelWeights",
-        __base__=_Weights,
-        __module__=__name__,
-        __doc__="How much each channel adds to the saliency map; a channel of weight 0 is not computed.",
-        **{
-            entry.name: (float, Field(entry.weight, ge=0.0, description=entry.description))
-            for entry in ENTRIES.values()
-        },
-    )
+class TermWeights(_Weights):
+    """How much each term adds to the exponent of the saliency map; none by default."""
 
 
-if TYPE_CHECKING:
-
-    class TermWeights(BaseModel):
-        """How much each term adds to the exponent of the saliency map; none by default."""
-
-        def __init__(self, **weights: float) -> None: ...
-
-else:
-    TermWeights = create_model(
-        "TermWeights",
-        __config__=ConfigDict(frozen=True, extra="forbid"),
-        __module__=__name__,
-        __doc__="How much each term adds to the exponent of the saliency map; none by default.",
-        **{
-            entry.name: (float, Field(0.0, description=entry.description))
-            for entry in TERMS.values()
-        },
-    )
-
+for _channel in CHANNELS.values():
+    ChannelWeights.add(_channel)
+for _term in TERMS.values():
+    TermWeights._add(_term.name, Field(0.0, description=_term.description))
+TermWeights.model_rebuild(force=True)
 
 _SOURCES: dict[str, str] = {}
 
@@ -92,18 +84,14 @@ def add_channel(entry: Channel, source: str) -> None:
     One that the same source added before is replaced. Raises `AttentionError` if its name is taken, or
     can't be one.
     """
-    taken = entry.name in ENTRIES and _SOURCES.get(entry.name) != source
+    taken = entry.name in CHANNELS and _SOURCES.get(entry.name) != source
     if taken or not re.fullmatch("[a-z_]+", entry.name):
         raise AttentionError(
             f"{entry.name!r} can't name a channel; letters a to z and _ are allowed, and each name once."
         )
-    weight = Field(entry.weight, ge=0.0, description=entry.description)
-    ChannelWeights.__pydantic_fields__[entry.name] = FieldInfo.from_annotated_attribute(
-        float, weight
-    )
-    for model in (ChannelWeights, AttentionParameters):
-        model.model_rebuild(force=True)
-    add(entry)
+    ChannelWeights.add(entry)
+    AttentionParameters.model_rebuild(force=True)
+    CHANNELS[entry.name] = entry
     _SOURCES[entry.name] = source
 
 

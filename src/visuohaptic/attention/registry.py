@@ -1,26 +1,18 @@
-"""The channels: one entry holds all that there is to know of each.
+"""The channels and the terms: one entry holds all that there is to know of each.
 
-Heavy libraries are imported by the functions that use them, so that the channels' names and
-weights can be checked without.
+The library that computes them is imported where it is called, so that names and weights can be
+checked without.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from types import MappingProxyType
-from typing import Any, Literal, Protocol, TypeVar
+from operator import attrgetter
+from typing import Any, Literal
 
 from .errors import AttentionError
-
-
-class _Named(Protocol):
-    @property
-    def name(self) -> str: ...
-
-
-Entry = TypeVar("Entry", bound=_Named)
 
 
 @dataclass(frozen=True)
@@ -52,7 +44,7 @@ class Channel:
     name: str
     description: str
     planes: Callable[..., list[Any]] | None = None
-    stacks: Callable[..., list[Any]] | None = None
+    stacks: Callable[..., list[list[Any]]] | None = None
     count: int = 1
     two_sided: bool = False
     needs: Literal["hues", "colours", "curvature"] | None = None
@@ -66,57 +58,85 @@ class Channel:
             )
 
 
+@dataclass(frozen=True)
+class Term:
+    """One thing that people's gaze depends on besides the channels, a factor of what these say.
+
+    `source` says who found that people use it, or where the measure comes from. `plane` takes a
+    `SeenSurface` and gives (n, n), float32, of about unit size. `kind` is ``view``, ``place`` or
+    ``shape``: what of the surface it depends on.
+    """
+
+    name: str
+    description: str
+    source: str
+    plane: Callable[[Any], Any]
+    kind: str
+
+
 def channel(name: str) -> Channel:
     """Give a channel by its name; `AttentionError` if there is none."""
-    if name not in ENTRIES:
-        raise AttentionError(f"{name!r} is no channel; {', '.join(ENTRIES)} are allowed.")
-    return ENTRIES[name]
+    if name not in CHANNELS:
+        raise AttentionError(f"{name!r} is no channel; {', '.join(CHANNELS)} are allowed.")
+    return CHANNELS[name]
 
 
-def add(entry: Channel) -> None:
-    """Add a channel, the last one, or replace the one of its name."""
-    _ENTRIES[entry.name] = entry
-
-
-def by_name(*entries: Entry) -> dict[str, Entry]:
-    """Give entries by their names; `AttentionError` if two have one name."""
-    names = [entry.name for entry in entries]
-    if len(set(names)) < len(names):
-        raise AttentionError(f"entries are {', '.join(names)}; each name is allowed once.")
-    return dict(zip(names, entries, strict=True))
-
-
-def _measure(name: str, *settings: str) -> Callable[..., list[Any]]:
-    """Name a function of `channels`, which is imported when it is called, and the parameters that it takes."""
+def _of_view(name: str, *settings: str) -> Callable[..., list[Any]]:
+    """Name a function of `channels`, and the parameters that it takes."""
 
     def planes(view: Any, parameters: Any) -> list[Any]:
         function = getattr(import_module(".channels", __package__), name)
-        found = function(view, *(getattr(parameters, setting) for setting in settings))
-        return found if isinstance(found, list) else [found]
+        return function(view, *(getattr(parameters, setting) for setting in settings))
 
     return planes
 
 
-def _orientation(view: Any, parameters: Any) -> list[Any]:
-    return import_module(".channels", __package__).orientation_stacks(view, parameters)
+def _of_surface(name: str, *settings: float) -> Callable[[Any], Any]:
+    """Name a function of `terms`, and what it takes beside the surface."""
+    return lambda seen: getattr(import_module(".terms", __package__), name)(seen, *settings)
 
 
-_ENTRIES = by_name(
+_TATLER = "Tatler 2007, J. Vision 7(14):4"
+_LEE = "after Lee, Varshney & Jacobs 2005, ACM Trans. Graph. 24(3)"
+_WANG = "Wang, Koch, Holmqvist & Alexa 2018, ACM Trans. Graph. 37(6)"
+_LEIFMAN = "Leifman, Shtrom & Tal 2016, IEEE TPAMI 38(12)"
+_CERF = "Cerf, Frady & Koch 2009, J. Vision 9(12):10 (faces and heads)"
+
+CHANNELS = {entry.name: entry for entry in (
     Channel(
-        "colour", "Red-green and blue-yellow double opponency", _measure("colour_planes"),
+        "colour", "Red-green and blue-yellow double opponency", _of_view("colour_planes"),
         count=2, two_sided=True, needs="hues",
     ),
     Channel(
-        "intensity", "Light against dark surroundings", _measure("intensity_plane"),
+        "intensity", "Light against dark surroundings", _of_view("intensity_planes"),
         two_sided=True, needs="colours",
     ),
-    Channel("orientation", "Gabor energy at each angle", stacks=_orientation, needs="colours"),
-    Channel("contrast", "Local root mean square contrast", _measure("contrast_plane"), needs="colours"),
-    Channel("curvature", "Curvedness of the surface", _measure("curvature_plane"), needs="curvature"),
-    Channel("edge", "Gradient of intensity", _measure("edge_plane"), needs="colours", weight=0.0),
-    Channel("entropy", "Entropy of the local grey level histogram", _measure("entropy_plane", "entropy_bins"), needs="colours", weight=0.0),
-    Channel("symmetry", "Radial symmetry of gradients", _measure("symmetry_plane", "symmetry_radii"), needs="colours", weight=0.0),
-)  # fmt: skip
-
-ENTRIES: Mapping[str, Channel] = MappingProxyType(_ENTRIES)
+    Channel("orientation", "Gabor energy at each angle", stacks=_of_view("orientation_planes", "orientations", "centre_levels"), needs="colours"),
+    Channel("contrast", "Local root mean square contrast", _of_view("contrast_planes"), needs="colours"),
+    Channel("curvature", "Curvedness of the surface", _of_view("curvature_planes"), needs="curvature"),
+    Channel("edge", "Gradient of intensity", _of_view("edge_planes"), needs="colours", weight=0.0),
+    Channel("entropy", "Entropy of the local grey level histogram", _of_view("entropy_planes", "entropy_bins"), needs="colours", weight=0.0),
+    Channel("symmetry", "Radial symmetry of gradients", _of_view("symmetry_planes", "symmetry_radii"), needs="colours", weight=0.0),
+)}  # fmt: skip
 """Every channel, in the order in which maps are added up."""
+
+TERMS = {entry.name: entry for entry in (
+    Term("centre", "Nearness to the middle of what is seen", _TATLER, _of_surface("nearness_to_centre", 0.2), "view"),
+    Term("middle", "The same, over a wider range", _TATLER, _of_surface("nearness_to_centre", 0.5), "view"),
+    Term("facing", "How much the surface faces the eye", _WANG, attrgetter("facing"), "view"),
+    Term("height", "Height above the object's middle", _CERF, _of_surface("place", 1), "place"),
+    Term("height_squared", "Height, squared", _CERF, _of_surface("place", 1, 1), "place"),
+    Term("front", "Place towards the object's front", _WANG, _of_surface("place", 2), "place"),
+    Term("front_squared", "Place along front and back, squared", _LEIFMAN, _of_surface("place", 2, 2), "place"),
+    Term("front_height", "Place towards the front, times height", _CERF, _of_surface("place", 2, 1), "place"),
+    Term("side_squared", "Place to either side, squared", _LEIFMAN, _of_surface("place", 0, 0), "place"),
+    Term("extremity", "Distance from the object's middle", _LEIFMAN, _of_surface("distance_from_middle"), "place"),
+    Term("protrusion_fine", "How far the surface stands out of its surroundings, 0.05 radii", _LEE, _of_surface("protrusion", 0.05), "shape"),
+    Term("protrusion_middle", "The same, 0.1 radii", _LEE, _of_surface("protrusion", 0.1), "shape"),
+    Term("protrusion_coarse", "The same, 0.2 radii", _LEE, _of_surface("protrusion", 0.2), "shape"),
+    Term("relief_fine", "How far it lies out of or in its surroundings, 0.05 radii", _LEE, _of_surface("relief", 0.05), "shape"),
+    Term("relief_middle", "The same, 0.1 radii", _LEE, _of_surface("relief", 0.1), "shape"),
+    Term("relief_coarse", "The same, 0.2 radii", _LEE, _of_surface("relief", 0.2), "shape"),
+    Term("crowding", "Share of the surroundings that the object fills, 0.3 radii", _LEIFMAN, _of_surface("visible_share", 0.3), "shape"),
+)}  # fmt: skip
+"""Every term, in the order in which terms are added up."""

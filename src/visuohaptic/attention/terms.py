@@ -8,9 +8,7 @@ import cv2
 import numpy as np
 
 from .arrays import Booleans, Floats, Plane
-from .parameters import AttentionParameters
-from .pyramid import NOTHING_BEYOND, filled, reciprocal, reduce, to_working_size
-from .term_registry import TERMS
+from .pyramid import NOTHING_BEYOND, reciprocal, reduce, to_working_size
 
 # A grid cell counts as seen if so much of it shows the object.
 SEEN = 0.25
@@ -60,36 +58,6 @@ def prepare_surface(mask: Booleans, point: Floats, normal: Floats, eye: Floats) 
     return SeenSurface(points, normals, certainty, facing, sight, _cell_width(points, seen, sight))
 
 
-def term_planes(seen: SeenSurface, names: tuple[str, ...]) -> dict[str, Plane]:
-    """Compute some terms, shape (n, n), float32 each, by name; zero off the object."""
-    shown = seen.certainty > 0
-    return {name: TERMS[name].plane(seen).astype(np.float32) * shown for name in names}
-
-
-def weighted_terms(seen: SeenSurface, parameters: AttentionParameters) -> Plane:
-    """Give the sum of the terms by their weights; terms of weight 0 are not computed."""
-    weights = {name: weight for name, weight in parameters.terms.model_dump().items() if weight}
-    total = np.zeros_like(seen.certainty)
-    for name, plane in term_planes(seen, tuple(weights)).items():
-        total += np.float32(weights[name]) * plane
-    return total
-
-
-def exponential(total: Plane, seen: SeenSurface, parameters: AttentionParameters) -> Plane:
-    """Give the saliency map of a log-linear model: the exponential of channels and terms together.
-
-    `total` (n, n) is the weighted sum of the conspicuity maps, on the grid of `seen`. The largest
-    value on the object is 1; off the object the map goes on as on its nearest parts, so that no
-    step stands at the outline.
-    """
-    exponent = total + weighted_terms(seen, parameters)
-    largest = float(exponent[seen.certainty > 0].max(initial=-np.inf))
-    if not np.isfinite(largest):
-        return np.zeros_like(total)
-    value = cv2.exp(np.minimum(exponent - np.float32(largest), 0.0))
-    return filled(value * seen.certainty, seen.certainty)
-
-
 def nearness_to_centre(seen: SeenSurface, reach: float) -> Plane:
     """Give a Gaussian of the distance, across the line of sight, from the middle of what is seen.
 
@@ -119,6 +87,16 @@ def protrusion(seen: SeenSurface, reach: float) -> Plane:
     found: Plane = np.einsum("ijk,ijk->ij", offset, seen.normal) / np.float32(reach)
     seen.protrusions[reach] = found
     return found
+
+
+def relief(seen: SeenSurface, reach: float) -> Plane:
+    """Measure how far the surface lies out of or in its surroundings, in units of `reach`."""
+    return np.abs(protrusion(seen, reach))
+
+
+def place(seen: SeenSurface, *axes: int) -> Plane:
+    """Give the product of each place's coordinates along some axes."""
+    return np.prod(seen.point[..., axes], axis=-1)
 
 
 def distance_from_middle(seen: SeenSurface) -> Plane:

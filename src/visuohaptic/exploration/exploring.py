@@ -38,7 +38,6 @@ from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import (
     ExperimentParameters,
     as_parameters,
-    check_parameters,
     check_run,
 )
 from visuohaptic.tables.schema import images, write_table
@@ -149,7 +148,7 @@ class TouchableObject:
             return parameters
         sized = {**scene.model_dump(exclude_unset=True), "object_radius_m": self.frame.radius_m}
         values = {**parameters.model_dump(exclude_unset=True), "scene": sized}
-        return check_parameters(values, "the object's size")
+        return ExperimentParameters.from_mapping(values, "the object's size")
 
 
 @dataclass(frozen=True, eq=False)
@@ -462,6 +461,6 @@ def _with_choices(
     values.setdefault("probing", {})["strategies"] = (strategy,)
     if viewpoints is not None:
         values.setdefault("viewpoints", {})["count"] = viewpoints
-    checked = check_parameters(values, "touch")
+    checked = ExperimentParameters.from_mapping(values, "touch")
     check_run(checked, "touch")
     return checked

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from visuohaptic.errors import MeshError
 from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.vectors import product
+from visuohaptic.tables.schema import matrix
 
 _POINTS = ("", "eye_")
 _LENGTHS = ("sensor_size", "penetration")
@@ -129,7 +130,7 @@ def _named(prefix: str, rows: NDArray[np.float64]) -> dict[str, NDArray[np.float
 
 
 def _rows(table: pa.Table, prefix: str) -> NDArray[np.float64]:
-    return np.column_stack([table.column(f"{prefix}{axis}").to_numpy() for axis in "xyz"])
+    return matrix(table, [f"{prefix}{axis}" for axis in "xyz"])
 
 
 def _unit(rows: NDArray[np.float64]) -> NDArray[np.float64]:

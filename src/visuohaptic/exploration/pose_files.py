@@ -7,18 +7,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.sensor.imprints import Poses, stand_on
+from visuohaptic.tables.schema import matrix
 
 PLACE = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
 NORMAL = ("normal_x", "normal_y", "normal_z")
 ROLL = "roll"
-
-_MOST = 1_000_000
-"""Poses of one file."""
 
 
 def write_poses(poses: NDArray[np.float64], path: str | Path) -> None:
@@ -54,20 +53,30 @@ def read_poses(path: str | Path) -> NDArray[np.float64]:
     """
     from scipy.spatial.transform import Rotation
 
-    names, rows = _read_numbers(Path(path))
-    columns = {name: rows[:, place] for place, name in enumerate(names)}
-    places = _taken(columns, PLACE, path)
-    if set(QUATERNION) <= set(columns):
-        quaternions = _taken(columns, QUATERNION, path)
-        _check_lengths(quaternions, "quaternion", path)
-        poses = np.tile(np.eye(4), (len(rows), 1, 1))
-        poses[:, :3, :3] = Rotation.from_quat(quaternions, scalar_first=True).as_matrix()
-        poses[:, :3, 3] = places
-        return poses
-    normals = _taken(columns, NORMAL, path)
-    _check_lengths(normals, "normal", path)
-    stands = stand_on(places, normals / np.linalg.norm(normals, axis=1, keepdims=True))
-    return matrices(turned(stands, columns.get(ROLL, 0.0)))
+    table = _read_numbers(path)
+    names = table.column_names
+    axes = QUATERNION if set(QUATERNION) <= set(names) else NORMAL
+    missing = [name for name in (*PLACE, *axes) if names.count(name) != 1]
+    if missing:
+        raise ParameterError(
+            f"{path} has no column {missing[0]}, or more than one; {', '.join(PLACE)} and "
+            f"{', '.join(QUATERNION)} or {', '.join(NORMAL)} are needed."
+        )
+    rows = matrix(table, names)
+    places, directions = matrix(table, PLACE), matrix(table, axes)
+    lengths = np.linalg.norm(directions, axis=1, keepdims=True)
+    lost = np.flatnonzero(~(lengths[:, 0] > 0) | ~np.isfinite(rows).all(axis=1))
+    if len(lost):
+        raise ParameterError(
+            f"{path}: pose {lost[0]} has a number that is not finite, or {', '.join(axes)} of length 0."
+        )
+    if axes is NORMAL:
+        roll = table.column(ROLL).to_numpy() if ROLL in names else 0.0
+        return matrices(turned(stand_on(places, directions / lengths), roll))
+    poses = np.tile(np.eye(4), (len(places), 1, 1))
+    poses[:, :3, :3] = Rotation.from_quat(directions, scalar_first=True).as_matrix()
+    poses[:, :3, 3] = places
+    return poses
 
 
 def turned(stands: Poses, roll: ArrayLike) -> Poses:
@@ -93,43 +102,15 @@ def matrices(stands: Poses) -> NDArray[np.float64]:
     return poses
 
 
-def _read_numbers(path: Path) -> tuple[list[str], NDArray[np.float64]]:
-    with path.open(newline="", encoding="utf-8") as stream:
-        reader = csv.reader(stream)
-        names = [name.strip() for name in next(reader, [])]
-        rows: list[list[float]] = []
-        for line in reader:
-            if not line:
-                continue
-            try:
-                rows.append([float(text) for text in line])
-            except ValueError:
-                raise ParameterError(
-                    f"{path}, line {reader.line_num}: {','.join(line)[:80]} are no numbers."
-                ) from None
-            if len(line) != len(names) or not np.isfinite(rows[-1]).all():
-                raise ParameterError(
-                    f"{path}, line {reader.line_num} has {len(line)} numbers for {len(names)} columns, or one that "
-                    "is not finite."
-                )
-            if len(rows) > _MOST:
-                raise ParameterError(f"{path} has more than {_MOST} poses.")
-    return names, np.reshape(rows, (len(rows), len(names)))
+def _read_numbers(path: str | Path) -> pa.Table:
+    from pyarrow.csv import ConvertOptions, ReadOptions, read_csv
 
-
-def _taken(
-    columns: dict[str, NDArray[np.float64]], names: tuple[str, ...], path: str | Path
-) -> NDArray[np.float64]:
-    missing = [name for name in names if name not in columns]
-    if missing:
-        raise ParameterError(
-            f"{path} has no column {missing[0]}; {', '.join(PLACE)} and {', '.join(QUATERNION)} or "
-            f"{', '.join(NORMAL)} are needed."
-        )
-    return np.column_stack([columns[name] for name in names])
-
-
-def _check_lengths(rows: NDArray[np.float64], what: str, path: str | Path) -> None:
-    lost = np.flatnonzero(~(np.linalg.norm(rows, axis=1) > 0))
-    if len(lost):
-        raise ParameterError(f"{path}: the {what} of pose {lost[0]} has the length 0.")
+    with Path(path).open(newline="", encoding="utf-8") as stream:
+        names = next(csv.reader(stream), [])
+    numbers = ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
+    try:
+        # One thread alone knows the lines.
+        table = read_csv(path, ReadOptions(use_threads=False), convert_options=numbers)
+    except pa.ArrowInvalid as error:
+        raise ParameterError(f"{path} holds no numbers by columns: {error}.") from error
+    return table.rename_columns([name.strip() for name in names])

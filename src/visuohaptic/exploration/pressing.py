@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.exploration.checking import point_rows, unit_rows
 from visuohaptic.exploration.pose_files import matrices, turned
 from visuohaptic.exploration.showing import png_of
+from visuohaptic.exploration.sources import surface_in_memory
 from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
 from visuohaptic.parameters import as_parameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.effects import simulate
@@ -240,17 +241,8 @@ def _stand(
         _check_poses(found)
         columns, upwards, outward = (found[:, :3, axis] for axis in range(3))
         return Poses(found[:, :3, 3], outward, columns, -upwards)
-    where, outward = _rows(points, "points"), _rows(normals, "normals")
-    if len(where) != len(outward):
-        raise ParameterError(
-            f"There are {len(where)} points and {len(outward)} normals; as many of both are needed."
-        )
-    lengths = np.linalg.norm(outward, axis=1, keepdims=True)
-    if not lengths.all():
-        raise ParameterError(
-            f"Normal {int(np.argmin(lengths))} has the length 0; a direction is needed."
-        )
-    return stand_on(where, outward / lengths, orientation)
+    where = point_rows(points, "points")
+    return stand_on(where, unit_rows(normals, "normals", len(where)), orientation)
 
 
 def _check_poses(poses: NDArray[np.float64]) -> None:
@@ -296,11 +288,8 @@ def _sizes(size: ArrayLike | None, count: int) -> NDArray[np.float64]:
 
 def _unit_surface(mesh: Mesh) -> tuple[Surface, NDArray[np.float64], float]:
     """Give the mesh within the unit ball, where rays are exact enough, its centre and radius."""
-    if isinstance(mesh, tuple):
-        surface = surface_of_arrays(mesh[0], mesh[1], "mesh")
-    elif hasattr(mesh, "faces"):
-        surface = surface_of_trimesh(mesh, "mesh")
-    else:
+    surface = surface_in_memory(mesh, "mesh")
+    if surface is None:
         raise MeshError(
             f"The mesh is of type {type(mesh).__name__}; a trimesh.Trimesh or (vertices, faces) is needed."
         )
@@ -316,13 +305,6 @@ def _unit_surface(mesh: Mesh) -> tuple[Surface, NDArray[np.float64], float]:
     if not radius > 0:
         raise MeshError("All vertices of the mesh are one point; there is nothing to touch.")
     return replace(surface, vertices=(vertices - centre) / radius), centre, radius
-
-
-def _rows(values: ArrayLike | None, name: str) -> NDArray[np.float64]:
-    found = np.asarray(values, dtype=np.float64)
-    if found.ndim != 2 or found.shape[1] != 3 or not np.isfinite(found).all():
-        raise ParameterError(f"{name} has the shape {found.shape}; (n, 3), all finite, is needed.")
-    return found
 
 
 def _positive(values: NDArray[np.float64], name: str) -> NDArray[np.float64]:

@@ -65,7 +65,7 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
     RecognitionError
         If it is missing, or can't be read safely.
     """
-    from visuohaptic.parameters import check_parameters
+    from visuohaptic.parameters import ExperimentParameters
     from visuohaptic.recognition.stored_models import load_model
 
     path = default_model() if path is None else Path(path)
@@ -84,7 +84,8 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
             f"{path} does not say how the touches were made from which it learnt; `snakemake -j2 "
             "model_all` fits one that does."
         )
-    return Recogniser(model, check_parameters(json.loads(model.touching), str(path)))
+    found = ExperimentParameters.from_mapping(json.loads(model.touching), str(path))
+    return Recogniser(model, found)
 
 
 def check_alike(strategy: str, touched: ExperimentParameters, recogniser: Recogniser) -> None:

@@ -41,16 +41,23 @@ def read_source(
     if isinstance(source, str | Path):
         model = _model_of(Path(source))
         return model.key, *place_object(model, source, parameters)
-    name, surface = UNNAMED, None
-    if isinstance(source, tuple) and len(source) == 2:
-        surface = surface_of_arrays(source[0], source[1], UNNAMED)
-    elif hasattr(source, "vertices") or hasattr(source, "geometry"):
-        surface = surface_of_trimesh(source, UNNAMED)
-    elif hasattr(source, "read"):
+    surface: Surface | None
+    if hasattr(source, "read"):
         name, surface = _read_open(source, file_type, parameters)
+    else:
+        name, surface = UNNAMED, surface_in_memory(source, UNNAMED)
     if surface is None:
         raise MeshError(f"The object is of type {type(source).__name__}; {_ALLOWED}.")
     return f"{UNKNOWN_CLASS}/{name}", *place_surface(surface, name, parameters)
+
+
+def surface_in_memory(source: Any, name: str) -> Surface | None:
+    """Give the surface of a mesh or scene of trimesh, or of two arrays; None of anything else."""
+    if isinstance(source, tuple) and len(source) == 2:
+        return surface_of_arrays(source[0], source[1], name)
+    if hasattr(source, "vertices") or hasattr(source, "geometry"):
+        return surface_of_trimesh(source, name)
+    return None
 
 
 def is_one_source(value: Any) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 import pyarrow as pa
@@ -28,9 +28,7 @@ def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed:
     generator = spawn_generator(seed, entry.chance or strategy, one.key, one.viewpoint)
     more = attention.model_copy(update={"fixations": attention.fixations + SPARE})
     chosen = entry.choose(one, more, generator)
-    if isinstance(chosen, ProbingLocations):
-        return location_table(one.key, one.viewpoint, strategy, chosen)
-    return _path_table(one, strategy, chosen)
+    return location_table(one.key, one.viewpoint, strategy, chosen)
 
 
 def candidate_table(one: Standpoint, crowd: ProbingLocations) -> pa.Table:
@@ -44,34 +42,24 @@ def candidate_table(one: Standpoint, crowd: ProbingLocations) -> pa.Table:
 
 
 def location_table(
-    key: str,
-    viewpoint: int,
-    strategy: str,
-    locations: ProbingLocations,
-    looked: Mapping[str, object] | None = None,
+    key: str, viewpoint: int, strategy: str, chosen: ProbingLocations | Scanpath
 ) -> pa.Table:
-    """Give locations as rows of `tables.FIXATIONS`; those not chosen by pixel have no `looked`."""
+    """Give locations as rows of `tables.FIXATIONS`; those not chosen by pixel have none, and no saliency."""
     entry = STRATEGIES[strategy] if strategy in STRATEGIES.names else None
-    if looked is None:
-        looked = dict.fromkeys(
-            ("pixel_row", "pixel_column", "saliency"), [None] * len(locations.faces)
-        )
+    count = len(chosen.faces)
+    looked: Sequence[object] = [[None] * count] * 3
+    if isinstance(chosen, Scanpath):
+        looked = (chosen.rows, chosen.columns, chosen.saliency)
     columns: dict[str, object] = {
         **owner_columns(key),
         "viewpoint": viewpoint,
         "strategy": strategy,
-        "touch": np.arange(len(locations.points)),
-        "face": locations.faces,
-        **looked,
-        "unreachable": [entry and entry.unreachable] * len(locations.points),
+        "touch": np.arange(count),
+        "face": chosen.faces,
+        **dict(zip(("pixel_row", "pixel_column", "saliency"), looked, strict=True)),
+        "unreachable": [entry and entry.unreachable] * count,
         "chance": (entry and entry.chance) or strategy,
     }
-    columns |= dict(zip(POINT_NAMES, locations.points.T, strict=True))
-    columns |= dict(zip(NORMAL_NAMES, locations.normals.T, strict=True))
+    columns |= dict(zip(POINT_NAMES, chosen.points.T, strict=True))
+    columns |= dict(zip(NORMAL_NAMES, chosen.normals.T, strict=True))
     return build_table(FIXATIONS, columns)
-
-
-def _path_table(one: Standpoint, strategy: str, path: Scanpath) -> pa.Table:
-    pixels = {"pixel_row": path.rows, "pixel_column": path.columns, "saliency": path.saliency}
-    locations = ProbingLocations(path.points, path.normals, path.faces)
-    return location_table(one.key, one.viewpoint, strategy, locations, pixels)

@@ -18,19 +18,7 @@ from visuohaptic.geometry.raycasting import RayCaster
 
 @dataclass(frozen=True)
 class Standpoint:
-    """One viewpoint of an object, without a look.
-
-    Attributes
-    ----------
-    key : str
-        `class/name` of the object.
-    viewpoint : int
-        Number of the viewpoint.
-    caster : RayCaster
-        The object.
-    camera : Camera
-        The viewpoint.
-    """
+    """One viewpoint of an object, `class/name`, without a look."""
 
     key: str
     viewpoint: int
@@ -40,17 +28,7 @@ class Standpoint:
 
 @dataclass(frozen=True)
 class Look(Standpoint):
-    """One viewpoint of an object, with saliency and fixations.
-
-    Attributes
-    ----------
-    seen : Views
-        The views of all viewpoints that were looked from together.
-    place : int
-        Which of these views is this one's.
-    attended : Attention
-        Saliency and fixations of the view.
-    """
+    """One viewpoint with its view, at `place` among those that were `seen` together, and attention in it."""
 
     seen: Views
     place: int
@@ -59,14 +37,8 @@ class Look(Standpoint):
     def scan(self, saliency: NDArray[np.float32], attention: AttentionParameters) -> Scanpath:
         """Let the eye scan the view by a map of its pixels."""
         seen, place = self.seen, self.place
-        return scan(
-            saliency,
-            seen.mask[place],
-            seen.point[place],
-            seen.normal[place],
-            seen.face[place],
-            attention,
-        )
+        surface = (seen.mask[place], seen.point[place], seen.normal[place], seen.face[place])
+        return scan(saliency, *surface, attention)
 
 
 def attend_to(
@@ -76,20 +48,9 @@ def attend_to(
     cameras: Mapping[int, Camera],
     attention: AttentionParameters,
 ) -> list[Look]:
-    """Find saliency and fixations in rendered views of an object: a `Look` a viewpoint.
-
-    `cameras` are the views' viewpoints by their numbers; none changes what another gives.
-    """
-    attentions = attend(
-        colour=seen.colour,
-        mask=seen.mask,
-        point=seen.point,
-        normal=seen.normal,
-        face=seen.face,
-        curvature=seen.curvature,
-        parameters=attention,
-        eye=np.stack([camera.eye for camera in cameras.values()]) if cameras else None,
-    )
+    """Find saliency and fixations in the views from some viewpoints, by their numbers; each is alone."""
+    eyes = np.stack([camera.eye for camera in cameras.values()]) if cameras else None
+    attentions = attend(**seen.arrays(), parameters=attention, eye=eyes)
     return [
         Look(key, number, caster, camera, seen, place, attentions[place])
         for place, (number, camera) in enumerate(cameras.items())

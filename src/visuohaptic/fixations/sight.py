@@ -86,33 +86,29 @@ class Sight:
     @property
     def effects(self) -> pa.Table:
         """Why each effect of the view was needed: rows of `tables.EFFECTS`."""
-        first = self.looks[0]
-        return effect_table(first.key, first.viewpoint, "any", self.seen.effects)
+        first = next(iter(self.cameras))
+        return effect_table(self.subject.key, first, "any", self.seen.effects)
 
     @property
     def views(self) -> pa.Table:
         """The views and their maps as pictures: rows of `tables.VIEWS`."""
-        return _view_table(self.looks)
-
-
-def _view_table(looks: Sequence[Look]) -> pa.Table:
-    first = looks[0]
-    attentions = [one.attended for one in looks]
-    eyes = np.stack([one.camera.eye for one in looks])
-    columns: dict[str, object] = {
-        **owner_columns(first.key),
-        "viewpoint": np.array([one.viewpoint for one in looks]),
-        "view": [_encode_png(np.rint(view * 255.0)) for view in first.seen.colour],
-        "saliency": [_encode_png(np.rint(attended.saliency * 255.0)) for attended in attentions],
-        "conspicuity": [
-            [(channel, _encode_map(plane)) for channel, plane in attended.conspicuity.items()]
-            for attended in attentions
-        ],
-        "skipped": [list(attended.skipped.items()) for attended in attentions],
-        "distinct_fixations": np.array([attended.scanpath.distinct for attended in attentions]),
-    }
-    columns |= {f"eye_{axis}": eyes[:, index] for index, axis in enumerate("xyz")}
-    return build_table(VIEWS, columns)
+        looks = self.looks
+        attentions = [one.attended for one in looks]
+        eyes = np.stack([one.camera.eye for one in looks])
+        columns: dict[str, object] = {
+            **owner_columns(self.subject.key),
+            "viewpoint": np.array([one.viewpoint for one in looks]),
+            "view": [_encode_png(np.rint(view * 255.0)) for view in self.seen.colour],
+            "saliency": [_encode_png(np.rint(one.saliency * 255.0)) for one in attentions],
+            "conspicuity": [
+                [(channel, _encode_map(plane)) for channel, plane in one.conspicuity.items()]
+                for one in attentions
+            ],
+            "skipped": [list(one.skipped.items()) for one in attentions],
+            "distinct_fixations": np.array([one.scanpath.distinct for one in attentions]),
+        }
+        columns |= {f"eye_{axis}": eyes[:, index] for index, axis in enumerate("xyz")}
+        return build_table(VIEWS, columns)
 
 
 def _encode_map(plane: NDArray[np.float32]) -> bytes:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.errors import RegistryError
 from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, Mode, VisualModes
@@ -29,37 +28,26 @@ def plan_visual(
 ) -> tuple[VisualPlan, ...]:
     """Decide which of `VISUAL_EFFECTS` the views of an object need; to simulate another one changes no view.
 
-    `colours` (n, 3), uint8, are those of all faces and images. Raises `RegistryError` if an effect
-    is declared and has no plan.
+    `colours` (n, 3), uint8, are those of all faces and images.
     """
     coloured = bool((colours != colours[:, :1]).any())
     patterned = bool((colours != colours[:1]).any())
     slanted = ambient < 1
     shaded = slanted and modes.shading != "never"
     light = "part of the light has a direction" if slanted else "all light is ambient"
-    shadow = light if shaded or not slanted else "without shading no light is blocked"
-    plans = (
-        _plan(
-            modes,
-            "colour",
-            coloured,
-            "faces or images have hues" if coloured else "all faces are grey",
-        ),
-        _plan(
-            modes,
-            "texture",
+    needs = {
+        "colour": (coloured, "faces or images have hues" if coloured else "all faces are grey"),
+        "texture": (
             patterned,
             "faces or images differ in colour" if patterned else "all faces have one colour",
         ),
-        _plan(modes, "shading", slanted, light),
-        _plan(modes, "cast_shadows", shaded, shadow),
-    )
-    planned = tuple(plan.effect for plan in plans)
-    if planned != VISUAL_EFFECTS:
-        raise RegistryError(
-            f"{', '.join(planned)} are planned; each of {', '.join(VISUAL_EFFECTS)} needs a plan."
-        )
-    return plans
+        "shading": (slanted, light),
+        "cast_shadows": (
+            shaded,
+            light if shaded or not slanted else "without shading no light is blocked",
+        ),
+    }
+    return tuple(_plan(modes, effect, *needs[effect]) for effect in VISUAL_EFFECTS)
 
 
 def seen_colours(

@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.model import feature_planes
-from visuohaptic.attention.parameters import CHANNELS, AttentionParameters
+from visuohaptic.attention.model import feature_planes, term_planes
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.attention.registry import CHANNELS, TERMS
 from visuohaptic.attention.surface_measures import GazedSurface
-from visuohaptic.attention.term_registry import TERMS
-from visuohaptic.attention.terms import SEEN, prepare_surface, term_planes
+from visuohaptic.attention.terms import SEEN, prepare_surface
 from visuohaptic.errors import GazeError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.places import draw_by_area, sees
@@ -120,15 +120,13 @@ def look_at(
     chosen = np.sort(generator.choice(len(points), count, replace=False))
     cameras = place_cameras(viewpoints)
     at = placed[chosen]
-    visible = np.stack([sees(caster, camera, at) for camera in cameras])
+    sighted = np.stack([sees(caster, camera, placed) for camera in cameras])
+    visible = sighted[:, chosen]
     front = spawn_generator(seed, "gaze front", file.name)
     planes, shown = _feature_planes(caster, cameras, rendering, attention, front)
     seen: NDArray[np.bool_] = np.asarray(visible.any(axis=0))
     if not (density[chosen] * area[chosen])[seen].sum() > 0:
         raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
-    everywhere = np.zeros(len(points), dtype=bool)
-    for camera in cameras:
-        everywhere |= sees(caster, camera, placed)
     return GazedObject(
         name=file.name,
         is_test=file.is_test,
@@ -143,7 +141,7 @@ def look_at(
         error=error,
         is_reconstructed=file.mesh is None,
         seconds=float(recording.seconds.sum()),
-        seen_share=float(recording.seconds[everywhere].sum() / recording.seconds.sum()),
+        seen_share=float(recording.seconds[sighted.any(axis=0)].sum() / recording.seconds.sum()),
         peer=_predicted_by_peer(at, caster, file.name, gaze),
     )
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.attention.surface_measures import MEASURES
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import GazedObject
@@ -17,35 +17,12 @@ from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import (
     BY_NAME,
     PREDICTORS,
-    Predictor,
-    features_of,
     fit_predictor,
-    held_out_weights,
     predict,
+    weights_of,
 )
 from visuohaptic.tables.gaze import GAZE
 from visuohaptic.tables.schema import build_rows
-
-
-def weights_of(
-    objects: Sequence[GazedObject], predictor: Predictor, gaze: GazeParameters
-) -> dict[str, dict[str, float]]:
-    """Give the weights of a predictor for each object.
-
-    Those of a training object are fitted without its fold; those of a test object on all training
-    objects.
-    """
-    if not predictor.is_fitted:
-        return {one.name: dict.fromkeys(predictor.features, 1.0) for one in objects}
-    training = [one for one in objects if not one.is_test]
-    tests = [one for one in objects if one.is_test]
-    found = held_out_weights(training, predictor, gaze.folds, gaze.penalty)
-    if tests:
-        tested = {one.family for one in tests}
-        features = features_of(predictor, training, gaze.folds, gaze.penalty)
-        fitted = fit_predictor(training, features, tested, gaze.penalty)
-        found |= {one.name: fitted for one in tests}
-    return found
 
 
 def measure_all(objects: Sequence[GazedObject], gaze: GazeParameters) -> pa.Table:

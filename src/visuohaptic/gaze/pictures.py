@@ -13,9 +13,8 @@ from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParam
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.gaze.looking import GazedObject
-from visuohaptic.gaze.measuring import weights_of
 from visuohaptic.gaze.parameters import GazeParameters
-from visuohaptic.gaze.predicting import BY_NAME, predict
+from visuohaptic.gaze.predicting import BY_NAME, predict, weights_of
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.tables.gaze import GAZE_PICTURES
 from visuohaptic.tables.schema import build_table

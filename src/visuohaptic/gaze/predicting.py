@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.attention.registry import CHANNELS, TERMS
 from visuohaptic.attention.surface_measures import correlation
-from visuohaptic.attention.term_registry import TERMS
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import COLUMNS, FEATURES, TURNING, GazedObject
+from visuohaptic.gaze.parameters import GazeParameters
 
 MOST_FITTED = 1500
 """Points of an object that weights are fitted to, evenly spread over the evaluated ones."""
@@ -219,27 +219,29 @@ def assign_folds(objects: Sequence[GazedObject], folds: int) -> dict[str, int]:
     return {family: place % folds for place, family in enumerate(families)}
 
 
-def features_of(
-    predictor: Predictor, objects: Sequence[GazedObject], folds: int, penalty: float
-) -> tuple[str, ...]:
-    """Give the features that a predictor has, or chooses on some objects."""
-    if predictor.kind != "chosen":
-        return predictor.features
-    return choose_features(objects, predictor.features, folds, penalty)
-
-
-def held_out_weights(
-    objects: Sequence[GazedObject], predictor: Predictor, folds: int, penalty: float
+def weights_of(
+    objects: Sequence[GazedObject], predictor: Predictor, gaze: GazeParameters
 ) -> dict[str, dict[str, float]]:
-    """Give, by object, weights that were fitted without the object's fold."""
-    fold_of = assign_folds(objects, folds)
-    by_fold = {}
-    for fold in sorted(set(fold_of.values())):
-        tested = {family for family, place in fold_of.items() if place == fold}
-        training = [one for one in objects if one.family not in tested]
-        features = features_of(predictor, training, folds, penalty)
-        by_fold[fold] = fit_predictor(training, features, tested, penalty)
-    return {one.name: by_fold[fold_of[one.family]] for one in objects}
+    """Give the weights of a predictor by object.
+
+    Those of a training object are fitted without its fold; those of a test object on all training
+    objects.
+    """
+    if not predictor.is_fitted:
+        return {one.name: dict.fromkeys(predictor.features, 1.0) for one in objects}
+    training = [one for one in objects if not one.is_test]
+    fold_of = assign_folds(training, gaze.folds)
+    held = {one.name: -1 if one.is_test else fold_of[one.family] for one in objects}
+    found: dict[str, dict[str, float]] = {}
+    for fold in sorted(set(held.values())):
+        tested = {one.family for one in objects if held[one.name] == fold}
+        others = [one for one in training if held[one.name] != fold]
+        features = predictor.features
+        if predictor.kind == "chosen":
+            features = choose_features(others, features, gaze.folds, gaze.penalty)
+        weights = fit_predictor(others, features, tested, gaze.penalty)
+        found |= {one.name: weights for one in objects if held[one.name] == fold}
+    return found
 
 
 def _example(

@@ -22,9 +22,14 @@ from visuohaptic.gaze.parameters import GAZE_SUFFIXES
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
 MOST_POINTS = 1_000_000
-MOST_FILES = 10_000
-# Columns of a text file: where the seconds stand, and where the normals start.
-_COLUMNS = {1: (0, None), 4: (3, None), 7: (6, 3), 8: (6, 3)}
+# What the columns of a text file hold, by their number.
+_PLACE, _NORMAL = slice(3), slice(3, 6)
+_COLUMNS: dict[int, dict[str, int | slice]] = {
+    1: {"seconds": 0},
+    4: {"points": _PLACE, "seconds": 3},
+    7: {"points": _PLACE, "normals": _NORMAL, "seconds": 6},
+    8: {"points": _PLACE, "normals": _NORMAL, "seconds": 6},
+}
 
 
 @dataclass(frozen=True)
@@ -61,20 +66,18 @@ def find_recordings(folder: str | Path) -> list[RecordingFile]:
 
     A mesh belongs to the recording of its name. A recording counts as a test where a folder between
     it and `folder` has ``test`` in its name. Raises `GazeError` if there is no such folder, no
-    recording in it, too many files, or two of one name.
+    recording in it, or two of one name.
     """
     folder = Path(folder)
     if not folder.is_dir():
         raise GazeError(f"gaze.folder is {folder}, which is no folder.")
-    files = []
-    for path in folder.rglob("*"):
-        if path.suffix.lower() in (*GAZE_SUFFIXES, *MODEL_SUFFIXES) and path.is_file():
-            files.append(path)
-        if len(files) > MOST_FILES:
-            raise GazeError(f"{folder} has more than {MOST_FILES} files; choose a smaller folder.")
-    meshes = {path.stem: path for path in sorted(files) if path.suffix.lower() in MODEL_SUFFIXES}
+    endings = (*GAZE_SUFFIXES, *MODEL_SUFFIXES)
+    files = sorted(
+        path for path in folder.rglob("*") if path.suffix.lower() in endings and path.is_file()
+    )
+    meshes = {path.stem: path for path in files if path.suffix.lower() in MODEL_SUFFIXES}
     found: dict[str, RecordingFile] = {}
-    for path in sorted(files):
+    for path in files:
         if path.suffix.lower() not in GAZE_SUFFIXES or path.stem.lower() == "readme":
             continue
         if path.stem in found:
@@ -101,18 +104,20 @@ def read_recording(path: str | Path, largest_megabytes: float = 64.0) -> Recordi
     path = Path(path)
     data = read_bounded(path, largest_megabytes)
     read = _read_archive if path.suffix.lower() == ".npz" else _read_text
-    points, normals, seconds = read(data, path, largest_megabytes)
-    if not np.isfinite(seconds).all() or (seconds < 0).any():
-        raise GazeError(f"{path} has times that are negative or not finite; 0 is the least.")
-    if not seconds.sum() > 0:
-        raise GazeError(f"{path} has no time above 0; at least one point must have been looked at.")
-    for name, array in (("points", points), ("normals", normals)):
-        if array is not None and not np.isfinite(array).all():
-            raise GazeError(f"{path} has {name} that are not finite; none is allowed.")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # of an empty file NumPy only warns
+            arrays = read(data, largest_megabytes)
+        _check(arrays)
+    except (ValueError, TypeError, OSError, EOFError, BadZipFile, UserWarning) as error:
+        reason = next(iter(str(error).splitlines()), type(error).__name__).rstrip(".")
+        raise GazeError(f"{path} holds no recording of gaze: {reason}.") from error
+    normals = arrays.get("normals")
     if normals is not None:
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
-    return Recording(path.stem, points, normals, seconds, hashlib.sha256(data).hexdigest())
+    digest = hashlib.sha256(data).hexdigest()
+    return Recording(path.stem, arrays.get("points"), normals, arrays["seconds"], digest)
 
 
 def read_bounded(path: Path, largest_megabytes: float) -> bytes:
@@ -128,58 +133,38 @@ def read_bounded(path: Path, largest_megabytes: float) -> bytes:
     return data
 
 
-_Arrays = tuple[NDArray[np.float64] | None, NDArray[np.float64] | None, NDArray[np.float64]]
+_Arrays = dict[str, NDArray[np.float64]]
 
 
-def _read_text(data: bytes, path: Path, _: float) -> _Arrays:
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # an empty file is only warned of
-            table = np.loadtxt(
-                io.StringIO(data.decode("ascii").replace(",", " ")),
-                ndmin=2,
-                max_rows=MOST_POINTS + 1,
-            )
-    except (ValueError, UserWarning) as error:
-        raise GazeError(f"{path} is no table of numbers: {_first_line(error)}.") from error
-    if len(table) > MOST_POINTS:
-        raise GazeError(f"{path} has more than {MOST_POINTS:,} points, which is the most.")
+def _read_text(data: bytes, _: float) -> _Arrays:
+    lines = io.StringIO(data.decode("ascii").replace(",", " "))
+    table = np.loadtxt(lines, ndmin=2, max_rows=MOST_POINTS + 1)
     if table.shape[1] not in _COLUMNS:
-        raise GazeError(
-            f"{path} has {table.shape[1]} columns; {', '.join(map(str, _COLUMNS))} are allowed."
-        )
-    seconds, first_normal = _COLUMNS[table.shape[1]]
-    points = table[:, :3] if seconds >= 3 else None
-    normals = None if first_normal is None else table[:, first_normal : first_normal + 3]
-    return points, normals, table[:, seconds]
+        allowed = ", ".join(map(str, _COLUMNS))
+        raise ValueError(f"{table.shape[1]} columns; {allowed} are allowed")
+    return {name: table[:, place] for name, place in _COLUMNS[table.shape[1]].items()}
 
 
-def _read_archive(data: bytes, path: Path, largest_megabytes: float) -> _Arrays:
-    try:
-        with ZipFile(io.BytesIO(data)) as packed:
-            unpacked = sum(info.file_size for info in packed.infolist())
-            if unpacked > largest_megabytes * 10**6:
-                raise GazeError(f"{path} unpacks to more than {largest_megabytes:g} MB.")
-        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            arrays = {
-                name: np.asarray(archive[name], dtype=np.float64)
-                for name in ("points", "normals", "seconds")
-                if name in archive
-            }
-    except (ValueError, TypeError, OSError, EOFError, BadZipFile) as error:
-        raise GazeError(f"{path} is no archive of numbers: {_first_line(error)}.") from error
+def _read_archive(data: bytes, largest_megabytes: float) -> _Arrays:
+    with ZipFile(io.BytesIO(data)) as packed:
+        if sum(info.file_size for info in packed.infolist()) > largest_megabytes * 10**6:
+            raise ValueError(f"it unpacks to more than {largest_megabytes:g} MB")
+    with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+        known = [name for name in ("points", "normals", "seconds") if name in archive]
+        return {name: np.asarray(archive[name], dtype=np.float64) for name in known}
+
+
+def _check(arrays: _Arrays) -> None:
     if "seconds" not in arrays:
-        raise GazeError(f"{path} has no array `seconds`; one is needed.")
+        raise ValueError("no array `seconds`; one is needed")
     seconds = arrays["seconds"]
     if seconds.ndim != 1 or not 0 < len(seconds) <= MOST_POINTS:
-        raise GazeError(f"{path} has seconds of shape {seconds.shape}; (n,) is allowed.")
-    for name in ("points", "normals"):
-        if name in arrays and arrays[name].shape != (len(seconds), 3):
-            raise GazeError(
-                f"{path} has {name} of shape {arrays[name].shape}; {(len(seconds), 3)} is allowed."
-            )
-    return arrays.get("points"), arrays.get("normals"), seconds
-
-
-def _first_line(error: BaseException) -> str:
-    return str(error).splitlines()[0].rstrip(".") if str(error) else type(error).__name__
+        raise ValueError(f"seconds of shape {seconds.shape}; at most ({MOST_POINTS},) is allowed")
+    for name, array in arrays.items():
+        shape = seconds.shape if name == "seconds" else (len(seconds), 3)
+        if array.shape != shape or not np.isfinite(array).all():
+            raise ValueError(f"{name} of shape {array.shape}; {shape}, all finite, is allowed")
+    if (seconds < 0).any() or not seconds.any():
+        raise ValueError(
+            "times below 0, or none above; at least one point must have been looked at"
+        )

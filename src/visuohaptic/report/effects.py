@@ -6,7 +6,7 @@ from collections import Counter
 
 import pyarrow as pa
 
-from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.run import Run
 from visuohaptic.scene.parameters import EffectModes

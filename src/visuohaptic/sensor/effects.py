@@ -10,7 +10,7 @@ import numpy as np
 
 from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.registry import Registry
-from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene, check_free, grow_scene
+from visuohaptic.scene.parameters import Scene, check_free, grow_scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
@@ -244,7 +244,3 @@ EFFECTS = Registry(
     Effect("quantisation", _need_quantisation, _run_quantisation, {"bits": 3}),
 )  # fmt: skip
 """Every effect of the sensor but `adaptive_size`, which is how it is placed."""
-
-EFFECTS.check_complete(
-    (name for name in TACTILE_EFFECTS if name != "adaptive_size"), "scene.parameters.TactileModes"
-)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from visuohaptic.attention.parameters import CHANNELS
+from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.features.descriptors import DESCRIPTORS
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS

@@ -17,7 +17,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from visuohaptic.errors import ParameterError
-from visuohaptic.parameters import ExperimentParameters, check_parameters
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT
 from visuohaptic.studies.study import Changes, Condition, Study
 
@@ -85,14 +85,14 @@ def with_changes(
             values[name] = values[name].model_dump()
     if "scene.preset" in changes:
         preset = {"scene": {"preset": changes["scene.preset"]}}
-        values["scene"] = check_parameters(preset, source).scene.model_dump()
+        values["scene"] = ExperimentParameters.from_mapping(preset, source).scene.model_dump()
     for path, value in changes.items():
         _set(values, path, value, source)
     touches = values["recognition"]["touches"]
     if isinstance(touches, int) and "attention.fixations" not in changes:
         # More touches than the run has are made for the condition.
         values["attention"]["fixations"] = max(values["attention"]["fixations"], touches)
-    return check_parameters(values, source)
+    return ExperimentParameters.from_mapping(values, source)
 
 
 def plan_study(study: Study, run: ExperimentParameters, source: str = "params.yaml") -> Plan:

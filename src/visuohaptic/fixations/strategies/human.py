@@ -13,16 +13,9 @@ from visuohaptic.fixations.looking import Look
 def choose(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
     """Let the eye follow channels and terms by the weights that were fitted to people's gaze."""
     human = AttentionParameters.model_validate({"weights": "human"})
-    part = slice(one.place, one.place + 1)
-    seen = one.seen
     (found,) = attend(
-        seen.colour[part],
-        seen.mask[part],
-        seen.point[part],
-        seen.normal[part],
-        seen.face[part],
-        seen.curvature[part],
-        attention.model_copy(update={"weights": human.weights, "terms": human.terms}),
-        np.array([one.camera.eye]),
+        **one.seen.arrays(slice(one.place, one.place + 1)),
+        parameters=attention.model_copy(update={"weights": human.weights, "terms": human.terms}),
+        eye=np.array([one.camera.eye]),
     )
     return found.scanpath
