@@ -18,7 +18,8 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier, fit_each
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-from visuohaptic.recognition.encoding import ReductionMemory, fit_sequence_encoder
+from visuohaptic.recognition.encoding import fit_sequence_encoder
+from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import (
     TouchSequences,
@@ -29,7 +30,7 @@ from visuohaptic.recognition.sequences import (
     turn_objects,
 )
 from visuohaptic.recognition.splits import Split, make_splits
-from visuohaptic.recognition.tuning import FitMemory, fit_best_classifiers
+from visuohaptic.recognition.tuning import fit_best_classifiers
 from visuohaptic.recognition.voting import vote_credit
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import (
@@ -213,7 +214,7 @@ def split_runner(
     parameters: RecognitionParameters,
     seed: int,
     pipeline: str,
-    maps: ReductionMemory | None = None,
+    maps: FitMemory | None = None,
 ) -> AnswerSplit:
     """Give what trains and tests a split of sequences by a pipeline.
 
@@ -228,7 +229,7 @@ def split_runner(
     described = describe_sequences(
         sequences.features, sequences.feature_names, waves, parameters.best
     )
-    memory = FitMemory()
+    memory = FitMemory(REMEMBERED_SEQUENCES)
     return lambda split, generator: run_best_split(
         sequences, described, split, parameters, generator, memory
     )
@@ -239,7 +240,7 @@ def run_paper_split(
     split: Split,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
-    memory: ReductionMemory | None = None,
+    memory: FitMemory | None = None,
 ) -> Iterator[Answer]:
     """Fit the paper's pipeline on a split's training sequences and classify its test sequences.
 

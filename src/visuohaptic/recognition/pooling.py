@@ -11,7 +11,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from visuohaptic.recognition.covariance import (
     variance_floor,
 )
 from visuohaptic.recognition.encoding import ROUNDING
+from visuohaptic.recognition.parameters import BestParameters
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
 """Candidates for what scores are divided by before they become probabilities."""
@@ -210,94 +211,50 @@ def fit_bag_classifier(
     )
 
 
-@dataclass(frozen=True)
-class HeldOutBags:
-    """Bags of held-out sequences as the bag classifier scores them, for combinations with any classifier.
-
-    `scores` (m, c) are means over each bag's sequences, `labels` and `owners` (m,) the bags'
-    classes and objects; `known` (c,) says which classes all training objects have, and `weight` how
-    much more the bag classifier counts than the other.
-    """
-
-    bags: Bags
-    scores: Floats
-    labels: Integers
-    owners: Integers
-    known: Flags
-    weight: float
-
-    def combine(self, probabilities: Floats) -> Combination:
-        """Fit a combination with what a classifier says of the held-out sequences, (n, c).
-
-        A temperature that rests on few objects would be an accident of these. So from the largest
-        number of sequences down, numbers are taken together until half of the objects have bags of
-        them, and share a temperature; those that remain at the lower end share the one above.
-        Without held-out sequences, scales and temperature are 1.
-        """
-        known, bags = self.known, self.bags
-        if not len(bags.counts):
-            return Combination((1.0, 1.0 / self.weight), np.ones(1), np.ones(1), known)
-        means = bags.means(probabilities)
-        logs = np.log(np.maximum(means, LEAST_PROBABILITY))
-        scales = (_deviation(logs[:, known]), self._deviation / self.weight)
-        summed = logs / scales[0] + self.scores / scales[1]
-        summed = np.where(known, summed, LEAST_SCORE)[:, known]
-        temperatures = [
-            best_temperature(summed[chosen], self._places[chosen], self._doubt)[1]
-            for chosen in self._alike
-        ]
-        views = np.array([bags.counts[chosen].mean() for chosen in self._alike])
-        return Combination(scales, views, np.array(temperatures), known)
-
-    @cached_property
-    def _deviation(self) -> float:
-        return _deviation(self.scores[:, self.known])
-
-    @cached_property
-    def _places(self) -> Integers:
-        """The place of each bag's class among those that are known."""
-        return (np.cumsum(self.known) - 1)[self.labels]
-
-    @cached_property
-    def _doubt(self) -> float:
-        """The share of the truth that is spread over all classes."""
-        # That all of n objects were right doesn't make the next one certain: the rule of succession.
-        return 1 / (len(np.unique(self.owners)) + 2)
-
-    @cached_property
-    def _alike(self) -> list[Flags]:
-        """Which bags share each temperature, by ascending numbers of sequences."""
-        counts = self.bags.counts
-        enough = len(np.unique(self.owners)) / 2
-        groups, group = [], counts < 0
-        for count in np.unique(counts)[::-1]:
-            group = group | (counts == count)
-            if len(np.unique(self.owners[group])) >= enough:
-                groups.append(group)
-                group = counts < 0
-        if group.any():
-            groups[-1] = groups[-1] | group
-        return groups[::-1]
-
-
-def hold_out_bags(
+def fit_combination(
+    probabilities: Floats,
     scores: Floats,
     labels: Integers,
     owners: Integers,
-    sizes: Sequence[int],
     known: Flags,
-    weight: float,
-) -> HeldOutBags:
-    """Divide held-out sequences, of classes and objects (n,), into bags; n may be 0.
+    parameters: BestParameters,
+) -> Combination:
+    """Fit how both answers for a bag become one, on held-out sequences of classes and objects (n,).
 
-    `scores` (n, c) are what the bag classifier says of them, whose objects it did not learn.
+    `probabilities` (n, c) are what the classifier says of them and `scores` (n, c) what the bag
+    classifier says, neither of which learnt their objects. `known` (c,) says which classes all
+    training objects have.
+
+    A temperature that rests on few objects would be an accident of these. So from the largest
+    number of sequences down, numbers are taken together until half of the objects have bags of
+    them, and share a temperature; those that remain at the lower end share the one above.
     """
-    if not len(labels):
-        return HeldOutBags(Bags(labels, labels), scores, labels, owners, known, weight)
-    bags = spread_bags(owners, sizes)
-    return HeldOutBags(
-        bags, bags.means(scores), labels[bags.first], owners[bags.first], known, weight
-    )
+    bags = spread_bags(owners, parameters.bags)
+    logs = np.log(np.maximum(bags.means(probabilities), LEAST_PROBABILITY))
+    of_bags = bags.means(scores)
+    scales = (_deviation(logs[:, known]), _deviation(of_bags[:, known]) / parameters.bag_weight)
+    summed = (logs / scales[0] + of_bags / scales[1])[:, known]
+    places = (np.cumsum(known) - 1)[labels[bags.first]]
+    # That all of n objects were right doesn't make the next one certain: the rule of succession.
+    doubt = 1 / (len(np.unique(owners)) + 2)
+    alike = _alike(bags.counts, owners[bags.first])
+    temperatures = [best_temperature(summed[chosen], places[chosen], doubt)[1] for chosen in alike]
+    views = np.array([bags.counts[chosen].mean() for chosen in alike])
+    return Combination(scales, views, np.array(temperatures), known)
+
+
+def _alike(counts: Integers, owners: Integers) -> list[Flags]:
+    """Tell which bags share each temperature, by ascending numbers of sequences."""
+    enough = len(np.unique(owners)) / 2
+    groups, group = [], counts < 0
+    for count in np.unique(counts)[::-1]:
+        group = group | (counts == count)
+        if len(np.unique(owners[group])) >= enough:
+            groups.append(group)
+            group = counts < 0
+    if group.any():
+        groups[-1] = groups[-1] | group
+    return groups[::-1]
 
 
 def _deviation(scores: Floats) -> float:

@@ -34,7 +34,7 @@ from visuohaptic.recognition.pooling import (
     Ballots,
     Combination,
     fit_bag_classifier,
-    hold_out_bags,
+    fit_combination,
 )
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.set_distance import keep_touches
@@ -195,8 +195,8 @@ def _combine(
     scores = held_out.scores[length][kept]
     known = classifier.combination.known
     owners = sequences.object_index[kept]
-    found = hold_out_bags(scores, sequences.labels[kept], owners, best.bags, known, best.bag_weight)
-    return found.combine(np.full(scores.shape, 1 / len(known)))
+    alike = np.full(scores.shape, 1 / len(known))
+    return fit_combination(alike, scores, sequences.labels[kept], owners, known, best)
 
 
 def _calibration_rows(
