@@ -9,7 +9,7 @@ which learnt from more; so the coverage is not guaranteed, and `studies.certaint
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -19,7 +19,7 @@ from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import Ballots, spread_bags
 from visuohaptic.recognition.sequences import TouchSequences
-from visuohaptic.recognition.set_distance import KnownTouches, TouchDistances, keep_touches
+from visuohaptic.recognition.set_distance import KnownTouches, keep_touches
 from visuohaptic.recognition.splits import hold_out_objects
 from visuohaptic.recognition.tuning import Projection, fit_best_classifiers
 
@@ -36,6 +36,13 @@ class SequenceClassifier(Protocol):
 
     def ballots(self, projected: Floats) -> Ballots:
         """Give what is known of them, for one answer for any of them together."""
+
+
+Described = Mapping[int, Floats]
+"""Descriptors (n, d) of the same sequences by their first touches: so many."""
+
+Fits = Mapping[int, tuple[Callable[[Floats], Floats], SequenceClassifier]]
+"""What projects descriptors of so many touches, and what classifies them then."""
 
 
 @dataclass(frozen=True)
@@ -162,6 +169,20 @@ def _least_share(coverage: float) -> float:
     return 1 - coverage + 1e-12
 
 
+@dataclass(frozen=True)
+class HeldOut:
+    """A training object's sequences of one length, by what learnt from other objects.
+
+    `places` are those of the sequences in one bag of each size, and `evidence` (k, e) is theirs.
+    """
+
+    place: int
+    length: int
+    ballots: Ballots
+    places: Sequence[Integers]
+    evidence: Floats
+
+
 def fit_calibration(
     sequences: TouchSequences,
     described: Floats,
@@ -176,44 +197,80 @@ def fit_calibration(
     folds. An object whose class has no other is left out; gives None where no class has a second
     one.
     """
-    best, labels = parameters.best, sequences.labels
-    rows: dict[int, tuple[int, Floats, Floats]] = {}
-    for train, objects in hold_out_objects(
-        labels, sequences.object_index, best.calibration_folds, generator
-    ):
-        known = sequences.take(train)
-        training = (described[train], known.labels, known.object_index, len(known.classes))
+    best, length = parameters.best, sequences.features.shape[1]
+
+    def fit(known: TouchSequences, parts: Described) -> Fits:
+        training = (parts[length], known.labels, known.object_index, len(known.classes))
         own, [(_, tuned, _)] = fit_best_classifiers(*training, parameters, generator)
-        touches = keep_touches(known, best.cues)
-        marks = landmarks_of(own.apply(described[train]), known.object_index, touches, best)
-        for place in objects:
-            one = sequences.object_index == place
-            label = int(labels[one][0])
-            projected = own.apply(described[one])
-            bags = turn_bags(len(projected), place, best)
-            probabilities = classify_bags(tuned.ballots(projected), bags)
-            scores = tuned.scores(projected)
-            distances = touches.distances(sequences.features[one])
-            found = bag_evidence(marks, projected, scores, bags, distances)
-            rows[place] = (label, 1 - probabilities[:, label], found)
-    if not rows:
+        return {length: (own.apply, tuned)}
+
+    held_out = hold_out(sequences, {length: described}, fit, best, generator)
+    if not held_out:
         return None
     touches = keep_touches(sequences, best.cues)
-    landmarks = landmarks_of(projection.apply(described), sequences.object_index, touches, best)
-    return gather_calibration([rows[place] for place in sorted(rows)], landmarks, best)
+    return calibrate(sequences, held_out, projection.apply(described), touches, best)
 
 
-def gather_calibration(
-    rows: Sequence[tuple[int, Floats, Floats]], landmarks: Landmarks, best: BestParameters
+def hold_out(
+    sequences: TouchSequences,
+    described: Described,
+    fit: Callable[[TouchSequences, Described], Fits],
+    best: BestParameters,
+    generator: np.random.Generator,
+) -> list[HeldOut]:
+    """Classify every training object whose class has another without itself, by folds: sorted by object.
+
+    `fit` takes the other folds' sequences and their descriptors; the generator deals the objects.
+    """
+    found, owners = [], sequences.object_index
+    for train, objects in hold_out_objects(
+        sequences.labels, owners, best.calibration_folds, generator
+    ):
+        known = sequences.take(train)
+        parts = {length: rows[train] for length, rows in described.items()}
+        fits, touches = fit(known, parts), keep_touches(known, best.cues)
+        marks = {
+            length: landmarks_of(encode(parts[length]), known.object_index, touches, best)
+            for length, (encode, _) in fits.items()
+        }
+        for place in objects:
+            one = owners == place
+            bags = _turn_bags(int(one.sum()), place, best)
+            distances = touches.distances(sequences.features[one])
+            for length, (encode, classifier) in fits.items():
+                projected = encode(described[length][one])
+                scores = classifier.scores(projected)
+                evidence = [
+                    marks[length].evidence(
+                        projected[bag], scores[bag], distances.nearest(np.s_[bag, :length])
+                    )
+                    for bag in bags
+                ]
+                ballots = classifier.ballots(projected)
+                found.append(HeldOut(place, length, ballots, bags, np.array(evidence)))
+    return sorted(found, key=lambda one: one.place)
+
+
+def calibrate(
+    sequences: TouchSequences,
+    held_out: Sequence[HeldOut],
+    projected: Floats,
+    touches: KnownTouches,
+    best: BestParameters,
 ) -> Calibration:
-    """Gather class, nonconformity (k,) and evidence (k, e) of each training object."""
-    labels, nonconformity, evidence = zip(*rows, strict=True)
+    """Gather training objects of one length; `projected` (n, p) are all sequences by the final fit."""
+    labels = sequences.class_of_object[[one.place for one in held_out]]
+    nonconformity = []
+    for one, label in zip(held_out, labels, strict=True):
+        places = np.arange(len(one.ballots.probabilities))
+        answers = [one.ballots.together(np.isin(places, bag)[None])[0] for bag in one.places]
+        nonconformity.append([1 - answer[label] for answer in answers])
     return Calibration(
-        np.array(bag_sizes(best), dtype=np.int64),
-        np.array(labels, dtype=np.int64),
+        np.array(_bag_sizes(best), dtype=np.int64),
+        labels,
         np.array(nonconformity).T,
-        np.array(evidence).transpose(1, 0, 2),
-        landmarks,
+        np.array([one.evidence for one in held_out]).transpose(1, 0, 2),
+        landmarks_of(projected, sequences.object_index, touches, best),
     )
 
 
@@ -231,46 +288,15 @@ def one_classifier(parameters: RecognitionParameters, classifier: str) -> Recogn
     return parameters.model_copy(update={"best": best})
 
 
-def bag_sizes(best: BestParameters) -> tuple[int, ...]:
+def _bag_sizes(best: BestParameters) -> tuple[int, ...]:
     """Give the sizes of bags, ascending; 1 where none are wanted."""
     return tuple(sorted(best.bags)) or (1,)
 
 
-def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[Integers]:
-    """Give places of one bag of each size among an object's sequences.
-
-    Which of its bags of a size it is takes turns with the object's number.
-    """
+def _turn_bags(sequences: int, turn: int, best: BestParameters) -> list[Integers]:
+    """Give places of one bag of each size among an object's sequences; these take turns with its number."""
     chosen = []
-    for size in bag_sizes(best):
+    for size in _bag_sizes(best):
         bags = spread_bags(np.zeros(sequences, dtype=np.int64), (size,))
         chosen.append(np.split(bags.places, np.cumsum(bags.counts)[:-1])[turn % len(bags.counts)])
     return chosen
-
-
-def classify_bags(ballots: Ballots, bags: Sequence[Integers]) -> Floats:
-    """Give the answers for bags of an object's n sequences, shape (k, c)."""
-    places = np.arange(len(ballots.probabilities))
-    return np.array([ballots.together(np.isin(places, bag)[None])[0] for bag in bags])
-
-
-def bag_evidence(
-    marks: Landmarks,
-    projected: Floats,
-    scores: Floats,
-    bags: Sequence[Integers],
-    distances: TouchDistances,
-    length: int | None = None,
-) -> Floats:
-    """Give the evidence (k, e) of k bags of an object's sequences.
-
-    The sequences are `projected`, (n, p), and have `scores`, (n, c); `bags` are their places.
-    `marks` are of other objects. `distances` are those of the sequences' touches (n, t), of which
-    the first `length` count, or all.
-    """
-    return np.array(
-        [
-            marks.evidence(projected[bag], scores[bag], distances.nearest(np.s_[bag, :length]))
-            for bag in bags
-        ]
-    )
