@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,7 +16,13 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats, Integers
-from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier, fit_each
+from visuohaptic.recognition.classifiers import (
+    CLASSIFIERS,
+    Classifier,
+    ClassifierName,
+    fit_classifier,
+    fit_each,
+)
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.encoding import fit_sequence_encoder
 from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
@@ -241,19 +247,24 @@ def run_paper_split(
     parameters: RecognitionParameters,
     generator: np.random.Generator,
     memory: FitMemory | None = None,
+    classifiers: Iterable[Classifier] = (),
 ) -> Iterator[Answer]:
     """Fit the paper's pipeline on a split's training sequences and classify its test sequences.
 
-    The test sequences are only encoded and classified. `memory` holds maps of other runs; it
-    changes no number. Yields an answer for each classifier that can be fitted.
+    `memory` holds maps of other runs and changes no number; `classifiers` replace those of the
+    parameters. Yields an answer for each classifier that can be fitted.
     """
+    entries = {entry.name: entry for entry in classifiers}
+    entries = entries or {name: CLASSIFIERS[name] for name in parameters.classifiers}
     labels = sequences.labels[split.train]
     encoder = fit_sequence_encoder(sequences.features[split.train], parameters, generator, memory)
     training = encoder.encode(sequences.features[split.train])
     tested = encoder.encode(sequences.features[split.test])
     for name, (fitted, note) in fit_each(
-        parameters.classifiers,
-        lambda name: fit_classifier(name, parameters.classifier, training, labels, generator),
+        entries,
+        lambda name: fit_classifier(
+            entries[name], parameters.classifier, training, labels, generator
+        ),
     ):
         yield Answer(name, fitted.predict(tested), note)
 
