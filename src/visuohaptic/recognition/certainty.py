@@ -47,10 +47,7 @@ Fits = Mapping[int, tuple[Callable[[Floats], Floats], SequenceClassifier]]
 
 @dataclass(frozen=True)
 class Landmarks:
-    """Where the training objects lie.
-
-    `objects` (r, q) are the means over each object's sequences, among the projected descriptors.
-    """
+    """Where the training objects lie: means (r, q) over their projected sequences, and touches."""
 
     objects: Floats
     touches: KnownTouches
@@ -58,10 +55,9 @@ class Landmarks:
     def evidence(self, projected: Floats, scores: Floats, nearest: float) -> Floats:
         """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
 
-        `projected` are its sequences, shape (n, p), and `scores` what they score, shape (n, c). The
-        signs are the distance from the nearest training object, the negative of the highest mean
-        score of a class, and the distance of its touches from the nearest object's as sets,
-        `nearest`.
+        They are the distance of its sequences (n, p) from the nearest training object, the negative
+        of the highest mean score of a class, of `scores` (n, c), and the distance of its touches
+        from the nearest object's as sets, `nearest`.
         """
         seen = projected[:, : self.objects.shape[1]]
         distance = np.linalg.norm(self.objects - seen.mean(axis=0), axis=1).min()
@@ -72,11 +68,9 @@ class Landmarks:
 class Certainty:
     """What an answer gives beside its probabilities.
 
-    `candidates` (c,) is the prediction set, which is made to hold the class of an object of a known
-    class in the stated share of cases; it may be empty. `strangeness`, 0 to 1, is the share of
-    known objects, this one counted among them, that are no stranger than it; `unknown` says whether
-    it is stranger than the stated share of them. Objects are compared by `evidence`: larger is
-    stranger.
+    `candidates` (c,) is the prediction set; `strangeness` the share of known objects, this one
+    counted among them, that are less strange by `evidence`; `unknown` says whether that is more
+    than the stated share.
     """
 
     candidates: Flags
@@ -91,8 +85,7 @@ class Calibration:
 
     `views` (k,) are the sequences in a bag, ascending, and `labels` (n,) the objects' classes.
     `nonconformity` (k, n) is 1 - probability of the true class, and `evidence` (k, n, e) what
-    `Landmarks.evidence` gives. `landmarks` are of all training objects, in the projection of the
-    final fit.
+    `Landmarks.evidence` gives. `landmarks` are of all, in the projection of the final fit.
     """
 
     views: Integers
@@ -109,11 +102,9 @@ class Calibration:
         probabilities: Floats,
         coverage: float,
     ) -> Certainty:
-        """Compare a bag with the training objects.
+        """Compare a bag of sequences (n, p) and touches (m, k) with the training objects.
 
-        Their bags are of as many sequences, or of the next smaller number. `classifier` is the
-        final fit, `projected` (n, p) are the bag's sequences, `touches` (m, k) all its touches, and
-        `probabilities` (c,) the answer for it; `coverage` is the stated share.
+        `classifier` is the final fit, and `probabilities` (c,) are the answer for the bag.
         """
         size = self._size(len(projected))
         nearest = self.landmarks.touches.nearest(touches)
@@ -129,16 +120,13 @@ class Calibration:
     def prediction_set(
         self, probabilities: Floats, trained: Integers, sequences: int, coverage: float
     ) -> Flags:
-        """Choose the classes whose p value is above 1 - coverage, shape (c,), of those that training had.
-
-        `probabilities` are the answer for a bag of so many sequences, shape (c,).
-        """
+        """Choose of the `trained` classes those whose p value is above 1 - coverage, (c,) to (c,)."""
         known = np.isin(np.arange(len(probabilities)), trained)
         p_values = self.p_values(self._size(sequences), 1 - probabilities, coverage)
         return known & (p_values > _least_share(coverage))
 
     def _size(self, sequences: int) -> int:
-        """Give the place of the bags to compare with: of as many sequences, or the next smaller number."""
+        """Give the place of the bags of as many sequences, or of the next smaller number."""
         return max(int(np.searchsorted(self.views, sequences, side="right")) - 1, 0)
 
     def strangeness(self, size: int, evidence: Floats) -> Floats:
@@ -150,8 +138,7 @@ class Calibration:
         """Give the conformal p value of each class by its nonconformity, (c,) to (c,).
 
         It is the share of known objects, this one counted among them, that their class fits no
-        better. A class with enough objects of its own for the coverage is compared with these, so
-        that the coverage is that of its own objects; the others are compared with all.
+        better: of those of the class where they are enough for the coverage, else of all.
         """
         same = self.labels[:, None] == np.arange(len(nonconformity))
         compared = same | (same.sum(axis=0) < least_objects(coverage))
@@ -165,8 +152,7 @@ def least_objects(coverage: float) -> int:
 
 
 def _least_share(coverage: float) -> float:
-    """Give the share above which a class or an object is like the known ones, a rounding error apart."""
-    return 1 - coverage + 1e-12
+    return 1 - coverage + 1e-12  # a rounding error apart
 
 
 @dataclass(frozen=True)
@@ -190,12 +176,10 @@ def fit_calibration(
     projection: Projection,
     generator: np.random.Generator,
 ) -> Calibration | None:
-    """Classify every training object without itself, from bags of each size.
+    """Classify every training object whose class has another without itself; None if there is none.
 
     `described` (s, d) are the descriptors of the sequences, `parameters` those of one classifier of
-    pipeline `best`, and `projection` is that of the final fit; the generator deals the objects over
-    folds. An object whose class has no other is left out; gives None where no class has a second
-    one.
+    pipeline `best`, and `projection` is that of the final fit.
     """
     best, length = parameters.best, sequences.features.shape[1]
 
@@ -218,9 +202,9 @@ def hold_out(
     best: BestParameters,
     generator: np.random.Generator,
 ) -> list[HeldOut]:
-    """Classify every training object whose class has another without itself, by folds: sorted by object.
+    """Classify every training object whose class has another by folds that lack it, sorted by object.
 
-    `fit` takes the other folds' sequences and their descriptors; the generator deals the objects.
+    `fit` takes sequences and their descriptors; the generator deals the objects over the folds.
     """
     found, owners = [], sequences.object_index
     for train, objects in hold_out_objects(
@@ -277,7 +261,7 @@ def calibrate(
 def landmarks_of(
     projected: Floats, owners: Integers, touches: KnownTouches, best: BestParameters
 ) -> Landmarks:
-    """Give landmarks by sequences (n, p), projected, and their objects (n,), with their touches."""
+    """Give landmarks by projected sequences (n, p) of objects (n,)."""
     seen = projected[:, : best.components]
     return Landmarks(spread_bags(owners, (len(owners),)).means(seen), touches)
 
@@ -289,12 +273,11 @@ def one_classifier(parameters: RecognitionParameters, classifier: str) -> Recogn
 
 
 def _bag_sizes(best: BestParameters) -> tuple[int, ...]:
-    """Give the sizes of bags, ascending; 1 where none are wanted."""
     return tuple(sorted(best.bags)) or (1,)
 
 
 def _turn_bags(sequences: int, turn: int, best: BestParameters) -> list[Integers]:
-    """Give places of one bag of each size among an object's sequences; these take turns with its number."""
+    """Give places of one bag of each size among an object's sequences, by turns."""
     chosen = []
     for size in _bag_sizes(best):
         bags = spread_bags(np.zeros(sequences, dtype=np.int64), (size,))

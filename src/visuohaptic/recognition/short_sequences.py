@@ -2,11 +2,8 @@
 
 One linear discriminant learns from bags of the training sequences' first touches, of several lengths at
 once. Each length is standardised by itself, as what varies in a long sequence is constant in a short one,
-and has its own temperatures and its own comparison with training objects.
-
-Temperatures are fitted on the same held-out objects that answers are then compared with, not within the
-folds as for whole sequences. A temperature is one number for all objects of a length and a number of
-views, so this favours them little; the coverage that docs/recognition.md states was measured with it.
+and has its own temperatures and its own comparison with training objects. Temperatures are fitted on the
+same held-out objects that answers are then compared with, not within the folds as for whole sequences.
 """
 
 from __future__ import annotations
@@ -43,11 +40,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class ShortClassifier:
-    """What classifies sequences of one length, c classes.
-
-    `scaling`, `combination` and `calibration` are of this length, `projection` and `bags` of all
-    lengths. `calibration` is None where no class has a second object.
-    """
+    """What classifies sequences of one length; `projection` and `bags` are of all lengths."""
 
     scaling: Standardiser
     projection: Projection
@@ -82,10 +75,9 @@ def fit_short_classifiers(
     best: BestParameters,
     generator: np.random.Generator,
 ) -> dict[int, ShortClassifier]:
-    """Fit a classifier for each length of `described`.
+    """Fit a classifier for each length of `described`, which `sequences` have with all their touches.
 
-    `sequences` are the same training sequences with all their touches; the generator deals the
-    objects over folds. Gives none without bags, or where no covariance can be taken of them.
+    Gives none without bags, or where no covariance can be taken of them.
     """
     if not described or not best.bags:
         return {}

@@ -55,9 +55,9 @@ class Projection:
 class TunedClassifier:
     """A classifier, fitted on all training sequences, that gives probabilities of c classes.
 
-    Its scores are divided by `temperature` before they become probabilities; a class that training
-    lacked has probability 0. `setting` says what was chosen, such as ``svm_penalty 10``. Where
-    `bags`, a classifier of bags, answers beside it, `combination` says how both answers become one.
+    Its scores are divided by `temperature` before they become probabilities. `setting` says what
+    was chosen, such as ``svm_penalty 10``. Where `bags`, a classifier of bags, answers beside it,
+    `combination` says how both answers become one.
     """
 
     estimator: Any
@@ -74,7 +74,7 @@ class TunedClassifier:
         return self.estimator.classes_
 
     def scores(self, projected: Floats) -> Floats:
-        """Give the classifier's scores, (n, p) to (n, c); it takes the first columns."""
+        """Give the classifier's scores, (n, p) to (n, c)."""
         seen = projected[:, : self.estimator.n_features_in_]
         return class_scores(self.estimator, seen, self.classes)
 
@@ -88,11 +88,10 @@ class TunedClassifier:
 
 @dataclass(frozen=True)
 class FoldFits:
-    """What was fitted on training sequences, and is the same for all classifiers.
+    """What was fitted on training sequences: `train` (n, q), projected, of classes `labels` (n,).
 
-    They are `train` (n, q), projected, of classes `labels` (n,). The projection has as many
-    components as `bags` sees, the classifier of bags; the others see the first of them. Fitted
-    classifiers are by name and settings.
+    The projection has as many components as `bags` sees, the classifier of bags; the others see the
+    first of them.
     """
 
     projection: Projection
@@ -106,10 +105,7 @@ class FoldFits:
 
 @dataclass(frozen=True)
 class InnerFold:
-    """Fits on training sequences without some objects, and these objects' projected sequences.
-
-    `projected` has the shape (m, p) and holds `held_out`, (m, q), as its first columns.
-    """
+    """Fits on training sequences without some objects, and these objects' sequences, (m, p)."""
 
     fits: FoldFits
     projected: Floats
@@ -123,10 +119,7 @@ class InnerFold:
 
 
 def fit_projection(descriptors: Floats, components: int) -> Projection:
-    """Fit scaling and principal components of training descriptors (n, d), float64.
-
-    There are at most `components`; directions without variance are left out.
-    """
+    """Fit scaling and at most so many principal components of training descriptors (n, d)."""
     scaling = fit_standardiser(descriptors, "standardise")
     spread, directions = _principal_directions(scaling.apply(descriptors))
     rank = max(int(np.sum(spread > 1e-7 * max(spread[0], 1e-300))), 1)
@@ -166,7 +159,7 @@ def _principal_directions(rows: Floats) -> tuple[Floats, Floats]:
 
 
 def _directions_of_few(rows: Floats) -> tuple[Floats, Floats]:
-    """Give the same of fewer rows than columns: by the Gram matrix, where rounding can't be taken for spread."""
+    # By the Gram matrix, where rounding can't be taken for spread.
     squares, vectors = np.linalg.eigh(rows @ rows.T)
     spread = np.sqrt(np.maximum(squares[::-1], 0))
     clear = spread > 1e-4 * spread[0]
@@ -187,11 +180,10 @@ def make_inner_folds(
     generator: np.random.Generator,
     memory: FitMemory | None = None,
 ) -> list[InnerFold]:
-    """Hold out folds of whole training objects, each with a projection of the others.
+    """Hold out folds of whole training objects, as `hold_out_objects` does.
 
-    There is none where every class has a single training object. A held-out sequence whose class
-    the fold's training lacks is left out. `descriptors` are (n, d), `labels` and `owners` (n,)
-    class and object of each. `memory` holds fits of other splits and changes no number.
+    `descriptors` are (n, d), `labels` and `owners` (n,) class and object of each. `memory` holds
+    fits of other splits and changes no number.
     """
     memory = memory or FitMemory(REMEMBERED_SEQUENCES)
     settings = (parameters.components, parameters.bags, parameters.bag_components)
@@ -220,9 +212,8 @@ def fit_tuned_classifier(
 
     Also gives a note on what it needed. The setting with the least log loss over the held-out
     sequences wins, each at its own best temperature (C. Guo et al., "On calibration of modern
-    neural networks", ICML 2017); the simpler one where two are equal, or where there is no inner
-    fold. `fits` are those on all training sequences, whose classifier of bags answers beside this
-    one; `classes` counts also those that training lacks.
+    neural networks", ICML 2017); the simplest where there is no inner fold. `fits` are those on all
+    training sequences; `classes` counts also those that training lacks.
     """
     fixed = parameters.classifier.model_copy(
         update={"discriminant_target": "mean_variance", "discriminant_regularisation": "always"}
@@ -264,11 +255,10 @@ def fit_best_classifiers(
 ) -> tuple[Projection, list[tuple[ClassifierName, TunedClassifier, str | None]]]:
     """Fit the projection and every classifier of pipeline `best`.
 
-    `descriptors` (n, d) are those of the training sequences, and no others; `labels` and `owners`
-    (n,) are their classes and objects; `classes` counts also those that training lacks. `memory`
-    holds fits of other splits and changes no number. Gives each classifier's name, its fit, and
-    what it needed; without those that can't be fitted. Raises `RecognitionError` if no descriptor
-    varies over the training sequences, or no classifier can be fitted.
+    `descriptors` (n, d), `labels` and `owners` (n,) are of the training sequences; `classes` counts
+    also those that training lacks. `memory` holds fits of other splits and changes no number. Gives
+    the name, the fit and the note of each classifier that can be fitted. Raises `RecognitionError`
+    if there is none, or no descriptor varies.
     """
     if not np.ptp(descriptors, axis=0).any():
         raise RecognitionError(
@@ -285,11 +275,7 @@ def fit_best_classifiers(
 
 
 def class_scores(estimator: Any, projected: Floats, classes: int) -> Floats:
-    """Give a score a class, (n, q) to (n, c): log probabilities, or what a support vector machine has.
-
-    `estimator` was fitted on int labels below `classes`; a class that it was not trained with has
-    `LEAST_SCORE`. All are finite.
-    """
+    """Give a finite score a class, (n, q) to (n, c), `LEAST_SCORE` to one that training lacked."""
     if hasattr(estimator, "predict_log_proba"):
         with np.errstate(divide="ignore"):  # a tree's leaf may hold a single class
             found = np.maximum(estimator.predict_log_proba(projected), LEAST_SCORE)
