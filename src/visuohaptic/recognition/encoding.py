@@ -38,7 +38,7 @@ class Standardiser:
         return (rows - self.mean) / self.scale
 
     def sizes(self, rows: Floats) -> Floats:
-        """Give the size of what `apply` computes its numbers from, which their rounding goes by."""
+        """Give the size of what `apply` computes its numbers from."""
         return (np.abs(rows) + np.abs(self.mean)) / self.scale
 
 
@@ -58,11 +58,7 @@ class SequenceEncoder:
         return self.feature_scaling.apply(sequence_features(reduced, self.sequence_parameters))
 
     def reduce(self, sequences: Floats) -> Floats:
-        """Reduce each touch to m numbers: (s, t, k) to (s, t, m).
-
-        Features of a group may cancel each other, and touches that are alike have distances from a
-        unit that only rounding tells apart: within a sequence, such numbers are made equal.
-        """
+        """Reduce each touch to m numbers, (s, t, k) to (s, t, m), alike but for rounding to one."""
         touches = sequences.reshape(-1, sequences.shape[-1])
         scaled = self.touch_scaling.apply(touches)
         entry = MAPS[self.map_parameters.output]
@@ -79,11 +75,10 @@ def fit_sequence_encoder(
     generator: np.random.Generator,
     memory: FitMemory | None = None,
 ) -> SequenceEncoder:
-    """Fit touch scaling, map and feature scaling on training sequences (s, t, k), and no others.
+    """Fit touch scaling, map and feature scaling on training sequences (s, t, k).
 
-    The generator is for the online map's order of touches; the batch map takes nothing from it.
     `memory` holds maps of other calls and changes no number. Raises `RecognitionError` if no
-    feature varies over the training touches, or a setting does not fit.
+    feature varies over the touches, or a setting does not fit.
     """
     touches = sequences.reshape(-1, sequences.shape[-1])
     if not np.ptp(touches, axis=0).any():
@@ -114,9 +109,8 @@ def fit_sequence_encoder(
 def fit_standardiser(rows: Floats, scaling: Scaling, made_of: float | Floats = 0.0) -> Standardiser:
     """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
 
-    A column counts as constant when its deviation is rounding noise beside its largest value, or
-    beside `made_of`, the size of what columns are computed from. It is 0 from then on; rounding,
-    which differs between processors, would otherwise get the weight of a feature.
+    A column is constant, and 0 from then on, when its deviation is rounding noise beside its largest
+    value, or beside `made_of`, the size of what columns are computed from.
     """
     if scaling == "none":
         return _identity(rows.shape[1])

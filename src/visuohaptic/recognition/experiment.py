@@ -53,16 +53,12 @@ if TYPE_CHECKING:
 AnswerSplit = Callable[[Split, np.random.Generator], Iterator["Answer"]]
 """Trains on a split's training sequences and classifies its test sequences."""
 
-PAPER_FEATURES = (*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
-"""The paper's 16 cutaneous and 6 kinesthetic features of a touch."""
-
 
 @dataclass(frozen=True)
 class Answer:
     """What one classifier predicted in one split: the class of each test sequence, (n,).
 
-    `note` says what the classifier needed to be fitted; there are `ballots` of the test sequences
-    where the pipeline gives probabilities.
+    There are `ballots` where the pipeline gives probabilities.
     """
 
     classifier: ClassifierName
@@ -76,13 +72,10 @@ def run_pipeline(
 ) -> tuple[pa.Table, pa.Table]:
     """Train and test every split, classifier and repeat on one strategy's features.
 
-    Gives rows of `tables.SCORES` and of `tables.PREDICTIONS`. Everything that is fitted (scalings,
-    map, classifier) sees the training sequences of its split alone. The order of rows changes
-    nothing. The splits, and the generator of each, depend on the experiment's seed and not on the
-    strategy, so strategies compare in pairs. Scores have a row for each classifier, split and
-    repeat, predictions one for each tested sequence of each; a classifier that can't be fitted in a
-    split has no row at all, and the log says why. Raises `RecognitionError` if the features don't
-    allow the experiment.
+    Gives rows of `tables.SCORES` and of `tables.PREDICTIONS`. Splits depend on the seed and not on
+    the strategy, so strategies compare in pairs. A classifier that can't be fitted in a split has
+    no row at all, and the log says why. Raises `RecognitionError` if the features don't allow the
+    experiment.
     """
     strategy = features.column("strategy")[0].as_py() if len(features) else ""
     sequences = gather_pipeline(features, parameters, pipeline, seed)
@@ -99,8 +92,8 @@ def run_sequences(
 ) -> tuple[pa.Table, pa.Table]:
     """Train and test every split, classifier and repeat on gathered sequences.
 
-    `strategy` names the rows and changes nothing else; `answer_split` is as in `answer_splits`.
-    Gives scores and predictions as `run_pipeline` does, and raises as it does.
+    `strategy` names the rows alone; `answer_split` is as in `answer_splits`. Gives what
+    `run_pipeline` does.
     """
     # Votes are counted as the answers come, while sums are still taken on one thread.
     answers = answer_splits(sequences, parameters, seed, pipeline, answer_split)
@@ -141,8 +134,7 @@ def answer_splits(
 ) -> Iterator[tuple[Split, int, Answer]]:
     """Train and test every split, classifier and repeat, and give the answers one by one.
 
-    `answer_split` trains and tests a split; without it the pipeline does, on the sequences as they
-    are. With it, the features of the sequences aren't used.
+    `answer_split` trains and tests a split; without it the pipeline does.
     """
     answer_split = answer_split or split_runner(sequences, parameters, seed, pipeline)
     with fitting():
@@ -155,7 +147,7 @@ def answer_splits(
 def draw_splits(
     sequences: TouchSequences, parameters: RecognitionParameters, seed: int
 ) -> Iterator[tuple[Split, int]]:
-    """Divide sequences into training and test: every split of every repeat, with the repeat's number."""
+    """Divide sequences into training and test: every split of every repeat, with its number."""
     for repeat in range(parameters.protocol.repeats):
         drawing = spawn_generator(seed, "recognition", "splits", repeat)
         for split in make_splits(sequences, parameters.protocol, drawing):
@@ -164,11 +156,7 @@ def draw_splits(
 
 @contextmanager
 def fitting() -> Iterator[None]:
-    """Fit on one thread, so that sums are taken in one order on every machine, and without checks.
-
-    What scikit-learn would check for every fit was checked once: numbers when gathered, parameters
-    by their model.
-    """
+    """Fit on one thread, so that sums are taken in one order, and without scikit-learn's checks."""
     from sklearn import config_context
     from threadpoolctl import threadpool_limits
 
@@ -183,14 +171,14 @@ def gather_pipeline(
     """Gather the columns that a pipeline uses from rows of one strategy.
 
     ``paper`` takes the paper's 22 features; ``best`` also columns ``imprint_…``, ``sensor_size``
-    and ``contact_state`` where there are any. The seed is for a shuffled order. Raises
-    `RecognitionError` if there is no such pipeline, or the features don't allow it.
+    and ``contact_state`` where there are any. Raises `RecognitionError` if there is no such
+    pipeline, or the features don't allow it.
     """
     bands = _described(features)
     features = turn_objects(features, parameters.protocol.turns)
     if pipeline == "paper":
-        cues = {"cutaneous": bands, "kinesthetic": KINESTHETIC_FEATURES}
-        names = [name for cue, names in cues.items() if cue in parameters.cues for name in names]
+        names = [*bands] if "cutaneous" in parameters.cues else []
+        names += KINESTHETIC_FEATURES if "kinesthetic" in parameters.cues else ()
     elif pipeline == "best":
         features = spread_contact_states(features)
         extra = [
@@ -222,10 +210,7 @@ def split_runner(
     pipeline: str,
     maps: FitMemory | None = None,
 ) -> AnswerSplit:
-    """Give what trains and tests a split of sequences by a pipeline.
-
-    `maps` holds maps of other runs of pipeline `paper`; it changes no number.
-    """
+    """Give what trains and tests a split by a pipeline; `maps` of other runs change no number."""
     if pipeline == "paper":
         return lambda split, generator: run_paper_split(
             sequences, split, parameters, generator, maps
@@ -277,11 +262,10 @@ def run_best_split(
     generator: np.random.Generator,
     memory: FitMemory | None = None,
 ) -> Iterator[Answer]:
-    """Choose and fit everything of pipeline `best` on a split's training sequences, then test.
+    """Fit pipeline `best` on a split's training sequences and classify its test sequences.
 
-    Of the test sequences only `described` is used, shape (s, d), float64, nothing of it fitted.
-    `memory` holds fits of other splits of the same run; it changes no number. Yields an answer with
-    probabilities for each classifier that can be fitted.
+    `described` (s, d) are all sequences' descriptors; `memory` holds fits of other splits and
+    changes no number. Yields an answer with probabilities for each classifier that can be fitted.
     """
     training = described[split.train]
     labels, owners = sequences.labels[split.train], sequences.object_index[split.train]
