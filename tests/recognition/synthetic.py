@@ -11,6 +11,8 @@ from visuohaptic.tables.phases import (
 )
 from visuohaptic.tables.schema import build_table
 
+PAPER_FEATURES = (*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
+
 
 def features_table(
     strategy="fixation",

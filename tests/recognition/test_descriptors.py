@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from recognition.synthetic import features_table
+from recognition.synthetic import PAPER_FEATURES, features_table
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.descriptors import (
@@ -13,7 +13,6 @@ from visuohaptic.recognition.descriptors import (
     embed_poses,
     pose_coordinates,
 )
-from visuohaptic.recognition.experiment import PAPER_FEATURES
 from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.recognition.sequences import gather_sequences, turn_objects
 from visuohaptic.tables.schema import matrix

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from visuohaptic.recognition.encoding import ReductionMemory, fit_sequence_encoder
+from visuohaptic.recognition.encoding import fit_sequence_encoder
 from visuohaptic.recognition.maps import MAPS, FeatureGroups
+from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 SEQUENCES = np.random.default_rng(0).normal(size=(24, 5, 6))
@@ -27,7 +28,7 @@ def check_memory(memory, settings, sequences=SEQUENCES):
 
 @pytest.mark.parametrize("training", ["batch", "online"])
 def test_outputs_that_share_a_map_are_as_without_memory(training):
-    memory = ReductionMemory()
+    memory = FitMemory(1000)
     # MiniSom has two axes at most.
     outputs = [name for name in MAPS.names if (name, training) != ("lattice", "online")]
     for output in ("feature_groups", *outputs):
@@ -44,16 +45,10 @@ def test_outputs_that_share_a_map_are_as_without_memory(training):
     ],
 )
 def test_other_ways_to_a_map_are_not_confused(change):
-    memory = ReductionMemory()
+    memory = FitMemory(1000)
     for settings in (parameters(), RecognitionParameters.model_validate(change)):
         check_memory(memory, settings)
-
-
-def test_other_touches_have_another_map():
-    memory = ReductionMemory(most=1)
-    for sequences in (SEQUENCES, SEQUENCES[:12], SEQUENCES):
-        check_memory(memory, parameters(), sequences)
-    assert len(memory._held) == 1
+    check_memory(memory, parameters(), SEQUENCES[:12])
 
 
 def almost_alike():

@@ -3,11 +3,11 @@
 import numpy as np
 import pyarrow as pa
 import pytest
-from recognition.synthetic import features_table, with_column
+from recognition.synthetic import PAPER_FEATURES, features_table, with_column
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.experiment import PAPER_FEATURES, draw_splits, gather_pipeline
+from visuohaptic.recognition.experiment import draw_splits, gather_pipeline
 from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.parameters import (
     ProtocolParameters,

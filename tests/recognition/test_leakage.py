@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recognition.synthetic import features_table
+from recognition.synthetic import PAPER_FEATURES, features_table
 from sklearn import config_context
 
 from visuohaptic.recognition import classifiers, experiment, tuning
@@ -16,7 +16,7 @@ from visuohaptic.recognition.sequences import gather_sequences
 from visuohaptic.recognition.splits import make_splits
 
 PARAMETERS = RecognitionParameters()
-SEQUENCES = gather_sequences(features_table(separation=2.0), experiment.PAPER_FEATURES, 5)
+SEQUENCES = gather_sequences(features_table(separation=2.0), PAPER_FEATURES, 5)
 SPLITS = make_splits(SEQUENCES, PARAMETERS.protocol, np.random.default_rng(0))[::27]
 
 

@@ -10,7 +10,7 @@ from visuohaptic.recognition.pooling import (
     Ballots,
     best_temperature,
     fit_bag_classifier,
-    hold_out_bags,
+    fit_combination,
     softmax,
     spread_bags,
     spread_choices,
@@ -18,6 +18,11 @@ from visuohaptic.recognition.pooling import (
 from visuohaptic.recognition.tuning import fit_best_classifiers
 
 SIZES = (1, 2, 4, 8, 16)
+
+
+def combined(probabilities, scores, labels, owners, sizes=(1, 4), weight=1.0):
+    known, best = np.ones(scores.shape[1], bool), BestParameters(bags=sizes, bag_weight=weight)
+    return fit_combination(probabilities, scores, labels, owners, known, best)
 
 
 def listed(bags):
@@ -76,15 +81,13 @@ def test_both_answers_count_by_their_deviations_and_weight():
     probabilities = softmax(generator.normal(size=(120, 3)) + np.eye(3)[labels])
     scores = 100 * generator.normal(size=(120, 3)) + 100 * np.eye(3)[labels]
     owners = np.arange(120) // 4
-    known = np.ones(3, bool)
-    plain = hold_out_bags(scores, labels, owners, (1, 4), known, 1.0).combine(probabilities)
-    larger = hold_out_bags(7 * scores, labels, owners, (1, 4), known, 1.0).combine(probabilities)
-    alone = Ballots(probabilities, scores, plain).alone()
-    np.testing.assert_allclose(alone, Ballots(probabilities, 7 * scores, larger).alone())
-    heavy = hold_out_bags(scores, labels, owners, (1, 4), known, 1e6).combine(probabilities)
-    np.testing.assert_array_equal(
-        Ballots(probabilities, scores, heavy).alone().argmax(axis=1), scores.argmax(axis=1)
-    )
+
+    def answers(factor, weight):
+        found = combined(probabilities, factor * scores, labels, owners, weight=weight)
+        return Ballots(probabilities, factor * scores, found).alone()
+
+    np.testing.assert_allclose(answers(1, 1.0), answers(7, 1.0))
+    np.testing.assert_array_equal(answers(1, 1e6).argmax(axis=1), scores.argmax(axis=1))
 
 
 @pytest.mark.parametrize("classes", range(2, 31))
@@ -93,21 +96,17 @@ def test_an_answer_without_a_preference_leaves_the_other_as_it_is(classes):
     labels, owners = np.arange(32 * classes) // 32, np.arange(32 * classes) // 16
     scores = generator.normal(size=(len(labels), classes)) + np.eye(classes)[labels]
     alike = np.full(scores.shape, 1 / classes)
-    held_out = hold_out_bags(scores, labels, owners, SIZES, np.ones(classes, bool), 1.0)
-    answers = Ballots(alike, scores, held_out.combine(alike)).alone()
+    answers = Ballots(alike, scores, combined(alike, scores, labels, owners, SIZES)).alone()
     ratios = np.log(answers[:, 1:] / answers[:, :1])
     slopes = ratios / (scores[:, 1:] - scores[:, :1])
     np.testing.assert_allclose(slopes, slopes[0, 0], rtol=1e-6)
 
 
-def test_without_bags_an_answer_is_the_mean_probability():
+def test_without_bags_an_answer_is_the_mean_probability_and_votes_that_tie_have_equal_shares():
     probabilities = softmax(np.random.default_rng(0).normal(size=(4, 3)))
     members = np.array([[True, True, False, False], [True, True, True, True]])
     found = Ballots(probabilities).together(members)
     np.testing.assert_allclose(found, [probabilities[:2].mean(axis=0), probabilities.mean(axis=0)])
-
-
-def test_votes_that_tie_have_equal_shares():
     votes = np.eye(3)[[0, 0, 0, 1, 1, 1, 2]]
     found = Ballots(votes).together(np.ones((1, 7), dtype=bool))[0]
     assert found[0] == found[1]
@@ -142,9 +141,7 @@ def test_no_answer_is_surer_than_as_many_objects_allow(objects):
     labels = np.repeat(np.arange(2), objects // 2 * 4)
     owners = np.repeat(np.arange(objects), 4)
     clear = np.eye(2)[labels]
-    known = np.ones(2, bool)
-    combination = hold_out_bags(clear, labels, owners, (1, 4), known, 1.0).combine(clear)
-    surest = Ballots(clear, clear, combination).alone().max()
+    surest = Ballots(clear, clear, combined(clear, clear, labels, owners)).alone().max()
     expected = 1 - 1 / (objects + 2) / 2
     assert surest == pytest.approx(expected, abs=0.3 * (1 - expected))
 
@@ -163,5 +160,4 @@ def test_numbers_of_views_that_few_objects_have_share_a_temperature(views, sizes
     owners = np.repeat(np.arange(len(views)), views)
     labels = owners % 2
     scores = np.random.default_rng(0).normal(size=(len(owners), 2)) + np.eye(2)[labels]
-    held_out = hold_out_bags(scores, labels, owners, sizes, np.ones(2, bool), 1.0)
-    assert held_out.combine(softmax(scores)).views.tolist() == shared
+    assert combined(softmax(scores), scores, labels, owners, sizes).views.tolist() == shared

@@ -3,10 +3,9 @@
 import numpy as np
 import pyarrow as pa
 import pytest
-from recognition.synthetic import features_table, with_column
+from recognition.synthetic import PAPER_FEATURES, features_table, with_column
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.experiment import PAPER_FEATURES
 from visuohaptic.recognition.sequences import (
     classes_of_two,
     gather_any,

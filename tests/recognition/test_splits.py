@@ -5,10 +5,9 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from recognition.synthetic import features_table
+from recognition.synthetic import PAPER_FEATURES, features_table
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.experiment import PAPER_FEATURES
 from visuohaptic.recognition.parameters import ProtocolParameters
 from visuohaptic.recognition.sequences import gather_sequences
 from visuohaptic.recognition.splits import (

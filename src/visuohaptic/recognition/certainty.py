@@ -9,7 +9,7 @@ which learnt from more; so the coverage is not guaranteed, and `studies.certaint
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -19,7 +19,7 @@ from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import Ballots, spread_bags
 from visuohaptic.recognition.sequences import TouchSequences
-from visuohaptic.recognition.set_distance import KnownTouches, TouchDistances, keep_touches
+from visuohaptic.recognition.set_distance import KnownTouches, keep_touches
 from visuohaptic.recognition.splits import hold_out_objects
 from visuohaptic.recognition.tuning import Projection, fit_best_classifiers
 
@@ -38,12 +38,16 @@ class SequenceClassifier(Protocol):
         """Give what is known of them, for one answer for any of them together."""
 
 
+Described = Mapping[int, Floats]
+"""Descriptors (n, d) of the same sequences by their first touches: so many."""
+
+Fits = Mapping[int, tuple[Callable[[Floats], Floats], SequenceClassifier]]
+"""What projects descriptors of so many touches, and what classifies them then."""
+
+
 @dataclass(frozen=True)
 class Landmarks:
-    """Where the training objects lie.
-
-    `objects` (r, q) are the means over each object's sequences, among the projected descriptors.
-    """
+    """Where the training objects lie: means (r, q) over their projected sequences, and touches."""
 
     objects: Floats
     touches: KnownTouches
@@ -51,10 +55,9 @@ class Landmarks:
     def evidence(self, projected: Floats, scores: Floats, nearest: float) -> Floats:
         """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
 
-        `projected` are its sequences, shape (n, p), and `scores` what they score, shape (n, c). The
-        signs are the distance from the nearest training object, the negative of the highest mean
-        score of a class, and the distance of its touches from the nearest object's as sets,
-        `nearest`.
+        They are the distance of its sequences (n, p) from the nearest training object, the negative
+        of the highest mean score of a class, of `scores` (n, c), and the distance of its touches
+        from the nearest object's as sets, `nearest`.
         """
         seen = projected[:, : self.objects.shape[1]]
         distance = np.linalg.norm(self.objects - seen.mean(axis=0), axis=1).min()
@@ -65,11 +68,9 @@ class Landmarks:
 class Certainty:
     """What an answer gives beside its probabilities.
 
-    `candidates` (c,) is the prediction set, which is made to hold the class of an object of a known
-    class in the stated share of cases; it may be empty. `strangeness`, 0 to 1, is the share of
-    known objects, this one counted among them, that are no stranger than it; `unknown` says whether
-    it is stranger than the stated share of them. Objects are compared by `evidence`: larger is
-    stranger.
+    `candidates` (c,) is the prediction set; `strangeness` the share of known objects, this one
+    counted among them, that are less strange by `evidence`; `unknown` says whether that is more
+    than the stated share.
     """
 
     candidates: Flags
@@ -84,8 +85,7 @@ class Calibration:
 
     `views` (k,) are the sequences in a bag, ascending, and `labels` (n,) the objects' classes.
     `nonconformity` (k, n) is 1 - probability of the true class, and `evidence` (k, n, e) what
-    `Landmarks.evidence` gives. `landmarks` are of all training objects, in the projection of the
-    final fit.
+    `Landmarks.evidence` gives. `landmarks` are of all, in the projection of the final fit.
     """
 
     views: Integers
@@ -102,11 +102,9 @@ class Calibration:
         probabilities: Floats,
         coverage: float,
     ) -> Certainty:
-        """Compare a bag with the training objects.
+        """Compare a bag of sequences (n, p) and touches (m, k) with the training objects.
 
-        Their bags are of as many sequences, or of the next smaller number. `classifier` is the
-        final fit, `projected` (n, p) are the bag's sequences, `touches` (m, k) all its touches, and
-        `probabilities` (c,) the answer for it; `coverage` is the stated share.
+        `classifier` is the final fit, and `probabilities` (c,) are the answer for the bag.
         """
         size = self._size(len(projected))
         nearest = self.landmarks.touches.nearest(touches)
@@ -122,16 +120,13 @@ class Calibration:
     def prediction_set(
         self, probabilities: Floats, trained: Integers, sequences: int, coverage: float
     ) -> Flags:
-        """Choose the classes whose p value is above 1 - coverage, shape (c,), of those that training had.
-
-        `probabilities` are the answer for a bag of so many sequences, shape (c,).
-        """
+        """Choose of the `trained` classes those whose p value is above 1 - coverage, (c,) to (c,)."""
         known = np.isin(np.arange(len(probabilities)), trained)
         p_values = self.p_values(self._size(sequences), 1 - probabilities, coverage)
         return known & (p_values > _least_share(coverage))
 
     def _size(self, sequences: int) -> int:
-        """Give the place of the bags to compare with: of as many sequences, or the next smaller number."""
+        """Give the place of the bags of as many sequences, or of the next smaller number."""
         return max(int(np.searchsorted(self.views, sequences, side="right")) - 1, 0)
 
     def strangeness(self, size: int, evidence: Floats) -> Floats:
@@ -143,8 +138,7 @@ class Calibration:
         """Give the conformal p value of each class by its nonconformity, (c,) to (c,).
 
         It is the share of known objects, this one counted among them, that their class fits no
-        better. A class with enough objects of its own for the coverage is compared with these, so
-        that the coverage is that of its own objects; the others are compared with all.
+        better: of those of the class where they are enough for the coverage, else of all.
         """
         same = self.labels[:, None] == np.arange(len(nonconformity))
         compared = same | (same.sum(axis=0) < least_objects(coverage))
@@ -158,8 +152,21 @@ def least_objects(coverage: float) -> int:
 
 
 def _least_share(coverage: float) -> float:
-    """Give the share above which a class or an object is like the known ones, a rounding error apart."""
-    return 1 - coverage + 1e-12
+    return 1 - coverage + 1e-12  # a rounding error apart
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """A training object's sequences of one length, by what learnt from other objects.
+
+    `places` are those of the sequences in one bag of each size, and `evidence` (k, e) is theirs.
+    """
+
+    place: int
+    length: int
+    ballots: Ballots
+    places: Sequence[Integers]
+    evidence: Floats
 
 
 def fit_calibration(
@@ -169,58 +176,92 @@ def fit_calibration(
     projection: Projection,
     generator: np.random.Generator,
 ) -> Calibration | None:
-    """Classify every training object without itself, from bags of each size.
+    """Classify every training object whose class has another without itself; None if there is none.
 
     `described` (s, d) are the descriptors of the sequences, `parameters` those of one classifier of
-    pipeline `best`, and `projection` is that of the final fit; the generator deals the objects over
-    folds. An object whose class has no other is left out; gives None where no class has a second
-    one.
+    pipeline `best`, and `projection` is that of the final fit.
     """
-    best, labels = parameters.best, sequences.labels
-    rows: dict[int, tuple[int, Floats, Floats]] = {}
-    for train, objects in hold_out_objects(
-        labels, sequences.object_index, best.calibration_folds, generator
-    ):
-        known = sequences.take(train)
-        training = (described[train], known.labels, known.object_index, len(known.classes))
+    best, length = parameters.best, sequences.features.shape[1]
+
+    def fit(known: TouchSequences, parts: Described) -> Fits:
+        training = (parts[length], known.labels, known.object_index, len(known.classes))
         own, [(_, tuned, _)] = fit_best_classifiers(*training, parameters, generator)
-        touches = keep_touches(known, best.cues)
-        marks = landmarks_of(own.apply(described[train]), known.object_index, touches, best)
-        for place in objects:
-            one = sequences.object_index == place
-            label = int(labels[one][0])
-            projected = own.apply(described[one])
-            bags = turn_bags(len(projected), place, best)
-            probabilities = classify_bags(tuned.ballots(projected), bags)
-            scores = tuned.scores(projected)
-            distances = touches.distances(sequences.features[one])
-            found = bag_evidence(marks, projected, scores, bags, distances)
-            rows[place] = (label, 1 - probabilities[:, label], found)
-    if not rows:
+        return {length: (own.apply, tuned)}
+
+    held_out = hold_out(sequences, {length: described}, fit, best, generator)
+    if not held_out:
         return None
     touches = keep_touches(sequences, best.cues)
-    landmarks = landmarks_of(projection.apply(described), sequences.object_index, touches, best)
-    return gather_calibration([rows[place] for place in sorted(rows)], landmarks, best)
+    return calibrate(sequences, held_out, projection.apply(described), touches, best)
 
 
-def gather_calibration(
-    rows: Sequence[tuple[int, Floats, Floats]], landmarks: Landmarks, best: BestParameters
+def hold_out(
+    sequences: TouchSequences,
+    described: Described,
+    fit: Callable[[TouchSequences, Described], Fits],
+    best: BestParameters,
+    generator: np.random.Generator,
+) -> list[HeldOut]:
+    """Classify every training object whose class has another by folds that lack it, sorted by object.
+
+    `fit` takes sequences and their descriptors; the generator deals the objects over the folds.
+    """
+    found, owners = [], sequences.object_index
+    for train, objects in hold_out_objects(
+        sequences.labels, owners, best.calibration_folds, generator
+    ):
+        known = sequences.take(train)
+        parts = {length: rows[train] for length, rows in described.items()}
+        fits, touches = fit(known, parts), keep_touches(known, best.cues)
+        marks = {
+            length: landmarks_of(encode(parts[length]), known.object_index, touches, best)
+            for length, (encode, _) in fits.items()
+        }
+        for place in objects:
+            one = owners == place
+            bags = _turn_bags(int(one.sum()), place, best)
+            distances = touches.distances(sequences.features[one])
+            for length, (encode, classifier) in fits.items():
+                projected = encode(described[length][one])
+                scores = classifier.scores(projected)
+                evidence = [
+                    marks[length].evidence(
+                        projected[bag], scores[bag], distances.nearest(np.s_[bag, :length])
+                    )
+                    for bag in bags
+                ]
+                ballots = classifier.ballots(projected)
+                found.append(HeldOut(place, length, ballots, bags, np.array(evidence)))
+    return sorted(found, key=lambda one: one.place)
+
+
+def calibrate(
+    sequences: TouchSequences,
+    held_out: Sequence[HeldOut],
+    projected: Floats,
+    touches: KnownTouches,
+    best: BestParameters,
 ) -> Calibration:
-    """Gather class, nonconformity (k,) and evidence (k, e) of each training object."""
-    labels, nonconformity, evidence = zip(*rows, strict=True)
+    """Gather training objects of one length; `projected` (n, p) are all sequences by the final fit."""
+    labels = sequences.class_of_object[[one.place for one in held_out]]
+    nonconformity = []
+    for one, label in zip(held_out, labels, strict=True):
+        places = np.arange(len(one.ballots.probabilities))
+        answers = [one.ballots.together(np.isin(places, bag)[None])[0] for bag in one.places]
+        nonconformity.append([1 - answer[label] for answer in answers])
     return Calibration(
-        np.array(bag_sizes(best), dtype=np.int64),
-        np.array(labels, dtype=np.int64),
+        np.array(_bag_sizes(best), dtype=np.int64),
+        labels,
         np.array(nonconformity).T,
-        np.array(evidence).transpose(1, 0, 2),
-        landmarks,
+        np.array([one.evidence for one in held_out]).transpose(1, 0, 2),
+        landmarks_of(projected, sequences.object_index, touches, best),
     )
 
 
 def landmarks_of(
     projected: Floats, owners: Integers, touches: KnownTouches, best: BestParameters
 ) -> Landmarks:
-    """Give landmarks by sequences (n, p), projected, and their objects (n,), with their touches."""
+    """Give landmarks by projected sequences (n, p) of objects (n,)."""
     seen = projected[:, : best.components]
     return Landmarks(spread_bags(owners, (len(owners),)).means(seen), touches)
 
@@ -231,46 +272,14 @@ def one_classifier(parameters: RecognitionParameters, classifier: str) -> Recogn
     return parameters.model_copy(update={"best": best})
 
 
-def bag_sizes(best: BestParameters) -> tuple[int, ...]:
-    """Give the sizes of bags, ascending; 1 where none are wanted."""
+def _bag_sizes(best: BestParameters) -> tuple[int, ...]:
     return tuple(sorted(best.bags)) or (1,)
 
 
-def turn_bags(sequences: int, turn: int, best: BestParameters) -> list[Integers]:
-    """Give places of one bag of each size among an object's sequences.
-
-    Which of its bags of a size it is takes turns with the object's number.
-    """
+def _turn_bags(sequences: int, turn: int, best: BestParameters) -> list[Integers]:
+    """Give places of one bag of each size among an object's sequences, by turns."""
     chosen = []
-    for size in bag_sizes(best):
+    for size in _bag_sizes(best):
         bags = spread_bags(np.zeros(sequences, dtype=np.int64), (size,))
         chosen.append(np.split(bags.places, np.cumsum(bags.counts)[:-1])[turn % len(bags.counts)])
     return chosen
-
-
-def classify_bags(ballots: Ballots, bags: Sequence[Integers]) -> Floats:
-    """Give the answers for bags of an object's n sequences, shape (k, c)."""
-    places = np.arange(len(ballots.probabilities))
-    return np.array([ballots.together(np.isin(places, bag)[None])[0] for bag in bags])
-
-
-def bag_evidence(
-    marks: Landmarks,
-    projected: Floats,
-    scores: Floats,
-    bags: Sequence[Integers],
-    distances: TouchDistances,
-    length: int | None = None,
-) -> Floats:
-    """Give the evidence (k, e) of k bags of an object's sequences.
-
-    The sequences are `projected`, (n, p), and have `scores`, (n, c); `bags` are their places.
-    `marks` are of other objects. `distances` are those of the sequences' touches (n, t), of which
-    the first `length` count, or all.
-    """
-    return np.array(
-        [
-            marks.evidence(projected[bag], scores[bag], distances.nearest(np.s_[bag, :length]))
-            for bag in bags
-        ]
-    )

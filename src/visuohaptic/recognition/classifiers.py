@@ -137,20 +137,20 @@ class ClassifierParameters(BaseModel):
 
 
 def fit_classifier(
-    name: str,
+    classifier: str | Classifier,
     parameters: ClassifierParameters,
     features: Floats,
     labels: Integers,
     generator: np.random.Generator,
 ) -> Fit:
-    """Fit a classifier on training features (n, d) and classes (n,).
+    """Fit a classifier, or the one of a name, on training features (n, d) and classes (n,).
 
     Also gives a note on what it needed, if anything, such as regularised covariances. The generator
-    gives the seed of those that draw, such as the decision tree, which breaks ties by it. Raises
-    `RegistryError` if there is no such classifier, and `RecognitionError` if a discriminant has
-    nothing to take a covariance of.
+    gives the seed of those that draw. Raises `RegistryError` if there is no such classifier, and
+    `RecognitionError` if a discriminant has nothing to take a covariance of.
     """
-    return CLASSIFIERS[name].fit(parameters, features, labels, draw_seed(generator))
+    entry = CLASSIFIERS[classifier] if isinstance(classifier, str) else classifier
+    return entry.fit(parameters, features, labels, draw_seed(generator))
 
 
 def fit_each(

@@ -13,10 +13,7 @@ VARIANCE_FLOOR = 1e-6
 """Least variance of a regularised covariance, as a share of the features' mean variance."""
 
 Shrinkage = float | Literal["ledoit_wolf"]
-"""How much a covariance is shrunk, 0 to 1, or that it is found from the rows."""
-
 Target = Literal["own_variances", "mean_variance"]
-"""What a covariance is shrunk towards."""
 
 
 def regularised_covariance(
@@ -24,9 +21,8 @@ def regularised_covariance(
 ) -> Floats:
     """Estimate a covariance (d, d) that can't be singular, of deviations (n, d) from the mean.
 
-    Target ``own_variances`` shrinks the correlations towards none, each feature keeping its
-    variance; ``mean_variance`` shrinks towards one variance in every direction. `floor` is added to
-    every variance, for rows that do not vary at all.
+    Target ``own_variances`` shrinks the correlations alone; ``mean_variance`` shrinks towards one
+    variance in every direction. `floor` is added to every variance, for rows that do not vary.
     """
     if target == "mean_variance":
         found = _shrunk(deviations, shrinkage)
@@ -42,16 +38,29 @@ def variance_floor(features: Floats) -> float:
     return VARIANCE_FLOOR * float(features.var(axis=0).mean())
 
 
+def common_covariance(
+    rows: Floats, labels: Integers, shrinkage: float
+) -> tuple[Integers, Integers, Floats, Floats]:
+    """Give the classes (k,), their rows' number (k,) and means (k, d), and one covariance (d, d) of all.
+
+    Raises `RecognitionError` if there is nothing to take a covariance of.
+    """
+    check_spread("linear_discriminant", rows, labels)
+    classes, places, counts = np.unique(labels, return_inverse=True, return_counts=True)
+    means = class_means(rows, labels, classes)
+    covariance = regularised_covariance(
+        rows - means[places], shrinkage, "mean_variance", variance_floor(rows)
+    )
+    return classes, counts, means, covariance
+
+
 def class_means(rows: Floats, labels: Integers, classes: Integers) -> Floats:
     """Give the mean of each class's rows: (n, d) to (k, d)."""
     return np.stack([rows[labels == name].mean(axis=0) for name in classes])
 
 
 def check_spread(name: str, features: Floats, labels: Integers) -> None:
-    """Refuse features (n, d) of classes (n,) that have nothing to take a covariance of.
-
-    `name` is the discriminant, which the `RecognitionError` names.
-    """
+    """Refuse features (n, d) of classes (n,) that a discriminant can't take a covariance of."""
     _, counts = np.unique(labels, return_counts=True)
     lonely = counts.min() < 2 if name == "quadratic_discriminant" else counts.max() < 2
     if lonely:

@@ -27,8 +27,7 @@ class WaveBasis:
     """Plane waves over the six numbers of a pose: directions (6, w) and phases (w,), radians.
 
     Their means over a sequence are the kernel mean embedding of its poses in a Gaussian kernel (A.
-    Rahimi and B. Recht, "Random features for large-scale kernel machines", NIPS 2007): two
-    sequences of touches that lie alike have like means.
+    Rahimi and B. Recht, "Random features for large-scale kernel machines", NIPS 2007).
     """
 
     directions: Floats
@@ -47,9 +46,8 @@ def describe_sequences(
 ) -> Floats:
     """Describe sequences (s, t, k) by statistics and relations of their touches: (s, d).
 
-    The k columns are the pose, and of ``contourlet_…``, ``imprint_…``, ``sensor_size`` and
-    ``contact_…`` what there is. Each row is from its own sequence alone. Raises `RecognitionError`
-    if a column of the pose is missing or no cue has a column.
+    The k columns `names` are the pose, and what there is of others. Raises `RecognitionError` if a
+    column of the pose is missing or no cue has a column.
     """
     missing = [name for name in POSE if name not in names]
     if missing:
@@ -81,11 +79,10 @@ def statistics(values: Floats) -> Floats:
 
 
 def pose_coordinates(points: Floats, normals: Floats) -> Floats:
-    """Give each touch's pose in the object's frame, mirrored, and free of azimuth: (s, t, 16).
+    """Give poses in the object's frame, mirrored, and free of azimuth, of (s, t, 3) each: (s, t, 16).
 
-    Of points and normals, (s, t, 3) each: the pose; the magnitudes of x, z and the normal's three
-    components; distance from the upright axis and from the centre, and how far the normal points
-    away from the centre, away from the axis, and around it.
+    The last five are distance from the upright axis and from the centre, and how far the normal
+    points away from the centre, away from the axis, and around it.
     """
     axial = np.hypot(points[..., 0], points[..., 2])
     radius = np.linalg.norm(points, axis=-1)
@@ -101,11 +98,7 @@ def pose_coordinates(points: Floats, normals: Floats) -> Floats:
 
 
 def azimuth_free_coordinates(points: Floats, normals: Floats) -> tuple[Floats, Floats]:
-    """Turn touches about the upright axis into the plane of x and y, and mirror them to one side.
-
-    Points and normals (s, t, 3) become distance from the axis, height, 0; and the normal's part
-    away from the axis, upwards, and the size of that around it.
-    """
+    """Turn touches (s, t, 3) about the upright axis into the plane of x and y, on one side."""
     axial = np.hypot(points[..., 0], points[..., 2])
     way = points[..., ::2] / np.maximum(axial, LEAST_SIZE)[..., None]
     away = (way * normals[..., ::2]).sum(axis=-1)
@@ -122,12 +115,10 @@ def _describe_azimuth_free(points: Floats, normals: Floats, waves: WaveBasis) ->
 
 
 def describe_relations(points: Floats, normals: Floats) -> Floats:
-    """Describe how the touches of a sequence lie to one another: (s, 27).
+    """Describe how the touches of a sequence lie to one another, of (s, t, 3) each: (s, 27).
 
-    Of points and normals, (s, t, 3) each: statistics over all pairs of distance, height and level
-    distance, the normals' cosine, and the sum and difference of the angles between normals and the
-    line that joins the two; then the three principal extents of the points. A single touch has no
-    pair, and zeros.
+    Statistics over all pairs of touches, then the three principal extents of the points. A single
+    touch has no pair, and zeros.
     """
     touches = points.shape[1]
     centred = points - points.mean(axis=1, keepdims=True)
@@ -156,10 +147,7 @@ def describe_relations(points: Floats, normals: Floats) -> Floats:
 
 
 def embed_poses(points: Floats, normals: Floats, waves: WaveBasis) -> Floats:
-    """Give the mean of each of w waves over a sequence's poses, left and right being alike.
-
-    Points and normals (s, t, 3) become (s, w), within ± sqrt(2).
-    """
+    """Give the mean of each wave over a sequence's poses, left and right alike: (s, t, 3) to (s, w)."""
     pose = np.concatenate([points, normals], axis=-1)
     pose[..., [0, 3]] = np.abs(pose[..., [0, 3]])
     return np.sqrt(2) * np.cos(pose @ waves.directions + waves.phases).mean(axis=1)

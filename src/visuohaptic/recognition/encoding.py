@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections import OrderedDict
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +10,7 @@ import numpy as np
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.maps import MAPS
+from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.parameters import (
     RecognitionParameters,
     Scaling,
@@ -39,7 +38,7 @@ class Standardiser:
         return (rows - self.mean) / self.scale
 
     def sizes(self, rows: Floats) -> Floats:
-        """Give the size of what `apply` computes its numbers from, which their rounding goes by."""
+        """Give the size of what `apply` computes its numbers from."""
         return (np.abs(rows) + np.abs(self.mean)) / self.scale
 
 
@@ -59,11 +58,7 @@ class SequenceEncoder:
         return self.feature_scaling.apply(sequence_features(reduced, self.sequence_parameters))
 
     def reduce(self, sequences: Floats) -> Floats:
-        """Reduce each touch to m numbers: (s, t, k) to (s, t, m).
-
-        Features of a group may cancel each other, and touches that are alike have distances from a
-        unit that only rounding tells apart: within a sequence, such numbers are made equal.
-        """
+        """Reduce each touch to m numbers, (s, t, k) to (s, t, m), alike but for rounding to one."""
         touches = sequences.reshape(-1, sequences.shape[-1])
         scaled = self.touch_scaling.apply(touches)
         entry = MAPS[self.map_parameters.output]
@@ -74,73 +69,16 @@ class SequenceEncoder:
         return _without_rounding(reduced, sizes.reshape(reduced.shape))
 
 
-@dataclass(frozen=True)
-class TouchReduction:
-    """What was fitted on single touches, and the state of the random generator afterwards."""
-
-    scaling: Standardiser
-    reduction: Any
-    state: Any
-
-
-@dataclass
-class ReductionMemory:
-    """Maps by a hash of what they were fitted on and how, so that none is fitted twice.
-
-    Readings of the paper differ mostly in what follows the map. A remembered map leaves the random
-    generator as fitting it would, so it changes no number. At most `most` are remembered at once;
-    the oldest go first.
-    """
-
-    most: int = 1000
-    _held: OrderedDict[bytes, TouchReduction] = field(default_factory=OrderedDict)
-
-    def reduction(
-        self, touches: Floats, parameters: RecognitionParameters, generator: np.random.Generator
-    ) -> TouchReduction:
-        """Give what `fit_reduction` gives; it is called only where it is new."""
-        key = _digest(touches, parameters, generator)
-        if key not in self._held:
-            self._held[key] = fit_reduction(touches, parameters, generator)
-            if len(self._held) > self.most:
-                self._held.popitem(last=False)
-        self._held.move_to_end(key)
-        found = self._held[key]
-        generator.bit_generator.state = found.state
-        return found
-
-
-def fit_reduction(
-    touches: Floats, parameters: RecognitionParameters, generator: np.random.Generator
-) -> TouchReduction:
-    """Fit touch scaling and map on the training touches, shape (n, k), float64."""
-    scaling = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
-    settings = parameters.self_organising_map
-    reduction = MAPS[settings.output].fit(scaling.apply(touches), settings, generator)
-    return TouchReduction(scaling, reduction, generator.bit_generator.state)
-
-
-def _digest(
-    touches: Floats, parameters: RecognitionParameters, generator: np.random.Generator
-) -> bytes:
-    settings = parameters.self_organising_map.model_dump()
-    entry = MAPS[settings["output"]]
-    settings["output"] = entry.fitted_as or entry.name  # the same map, read in another way
-    how = (parameters.touch_scaling, touches.shape, settings, generator.bit_generator.state)
-    return hashlib.blake2b(repr(how).encode() + touches.tobytes(), digest_size=16).digest()
-
-
 def fit_sequence_encoder(
     sequences: Floats,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
-    memory: ReductionMemory | None = None,
+    memory: FitMemory | None = None,
 ) -> SequenceEncoder:
-    """Fit touch scaling, map and feature scaling on training sequences (s, t, k), and no others.
+    """Fit touch scaling, map and feature scaling on training sequences (s, t, k).
 
-    The generator is for the online map's order of touches; the batch map takes nothing from it.
-    `memory` holds maps of other calls; it changes no number. Raises `RecognitionError` if no
-    feature varies over the training touches, or a setting does not fit.
+    `memory` holds maps of other calls and changes no number. Raises `RecognitionError` if no
+    feature varies over the touches, or a setting does not fit.
     """
     touches = sequences.reshape(-1, sequences.shape[-1])
     if not np.ptp(touches, axis=0).any():
@@ -148,12 +86,19 @@ def fit_sequence_encoder(
             "Every feature has one and the same value at all training touches; "
             "the classes can't be distinguished."
         )
-    fit = fit_reduction if memory is None else memory.reduction
-    fitted = fit(touches, parameters, generator)
     settings = parameters.self_organising_map
-    unscaled = SequenceEncoder(
-        fitted.scaling, fitted.reduction, settings, parameters.sequence, _identity(1)
-    )
+    entry, draws = MAPS[settings.output], generator.bit_generator
+
+    def fit_map() -> tuple[Standardiser, Any, Any]:
+        scaling = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
+        return scaling, entry.fit(scaling.apply(touches), settings, generator), draws.state
+
+    # Outputs may read the same map, each in its own way.
+    fitted_as = settings.model_copy(update={"output": entry.fitted_as or entry.name})
+    known = (touches, parameters.touch_scaling, fitted_as, draws.state)
+    # A remembered map leaves the generator as fitting it would.
+    scaling, reduction, draws.state = (memory or FitMemory(1)).recall(known, fit_map)
+    unscaled = SequenceEncoder(scaling, reduction, settings, parameters.sequence, _identity(1))
     encoded = unscaled.encode(sequences)
     # A skewness has no unit, so a column of skewnesses near 0 is rounding; deviation and rms have one.
     made_of = np.tile([0.0, 0.0, 1.0], encoded.shape[1] // 3)
@@ -164,9 +109,8 @@ def fit_sequence_encoder(
 def fit_standardiser(rows: Floats, scaling: Scaling, made_of: float | Floats = 0.0) -> Standardiser:
     """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
 
-    A column counts as constant when its deviation is rounding noise beside its largest value, or
-    beside `made_of`, the size of what columns are computed from. It is 0 from then on; rounding,
-    which differs between processors, would otherwise get the weight of a feature.
+    A column is constant, and 0 from then on, when its deviation is rounding noise beside its largest
+    value, or beside `made_of`, the size of what columns are computed from.
     """
     if scaling == "none":
         return _identity(rows.shape[1])

@@ -2,33 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pyarrow as pa
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.classifiers import Classifier, draw_seed
-from visuohaptic.recognition.encoding import fit_sequence_encoder
-from visuohaptic.recognition.experiment import (
-    Answer,
-    AnswerSplit,
-    gather_pipeline,
-    run_pipeline,
-    run_sequences,
-)
+from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
+from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split, run_sequences
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import TouchSequences, take_strategy
-from visuohaptic.recognition.splits import Split
+from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.recognition.summary import summarise
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table
 
 _PIPELINE = "paper"
-_GIVEN = "estimator"
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,14 +92,20 @@ def evaluate(
     parameters = parameters or RecognitionParameters()
     table, _ = take_strategy(_as_table(features), strategy, parameters.touches)
     if isinstance(estimator, str):
-        chosen = parameters.model_copy(update={"classifiers": (estimator,)})
-        scores, predictions = run_pipeline(table, chosen, seed, _PIPELINE)
+        classifier = CLASSIFIERS[estimator]
     else:
-        sequences = gather_pipeline(table, parameters, _PIPELINE, seed)
-        answer_split = _answers_of(Classifier.of(_GIVEN, estimator), sequences, parameters)
-        scores, predictions = run_sequences(
-            sequences, strategy, parameters, seed, _PIPELINE, answer_split
-        )
+        classifier = Classifier.of("estimator", estimator)
+    sequences = gather_pipeline(table, parameters, _PIPELINE, seed)
+    scores, predictions = run_sequences(
+        sequences,
+        strategy,
+        parameters,
+        seed,
+        _PIPELINE,
+        lambda split, generator: run_paper_split(
+            sequences, split, parameters, generator, classifiers=[classifier]
+        ),
+    )
     summary = summarise(scores, predictions, parameters.intervals, seed)
     ((found,),) = (one.values() for one in summary["results"][_PIPELINE].values())
     accuracy = found["accuracy"]
@@ -130,21 +126,3 @@ def _as_table(features: Any) -> pa.Table:
             f"The features have no column {missing[0]}; the columns of table `features` are needed."
         )
     return build_table(FEATURES, {name: features[name].to_numpy() for name in features.columns})
-
-
-def _answers_of(
-    classifier: Classifier, sequences: TouchSequences, parameters: RecognitionParameters
-) -> AnswerSplit:
-    def answer_split(split: Split, generator: np.random.Generator) -> Iterator[Answer]:
-        training = sequences.features[split.train]
-        encoder = fit_sequence_encoder(training, parameters, generator)
-        fitted, note = classifier.fit(
-            parameters.classifier,
-            encoder.encode(training),
-            sequences.labels[split.train],
-            draw_seed(generator),
-        )
-        predicted = fitted.predict(encoder.encode(sequences.features[split.test]))
-        yield Answer(classifier.name, predicted, note)
-
-    return answer_split

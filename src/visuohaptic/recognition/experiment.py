@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,9 +16,16 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats, Integers
-from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier, fit_each
+from visuohaptic.recognition.classifiers import (
+    CLASSIFIERS,
+    Classifier,
+    ClassifierName,
+    fit_classifier,
+    fit_each,
+)
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-from visuohaptic.recognition.encoding import ReductionMemory, fit_sequence_encoder
+from visuohaptic.recognition.encoding import fit_sequence_encoder
+from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import (
     TouchSequences,
@@ -29,7 +36,7 @@ from visuohaptic.recognition.sequences import (
     turn_objects,
 )
 from visuohaptic.recognition.splits import Split, make_splits
-from visuohaptic.recognition.tuning import FitMemory, fit_best_classifiers
+from visuohaptic.recognition.tuning import fit_best_classifiers
 from visuohaptic.recognition.voting import vote_credit
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import (
@@ -46,16 +53,12 @@ if TYPE_CHECKING:
 AnswerSplit = Callable[[Split, np.random.Generator], Iterator["Answer"]]
 """Trains on a split's training sequences and classifies its test sequences."""
 
-PAPER_FEATURES = (*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES)
-"""The paper's 16 cutaneous and 6 kinesthetic features of a touch."""
-
 
 @dataclass(frozen=True)
 class Answer:
     """What one classifier predicted in one split: the class of each test sequence, (n,).
 
-    `note` says what the classifier needed to be fitted; there are `ballots` of the test sequences
-    where the pipeline gives probabilities.
+    There are `ballots` where the pipeline gives probabilities.
     """
 
     classifier: ClassifierName
@@ -69,13 +72,10 @@ def run_pipeline(
 ) -> tuple[pa.Table, pa.Table]:
     """Train and test every split, classifier and repeat on one strategy's features.
 
-    Gives rows of `tables.SCORES` and of `tables.PREDICTIONS`. Everything that is fitted (scalings,
-    map, classifier) sees the training sequences of its split alone. The order of rows changes
-    nothing. The splits, and the generator of each, depend on the experiment's seed and not on the
-    strategy, so strategies compare in pairs. Scores have a row for each classifier, split and
-    repeat, predictions one for each tested sequence of each; a classifier that can't be fitted in a
-    split has no row at all, and the log says why. Raises `RecognitionError` if the features don't
-    allow the experiment.
+    Gives rows of `tables.SCORES` and of `tables.PREDICTIONS`. Splits depend on the seed and not on
+    the strategy, so strategies compare in pairs. A classifier that can't be fitted in a split has
+    no row at all, and the log says why. Raises `RecognitionError` if the features don't allow the
+    experiment.
     """
     strategy = features.column("strategy")[0].as_py() if len(features) else ""
     sequences = gather_pipeline(features, parameters, pipeline, seed)
@@ -92,8 +92,8 @@ def run_sequences(
 ) -> tuple[pa.Table, pa.Table]:
     """Train and test every split, classifier and repeat on gathered sequences.
 
-    `strategy` names the rows and changes nothing else; `answer_split` is as in `answer_splits`.
-    Gives scores and predictions as `run_pipeline` does, and raises as it does.
+    `strategy` names the rows alone; `answer_split` is as in `answer_splits`. Gives what
+    `run_pipeline` does.
     """
     # Votes are counted as the answers come, while sums are still taken on one thread.
     answers = answer_splits(sequences, parameters, seed, pipeline, answer_split)
@@ -134,8 +134,7 @@ def answer_splits(
 ) -> Iterator[tuple[Split, int, Answer]]:
     """Train and test every split, classifier and repeat, and give the answers one by one.
 
-    `answer_split` trains and tests a split; without it the pipeline does, on the sequences as they
-    are. With it, the features of the sequences aren't used.
+    `answer_split` trains and tests a split; without it the pipeline does.
     """
     answer_split = answer_split or split_runner(sequences, parameters, seed, pipeline)
     with fitting():
@@ -148,7 +147,7 @@ def answer_splits(
 def draw_splits(
     sequences: TouchSequences, parameters: RecognitionParameters, seed: int
 ) -> Iterator[tuple[Split, int]]:
-    """Divide sequences into training and test: every split of every repeat, with the repeat's number."""
+    """Divide sequences into training and test: every split of every repeat, with its number."""
     for repeat in range(parameters.protocol.repeats):
         drawing = spawn_generator(seed, "recognition", "splits", repeat)
         for split in make_splits(sequences, parameters.protocol, drawing):
@@ -157,11 +156,7 @@ def draw_splits(
 
 @contextmanager
 def fitting() -> Iterator[None]:
-    """Fit on one thread, so that sums are taken in one order on every machine, and without checks.
-
-    What scikit-learn would check for every fit was checked once: numbers when gathered, parameters
-    by their model.
-    """
+    """Fit on one thread, so that sums are taken in one order, and without scikit-learn's checks."""
     from sklearn import config_context
     from threadpoolctl import threadpool_limits
 
@@ -176,14 +171,14 @@ def gather_pipeline(
     """Gather the columns that a pipeline uses from rows of one strategy.
 
     ``paper`` takes the paper's 22 features; ``best`` also columns ``imprint_…``, ``sensor_size``
-    and ``contact_state`` where there are any. The seed is for a shuffled order. Raises
-    `RecognitionError` if there is no such pipeline, or the features don't allow it.
+    and ``contact_state`` where there are any. Raises `RecognitionError` if there is no such
+    pipeline, or the features don't allow it.
     """
     bands = _described(features)
     features = turn_objects(features, parameters.protocol.turns)
     if pipeline == "paper":
-        cues = {"cutaneous": bands, "kinesthetic": KINESTHETIC_FEATURES}
-        names = [name for cue, names in cues.items() if cue in parameters.cues for name in names]
+        names = [*bands] if "cutaneous" in parameters.cues else []
+        names += KINESTHETIC_FEATURES if "kinesthetic" in parameters.cues else ()
     elif pipeline == "best":
         features = spread_contact_states(features)
         extra = [
@@ -213,12 +208,9 @@ def split_runner(
     parameters: RecognitionParameters,
     seed: int,
     pipeline: str,
-    maps: ReductionMemory | None = None,
+    maps: FitMemory | None = None,
 ) -> AnswerSplit:
-    """Give what trains and tests a split of sequences by a pipeline.
-
-    `maps` holds maps of other runs of pipeline `paper`; it changes no number.
-    """
+    """Give what trains and tests a split by a pipeline; `maps` of other runs change no number."""
     if pipeline == "paper":
         return lambda split, generator: run_paper_split(
             sequences, split, parameters, generator, maps
@@ -228,7 +220,7 @@ def split_runner(
     described = describe_sequences(
         sequences.features, sequences.feature_names, waves, parameters.best
     )
-    memory = FitMemory()
+    memory = FitMemory(REMEMBERED_SEQUENCES)
     return lambda split, generator: run_best_split(
         sequences, described, split, parameters, generator, memory
     )
@@ -239,20 +231,25 @@ def run_paper_split(
     split: Split,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
-    memory: ReductionMemory | None = None,
+    memory: FitMemory | None = None,
+    classifiers: Iterable[Classifier] = (),
 ) -> Iterator[Answer]:
     """Fit the paper's pipeline on a split's training sequences and classify its test sequences.
 
-    The test sequences are only encoded and classified. `memory` holds maps of other runs; it
-    changes no number. Yields an answer for each classifier that can be fitted.
+    `memory` holds maps of other runs and changes no number; `classifiers` replace those of the
+    parameters. Yields an answer for each classifier that can be fitted.
     """
+    entries = {entry.name: entry for entry in classifiers}
+    entries = entries or {name: CLASSIFIERS[name] for name in parameters.classifiers}
     labels = sequences.labels[split.train]
     encoder = fit_sequence_encoder(sequences.features[split.train], parameters, generator, memory)
     training = encoder.encode(sequences.features[split.train])
     tested = encoder.encode(sequences.features[split.test])
     for name, (fitted, note) in fit_each(
-        parameters.classifiers,
-        lambda name: fit_classifier(name, parameters.classifier, training, labels, generator),
+        entries,
+        lambda name: fit_classifier(
+            entries[name], parameters.classifier, training, labels, generator
+        ),
     ):
         yield Answer(name, fitted.predict(tested), note)
 
@@ -265,11 +262,10 @@ def run_best_split(
     generator: np.random.Generator,
     memory: FitMemory | None = None,
 ) -> Iterator[Answer]:
-    """Choose and fit everything of pipeline `best` on a split's training sequences, then test.
+    """Fit pipeline `best` on a split's training sequences and classify its test sequences.
 
-    Of the test sequences only `described` is used, shape (s, d), float64, nothing of it fitted.
-    `memory` holds fits of other splits of the same run; it changes no number. Yields an answer with
-    probabilities for each classifier that can be fitted.
+    `described` (s, d) are all sequences' descriptors; `memory` holds fits of other splits and
+    changes no number. Yields an answer with probabilities for each classifier that can be fitted.
     """
     training = described[split.train]
     labels, owners = sequences.labels[split.train], sequences.object_index[split.train]

@@ -16,6 +16,7 @@ from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
 from visuohaptic.recognition.covariance import (
     check_spread,
     class_means,
+    common_covariance,
     regularised_covariance,
     variance_floor,
 )
@@ -32,10 +33,9 @@ its covariance."""
 class GaussianClassifier:
     """Classes with a normal density each.
 
-    A deviation from one of `means` (k, d) times its `directions`, (k, d, d), or (1, d, d) where all
-    classes share them, has the squared Mahalanobis distance as its squared length. `offsets` (k,)
-    are logarithms of each class's share of the training rows, less half the logarithm of its
-    covariance's determinant.
+    A deviation from one of `means` (k, d) times its `directions`, (k, d, d), or (1, d, d) for all,
+    has the Mahalanobis distance as its length. `offsets` (k,) are logarithms of each class's share
+    of the training rows, less half the logarithm of its covariance's determinant.
     """
 
     classes_: Integers
@@ -84,8 +84,7 @@ def fit_quadratic_discriminant(
 ) -> Fit:
     """Fit a covariance of every class, of features (n, d) and labels (n,).
 
-    Plain ones if any; where one is singular, all are shrunk, so that classes compare. Raises
-    `RecognitionError` if there is nothing to take a covariance of.
+    Where a plain one is singular, all are shrunk, so that classes compare.
     """
     check_spread("quadratic_discriminant", features, labels)
     if parameters.discriminant_regularisation == "pseudo_inverse":
@@ -118,9 +117,8 @@ def fit_plain_discriminant(features: Floats, labels: Integers) -> GaussianClassi
 def fit_pseudo_quadratic_discriminant(features: Floats, labels: Integers) -> GaussianClassifier:
     """Fit the covariance of every class on the directions of its variance alone.
 
-    Directions in which a class does not vary are left out, and its determinant is the product of
-    the other variances; covariances divide by n - 1. That is how Matlab's documentation describes
-    `pseudoquadratic`; its code was not read.
+    Its determinant is the product of these variances; covariances divide by n - 1. That is how
+    Matlab's documentation describes `pseudoquadratic`.
     """
     return _fit_each(
         features, labels, lambda deviations: _principal(deviations, len(deviations) - 1)
@@ -130,20 +128,9 @@ def fit_pseudo_quadratic_discriminant(features: Floats, labels: Integers) -> Gau
 def fit_linear_discriminant(
     parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
 ) -> Fit:
-    """Fit one covariance of all classes, shrunk towards one variance.
-
-    Of features (n, d) and labels (n,). Raises `RecognitionError` if there is nothing to take a
-    covariance of.
-    """
-    check_spread("linear_discriminant", features, labels)
-    classes, places, counts = np.unique(labels, return_inverse=True, return_counts=True)
-    means = class_means(features, labels, classes)
-    covariance = regularised_covariance(
-        features - means[places],
-        parameters.linear_shrinkage,
-        "mean_variance",
-        variance_floor(features),
-    )
+    """Fit one covariance of all classes, shrunk towards one variance."""
+    shrinkage = parameters.linear_shrinkage
+    classes, counts, means, covariance = common_covariance(features, labels, shrinkage)
     directions, _ = _whiten(covariance)
     offsets = np.log(counts / len(labels))
     return GaussianClassifier(classes, means, directions[None], offsets), None

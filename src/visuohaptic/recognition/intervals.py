@@ -53,11 +53,9 @@ def object_interval(
 ) -> Interval:
     """Give the mean of values of objects (o,), of positive weights (o,), with its bootstrap interval.
 
-    Objects are drawn with replacement from all, not class by class, so the interval also holds how
-    classes differ. The percentiles are those of the expanded percentile interval, which makes up
-    for the bootstrap's narrowness with few objects (T. Hesterberg, "What teachers should know about
-    the bootstrap", The American Statistician 69(4), 2015): with n objects the tails are Phi(-sqrt(n
-    / (n - 1)) t), t the Student quantile with n - 1 degrees. Of a single object both ends are NaN.
+    Objects are drawn with replacement from all, not class by class. The percentiles are expanded for
+    few objects (T. Hesterberg, "What teachers should know about the bootstrap", The American
+    Statistician 69(4), 2015). Of a single object both ends are NaN.
     """
     return object_intervals(values[:, None], weights, parameters, generator)[0]
 
@@ -80,11 +78,7 @@ def object_intervals(
 def rate_interval(
     values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
 ) -> Interval:
-    """Give a mean of shares as `object_interval` does, with exact limits at 0 and at 1.
-
-    Where every object has the same share of 0 or of 1, resampling gives an interval of no length;
-    its open end is then the exact binomial limit for so many objects.
-    """
+    """Give a mean of shares as `object_interval` does, with exact binomial limits at 0 and at 1."""
     found = object_interval(values, weights, parameters, generator)
     limit = exact_limit(len(values), parameters.confidence)
     # Sums of shares may miss 1 by a rounding.
@@ -102,8 +96,7 @@ def difference_interval(
 ) -> Interval:
     """Give the mean paired difference of shares (o,), first less second, as `object_interval` does.
 
-    Where all objects have the same share under both, so many objects can't exclude that others
-    differ: the ends are plus and minus the exact binomial limit.
+    Where all objects have the same share under both, the ends are the exact binomial limits.
     """
     found = object_interval(first - second, weights, parameters, generator)
     limit = exact_limit(len(first), parameters.confidence)
@@ -113,8 +106,7 @@ def difference_interval(
 def exact_limit(objects: int, confidence: float) -> float:
     """Give the largest rate that no event among so many objects leaves possible.
 
-    The upper end of the exact binomial interval (C. Clopper and E. Pearson, Biometrika 26(4),
-    1934).
+    The exact binomial interval's end (C. Clopper and E. Pearson, Biometrika 26(4), 1934).
     """
     return float(1 - ((1 - confidence) / 2) ** (1 / objects))
 
@@ -125,10 +117,7 @@ def balanced_interval(
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
-    """Give the mean over classes of the mean over each class's objects, as `object_interval` does.
-
-    A class that a sample does not hold is left out of it.
-    """
+    """Give the mean over classes of the mean over each class's objects, as `object_interval` does."""
     member = (classes[:, None] == np.unique(classes)).astype(np.float64)
     mean = float(np.mean(values @ member / member.sum(axis=0)))
     if len(values) < 2:
@@ -149,7 +138,7 @@ def _around(mean: float, means: Floats, objects: int, confidence: float) -> Inte
 
 
 def expanded_tail(objects: int, confidence: float) -> float:
-    """Give the probability left out at each end, expanded for few objects (at least two)."""
+    """Give the probability left out at each end: Phi(-sqrt(n / (n - 1)) t), t Student's quantile."""
     from scipy.special import ndtr, stdtrit
 
     student = stdtrit(objects - 1, (1 - confidence) / 2)

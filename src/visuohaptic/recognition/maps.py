@@ -59,9 +59,9 @@ class FeatureGroups:
 
 
 def _fit_groups(touches: Floats, settings: Any, generator: np.random.Generator) -> FeatureGroups:
-    """Let a map order the features, each described by its value at every touch."""
     import numpy as np
 
+    # A map orders the features, each described by its value at every touch.
     features = touches.T
     fitted = _fit_line(features, settings, generator)
     member = np.eye(len(fitted.weights))[fitted.nearest(features)]
@@ -82,10 +82,6 @@ def _average_sizes(fitted: FeatureGroups, sizes: Floats) -> Floats:
     return sizes @ abs(fitted.weights)
 
 
-def _distances(fitted: Any, touches: Floats) -> Floats:
-    return fitted.distances(touches)
-
-
 def _distance_sizes(fitted: Any, sizes: Floats) -> Floats:
     import numpy as np
 
@@ -98,24 +94,23 @@ def _one_hot(fitted: Any, touches: Floats) -> Floats:
     return np.eye(len(fitted.weights))[fitted.nearest(touches)]
 
 
-def _places(fitted: Any, touches: Floats) -> Floats:
-    return fitted.positions[fitted.nearest(touches)]
-
-
 _fit_lattice = Function("visuohaptic.recognition.self_organising_map:fit_lattice")
 _fit_line = Function("visuohaptic.recognition.self_organising_map:fit_line")
 
 MAPS = Registry(
     "map of touches",
     Map(
-        "unit_distances", "its distance to each of five units", _fit_line, _distances,
-        sizes=_distance_sizes,
+        "unit_distances", "its distance to each of five units", _fit_line,
+        lambda fitted, touches: fitted.distances(touches), sizes=_distance_sizes,
     ),
     Map(
         "one_hot", "1 for the nearest of five units and 0 for the others", _fit_line, _one_hot,
         fitted_as="unit_distances",
     ),
-    Map("lattice", "the nearest unit's place on a lattice of five axes", _fit_lattice, _places),
+    Map(
+        "lattice", "the nearest unit's place on a lattice of five axes", _fit_lattice,
+        lambda fitted, touches: fitted.positions[fitted.nearest(touches)],
+    ),
     Map(
         "feature_groups", "the means of five groups of features, found by a map over the features",
         _fit_groups, _average, sizes=_average_sizes,

@@ -21,15 +21,8 @@ from visuohaptic.recognition.certainty import (
     one_classifier,
 )
 from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier
-from visuohaptic.recognition.descriptors import (
-    WaveBasis,
-    describe_sequences,
-    draw_waves,
-)
-from visuohaptic.recognition.encoding import (
-    SequenceEncoder,
-    fit_sequence_encoder,
-)
+from visuohaptic.recognition.descriptors import WaveBasis, describe_sequences, draw_waves
+from visuohaptic.recognition.encoding import SequenceEncoder, fit_sequence_encoder
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import pool_answers
@@ -79,12 +72,9 @@ class _Part:
 
 @dataclass(frozen=True)
 class ModelAnswer:
-    """What a model says of one object.
+    """What a model says of one object, the likeliest class first; the rest is `certainty.Certainty`'s.
 
-    Class probabilities and prediction set have the likeliest class first. Without a calibration all
-    but `probabilities` is None. `strangeness` is the share of known objects that are less strange,
-    0 to 1; `coverage` is the share of objects of known classes that the set and the word unknown
-    are right about.
+    Without a calibration all but `probabilities` is None.
     """
 
     probabilities: dict[str, float]
@@ -98,11 +88,10 @@ class ModelAnswer:
 class RecognitionModel:
     """Everything needed to classify an object from its touches.
 
-    `objects` are those that it learnt, as (class, name), `touches` those of a sequence, and
-    `feature_names` the k numbers of a touch in order. `calibration` holds training objects that
-    were each predicted without themselves; it is None in pipeline `paper`, and where no class has a
-    second object. `short` holds what classifies sequences of fewer touches, by their number.
-    `touching` is JSON: the parameters with which its touches were made, where they are known.
+    `objects` are those that it learnt, as (class, name), and `touches` those of a sequence.
+    `calibration` is None in pipeline `paper`, and where no class has a second object. `short` holds
+    what classifies sequences of fewer touches, by their number. `touching` is JSON: the parameters
+    with which its touches were made, where they are known.
     """
 
     pipeline: str
@@ -131,10 +120,7 @@ class RecognitionModel:
         return self.answer(features).probabilities
 
     def answer(self, features: pa.Table) -> ModelAnswer:
-        """Classify one object from all its touches together, and say how sure that is.
-
-        Takes and raises what `recognise` does.
-        """
+        """Classify one object as `recognise` does, and say how sure that is."""
         parts = self._parts(features)
         found = pool_answers(
             [part.answer() for part in parts], [len(part.touches) for part in parts]
@@ -177,9 +163,8 @@ class RecognitionModel:
 
     def _length_for(self, touches: int) -> int:
         """Give the length, of those that the model learnt, that is most like so many touches."""
-        ratios = {length: max(length, touches) / min(length, touches) for length in self.short}
-        ratios[self.touches] = max(self.touches, touches) / min(self.touches, touches)
-        return min(ratios, key=lambda length: ratios[length])
+        lengths = (*self.short, self.touches)
+        return min(lengths, key=lambda length: max(length, touches) / min(length, touches))
 
     def _part(self, length: int, sequences: list[Floats]) -> _Part:
         touches = np.concatenate([part.reshape(-1, part.shape[2]) for part in sequences])

@@ -147,18 +147,20 @@ class IntervalParameters(_Section):
     )
 
 
+_PAPER_CLASSIFIERS = (
+    "k_nearest_neighbours",
+    "support_vector_machine",
+    "decision_tree",
+    "quadratic_discriminant",
+    "naive_bayes",
+)
+
+
 class BestParameters(_Section):
     """Our own pipeline: descriptors of the whole sequence, everything else chosen by nested folds."""
 
     classifiers: tuple[ClassifierName, ...] = Field(
-        (
-            "k_nearest_neighbours",
-            "support_vector_machine",
-            "decision_tree",
-            "quadratic_discriminant",
-            "naive_bayes",
-            "linear_discriminant",
-        ),
+        (*_PAPER_CLASSIFIERS, "linear_discriminant"),
         min_length=1,
         description="Classifiers to compare",
     )
@@ -226,13 +228,7 @@ class RecognitionParameters(_Section):
         description="Ways from features to an answer: that of the `paper`, and our own, `best`",
     )
     classifiers: tuple[ClassifierName, ...] = Field(
-        (
-            "k_nearest_neighbours",
-            "support_vector_machine",
-            "decision_tree",
-            "quadratic_discriminant",
-            "naive_bayes",
-        ),
+        _PAPER_CLASSIFIERS,
         min_length=1,
         description="Classifiers to compare (pipeline `paper`)",
     )

@@ -11,20 +11,16 @@ import math
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.classifiers import ClassifierParameters
-from visuohaptic.recognition.covariance import (
-    check_spread,
-    class_means,
-    regularised_covariance,
-    variance_floor,
-)
+from visuohaptic.recognition.covariance import common_covariance
 from visuohaptic.recognition.encoding import ROUNDING
+from visuohaptic.recognition.parameters import BestParameters
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
 """Candidates for what scores are divided by before they become probabilities."""
@@ -59,9 +55,7 @@ class Combination:
     """How the two answers for a bag become one, where training had the `known` (c,) classes.
 
     `scales` are what the classifier's log probabilities and the bag classifier's scores are divided
-    by: their deviations over held-out bags, the latter by the weight of bags. The sum is divided by
-    `temperatures` (k,), for bags of so many `views` (k,), ascending: the mean of the numbers of
-    sequences that share a temperature.
+    by. The sum is divided by `temperatures` (k,), for bags of so many `views` (k,), ascending.
     """
 
     scales: tuple[float, float]
@@ -72,10 +66,7 @@ class Combination:
     def probabilities(
         self, mean_probabilities: Floats, mean_scores: Floats, counts: Integers
     ) -> Floats:
-        """Give class probabilities (m, c) of bags by both answers' means over their sequences, (m, c).
-
-        `counts` (m,) are the sequences of each bag.
-        """
+        """Give class probabilities (m, c) of bags of `counts` (m,) sequences by both answers' means."""
         logs = np.log(np.maximum(mean_probabilities, LEAST_PROBABILITY))
         summed = logs / self.scales[0] + mean_scores / self.scales[1]
         places = np.log(np.maximum(counts, 1))
@@ -85,11 +76,7 @@ class Combination:
 
 @dataclass(frozen=True)
 class Ballots:
-    """What is known of n sequences, for one answer for any of them together.
-
-    `probabilities` (n, c) are the classifier's and `scores` (n, c) the bag classifier's, which have
-    a `combination`; both are None where there is none.
-    """
+    """What is known of n sequences: probabilities, and scores of the bag classifier if any, (n, c)."""
 
     probabilities: Floats
     scores: Floats | None = None
@@ -100,10 +87,7 @@ class Ballots:
         return self._answer(self.probabilities, self.scores, np.ones(len(self.probabilities)))
 
     def together(self, members: Flags) -> Floats:
-        """Give the class probabilities (m, c) of bags; `members` (m, n) are their sequences.
-
-        No bag is empty. Without a bag classifier these are mean probabilities.
-        """
+        """Give the class probabilities (m, c) of bags; `members` (m, n) are their sequences."""
         counts = members.sum(axis=1)
         # Sums first: those of whole votes are exact, so that a tie is one.
         count_in = members.astype(np.float64)
@@ -121,11 +105,7 @@ class Ballots:
 
 @dataclass(frozen=True)
 class Bags:
-    """Bags of sequences.
-
-    `places` are those of the first bag's sequences, then of the second's, …; `counts` (m,) says how
-    many each has.
-    """
+    """Bags: places of the first one's sequences, then the second's, …; `counts` (m,) of each."""
 
     places: Integers
     counts: Integers
@@ -150,9 +130,8 @@ class Bags:
 def spread_choices(total: int, count: int) -> Integers:
     """Choose `count` of `total` places, evenly spread over a ring, in every way: (k, count).
 
-    Rows are ascending. The first choice is turned on by one place after another, none twice. Each
-    place is in as many of them as any other; the first ceil(total / count) choices have every
-    place, once each where `count` divides `total`.
+    Each place is in as many rows as any other; the first ceil(total / count) rows have them all,
+    once each where `count` divides `total`.
     """
     steps = np.arange(count) * total // count
     turns = np.arange(total // math.gcd(total, count))
@@ -160,12 +139,10 @@ def spread_choices(total: int, count: int) -> Integers:
 
 
 def spread_bags(owners: Integers, sizes: Sequence[int]) -> Bags:
-    """Choose bags of every size among each object's sequences, evenly spread over its views.
+    """Choose bags of every size among each object's sequences, as `spread_choices` spreads them.
 
-    The bags of a size have every sequence of the object, once each where the size divides their
-    number; else some are in two bags. `owners` (n,) is the object of each sequence, an object's in
-    the order of views. A size beyond what an object has becomes all of its sequences. Bags are by
-    object, then by size, none twice.
+    `owners` (n,) is the object of each sequence, an object's in the order of views. A size beyond
+    what an object has becomes all of its sequences. Bags are by object, then by size, none twice.
     """
     places, counts = [], []
     for owner in np.unique(owners):
@@ -188,21 +165,14 @@ def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[Integers, Integers
 def fit_bag_classifier(
     projected: Floats, labels: Integers, owners: Integers, sizes: Sequence[int]
 ) -> BagClassifier:
-    """Fit the linear discriminant of bags of sequences (n, q), of classes and objects (n,).
-
-    Raises `RecognitionError` if there is nothing to take a covariance of.
-    """
+    """Fit the linear discriminant of bags of sequences (n, q), of classes and objects (n,)."""
     bags = spread_bags(owners, sizes)
-    rows, classes = bags.means(projected), labels[bags.first]
-    check_spread("linear_discriminant", rows, classes)
-    trained, places, counts = np.unique(classes, return_inverse=True, return_counts=True)
-    means = class_means(rows, classes, trained)
     shrinkage = ClassifierParameters().linear_shrinkage
-    covariance = regularised_covariance(
-        rows - means[places], shrinkage, "mean_variance", variance_floor(rows)
+    trained, counts, means, covariance = common_covariance(
+        bags.means(projected), labels[bags.first], shrinkage
     )
     coefficients = np.linalg.solve(covariance, means.T)
-    intercepts = np.log(counts / len(rows)) - np.einsum("kq,qk->k", means, coefficients) / 2
+    intercepts = np.log(counts / counts.sum()) - np.einsum("kq,qk->k", means, coefficients) / 2
     return BagClassifier(
         coefficients - coefficients.mean(axis=1, keepdims=True),
         intercepts - intercepts.mean(),
@@ -210,94 +180,48 @@ def fit_bag_classifier(
     )
 
 
-@dataclass(frozen=True)
-class HeldOutBags:
-    """Bags of held-out sequences as the bag classifier scores them, for combinations with any classifier.
-
-    `scores` (m, c) are means over each bag's sequences, `labels` and `owners` (m,) the bags'
-    classes and objects; `known` (c,) says which classes all training objects have, and `weight` how
-    much more the bag classifier counts than the other.
-    """
-
-    bags: Bags
-    scores: Floats
-    labels: Integers
-    owners: Integers
-    known: Flags
-    weight: float
-
-    def combine(self, probabilities: Floats) -> Combination:
-        """Fit a combination with what a classifier says of the held-out sequences, (n, c).
-
-        A temperature that rests on few objects would be an accident of these. So from the largest
-        number of sequences down, numbers are taken together until half of the objects have bags of
-        them, and share a temperature; those that remain at the lower end share the one above.
-        Without held-out sequences, scales and temperature are 1.
-        """
-        known, bags = self.known, self.bags
-        if not len(bags.counts):
-            return Combination((1.0, 1.0 / self.weight), np.ones(1), np.ones(1), known)
-        means = bags.means(probabilities)
-        logs = np.log(np.maximum(means, LEAST_PROBABILITY))
-        scales = (_deviation(logs[:, known]), self._deviation / self.weight)
-        summed = logs / scales[0] + self.scores / scales[1]
-        summed = np.where(known, summed, LEAST_SCORE)[:, known]
-        temperatures = [
-            best_temperature(summed[chosen], self._places[chosen], self._doubt)[1]
-            for chosen in self._alike
-        ]
-        views = np.array([bags.counts[chosen].mean() for chosen in self._alike])
-        return Combination(scales, views, np.array(temperatures), known)
-
-    @cached_property
-    def _deviation(self) -> float:
-        return _deviation(self.scores[:, self.known])
-
-    @cached_property
-    def _places(self) -> Integers:
-        """The place of each bag's class among those that are known."""
-        return (np.cumsum(self.known) - 1)[self.labels]
-
-    @cached_property
-    def _doubt(self) -> float:
-        """The share of the truth that is spread over all classes."""
-        # That all of n objects were right doesn't make the next one certain: the rule of succession.
-        return 1 / (len(np.unique(self.owners)) + 2)
-
-    @cached_property
-    def _alike(self) -> list[Flags]:
-        """Which bags share each temperature, by ascending numbers of sequences."""
-        counts = self.bags.counts
-        enough = len(np.unique(self.owners)) / 2
-        groups, group = [], counts < 0
-        for count in np.unique(counts)[::-1]:
-            group = group | (counts == count)
-            if len(np.unique(self.owners[group])) >= enough:
-                groups.append(group)
-                group = counts < 0
-        if group.any():
-            groups[-1] = groups[-1] | group
-        return groups[::-1]
-
-
-def hold_out_bags(
+def fit_combination(
+    probabilities: Floats,
     scores: Floats,
     labels: Integers,
     owners: Integers,
-    sizes: Sequence[int],
     known: Flags,
-    weight: float,
-) -> HeldOutBags:
-    """Divide held-out sequences, of classes and objects (n,), into bags; n may be 0.
+    parameters: BestParameters,
+) -> Combination:
+    """Fit how both answers for a bag become one, on held-out sequences of classes and objects (n,).
 
-    `scores` (n, c) are what the bag classifier says of them, whose objects it did not learn.
+    `probabilities` (n, c) are what the classifier says of them and `scores` (n, c) what the bag
+    classifier says, each divided by its deviation over bags, the latter by the weight of bags.
+    `known` (c,) says which classes training had.
     """
-    if not len(labels):
-        return HeldOutBags(Bags(labels, labels), scores, labels, owners, known, weight)
-    bags = spread_bags(owners, sizes)
-    return HeldOutBags(
-        bags, bags.means(scores), labels[bags.first], owners[bags.first], known, weight
-    )
+    bags = spread_bags(owners, parameters.bags)
+    logs = np.log(np.maximum(bags.means(probabilities), LEAST_PROBABILITY))
+    of_bags = bags.means(scores)
+    scales = (_deviation(logs[:, known]), _deviation(of_bags[:, known]) / parameters.bag_weight)
+    summed = (logs / scales[0] + of_bags / scales[1])[:, known]
+    places = (np.cumsum(known) - 1)[labels[bags.first]]
+    # That all of n objects were right doesn't make the next one certain: the rule of succession.
+    doubt = 1 / (len(np.unique(owners)) + 2)
+    alike = _alike(bags.counts, owners[bags.first])
+    temperatures = [best_temperature(summed[chosen], places[chosen], doubt)[1] for chosen in alike]
+    views = np.array([bags.counts[chosen].mean() for chosen in alike])
+    return Combination(scales, views, np.array(temperatures), known)
+
+
+def _alike(counts: Integers, owners: Integers) -> list[Flags]:
+    """Tell which bags share each temperature, by ascending numbers of sequences."""
+    # One that rests on few objects would be an accident of these: so from the largest number down,
+    # numbers are taken together until half of the objects have bags of them.
+    enough = len(np.unique(owners)) / 2
+    groups, group = [], counts < 0
+    for count in np.unique(counts)[::-1]:
+        group = group | (counts == count)
+        if len(np.unique(owners[group])) >= enough:
+            groups.append(group)
+            group = counts < 0
+    if group.any():
+        groups[-1] = groups[-1] | group
+    return groups[::-1]
 
 
 def _deviation(scores: Floats) -> float:
@@ -309,8 +233,7 @@ def _deviation(scores: Floats) -> float:
 def pool_answers(answers: Sequence[Floats], weights: Sequence[float]) -> Floats:
     """Give the weighted geometric mean of answers, shape (c,) each: a logarithmic opinion pool.
 
-    It is no surer than the surest of them: that they agree counts for nothing, as views of an
-    object err alike. A single answer stays as it is.
+    It is no surer than the surest of them, as views of an object err alike.
     """
     if len(answers) == 1:
         return answers[0]
@@ -327,8 +250,8 @@ def softmax(scores: Floats) -> Floats:
 def best_temperature(scores: Floats, labels: Integers, doubt: float = 0.0) -> tuple[float, float]:
     """Find the temperature of `TEMPERATURES` with the least mean log loss, and that loss in nats.
 
-    `scores` have the shape (n, c), float64; `labels` are the true classes, shape (n,), int64.
-    `doubt` is the share of the truth that is spread over all classes.
+    `labels` (n,) are the true classes of scores (n, c); `doubt` is the share of the truth that is
+    spread over all classes.
     """
     relative = scores - scores.max(axis=1, keepdims=True)
     true = (1 - doubt) * relative[np.arange(len(labels)), labels] + doubt * relative.mean(axis=1)

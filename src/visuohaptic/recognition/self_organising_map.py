@@ -33,30 +33,29 @@ class SelfOrganisingMap:
         return _nearest(touches, self.weights)
 
 
-def fit_map(
-    rows: Floats,
-    positions: Floats,
-    parameters: SelfOrganisingMapParameters,
-    generator: np.random.Generator,
-) -> SelfOrganisingMap:
-    """Fit a map in the way that `parameters.training` names."""
-    if parameters.training == "batch":
-        return fit_batch_map(rows, positions, parameters)
-    return fit_online_map(rows, positions, parameters, generator)
-
-
 def fit_line(
     rows: Floats, settings: SelfOrganisingMapParameters, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     """Fit a map whose units lie on a line."""
-    return fit_map(rows, line(settings.outputs), settings, generator)
+    return _fit_map(rows, line(settings.outputs), settings, generator)
 
 
 def fit_lattice(
     rows: Floats, settings: SelfOrganisingMapParameters, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     """Fit a map whose units lie on a lattice, an axis an output."""
-    return fit_map(rows, lattice(settings.outputs, settings.lattice_levels), settings, generator)
+    return _fit_map(rows, lattice(settings.outputs, settings.lattice_levels), settings, generator)
+
+
+def _fit_map(
+    rows: Floats,
+    positions: Floats,
+    parameters: SelfOrganisingMapParameters,
+    generator: np.random.Generator,
+) -> SelfOrganisingMap:
+    if parameters.training == "batch":
+        return fit_batch_map(rows, positions, parameters)
+    return fit_online_map(rows, positions, parameters, generator)
 
 
 def fit_batch_map(
@@ -65,14 +64,13 @@ def fit_batch_map(
     """Fit a map on touches (n, k), all at once in each pass; `positions` (u, a) are the lattice.
 
     Each unit becomes the mean of the touches, weighted by a Gaussian of the lattice distance to the
-    touch's nearest unit. The radius shrinks geometrically over the ordering passes and then stays;
-    training ends when no touch changes its nearest unit. Units start along the touches' principal
-    components, so nothing is random.
+    touch's nearest unit, until no touch changes its nearest unit.
     """
     weights = _principal_weights(touches, positions)
     squares = np.square(positions[:, None, :] - positions[None, :, :]).sum(axis=-1)
     winners = _nearest(touches, weights)
-    for radius in _shrinking_radii(parameters):
+    radii = (parameters.initial_radius, parameters.final_radius)
+    for radius in np.geomspace(*radii, parameters.ordering_epochs):
         neighbourhood = np.exp(-squares / (2 * radius**2))
         weights = _weighted_means(touches, winners, neighbourhood, weights)
         winners = _nearest(touches, weights)
@@ -124,12 +122,6 @@ def line(units: int) -> Floats:
 def lattice(axes: int, levels: int) -> Floats:
     """Give the places of a lattice's units, shape (levels ** axes, axes)."""
     return np.array(list(itertools.product(range(levels), repeat=axes)), dtype=np.float64)
-
-
-def _shrinking_radii(parameters: SelfOrganisingMapParameters) -> Floats:
-    return np.geomspace(
-        parameters.initial_radius, parameters.final_radius, parameters.ordering_epochs
-    )
 
 
 def _principal_weights(touches: Floats, positions: Floats) -> Floats:

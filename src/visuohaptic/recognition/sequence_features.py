@@ -8,8 +8,6 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.parameters import SequenceParameters
 
-STATISTICS = ("standard_deviation", "root_mean_square", "skewness")
-
 CONSTANT_TOLERANCE = 1e-12
 """A sequence whose standard deviation is at most this share of its rms counts as constant."""
 
@@ -17,36 +15,21 @@ CONSTANT_TOLERANCE = 1e-12
 def sequence_features(sequences: Floats, parameters: SequenceParameters) -> Floats:
     """Summarise sequences (s, t, m) by themselves and by the levels of their wavelet transform.
 
-    Gives (s, m * (1 + levels) * 3) numbers, in the order of `feature_names`: with the paper's
-    settings (five sequences, three levels) its 5 x (1 + 3) x 3 = 60 features. Raises
-    `RecognitionError` if the wavelet is not one of PyWavelets' discrete ones.
+    Gives (s, m * (1 + levels) * 3) numbers, by output, then level, then statistic: with the paper's
+    settings 5 x (1 + 3) x 3 = 60 features. Raises `RecognitionError` if the wavelet is unknown.
     """
     along_time = np.moveaxis(sequences, 1, -1)
     levels = wavelet_levels(along_time, parameters)
-    signals = [along_time, *(without_rounding(level, along_time) for level in levels)]
+    signals = [along_time, *(_without_rounding(level, along_time) for level in levels)]
     correction = 1 if parameters.degrees_of_freedom == "sample" else 0
     statistics = [summarise_signals(signal, correction) for signal in signals]
     return np.stack(statistics, axis=2).reshape(len(sequences), -1)
 
 
-def feature_names(outputs: int, parameters: SequenceParameters) -> tuple[str, ...]:
-    """Name the features of `sequence_features` for m outputs, such as ``output_1_detail_2_skewness``."""
-    band = parameters.bands.removesuffix("s")
-    signals = ["sequence", *(f"{band}_{level}" for level in range(1, parameters.levels + 1))]
-    return tuple(
-        f"output_{output}_{signal}_{statistic}"
-        for output in range(1, outputs + 1)
-        for signal in signals
-        for statistic in STATISTICS
-    )
-
-
 def wavelet_levels(signals: Floats, parameters: SequenceParameters) -> list[Floats]:
     """Decompose signals (..., t) along their last axis, one array a level, the finest first.
 
-    Five touches are shorter than the transform wants (db2 recommends no level at all), so what lies
-    beyond the ends is `parameters.extension`'s doing. Raises `RecognitionError` if the wavelet is
-    unknown.
+    Raises `RecognitionError` if the wavelet is not one of PyWavelets' discrete ones.
     """
     import pywt
 
@@ -65,11 +48,9 @@ def wavelet_levels(signals: Floats, parameters: SequenceParameters) -> list[Floa
     return kept
 
 
-def without_rounding(levels: Floats, signals: Floats) -> Floats:
-    """Set a level's coefficients (..., k) to 0 where all are rounding beside their signal (..., t).
-
-    Details of a constant sequence are 0 but for rounding, whose skewness is as large as any.
-    """
+def _without_rounding(levels: Floats, signals: Floats) -> Floats:
+    """Set a level's coefficients (..., k) to 0 where all are rounding beside their signal (..., t)."""
+    # Details of a constant sequence are 0 but for rounding, whose skewness is as large as any.
     largest = np.abs(signals).max(axis=-1, keepdims=True)
     rounding = np.abs(levels).max(axis=-1, keepdims=True) <= CONSTANT_TOLERANCE * largest
     return np.where(rounding, 0.0, levels)
@@ -79,8 +60,7 @@ def summarise_signals(signals: Floats, correction: int) -> Floats:
     """Give standard deviation, rms and skewness along the last axis: (..., t) to (..., 3), finite.
 
     The standard deviation divides by t - correction (by t where t is 1). Skewness is m3 / m2 ** 1.5
-    with population moments (Matlab's default); a signal whose deviation is at most
-    `CONSTANT_TOLERANCE` of its rms is constant up to rounding and has skewness 0.
+    with population moments (Matlab's default), and 0 of a signal that is constant up to rounding.
     """
     length = signals.shape[-1]
     # Scaled to its largest value, no power over- or underflows.

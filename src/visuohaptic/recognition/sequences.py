@@ -54,11 +54,11 @@ class TouchSequences:
 def gather_sequences(
     features: pa.Table, feature_names: Sequence[str], touches: int | None
 ) -> TouchSequences:
-    """Gather the touches of one strategy, rows in any order, into sequences.
+    """Gather the first so many touches, or all, of one strategy into sequences.
 
-    These are sorted by class, object and viewpoint. Takes the first so many touches of each; None
-    takes all. Raises `RecognitionError` if there are no rows or more than one strategy, a column is
-    missing, a sequence lacks a touch, or a feature is not finite.
+    These are sorted by class, object and viewpoint. Raises `RecognitionError` if there are no rows
+    or more than one strategy, a column is missing, a sequence lacks a touch, or a feature is not
+    finite.
     """
     _check_columns(features, feature_names)
     keys = [(name, "ascending") for name in ("class", "object", "viewpoint", "touch")]
@@ -101,11 +101,9 @@ def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
 def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -> list[Floats]:
     """Gather all touches of one object and strategy into sequences of at most so many touches.
 
-    Rows are in any order. Gives all sequences of one length together, (s, t, k), the longest first.
-    A viewpoint with more touches gives several, the last of which begins among the touches of the
-    one before it where fewer than that remain; a viewpoint with fewer gives a short one. Raises
-    `RecognitionError` if there is more than one object or strategy, a column is missing, or a
-    feature is not finite.
+    Gives all sequences of one length together, (s, t, k), the longest first. A viewpoint with more
+    touches gives several whole ones, which overlap where needed. Raises `RecognitionError` if there
+    is more than one object or strategy, a column is missing, or a feature is not finite.
     """
     _check_columns(features, feature_names)
     features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
@@ -135,11 +133,7 @@ def first_touches(features: pa.Table, touches: int) -> pa.Table:
 
 
 def turn_objects(features: pa.Table, turns: str) -> pa.Table:
-    """Turn the poses of each object's touches, ``vertical`` or ``any``, by a rotation of its own.
-
-    The rotation is drawn by the object's key alone: it is the same for every seed, repeat, strategy
-    and pipeline, so that these are compared on the same turned objects. Every other column stays.
-    """
+    """Turn the poses of each object's touches, ``vertical`` or ``any``, as its key alone draws it."""
     from scipy.spatial.transform import Rotation
 
     if turns == "none":
@@ -175,10 +169,7 @@ def spread_contact_states(features: pa.Table) -> pa.Table:
 
 
 def identical_objects(sequences: TouchSequences) -> list[tuple[str, str]]:
-    """Name, as "class/object", the pairs of objects whose touches are the same number for number.
-
-    Such a pair is one object under two names, and tests on what it trained with.
-    """
+    """Name, as "class/object", the pairs of objects whose touches are the same number for number."""
     first: dict[bytes, str] = {}
     pairs = []
     for place, owner in enumerate(sequences.objects):
@@ -236,10 +227,9 @@ def classes_of_two(features: pa.Table) -> pa.Table:
 def take_strategy(
     features: pa.Table, strategy: str, touches: int | None
 ) -> tuple[pa.Table, tuple[str, ...]]:
-    """Take what recognition compares of a strategy's touches, and say what was left out.
+    """Take a strategy's touches as `whole_sequences` and `classes_of_two` leave them.
 
-    As `whole_sequences` and `classes_of_two` leave out. Raises `RecognitionError` if nothing is
-    left.
+    Raises `RecognitionError` if nothing is left.
     """
     found = sorted(pc.unique(features.column("strategy")).to_pylist())
     if strategy not in found:
@@ -254,12 +244,10 @@ def take_strategy(
 
 
 def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, tuple[str, ...]]:
-    """Leave out the viewpoints that show too little of a slender object for a whole sequence.
+    """Leave out, for all strategies, the viewpoints where one lacks touches of a whole sequence.
 
-    A viewpoint is left out for all strategies where one of them lacks touches, so that strategies
-    are compared on the same. Without a number of touches a whole sequence has as many as the
-    longest. Also gives a sentence for each object with such viewpoints; where none is left out, the
-    table is the same.
+    Without a number of touches a whole sequence has as many as the longest. Also gives a sentence
+    for each object with such viewpoints.
     """
     owner = ["class", "object", "viewpoint"]
     counts = features.group_by([*owner, "strategy"]).aggregate([("touch", "count")])

@@ -23,11 +23,7 @@ POSE_CUES = frozenset({"pose", "embedding"})
 
 @dataclass(frozen=True)
 class KnownTouches:
-    """The touches of known objects.
-
-    `weights` (k,) are what each feature of a touch is multiplied by, `touches` (m, k) the weighted
-    touches, float32, object by object, and `starts` (r,) the place of each object's first touch.
-    """
+    """Touches (m, k) of known objects, each feature times its weight, and each object's first place."""
 
     weights: Floats
     touches: NDArray[np.float32]
@@ -36,13 +32,13 @@ class KnownTouches:
     def nearest(self, touches: Floats) -> float:
         """Give the distance of an object, by all its touches (n, k), from the nearest known one.
 
-        The distance of two sets is the mean distance of a touch from the nearest of the other set,
-        both ways (the symmetric Chamfer distance: H. G. Barrow et al., IJCAI 1977).
+        It is the symmetric Chamfer distance (H. G. Barrow et al., IJCAI 1977): the mean distance of
+        a touch from the nearest of the other set, both ways.
         """
         return self.distances(touches).nearest(...)
 
     def distances(self, touches: Floats) -> TouchDistances:
-        """Give the distances of touches, (..., k), from all known ones, for any choice among them."""
+        """Give the distances of touches (..., k) from all known ones."""
         from sklearn.metrics.pairwise import euclidean_distances
 
         every = touches.reshape(-1, touches.shape[-1])
@@ -54,11 +50,7 @@ class KnownTouches:
 
 @dataclass(frozen=True)
 class TouchDistances:
-    """Distances (..., m), float32, of an object's touches from m known ones, of r objects.
-
-    `there` (..., r) are those from the nearest touch of each known object; `starts` (r,) are as in
-    `KnownTouches`.
-    """
+    """Distances of an object's touches: from m known ones, (..., m), and from r objects, (..., r)."""
 
     found: NDArray[np.float32]
     there: NDArray[np.float32]
@@ -74,10 +66,9 @@ class TouchDistances:
 
 
 def keep_touches(sequences: TouchSequences, cues: Collection[str]) -> KnownTouches:
-    """Keep the touches of training objects.
+    """Keep the touches of training objects; without one of `POSE_CUES` pose counts nothing.
 
-    All features but pose are standardised, and count together as much as a unit normal. `cues` are
-    those of pipeline `best`; without one of `POSE_CUES` pose counts nothing.
+    All features but pose are standardised, and count together as much as a unit normal.
     """
     names, touches = sequences.feature_names, sequences.features
     count = len(names)

@@ -2,17 +2,13 @@
 
 One linear discriminant learns from bags of the training sequences' first touches, of several lengths at
 once. Each length is standardised by itself, as what varies in a long sequence is constant in a short one,
-and has its own temperatures and its own comparison with training objects.
-
-Temperatures are fitted on the same held-out objects that answers are then compared with, not within the
-folds as for whole sequences. A temperature is one number for all objects of a length and a number of
-views, so this favours them little; the coverage that docs/recognition.md states was measured with it.
+and has its own temperatures and its own comparison with training objects. Temperatures are fitted on the
+same held-out objects that answers are then compared with, not within the folds as for whole sequences.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,11 +17,10 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.certainty import (
     Calibration,
-    bag_evidence,
-    classify_bags,
-    gather_calibration,
-    landmarks_of,
-    turn_bags,
+    Described,
+    Fits,
+    calibrate,
+    hold_out,
 )
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters
@@ -34,26 +29,18 @@ from visuohaptic.recognition.pooling import (
     Ballots,
     Combination,
     fit_bag_classifier,
-    hold_out_bags,
+    fit_combination,
 )
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.set_distance import keep_touches
-from visuohaptic.recognition.splits import hold_out_objects
 from visuohaptic.recognition.tuning import Projection, fit_projection
 
 logger = logging.getLogger(__name__)
 
-Described = Mapping[int, Floats]
-"""Descriptors (n, d) of the same sequences by their first touches: so many, float64."""
-
 
 @dataclass(frozen=True)
 class ShortClassifier:
-    """What classifies sequences of one length, c classes.
-
-    `scaling`, `combination` and `calibration` are of this length, `projection` and `bags` of all
-    lengths. `calibration` is None where no class has a second object.
-    """
+    """What classifies sequences of one length; `projection` and `bags` are of all lengths."""
 
     scaling: Standardiser
     projection: Projection
@@ -77,7 +64,9 @@ class ShortClassifier:
 
     def ballots(self, projected: Floats) -> Ballots:
         """Give what is known of n sequences, (n, p), for one answer for any of them together."""
-        return _ballots(self.scores(projected), self.combination)
+        scores = self.scores(projected)
+        # The discriminant answers alone: beside it all classes are as likely.
+        return Ballots(np.full(scores.shape, 1 / self.classes), scores, self.combination)
 
 
 def fit_short_classifiers(
@@ -86,76 +75,42 @@ def fit_short_classifiers(
     best: BestParameters,
     generator: np.random.Generator,
 ) -> dict[int, ShortClassifier]:
-    """Fit a classifier for each length of `described`.
+    """Fit a classifier for each length of `described`, which `sequences` have with all their touches.
 
-    `sequences` are the same training sequences with all their touches; the generator deals the
-    objects over folds. Gives none without bags, or where no covariance can be taken of them.
+    Gives none without bags, or where no covariance can be taken of them.
     """
     if not described or not best.bags:
         return {}
+
+    def fit(known: TouchSequences, parts: Described) -> Fits:
+        fits = _fit(known, parts, best)
+        return {length: (classifier.encode, classifier) for length, classifier in fits.items()}
+
     try:
         found = _fit(sequences, described, best)
-        held_out = _name_held_out(sequences, described, best, generator)
+        held_out = hold_out(sequences, described, fit, best, generator)
     except RecognitionError as error:
         logger.warning("short sequences are classified as if they were whole: %s", error)
         return {}
-    if not held_out.owners:
+    if not held_out:
         return found
     touches = keep_touches(sequences, best.cues)
     for length, classifier in found.items():
-        combination = _combine(sequences, held_out, length, classifier, best)
-        rows = _calibration_rows(sequences, held_out, length, combination, best)
+        own = [one for one in held_out if one.length == length]
+        ballots = [one.ballots for one in own]
+        owners = np.repeat([one.place for one in own], [len(one.probabilities) for one in ballots])
+        combination = fit_combination(
+            np.concatenate([one.probabilities for one in ballots]),
+            np.concatenate([one.scores for one in ballots]),
+            sequences.class_of_object[owners],
+            owners,
+            classifier.combination.known,
+            best,
+        )
+        own = [replace(one, ballots=replace(one.ballots, combination=combination)) for one in own]
         projected = classifier.encode(described[length])
-        marks = landmarks_of(projected, sequences.object_index, touches, best)
-        calibration = gather_calibration(rows, marks, best)
+        calibration = calibrate(sequences, own, projected, touches, best)
         found[length] = replace(classifier, combination=combination, calibration=calibration)
-    return found
-
-
-@dataclass(frozen=True)
-class _HeldOut:
-    """What training objects score without themselves: (s, c) and, by object, (k, e) of each length."""
-
-    owners: list[int]
-    scores: dict[int, Floats]
-    evidence: dict[int, dict[int, Floats]]
-
-
-def _name_held_out(
-    sequences: TouchSequences,
-    described: Described,
-    best: BestParameters,
-    generator: np.random.Generator,
-) -> _HeldOut:
-    """Score every training object without itself; one whose class has no other is left out."""
-    owners = sequences.object_index
-    shape = (len(owners), len(sequences.classes))
-    found = _HeldOut(
-        [], {length: np.zeros(shape) for length in described}, {length: {} for length in described}
-    )
-    for train, objects in hold_out_objects(
-        sequences.labels, owners, best.calibration_folds, generator
-    ):
-        found.owners.extend(objects)
-        known = sequences.take(train)
-        parts = {length: rows[train] for length, rows in described.items()}
-        fits = _fit(known, parts, best)
-        touches = keep_touches(known, best.cues)
-        marks = {
-            length: landmarks_of(fit.encode(parts[length]), known.object_index, touches, best)
-            for length, fit in fits.items()
-        }
-        for place in objects:
-            one = owners == place
-            bags = turn_bags(int(one.sum()), place, best)
-            distances = touches.distances(sequences.features[one])
-            for length, classifier in fits.items():
-                projected = classifier.encode(described[length][one])
-                scores = found.scores[length][one] = classifier.scores(projected)
-                found.evidence[length][place] = bag_evidence(
-                    marks[length], projected, scores, bags, distances, length
-                )
-    found.owners.sort()
     return found
 
 
@@ -181,42 +136,3 @@ def _fit(
         length: ShortClassifier(scaling, projection, bags, classes, alike)
         for length, scaling in scalings.items()
     }
-
-
-def _combine(
-    sequences: TouchSequences,
-    held_out: _HeldOut,
-    length: int,
-    classifier: ShortClassifier,
-    best: BestParameters,
-) -> Combination:
-    """Find the temperatures of one length by the objects that were held out."""
-    kept = np.isin(sequences.object_index, held_out.owners)
-    scores = held_out.scores[length][kept]
-    known = classifier.combination.known
-    owners = sequences.object_index[kept]
-    found = hold_out_bags(scores, sequences.labels[kept], owners, best.bags, known, best.bag_weight)
-    return found.combine(np.full(scores.shape, 1 / len(known)))
-
-
-def _calibration_rows(
-    sequences: TouchSequences,
-    held_out: _HeldOut,
-    length: int,
-    combination: Combination,
-    best: BestParameters,
-) -> list[tuple[int, Floats, Floats]]:
-    """Give what `gather_calibration` takes, of one length."""
-    rows, classes = [], sequences.class_of_object
-    for place in held_out.owners:
-        one = sequences.object_index == place
-        label = int(classes[place])
-        bags = turn_bags(int(one.sum()), place, best)
-        probabilities = classify_bags(_ballots(held_out.scores[length][one], combination), bags)
-        rows.append((label, 1 - probabilities[:, label], held_out.evidence[length][place]))
-    return rows
-
-
-def _ballots(scores: Floats, combination: Combination) -> Ballots:
-    """Let the discriminant answer alone: beside it all classes are as likely."""
-    return Ballots(np.full(scores.shape, 1 / scores.shape[1]), scores, combination)

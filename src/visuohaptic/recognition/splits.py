@@ -29,9 +29,8 @@ def make_splits(
 ) -> list[Split]:
     """Divide the sequences as the protocol says.
 
-    The generator draws the folds, each round anew, and combinations where there are more than are
-    run. Raises `RecognitionError` if there are fewer than two classes, or a class has too few
-    objects or an object too few viewpoints.
+    Raises `RecognitionError` if there are fewer than two classes, or a class has too few objects or
+    an object too few viewpoints.
     """
     check_two_classes(sequences)
     if parameters.protocol == "new_viewpoint":
@@ -59,11 +58,7 @@ def make_splits(
 
 
 def settled_protocol(sizes: Sequence[int], parameters: ProtocolParameters) -> Protocol:
-    """Give the protocol that is run for classes of so many objects; only `auto` depends on these.
-
-    It takes all combinations of one test object a class where these are at most ``maximum_splits``,
-    otherwise grouped folds.
-    """
+    """Give the protocol that is run for classes of so many objects; only `auto` depends on these."""
     if parameters.protocol != "auto":
         return parameters.protocol
     fit = math.prod(sizes) <= parameters.maximum_splits
@@ -90,30 +85,25 @@ def leave_one_out_a_class(
 ) -> list[tuple[int, ...]]:
     """Choose one test object of each class, in all combinations: the test objects of each split.
 
-    Where there are more combinations than `maximum`, distinct ones are drawn: within a class the
-    objects take turns in a shuffled order, so that each is tested as often as any other, or once
-    more. If a combination comes twice so, as where few are left out, `distinct_combinations` draws
-    instead.
+    Of more combinations than `maximum`, distinct ones are drawn, each object of a class as often as
+    any other, or once more.
     """
     if math.prod(len(objects) for objects in members) <= maximum:
         return list(itertools.product(*members))
+    # The objects of a class take turns in a shuffled order; of few left out some may meet twice.
     turns = [_turns(objects, maximum, generator) for objects in members]
     drawn = list(zip(*turns, strict=True))
     if len(set(drawn)) == maximum:
         return drawn
-    return distinct_combinations(members, maximum, generator)
+    return _distinct_combinations(members, maximum, generator)
 
 
-def distinct_combinations(
+def _distinct_combinations(
     members: Sequence[Sequence[int]], count: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Draw distinct combinations of an object of each class, each object as often or once more.
-
-    From a drawn combination all classes go on to their next object together, until that combination
-    would come again: a cycle that has the objects of a class equally often, and shares a
-    combination with another cycle only if it is the same. A part of a cycle has them as often, or
-    once more. `count` is at most the number of combinations.
-    """
+    """Draw distinct combinations of an object of each class, each object as often or once more."""
+    # From a drawn combination all classes go on to their next object together, until it would come
+    # again: a cycle that has the objects of a class equally often, and no combination of another.
     sizes = [len(objects) for objects in members]
     chosen: dict[tuple[int, ...], None] = {}
     while len(chosen) < count:
@@ -132,11 +122,7 @@ def distinct_combinations(
 def grouped_folds(
     members: Sequence[Sequence[int]], folds: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Deal the objects of each class over folds; every object is tested once.
-
-    No more folds are made than the largest class has objects, so a class with fewer objects than
-    folds is missing from some tests, never from training, as each class has at least two.
-    """
+    """Deal the objects of each class over folds, at most as many as the largest class has objects."""
     folds = min(folds, max(len(objects) for objects in members))
     dealt: list[list[int]] = [[] for _ in range(folds)]
     for objects in members:
@@ -150,11 +136,11 @@ def grouped_folds(
 def hold_out_objects(
     labels: Integers, owners: Integers, folds: int, generator: np.random.Generator
 ) -> Iterator[tuple[Flags, list[int]]]:
-    """Deal training objects over folds, each of which is predicted without itself.
+    """Deal objects over folds: which sequences, (n,), the other folds have, and the fold's objects.
 
-    `labels` and `owners` (n,) are classes and objects of the training sequences. Yields which of
-    these the other folds have, (n,), of two classes at least; and the objects of the fold whose
-    class is among those, at least one. There is no fold where no class has a second object.
+    `labels` and `owners` (n,) are the sequences' classes and objects. Those of two classes at least
+    train; the fold's objects are of these, one at least. There is no fold where no class has a
+    second object.
     """
     members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
     if max(len(objects) for objects in members) < 2:

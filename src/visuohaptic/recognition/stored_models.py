@@ -3,35 +3,21 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 from pydantic import BaseModel
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.certainty import Calibration, Landmarks
-from visuohaptic.recognition.classifiers import ClassifierParameters
-from visuohaptic.recognition.descriptors import WaveBasis
-from visuohaptic.recognition.encoding import SequenceEncoder, Standardiser
 from visuohaptic.recognition.gaussian import GaussianClassifier
 from visuohaptic.recognition.maps import FeatureGroups
-from visuohaptic.recognition.model import RecognitionModel, SequenceDescriber
+from visuohaptic.recognition.model import RecognitionModel
 from visuohaptic.recognition.neighbours import NearestNeighbours
-from visuohaptic.recognition.parameters import (
-    BestParameters,
-    RecognitionParameters,
-    SelfOrganisingMapParameters,
-    SequenceParameters,
-)
-from visuohaptic.recognition.pooling import BagClassifier, Combination
 from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
-from visuohaptic.recognition.set_distance import KnownTouches
-from visuohaptic.recognition.short_sequences import ShortClassifier
 from visuohaptic.recognition.support_vectors import SupportVectorMachine
-from visuohaptic.recognition.tuning import Projection, TunedClassifier
 from visuohaptic.whole_files import whole_file
 
 FORMAT = "visuohaptic recognition model 7"
@@ -39,34 +25,28 @@ FORMAT = "visuohaptic recognition model 7"
 LARGEST_BYTES = 2**30
 """A model file that unpacks to more is refused; one of 142 objects has some megabytes."""
 
-_PARTS: Mapping[str, Any] = {
-    part.__name__: part
-    for part in (
-        BagClassifier,
-        BestParameters,
-        Calibration,
-        ClassifierParameters,
-        Combination,
-        FeatureGroups,
-        GaussianClassifier,
-        KnownTouches,
-        Landmarks,
-        NearestNeighbours,
-        Projection,
-        RecognitionModel,
-        RecognitionParameters,
-        SelfOrganisingMap,
-        SelfOrganisingMapParameters,
-        SequenceDescriber,
-        SequenceEncoder,
-        SequenceParameters,
-        ShortClassifier,
-        Standardiser,
-        SupportVectorMachine,
-        TunedClassifier,
-        WaveBasis,
-    )
-}
+
+def _kinds(*kinds: type) -> Iterator[type]:
+    """Give classes, and those of parameters and parts that they hold by their annotations."""
+    for kind in kinds:
+        yield kind
+        for hint in get_type_hints(kind).values():
+            yield from _kinds(*filter(_is_part, (hint, *get_args(hint))))
+
+
+def _is_part(hint: object) -> bool:
+    return isinstance(hint, type) and (is_dataclass(hint) or issubclass(hint, BaseModel))
+
+
+_FITTED = (
+    FeatureGroups,
+    GaussianClassifier,
+    NearestNeighbours,
+    SelfOrganisingMap,
+    SupportVectorMachine,
+)
+_PARTS: Mapping[str, Any] = {kind.__name__: kind for kind in (*_kinds(RecognitionModel), *_FITTED)}
+"""All that a file may hold beside built-in types, and NumPy's and scikit-learn's."""
 
 
 def save_model(model: RecognitionModel, path: str | Path) -> None:

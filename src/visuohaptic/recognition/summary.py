@@ -45,10 +45,7 @@ METHOD = {
 
 @dataclass(frozen=True)
 class Confusion:
-    """How often sequences of each of c classes, sorted, were predicted as each class.
-
-    `counts` (c, c) has the true class by row, the predicted one by column.
-    """
+    """How often sequences of each of c classes (row) were predicted as each (column)."""
 
     classes: tuple[str, ...]
     counts: Integers
@@ -74,14 +71,10 @@ def summarise(
 ) -> dict[str, Any]:
     """Give every headline figure of recognition, in types that JSON has.
 
-    Scores and predictions are of any pipelines and strategies. ``method`` says what each figure
-    means. ``results[pipeline][strategy][classifier]`` has ``accuracy``, ``object_accuracy``,
-    ``balanced_accuracy`` and each of ``class_accuracy`` with ``mean``, ``low``, ``high``;
-    ``by_object``, each object's accuracy and its weight in the mean; ``splits``, ``repeats``,
-    ``objects``, ``sequences``, ``notes``. ``comparisons[pipeline][classifier][other strategy]`` has
-    fixation minus the other: ``difference``, ``p_value``, ``objects``, ``exact``. An end of an
-    interval that does not exist is None. Without parameters resampling takes the defaults; its seed
-    is the experiment's. Raises `RecognitionError` if scores and predictions are not of the same
+    ``method`` says what each figure in ``results[pipeline][strategy][classifier]`` means; an interval
+    has ``mean``, ``low`` and ``high``, an end that does not exist is None.
+    ``comparisons[pipeline][classifier][other strategy]`` has fixation minus the other. The seed is
+    the experiment's. Raises `RecognitionError` if scores and predictions are not of the same
     experiment.
     """
     parameters = parameters or IntervalParameters()
@@ -107,13 +100,8 @@ def summarise(
 
 
 def confusion(predictions: pa.Table) -> Confusion:
-    """Count how sequences were classified, over all splits and repeats in the table.
-
-    `tables.PREDICTIONS` is filtered before to the pipeline, strategy and classifier of interest
-    (see `select`).
-    """
-    true = _texts(predictions, "class")
-    predicted = _texts(predictions, "predicted")
+    """Count how sequences were classified, in rows of `tables.PREDICTIONS` that `select` chose."""
+    true, predicted = _texts(predictions, "class"), _texts(predictions, "predicted")
     classes, places = np.unique(np.concatenate([true, predicted]), return_inverse=True)
     counts = np.zeros((len(classes), len(classes)), dtype=np.int64)
     np.add.at(counts, (places[: len(true)], places[len(true) :]), 1)
@@ -198,20 +186,23 @@ def _summarise_cell(
     parameters: IntervalParameters,
     seed: int,
 ) -> dict[str, Any]:
-    pipeline, strategy, classifier = key
     generator = spawn_generator(seed, "intervals", *key)
-    rows = select(scores, pipeline=pipeline, strategy=strategy, classifier=classifier)
+    rows = select(scores, **dict(zip(_CELL, key, strict=True)))
+    names = np.array([name for name, _ in figures.objects])
+
+    def rate(values: Floats, weights: Floats) -> dict[str, float | None]:
+        return plain_interval(rate_interval(values, weights, parameters, generator))
+
     return {
-        "accuracy": plain_interval(
-            rate_interval(figures.accuracy, figures.weights, parameters, generator)
-        ),
-        "object_accuracy": plain_interval(
-            rate_interval(figures.vote, figures.vote_weights, parameters, generator)
-        ),
+        "accuracy": rate(figures.accuracy, figures.weights),
+        "object_accuracy": rate(figures.vote, figures.vote_weights),
         "balanced_accuracy": plain_interval(
             balanced_interval(figures.accuracy, figures.classes, parameters, generator)
         ),
-        "class_accuracy": _class_accuracy(figures, parameters, generator),
+        "class_accuracy": {
+            name: rate(figures.accuracy[names == name], np.ones(np.sum(names == name)))
+            for name in np.unique(names).tolist()
+        },
         "by_object": {
             "/".join(name): [float(accuracy), float(weight)]
             for name, accuracy, weight in zip(
@@ -223,19 +214,6 @@ def _summarise_cell(
         "objects": len(figures.objects),
         "notes": sorted(set(filter(None, rows.column("note").to_pylist()))),
     }
-
-
-def _class_accuracy(
-    figures: _ObjectFigures, parameters: IntervalParameters, generator: np.random.Generator
-) -> dict[str, Any]:
-    accuracy = {}
-    for name in sorted({name for name, _ in figures.objects}):
-        of_class = np.array([owner == name for owner, _ in figures.objects])
-        values = figures.accuracy[of_class]
-        accuracy[name] = plain_interval(
-            rate_interval(values, np.ones(len(values)), parameters, generator)
-        )
-    return accuracy
 
 
 def _compare_strategies(

@@ -43,11 +43,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self.random_state = random_state
 
     def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
-        """Train on rows (n, d) of classes (n,); without groups (n,) each row is an object of its own.
-
-        Raises `ValueError` if rows, classes or groups are not usable, and `RecognitionError` if no
-        row differs from another.
-        """
+        """Train on rows (n, d) of classes (n,); without groups (n,) each row is an object of its own."""
         rows, y = validate_data(self, X, y, dtype=np.float64)
         check_classification_targets(y)
         self.classes_, labels = np.unique(y, return_inverse=True)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import logging
-from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,24 +22,21 @@ from visuohaptic.recognition.classifiers import (
     fit_each,
 )
 from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
+from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import (
     LEAST_SCORE,
     BagClassifier,
     Ballots,
     Combination,
-    HeldOutBags,
     best_temperature,
     fit_bag_classifier,
-    hold_out_bags,
+    fit_combination,
     softmax,
 )
 from visuohaptic.recognition.splits import hold_out_objects
 
 logger = logging.getLogger(__name__)
-
-REMEMBERED_SEQUENCES = 20_000
-"""Training sequences of inner folds whose fits are kept: some 100 MB."""
 
 
 @dataclass(frozen=True)
@@ -59,9 +55,9 @@ class Projection:
 class TunedClassifier:
     """A classifier, fitted on all training sequences, that gives probabilities of c classes.
 
-    Its scores are divided by `temperature` before they become probabilities; a class that training
-    lacked has probability 0. `setting` says what was chosen, such as ``svm_penalty 10``. Where
-    `bags`, a classifier of bags, answers beside it, `combination` says how both answers become one.
+    Its scores are divided by `temperature` before they become probabilities. `setting` says what
+    was chosen, such as ``svm_penalty 10``. Where `bags`, a classifier of bags, answers beside it,
+    `combination` says how both answers become one.
     """
 
     estimator: Any
@@ -78,7 +74,7 @@ class TunedClassifier:
         return self.estimator.classes_
 
     def scores(self, projected: Floats) -> Floats:
-        """Give the classifier's scores, (n, p) to (n, c); it takes the first columns."""
+        """Give the classifier's scores, (n, p) to (n, c)."""
         seen = projected[:, : self.estimator.n_features_in_]
         return class_scores(self.estimator, seen, self.classes)
 
@@ -92,11 +88,10 @@ class TunedClassifier:
 
 @dataclass(frozen=True)
 class FoldFits:
-    """What was fitted on training sequences, and is the same for all classifiers.
+    """What was fitted on training sequences: `train` (n, q), projected, of classes `labels` (n,).
 
-    They are `train` (n, q), projected, of classes `labels` (n,). The projection has as many
-    components as `bags` sees, the classifier of bags; the others see the first of them. Fitted
-    classifiers are by name and settings.
+    The projection has as many components as `bags` sees, the classifier of bags; the others see the
+    first of them.
     """
 
     projection: Projection
@@ -110,10 +105,7 @@ class FoldFits:
 
 @dataclass(frozen=True)
 class InnerFold:
-    """Fits on training sequences without some objects, and these objects' projected sequences.
-
-    `projected` has the shape (m, p) and holds `held_out`, (m, q), as its first columns.
-    """
+    """Fits on training sequences without some objects, and these objects' sequences, (m, p)."""
 
     fits: FoldFits
     projected: Floats
@@ -126,41 +118,8 @@ class InnerFold:
         return self.projected[:, : self.fits.train.shape[1]]
 
 
-class FitMemory:
-    """Fits by a hash of their training data, so that none is made twice.
-
-    With three objects a class, most inner folds of the 81 splits train on the same objects as an
-    inner fold of another split. The key is the training data itself, so a fit can't be confused
-    with another. So many training sequences are remembered at once, over all folds; the oldest go
-    first.
-    """
-
-    def __init__(self, sequences: int = REMEMBERED_SEQUENCES) -> None:
-        self._most = sequences
-        self._held: OrderedDict[bytes, FoldFits] = OrderedDict()
-
-    def fits(
-        self, descriptors: Floats, labels: Integers, owners: Integers, parameters: BestParameters
-    ) -> FoldFits:
-        """Give the fits on sequences, (n, d), (n,) and (n,); a projection is fitted where new."""
-        settings = (parameters.components, parameters.bags, parameters.bag_components)
-        key = _digest(descriptors, labels, owners, settings)
-        if key not in self._held:
-            self._held[key] = fit_shared(descriptors, labels, owners, parameters)
-            while len(self._held) > 1 and self._remembered() > self._most:
-                self._held.popitem(last=False)
-        self._held.move_to_end(key)
-        return self._held[key]
-
-    def _remembered(self) -> int:
-        return sum(len(fits.labels) for fits in self._held.values())
-
-
 def fit_projection(descriptors: Floats, components: int) -> Projection:
-    """Fit scaling and principal components of training descriptors (n, d), float64.
-
-    There are at most `components`; directions without variance are left out.
-    """
+    """Fit scaling and at most so many principal components of training descriptors (n, d)."""
     scaling = fit_standardiser(descriptors, "standardise")
     spread, directions = _principal_directions(scaling.apply(descriptors))
     rank = max(int(np.sum(spread > 1e-7 * max(spread[0], 1e-300))), 1)
@@ -200,7 +159,7 @@ def _principal_directions(rows: Floats) -> tuple[Floats, Floats]:
 
 
 def _directions_of_few(rows: Floats) -> tuple[Floats, Floats]:
-    """Give the same of fewer rows than columns: by the Gram matrix, where rounding can't be taken for spread."""
+    # By the Gram matrix, where rounding can't be taken for spread.
     squares, vectors = np.linalg.eigh(rows @ rows.T)
     spread = np.sqrt(np.maximum(squares[::-1], 0))
     clear = spread > 1e-4 * spread[0]
@@ -221,17 +180,20 @@ def make_inner_folds(
     generator: np.random.Generator,
     memory: FitMemory | None = None,
 ) -> list[InnerFold]:
-    """Hold out folds of whole training objects, each with a projection of the others.
+    """Hold out folds of whole training objects, as `hold_out_objects` does.
 
-    There is none where every class has a single training object. A held-out sequence whose class
-    the fold's training lacks is left out. `descriptors` are (n, d), `labels` and `owners` (n,)
-    class and object of each. `memory` holds fits of other splits of the same run; it changes no
-    number.
+    `descriptors` are (n, d), `labels` and `owners` (n,) class and object of each. `memory` holds
+    fits of other splits and changes no number.
     """
-    memory = memory or FitMemory()
+    memory = memory or FitMemory(REMEMBERED_SEQUENCES)
+    settings = (parameters.components, parameters.bags, parameters.bag_components)
     folds = []
     for train, objects in hold_out_objects(labels, owners, parameters.inner_folds, generator):
-        fits = memory.fits(descriptors[train], labels[train], owners[train], parameters)
+        learnt = (descriptors[train], labels[train], owners[train])
+        # With three objects a class, most inner folds of the 81 splits are those of another split.
+        fits = memory.recall(
+            (*learnt, settings), partial(fit_shared, *learnt, parameters), len(learnt[1])
+        )
         tested = np.isin(owners, objects)
         projected = fits.projection.apply(descriptors[tested])
         folds.append(InnerFold(fits, projected, labels[tested], owners[tested]))
@@ -240,38 +202,43 @@ def make_inner_folds(
 
 def fit_tuned_classifier(
     name: ClassifierName,
-    parameters: ClassifierParameters,
+    parameters: RecognitionParameters,
     fits: FoldFits,
     folds: Sequence[InnerFold],
     classes: int,
     generator: np.random.Generator,
-    held_out: HeldOutBags | None = None,
 ) -> tuple[TunedClassifier, str | None]:
     """Choose a classifier's setting and temperature by the inner folds, then fit it.
 
     Also gives a note on what it needed. The setting with the least log loss over the held-out
     sequences wins, each at its own best temperature (C. Guo et al., "On calibration of modern
-    neural networks", ICML 2017); the simpler one where two are equal, or where there is no inner
-    fold. `parameters` hold what the grid does not vary; `classes` counts also those that training
-    lacks. `fits` are those on all training sequences, whose classifier of bags answers beside this
-    one, and `held_out` its answers of the inner folds.
+    neural networks", ICML 2017); the simplest where there is no inner fold. `fits` are those on all
+    training sequences; `classes` counts also those that training lacks.
     """
-    parameters = parameters.model_copy(
+    fixed = parameters.classifier.model_copy(
         update={"discriminant_target": "mean_variance", "discriminant_regularisation": "always"}
     )
+    labels = [fold.held_out_labels for fold in folds]
     trials = []
     for setting in _settings(name):
-        tried = parameters.model_copy(update=setting)
-        scores, labels = _held_out_scores(name, tried, folds, classes, generator)
-        loss, temperature = best_temperature(scores, labels) if folds else (0.0, 1.0)
+        tried = fixed.model_copy(update=setting)
+        found = [
+            class_scores(_fit_in_fold(name, tried, fold.fits, generator), fold.held_out, classes)
+            for fold in folds
+        ]
+        scores = np.concatenate([np.zeros((0, classes)), *found])
+        loss, temperature = (0.0, 1.0)
+        if folds:
+            loss, temperature = best_temperature(scores, np.concatenate(labels))
         trials.append((loss, temperature, setting, scores))
     _, temperature, setting, scores = min(trials, key=lambda trial: trial[0])
-    chosen = parameters.model_copy(update=setting)
+    chosen = fixed.model_copy(update=setting)
     fitted, note = fit_classifier(name, chosen, fits.train, fits.labels, generator)
     words = ", ".join(f"{key} {value}" for key, value in setting.items())
     combination = None
-    if held_out is not None:
-        combination = held_out.combine(softmax(scores / temperature))
+    if fits.bags is not None:
+        known = np.isin(np.arange(classes), fits.labels)
+        combination = _combine(softmax(scores / temperature), folds, known, parameters.best)
     return TunedClassifier(
         fitted, chosen, temperature, classes, words, fits.bags, combination
     ), note
@@ -288,11 +255,10 @@ def fit_best_classifiers(
 ) -> tuple[Projection, list[tuple[ClassifierName, TunedClassifier, str | None]]]:
     """Fit the projection and every classifier of pipeline `best`.
 
-    `descriptors` (n, d) are those of the training sequences, and no others; `labels` and `owners`
-    (n,) are their classes and objects; `classes` counts also those that training lacks. `memory`
-    holds fits of other splits of the same run; it changes no number. Gives each classifier's name,
-    its fit, and what it needed; without those that can't be fitted. Raises `RecognitionError` if no
-    descriptor varies over the training sequences, or no classifier can be fitted.
+    `descriptors` (n, d), `labels` and `owners` (n,) are of the training sequences; `classes` counts
+    also those that training lacks. `memory` holds fits of other splits and changes no number. Gives
+    the name, the fit and the note of each classifier that can be fitted. Raises `RecognitionError`
+    if there is none, or no descriptor varies.
     """
     if not np.ptp(descriptors, axis=0).any():
         raise RecognitionError(
@@ -301,23 +267,15 @@ def fit_best_classifiers(
         )
     folds = make_inner_folds(descriptors, labels, owners, parameters.best, generator, memory)
     fits = fit_shared(descriptors, labels, owners, parameters.best)
-    known = np.isin(np.arange(classes), labels)
-    held_out = None if fits.bags is None else _hold_out_bags(folds, parameters.best, known)
     found = fit_each(
         parameters.best.classifiers,
-        lambda name: fit_tuned_classifier(
-            name, parameters.classifier, fits, folds, classes, generator, held_out
-        ),
+        lambda name: fit_tuned_classifier(name, parameters, fits, folds, classes, generator),
     )
     return fits.projection, [(name, fitted, note) for name, (fitted, note) in found]
 
 
 def class_scores(estimator: Any, projected: Floats, classes: int) -> Floats:
-    """Give a score a class, (n, q) to (n, c): log probabilities, or what a support vector machine has.
-
-    `estimator` was fitted on int labels below `classes`; a class that it was not trained with has
-    `LEAST_SCORE`. All are finite.
-    """
+    """Give a finite score a class, (n, q) to (n, c), `LEAST_SCORE` to one that training lacked."""
     if hasattr(estimator, "predict_log_proba"):
         with np.errstate(divide="ignore"):  # a tree's leaf may hold a single class
             found = np.maximum(estimator.predict_log_proba(projected), LEAST_SCORE)
@@ -332,40 +290,20 @@ def class_scores(estimator: Any, projected: Floats, classes: int) -> Floats:
     return scores
 
 
-def _held_out_scores(
-    name: ClassifierName,
-    parameters: ClassifierParameters,
-    folds: Sequence[InnerFold],
-    classes: int,
-    generator: np.random.Generator,
-) -> tuple[Floats, Integers]:
-    """Give the scores (m, c) and classes (m,) of all held-out sequences."""
-    scores = [np.zeros((0, classes))]
-    labels = [np.zeros(0, dtype=np.int64)]
-    for fold in folds:
-        fitted = _fit_in_fold(name, parameters, fold.fits, generator)
-        scores.append(class_scores(fitted, fold.held_out, classes))
-        labels.append(fold.held_out_labels)
-    return np.concatenate(scores), np.concatenate(labels)
-
-
-def _hold_out_bags(folds: Sequence[InnerFold], best: BestParameters, known: Flags) -> HeldOutBags:
-    """Score the held-out sequences of all folds, or none where a fold lacks a classifier of bags."""
+def _combine(
+    probabilities: Floats, folds: Sequence[InnerFold], known: Flags, best: BestParameters
+) -> Combination:
+    """Combine with the folds' classifiers of bags; where one is missing, without held-out sequences."""
     scored = [(fold, fold.fits.bags) for fold in folds if fold.fits.bags is not None]
-    scores = [np.zeros((0, len(known)))]
-    labels, owners = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
-    if len(scored) == len(folds):
-        for fold, bags in scored:
-            scores.append(bags.scores(fold.projected, len(known)))
-            labels.append(fold.held_out_labels)
-            owners.append(fold.held_out_owners)
-    return hold_out_bags(
-        np.concatenate(scores),
-        np.concatenate(labels),
-        np.concatenate(owners),
-        best.bags,
+    if not scored or len(scored) < len(folds):
+        return Combination((1.0, 1.0 / best.bag_weight), np.ones(1), np.ones(1), known)
+    return fit_combination(
+        probabilities,
+        np.concatenate([bags.scores(fold.projected, len(known)) for fold, bags in scored]),
+        np.concatenate([fold.held_out_labels for fold in folds]),
+        np.concatenate([fold.held_out_owners for fold in folds]),
         known,
-        best.bag_weight,
+        best,
     )
 
 
@@ -383,15 +321,6 @@ def _fit_in_fold(
     if CLASSIFIERS[name].deterministic:
         fits.classifiers[name, parameters] = fitted
     return fitted
-
-
-def _digest(
-    descriptors: Floats, labels: Integers, owners: Integers, settings: tuple[Any, ...]
-) -> bytes:
-    content = hashlib.blake2b(repr((descriptors.shape, settings)).encode())
-    for array in (descriptors, labels, owners):
-        content.update(np.ascontiguousarray(array).tobytes())
-    return content.digest()
 
 
 def _settings(name: ClassifierName) -> Iterator[dict[str, Any]]:

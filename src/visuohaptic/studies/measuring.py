@@ -21,8 +21,8 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of
 from visuohaptic.one_phase import SCHEMAS, objects_of
 from visuohaptic.pipeline import run
-from visuohaptic.recognition.encoding import ReductionMemory
 from visuohaptic.recognition.experiment import answer_splits, gather_pipeline, split_runner
+from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.pooling import Ballots, spread_choices
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.studies.conditions import Planned, Recomputation, touches_needed
@@ -77,7 +77,7 @@ class Memory:
     """The latest predictions, and maps of the paper's pipeline, so that what conditions share is trained once."""
 
     def __init__(self) -> None:
-        self.maps = ReductionMemory()
+        self.maps = FitMemory(1000)
         self._predictions: dict[Hashable, Predictions] = {}
 
     def recall(self, key: Hashable, predict: Callable[[], Predictions]) -> Predictions:
@@ -184,7 +184,7 @@ def _predict_condition(
     strategy: str,
     pipeline: str,
     seed: int,
-    maps: ReductionMemory,
+    maps: FitMemory,
 ) -> Predictions:
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)

@@ -2,7 +2,7 @@
 
 import pyarrow as pa
 import pytest
-from recognition.synthetic import features_table
+from recognition.synthetic import PAPER_FEATURES, features_table
 from studies.surfaces import RUN, small_surfaces, write_sources
 
 from visuohaptic.parameters import ExperimentParameters
@@ -60,7 +60,7 @@ def test_each_condition_learns_its_number_of_touches_in_the_pipelines_columns(mo
 
     monkeypatch.setattr(adaptive, "split_runner", run)
     cells("paper", [1, 3])
-    assert seen == {(1, experiment.PAPER_FEATURES), (3, experiment.PAPER_FEATURES)}
+    assert seen == {(1, PAPER_FEATURES), (3, PAPER_FEATURES)}
 
 
 def test_a_longer_curve_begins_as_a_shorter_one():

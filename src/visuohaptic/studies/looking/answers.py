@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import fit_classifier
 from visuohaptic.recognition.experiment import fitting
+from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
 from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature, softmax
-from visuohaptic.recognition.tuning import FitMemory, fit_best_classifiers, make_inner_folds
+from visuohaptic.recognition.tuning import fit_best_classifiers, make_inner_folds
 from visuohaptic.seeds import spawn_generator
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def answer_trials(
     calibrated as the pipeline does, within the training objects; raises `RecognitionError` if none
     of these can be held out.
     """
-    memory = FitMemory()
+    memory = FitMemory(REMEMBERED_SEQUENCES)
     with fitting():
         return [
             _answer_trial(trial, own, sequences, parameters, seed, memory)
