@@ -10,8 +10,7 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
-from operator import itemgetter
+from itertools import accumulate, groupby, pairwise
 from typing import Any
 
 from pydantic import BaseModel
@@ -128,20 +127,21 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
     step = conditions_per_job or _conditions_a_block(plan)
 
     # Conditions that differ in the vote alone are trained once, by one job.
-    trained: dict[tuple[str, str], list[Planned]] = {}
-    for one in plan.conditions:
-        trained.setdefault((one.key or "", one.parameters.model_dump_json()), []).append(one)
-    blocks: list[list[Planned]] = [[]]
-    for _, alike in sorted(trained.items(), key=itemgetter(0)):
-        if len(blocks[-1]) >= step:
+    blocks: list[list[Planned]] = []
+    for _, alike in groupby(sorted(plan.conditions, key=trained_alike), key=trained_alike):
+        if not blocks or len(blocks[-1]) >= step:
             blocks.append([])
         blocks[-1] += alike
-    blocks = [block for block in blocks if block]
     ends = [0, *accumulate(map(len, blocks))]
     return {
         f"{start:04d}-{end - 1:04d}": block
-        for start, end, block in zip(ends, ends[1:], blocks, strict=False)
+        for (start, end), block in zip(pairwise(ends), blocks, strict=True)
     }
+
+
+def trained_alike(planned: Planned) -> tuple[str, str]:
+    """Give what conditions have in common of which one training serves all: features and parameters."""
+    return planned.key or "", planned.parameters.model_dump_json()
 
 
 def _conditions_a_block(plan: Plan) -> int:

@@ -8,7 +8,7 @@ from studies.surfaces import RUN, small_surfaces, write_sources
 from visuohaptic.studies.conditions import describe_conditions, plan_study
 from visuohaptic.studies.cost import seconds, settings
 from visuohaptic.studies.cost.front import make_cost, read_costs
-from visuohaptic.studies.files import make_study_block, make_study_features
+from visuohaptic.studies.measuring import make_study_block, make_study_features
 from visuohaptic.studies.study import Given
 
 

@@ -26,8 +26,7 @@ from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.studies.conditions import Planned, plan_study
 from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER, Setting, make_settings
-from visuohaptic.studies.files import features_by_key
-from visuohaptic.studies.measuring import REFUSALS, condition_features
+from visuohaptic.studies.measuring import REFUSALS, condition_features, features_by_key
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import COST_SECONDS
@@ -101,8 +100,6 @@ def fit_setting(
     setting: Setting, planned: Planned, features: pa.Table | str, seed: int
 ) -> RecognitionModel | None:
     """Train a model that answers as quickly as a setting's own; None where that is refused."""
-    if isinstance(features, str):
-        return None
     # The time of an answer follows from sizes: of the descriptors, the projection and the classifier,
     # and of the training that new objects are compared with. Neither the number of folds that
     # calibrate the answer nor classifiers of shorter sequences change one.
